@@ -1,0 +1,86 @@
+#include "core/ccdt/border.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ccdt {
+
+namespace {
+
+/// How many site spacings long the edge ab is, up to each of as many equal steps along it as it crosses cells [steps +
+/// 1].
+std::vector<double> spacings_along(Point a, Point b, const Capacity& capacity, double sites_per_capacity) {
+    const int samples = capacity.cells_along(a, b);
+    const double step = std::sqrt(dot(b - a, b - a)) / samples;
+    std::vector<double> sums{0};
+    for (int i = 0; i < samples; ++i) {
+        const double density = sites_per_capacity * capacity.at(a + ((i + 0.5) / samples) * (b - a));
+        sums.push_back(sums.back() + (density > 0 ? step / hexagonal_spacing(density) : 0));
+    }
+    return sums;
+}
+
+double length_in_spacings(const Domain& domain, const Capacity& capacity, double sites_per_capacity) {
+    double length = 0;
+    for (const Ring& ring : domain.rings()) {
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+            length += spacings_along(ring[i], ring[(i + 1) % ring.size()], capacity, sites_per_capacity).back();
+        }
+    }
+    return length;
+}
+
+}  // namespace
+
+double hexagonal_spacing(double density) {
+    return std::sqrt(2 / (std::sqrt(3.0) * density));
+}
+
+Border make_border(const Domain& domain, const Capacity& capacity, std::size_t sites) {
+    const double sites_per_capacity = static_cast<double>(sites) / capacity.total();
+    // Along a domain thinner than the spacing of its sites, fewer do.
+    const double most = 4.0 * static_cast<double>(sites) + 64;
+    const double wanted = length_in_spacings(domain, capacity, sites_per_capacity);
+    const double thinning = std::min(1.0, most / wanted);
+    Border border;
+    for (const Ring& ring : domain.rings()) {
+        std::vector<Point>& loop = border.loops.emplace_back();
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+            const Point a = ring[i], b = ring[(i + 1) % ring.size()];
+            loop.push_back(a);
+            border.corner.push_back(true);
+            const auto sums = spacings_along(a, b, capacity, sites_per_capacity);
+            const auto count = std::lround(thinning * sums.back());
+            const auto samples = static_cast<double>(sums.size() - 1);
+            std::size_t k = 0;
+            for (long j = 1; j < count; ++j) {
+                const double level = sums.back() * static_cast<double>(j) / static_cast<double>(count);
+                while (sums[k + 1] < level) ++k;
+                const double at = (static_cast<double>(k) + (level - sums[k]) / (sums[k + 1] - sums[k])) / samples;
+                const Point p = a + at * (b - a);
+                if (p == loop.back() || p == b) continue;
+                loop.push_back(p);
+                border.corner.push_back(false);
+            }
+        }
+    }
+    return border;
+}
+
+Border bare_border(const Domain& domain) {
+    return {domain.rings(), std::vector<bool>(domain.corner_count(), true)};
+}
+
+tl::expected<ConstrainedDelaunay, SegmentConflict> triangulate(const Border& border) {
+    std::vector<Point> points;
+    std::vector<Segment> segments;
+    for (const auto& loop : border.loops) {
+        const auto first = static_cast<std::uint32_t>(points.size());
+        const auto size = static_cast<std::uint32_t>(loop.size());
+        for (std::uint32_t i = 0; i < size; ++i) segments.push_back({first + i, first + (i + 1) % size});
+        points.insert(points.end(), loop.begin(), loop.end());
+    }
+    return constrained_delaunay(points, segments);
+}
+
+}  // namespace ccdt

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "core/ccdt/capacity.h"
+#include "core/geometry/delaunay.h"
+#include "core/geometry/domain.h"
+#include "core/geometry/point.h"
+
+namespace ccdt {
+
+/// Distance of neighbours when `density` sites per unit area stand in a hexagonal grid.
+double hexagonal_spacing(double density);
+
+/// Closed chains of vertices on the border. Scaffolding for the triangulation, no part of the result.
+struct Border {
+    std::vector<std::vector<Point>> loops;  ///< outer rings counter-clockwise, holes clockwise
+    std::vector<bool> corner;               ///< [vertices of all loops in turn]: a corner of the domain
+};
+
+/// The domain's corners and, between them, vertices about as far apart as sites are there; but no more than a few for
+/// every site.
+Border make_border(const Domain& domain, const Capacity& capacity, std::size_t sites);
+
+/// The domain's corners alone.
+Border bare_border(const Domain& domain);
+
+/// Constrained Delaunay triangulation of a border, without sites.
+/// Fails where vertices set on edges round off them, and the edges, almost touching, cross; never for a bare border.
+tl::expected<ConstrainedDelaunay, SegmentConflict> triangulate(const Border& border);
+
+}  // namespace ccdt

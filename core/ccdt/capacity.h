@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/density/density.h"
+#include "core/geometry/domain.h"
+#include "core/mesh/triangulation.h"
+
+namespace ccdt {
+
+/// Integrates a density over triangles of a domain, exactly: it is constant on its cells, so by Green's theorem a
+/// triangle's capacity is the integral of F dy along its edges, F(x, y) the density's sum in the row up to x, and F
+/// is linear within a cell. Capacities of all triangles add up to the domain's to rounding.
+class Capacity {
+public:
+    /// Both must outlive this.
+    Capacity(const Domain& domain, const Density& density);
+
+    bool is_uniform() const { return density_.is_uniform(); }
+
+    /// Of the whole domain; in units of the unit frame's area if uniform, else of one cell with density 1.
+    /// Exactly 0 if it cannot be told from 0.
+    double total() const { return total_; }
+
+    /// Capacity of each triangle [triangles]. O(half-edges), and their length in cells.
+    void of_triangles(const Triangulation& mesh, std::vector<double>& capacities) const;
+
+    /// Density at a point of the unit frame, in units of capacity per area of the unit frame.
+    double at(Point p) const;
+
+    /// Largest capacity per area of the unit frame.
+    double densest() const { return is_uniform() ? 1 : density_.largest() * to_grid_.x * to_grid_.y; }
+
+    /// How many cells a segment crosses, about; at least 1, and 1 if uniform.
+    int cells_along(Point a, Point b) const;
+
+private:
+    double along(Point a, Point b) const;
+    Point to_grid(Point p) const { return {p.x * to_grid_.x, p.y * to_grid_.y}; }
+
+    const Density& density_;
+    Point to_grid_{1, 1};  ///< cells per unit
+    double total_ = 0;
+};
+
+}  // namespace ccdt

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "core/density/density.h"
+#include "core/geometry/domain.h"
+#include "core/geometry/point.h"
+#include "core/result.h"
+
+namespace ccdt {
+
+/// How the first sites are drawn.
+enum class Start {
+    Stratified,  ///< a few at random in each of many cells of equal capacity
+    Random,      ///< independently by the density, as in the paper
+};
+
+struct Options {
+    std::size_t sites = 0;            ///< >= 1
+    std::uint64_t seed = 0;           ///< [0, 2^53)
+    int iterations = 5;               ///< triangulation phases, 0 to 1000; 0 returns the start
+    int passes = 5;                   ///< geometry passes per iteration, 1 to 100
+    std::optional<double> tolerance;  ///< > 0; ends the run once the capacity variation is below it
+    Start start = Start::Stratified;
+    bool keep_mesh = false;  ///< fill Distribution::mesh
+};
+
+struct Progress {
+    int iteration = 0;     ///< iterations done
+    int iterations = 0;    ///< iterations asked for
+    double variation = 0;  ///< capacity variation now
+};
+
+/// What the caller keeps in hand while core computes.
+struct Control {
+    std::stop_token stop;                           ///< asked at least once per pass
+    std::function<void(const Progress&)> progress;  ///< called after the start and after each iteration; may be empty
+};
+
+/// The triangulation behind a distribution, in the caller's coordinates.
+struct TriangleMesh {
+    std::vector<Point> vertices;                          ///< the sites, then vertices on the border
+    std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise
+    std::vector<std::vector<std::uint32_t>> boundary;     ///< closed loops of vertices, the domain on their left
+};
+
+struct Distribution {
+    std::vector<Point> points;  ///< [sites], strictly inside the domain, in its coordinates
+    int iterations = 0;         ///< done
+    std::vector<double> trace;  ///< capacity variation after each iteration [iterations + 1]; [0] is the start's
+    bool stopped = false;       ///< ended early by the stop token
+    std::optional<TriangleMesh> mesh;
+
+    double variation() const { return trace.back(); }
+};
+
+/// Distributes sites so that all triangles of their Delaunay triangulation hold nearly the same capacity.
+///
+/// @param density  stretched over the domain's bounding box; zero outside the domain
+/// @param control  a stop returns the sites as they stand, is no error; stopped during the start: Error Stopped
+/// Errors: Malformed for an option out of range; Unusable if the density is zero all over the domain.
+/// Same input, same bytes, on any number of threads (it uses one). O(n) per pass.
+/// Source: Xu, Liu, Gotsman, Gortler 2011, section 3.
+Result<Distribution> distribute(const Domain& domain, const Density& density, const Options& options,
+                                const Control& control = {});
+
+}  // namespace ccdt

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "core/ccdt/capacity.h"
+#include "core/ccdt/relaxation.h"
+#include "core/mesh/triangulation.h"
+
+namespace ccdt {
+
+/// What every triangle's doubled area counts for and shall come to.
+///
+/// A triangle between three sites aims at the capacity of half a site. Along the border the first row of sites
+/// belongs half a row away from it, and so a triangle on an edge of the border aims at what the strip of half a row's
+/// height over that edge leaves it: half the strip, the other half going to the triangles that touch the border
+/// with one corner. The edge counts with its length, so that short edges of a coastline claim no more than their
+/// share. Measured: a twentieth more than half keeps the number of sites near the border closest to their share.
+///
+/// @param capacity    of the mesh's domain
+/// @param capacities  [triangles]
+/// @param goals       out [triangles]
+/// @returns  the capacity variation: standard deviation over mean of capacity / target, each triangle weighing as much
+///           as its target; triangles between vertices of the border alone, which no site can move, left out
+/// Departs from Xu et al. 2011, where all triangles aim at the same and sites crowd onto the border.
+double set_goals(const Triangulation& mesh, const Capacity& capacity, const std::vector<double>& capacities,
+                 std::vector<TriangleGoal>& goals);
+
+}  // namespace ccdt

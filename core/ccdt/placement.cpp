@@ -1,0 +1,81 @@
+#include "core/ccdt/placement.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/random.h"
+
+namespace ccdt {
+
+namespace {
+
+/// Draws points evenly from the inside of a triangulation.
+class Anywhere {
+public:
+    explicit Anywhere(std::vector<std::array<Point, 3>> triangles) : triangles_(std::move(triangles)) {
+        double sum = 0;
+        for (const auto& [a, b, c] : triangles_) areas_.push_back(sum += cross(b - a, c - a));
+    }
+
+    Point draw(Random& random) const {
+        const double level = areas_.back() * random.uniform();
+        const auto i = std::lower_bound(areas_.begin(), areas_.end(), level) - areas_.begin();
+        const auto& [a, b, c] = triangles_[std::min(static_cast<std::size_t>(i), triangles_.size() - 1)];
+        double u = random.uniform(), v = random.uniform();
+        if (u + v > 1) {
+            u = 1 - u;
+            v = 1 - v;
+        }
+        return a + u * (b - a) + v * (c - a);
+    }
+
+private:
+    std::vector<std::array<Point, 3>> triangles_;
+    std::vector<double> areas_;  ///< doubled, up to and with each triangle
+};
+
+}  // namespace
+
+std::optional<Error> place_sites(Triangulation& mesh, const StartSites& start, std::uint64_t seed, double margin,
+                                 const std::stop_token& stop) {
+    constexpr int kAttempts = 16;
+    constexpr int kLastAttempts = 1000;
+    constexpr std::size_t kStopStride = 4096;
+    constexpr std::uint64_t kAnywhere = 0x616e797768657265;  // keeps these draws apart from the start's
+    const std::size_t sites = mesh.site_count();
+    std::optional<Anywhere> anywhere;
+    const auto place = [&](std::size_t site) {
+        const auto vertex = static_cast<std::uint32_t>(site);
+        for (int attempt = 0; attempt < kAttempts; ++attempt) {
+            if (mesh.insert(vertex, start.draw(site, attempt), margin)) return true;
+        }
+        // Next to nothing of the site's cell lies in the domain.
+        if (!anywhere) anywhere.emplace(mesh.inside_triangles());
+        Random random(seed ^ kAnywhere, site);
+        for (int attempt = 0; attempt < kLastAttempts; ++attempt) {
+            if (mesh.insert(vertex, anywhere->draw(random), margin)) return true;
+        }
+        return false;
+    };
+    // Coarse to fine: points far apart first keep the triangles round, neighbours in turn keep walks short.
+    std::size_t placed = 0;
+    for (std::size_t stride = 64, coarser = 0; stride >= 1; coarser = stride, stride /= 4) {
+        for (std::size_t site = 0; site < sites; site += stride) {
+            if (coarser != 0 && site % coarser == 0) continue;
+            if (++placed % kStopStride == 0 && stop.stop_requested()) {
+                return Error{ErrorCode::Stopped, "stopped before there was a result", ""};
+            }
+            if (!place(site)) {
+                return Error{ErrorCode::Unusable,
+                             "the domain is too thin to hold " + std::to_string(sites) + " sites strictly inside",
+                             "sites"};
+            }
+        }
+    }
+    return std::nullopt;
+}
+
+}  // namespace ccdt

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+#include <stop_token>
+
+#include "core/ccdt/start.h"
+#include "core/mesh/triangulation.h"
+#include "core/result.h"
+
+namespace ccdt {
+
+/// Inserts all sites of a mesh where `start` draws them, or, where next to nothing of a site's cell lies in the domain,
+/// anywhere in it.
+///
+/// @param margin  least distance of a site from the border
+/// @param stop    asked now and then
+/// @returns       nothing when all are placed; Stopped; Unusable if the domain is too thin for points strictly inside
+std::optional<Error> place_sites(Triangulation& mesh, const StartSites& start, std::uint64_t seed, double margin,
+                                 const std::stop_token& stop);
+
+}  // namespace ccdt

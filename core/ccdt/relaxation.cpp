@@ -1,0 +1,344 @@
+#include "core/ccdt/relaxation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/geometry/pair.h"
+#include "core/geometry/predicates.h"
+
+namespace ccdt {
+
+namespace {
+
+constexpr double kKeptArea = 0.1;     ///< least share of its area that a move leaves a triangle
+constexpr double kLeastShape = 1e-5;  ///< least doubled area that a move leaves it, over its longest edge squared
+constexpr double kSmall = 1e-2;       ///< doubled area over the mean one below which a triangle is looked at closely
+constexpr double kSingular = 1e-12;   ///< least determinant over the product of the diagonal
+
+/// Where the quadratic with this half Hessian and half gradient has its minimum, from here.
+Point minimum(double xx, double xy, double yy, Point gradient) {
+    const double det = xx * yy - xy * xy;
+    if (!(det > kSingular * xx * yy)) return {};
+    const double inverse = 1 / det;
+    return {(xy * gradient.y - yy * gradient.x) * inverse, (xy * gradient.x - xx * gradient.y) * inverse};
+}
+
+}  // namespace
+
+/// Normal equations of one vertex about its present place: the energy's half gradient and half Hessian.
+struct Relaxation::System {
+    double xx = 0, xy = 0, yy = 0;
+    Point gradient;
+
+    /// A triangle (vertex, from, to), and its half of the springs along the two edges at the vertex.
+    void add(Point from, Point to, const TriangleGoal& goal, double spring) {
+        // Twice the area is cross(from, to) = a x + b y + c in the vertex's coordinates.
+        const double a = goal.weight * (from.y - to.y);
+        const double b = goal.weight * (to.x - from.x);
+        const double residual = goal.weight * cross(from, to) - goal.target;
+        const double stiffness = spring * goal.weight;
+        xx += a * a + stiffness;
+        xy += a * b;
+        yy += b * b + stiffness;
+        gradient.x += residual * a - 0.5 * stiffness * (from.x + to.x);
+        gradient.y += residual * b - 0.5 * stiffness * (from.y + to.y);
+    }
+
+    void add_spring(Point spoke, double stiffness) {
+        xx += stiffness;
+        yy += stiffness;
+        gradient = gradient - stiffness * spoke;
+    }
+
+    double minimum_along(Point direction) const {
+        const double curvature =
+            direction.x * direction.x * xx + 2 * direction.x * direction.y * xy + direction.y * direction.y * yy;
+        return curvature > 0 ? -dot(gradient, direction) / curvature : 0;
+    }
+};
+
+Relaxation::Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool uniform, const RelaxationOptions& options)
+    : mesh_(mesh), fixed_(std::move(fixed)), uniform_(uniform), options_(options) {}
+
+void Relaxation::prepare(std::span<const TriangleGoal> goals) {
+    const bool first_time = kinds_.empty();
+    goals_.assign(goals.begin(), goals.end());
+    goals_.push_back({0, 0});
+    if (first_time) small_ = kSmall * mean_doubled_area();
+    old_batches_.swap(batches_);
+    for (Batch& batch : batches_) batch.clear();
+    for (auto& starts : block_starts_) starts.clear();
+    site_fans_.clear();
+    border_fans_.clear();
+    fan_vertices_.clear();
+    fan_triangles_.clear();
+
+    // Most sites have kept their neighbours: their records are taken over, in the same order.
+    const auto sites = static_cast<std::uint32_t>(mesh_.site_count());
+    kinds_.resize(sites, kFanKind);
+    std::array<std::size_t, kKinds> taken{};
+    for (std::uint32_t v = 0; v < sites; ++v) {
+        if (v % kBlock == 0) {
+            for (std::size_t kind = 0; kind < kKinds; ++kind) block_starts_[kind].push_back(batches_[kind].size());
+        }
+        const std::uint8_t kind = kinds_[v];
+        if (kind != kFanKind) {
+            const auto record = old_batches_[kind].begin() + static_cast<std::ptrdiff_t>(taken[kind]);
+            taken[kind] += stride(kind);
+            if (!mesh_.has_changed(v)) {
+                batches_[kind].insert(batches_[kind].end(), record, record + static_cast<std::ptrdiff_t>(stride(kind)));
+                continue;
+            }
+        }
+        if ((!first_time && kind == kFanKind && !mesh_.has_changed(v)) || !add_to_batch(v)) {
+            kinds_[v] = kFanKind;
+            add_fan(v, site_fans_);
+        }
+    }
+    for (std::size_t kind = 0; kind < kKinds; ++kind) block_starts_[kind].push_back(batches_[kind].size());
+    for (std::uint32_t v = sites; v < mesh_.vertex_count(); ++v) {
+        if (!fixed_[v - sites]) add_fan(v, border_fans_);
+    }
+}
+
+double Relaxation::mean_doubled_area() const {
+    double area = 0;
+    for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) area += mesh_.doubled_area(t);
+    return area / static_cast<double>(mesh_.triangle_count());
+}
+
+/// @returns false, and nothing changes, where the site has too many neighbours
+bool Relaxation::add_to_batch(std::uint32_t site) {
+    constexpr std::size_t kMost = 2 * kMostPairs;
+    std::array<std::uint32_t, 2 + 2 * kMost> record;
+    std::array<std::uint32_t, kMost> triangles;
+    std::uint32_t* around = &record[1];
+    std::size_t count = 0;
+    std::uint32_t largest = 0;
+    const std::uint32_t first = mesh_.edge_of(site);
+    std::uint32_t h = first;
+    do {
+        if (count == kMost) return false;
+        largest = std::max(largest, around[count] = mesh_.target(h));
+        triangles[count++] = Triangulation::triangle_of(h);
+        h = mesh_.twin(Triangulation::previous(h));
+    } while (h != first);
+
+    const std::size_t pairs = std::max((count + 1) / 2, kFewestPairs);
+    const bool plain = uniform_ && mesh_.is_site(largest);
+    record[0] = site;
+    for (std::size_t i = count; i <= 2 * pairs; ++i) around[i] = around[0];
+    kinds_[site] = kind_of(plain, pairs);
+    Batch& batch = batches_[kinds_[site]];
+    batch.insert(batch.end(), record.begin(), record.begin() + 2 + 2 * static_cast<std::ptrdiff_t>(pairs));
+    if (plain) return true;
+    for (std::size_t i = count; i < 2 * pairs; ++i) triangles[i] = static_cast<std::uint32_t>(goals_.size() - 1);
+    batch.insert(batch.end(), triangles.begin(), triangles.begin() + 2 * static_cast<std::ptrdiff_t>(pairs));
+    return true;
+}
+
+void Relaxation::add_fan(std::uint32_t vertex, std::vector<Fan>& fans) {
+    Fan fan{vertex, static_cast<std::uint32_t>(fan_vertices_.size()), 0, 0};
+    const std::uint32_t first = mesh_.edge_of(vertex);
+    std::uint32_t h = first;
+    do {
+        fan_vertices_.push_back(mesh_.target(h));
+        fan_triangles_.push_back(Triangulation::triangle_of(h));
+        ++fan.triangles;
+        const std::uint32_t last = Triangulation::previous(h);
+        h = mesh_.twin(last);
+        if (h != Triangulation::kNone) continue;
+        fan_vertices_.push_back(mesh_.origin(last));
+        fan_triangles_.push_back(Triangulation::kNone);
+    } while (h != Triangulation::kNone && h != first);
+    fan.neighbours = static_cast<std::uint32_t>(fan_vertices_.size()) - fan.first;
+    fans.push_back(fan);
+}
+
+void Relaxation::pass() {
+    // Block by block: what a block needs stays in the cache from kind to kind.
+    for (std::size_t block = 0; block + 1 < block_starts_[0].size(); ++block) {
+        move_batch<true, 2>(block);
+        move_batch<true, 3>(block);
+        move_batch<true, 4>(block);
+        move_batch<false, 2>(block);
+        move_batch<false, 3>(block);
+        move_batch<false, 4>(block);
+    }
+    for (const Fan& fan : site_fans_) move_site(fan);
+    for (const Fan& fan : border_fans_) slide(fan);
+}
+
+/// Takes vertices from several places of the block in turn: neighbours in number are neighbours in the plane, and
+/// each would have to wait for the one before.
+template <bool kPlain, std::size_t kPairs>
+void Relaxation::move_batch(std::size_t block) {
+    constexpr std::uint8_t kKind = kind_of(kPlain, kPairs);
+    constexpr std::size_t kStride = stride(kKind);
+    constexpr std::size_t kStreams = 4;
+    const std::size_t begin = block_starts_[kKind][block];
+    const std::uint32_t* records = batches_[kKind].data() + begin;
+    const std::size_t count = (block_starts_[kKind][block + 1] - begin) / kStride;
+    const std::size_t length = (count + kStreams - 1) / kStreams;
+    for (std::size_t i = 0; i < length; ++i) {
+        for (std::size_t at = i; at < count; at += length) move_few<kPlain, kPairs>(records + at * kStride);
+    }
+}
+
+/// What move_site does, two triangles at a time. A triangle between a neighbour and its repetition is flat and adds
+/// nothing. Plain: around a closed ring the sums of a and b vanish, and with them the common target.
+template <bool kPlain, std::size_t kPairs>
+void Relaxation::move_few(const std::uint32_t* record) {
+    const std::uint32_t vertex = record[0];
+    const std::uint32_t* around = record + 1;
+    const std::uint32_t* triangles = around + 2 * kPairs + 1;
+    Point* points = mesh_.points().data();
+    const Pair here = load(points[vertex]);
+
+    std::array<Pair, kPairs + 1> x, y;  // of the neighbours, seen from the vertex
+    for (std::size_t i = 0; i < kPairs; ++i) {
+        const Pair p = load(points[around[2 * i]]) - here;
+        const Pair q = load(points[around[2 * i + 1]]) - here;
+        x[i] = firsts(p, q);
+        y[i] = seconds(p, q);
+    }
+    x[kPairs] = x[0];
+    y[kPairs] = y[0];
+
+    Pair xx{}, xy{}, yy{}, gx{}, gy{}, spring_x{}, spring_y{}, weights{};
+    std::array<Pair, kPairs> area, a, b;
+    for (std::size_t i = 0; i < kPairs; ++i) {
+        const Pair to_x = shifted(x[i], x[i + 1]), to_y = shifted(y[i], y[i + 1]);
+        area[i] = x[i] * to_y - y[i] * to_x;
+        a[i] = y[i] - to_y;
+        b[i] = to_x - x[i];
+        if constexpr (kPlain) {
+            xx += a[i] * a[i];
+            xy += a[i] * b[i];
+            yy += b[i] * b[i];
+            gx += area[i] * a[i];
+            gy += area[i] * b[i];
+            spring_x += x[i];
+            spring_y += y[i];
+        } else {
+            const TriangleGoal &even = goals_[triangles[2 * i]], &odd = goals_[triangles[2 * i + 1]];
+            const Pair weight{even.weight, odd.weight}, target{even.target, odd.target};
+            const Pair wa = weight * a[i], wb = weight * b[i];
+            const Pair residual = weight * area[i] - target;
+            xx += wa * wa;
+            xy += wa * wb;
+            yy += wb * wb;
+            gx += residual * wa;
+            gy += residual * wb;
+            spring_x += weight * (x[i] + to_x);
+            spring_y += weight * (y[i] + to_y);
+            weights += weight;
+        }
+    }
+    double stiffness = 0;  // of all springs together
+    Point pull;            // of all springs together
+    if constexpr (kPlain) {
+        // All terms are over the squared weight. Repetitions of the first neighbour must not pull.
+        const double spring = options_.spring / goals_[0].weight;
+        double repeated = 0;
+        for (std::size_t i = kPairs == kFewestPairs ? 3 : 2 * kPairs - 1; i < 2 * kPairs; ++i) {
+            repeated += around[i] == around[0] ? 1 : 0;
+        }
+        stiffness = spring * (2 * kPairs - repeated);
+        pull = {spring * (sum(spring_x) - repeated * x[0][0]), spring * (sum(spring_y) - repeated * y[0][0])};
+    } else {
+        stiffness = options_.spring * sum(weights);
+        pull = {0.5 * options_.spring * sum(spring_x), 0.5 * options_.spring * sum(spring_y)};
+    }
+    const Point gradient{sum(gx) - pull.x, sum(gy) - pull.y};
+    const Point by = options_.relaxation * minimum(sum(xx) + stiffness, sum(xy), sum(yy) + stiffness, gradient);
+
+    const Pair move_x{by.x, by.x}, move_y{by.y, by.y};
+    const Pair small{small_, small_};
+    auto fits = small == small;
+    for (std::size_t i = 0; i < kPairs; ++i) {
+        const Pair moved = area[i] + a[i] * move_x + b[i] * move_y;
+        fits &= (area[i] == Pair{}) | ((moved >= kKeptArea * area[i]) & (moved >= small));
+    }
+    if ((fits[0] & fits[1]) != 0) {
+        points[vertex] = points[vertex] + by;
+    } else {
+        move(vertex, by, {around, 2 * kPairs}, 2 * kPairs);
+    }
+}
+
+/// Normal equations from the triangles around a vertex.
+Relaxation::System Relaxation::system_of(const Fan& fan) const {
+    const std::uint32_t* around = &fan_vertices_[fan.first];
+    const Point v = mesh_.point(fan.vertex);
+    System system;
+    for (std::uint32_t i = 0; i < fan.triangles; ++i) {
+        const std::uint32_t next = i + 1 < fan.neighbours ? i + 1 : 0;
+        system.add(mesh_.point(around[i]) - v, mesh_.point(around[next]) - v, goals_[fan_triangles_[fan.first + i]],
+                   options_.spring);
+    }
+    return system;
+}
+
+void Relaxation::move_site(const Fan& fan) {
+    const System system = system_of(fan);
+    move(fan.vertex, options_.relaxation * minimum(system.xx, system.xy, system.yy, system.gradient),
+         {&fan_vertices_[fan.first], fan.neighbours}, fan.triangles);
+}
+
+void Relaxation::slide(const Fan& fan) {
+    const std::span<const std::uint32_t> around{&fan_vertices_[fan.first], fan.neighbours};
+    const std::uint32_t* triangles = &fan_triangles_[fan.first];
+    const Point v = mesh_.point(fan.vertex);
+    System system = system_of(fan);
+    system.add_spring(mesh_.point(around.front()) - v, options_.border_spring * goals_[triangles[0]].weight);
+    system.add_spring(mesh_.point(around.back()) - v,
+                      options_.border_spring * goals_[triangles[fan.triangles - 1]].weight);
+    const Point along = mesh_.point(around.front()) - mesh_.point(around.back());
+    move(fan.vertex, options_.relaxation * system.minimum_along(along) * along, around, fan.triangles);
+}
+
+/// Moves a vertex as far as leaves the first so many triangles around it enough of their area.
+void Relaxation::move(std::uint32_t vertex, Point by, std::span<const std::uint32_t> around, std::size_t triangles) {
+    if (!std::isfinite(by.x) || !std::isfinite(by.y)) return;
+    const Point v = mesh_.point(vertex);
+    const auto spoke = [&](std::size_t i) { return mesh_.point(around[i < around.size() ? i : 0]) - v; };
+    double share = 1;
+    for (std::size_t i = 0; i < triangles; ++i) {
+        const Point from = spoke(i), to = spoke(i + 1);
+        const double area = cross(from, to);
+        const double change = (from.y - to.y) * by.x + (to.x - from.x) * by.y;
+        const double longest = std::max({dot(from, from), dot(to, to), dot(to - from, to - from)});
+        const double least = std::max(kLeastShape * longest, options_.least_height * std::sqrt(longest));
+        const double kept = std::min(area, std::max(kKeptArea * area, least));
+        if (area + share * change < kept) share = std::max(0.0, (kept - area) / change);
+    }
+    // Next to flat triangles rounding could still turn one over.
+    const Point moved = v + share * by;
+    for (std::size_t i = 0; i < triangles; ++i) {
+        const std::size_t next = i + 1 < around.size() ? i + 1 : 0;
+        if (around[i] == around[next]) continue;
+        if (orientation(moved, mesh_.point(around[i]), mesh_.point(around[next])) <= 0) return;
+    }
+    mesh_.points()[vertex] = moved;
+}
+
+double Relaxation::energy() const {
+    double energy = 0;
+    for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
+        const double residual = goals_[t].weight * mesh_.doubled_area(t) - goals_[t].target;
+        energy += residual * residual;
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t h = Triangulation::edge(t, i);
+            const Point length = mesh_.point(mesh_.target(h)) - mesh_.point(mesh_.origin(h));
+            const bool border = mesh_.twin(h) == Triangulation::kNone;
+            const double spring = 0.5 * options_.spring + (border ? options_.border_spring : 0);
+            energy += spring * goals_[t].weight * dot(length, length);
+        }
+    }
+    return energy;
+}
+
+}  // namespace ccdt

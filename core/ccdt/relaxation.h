@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/geometry/point.h"
+#include "core/mesh/triangulation.h"
+
+namespace ccdt {
+
+/// What a triangle's doubled area counts for, and what it shall come to. In units of half the capacity that one site
+/// stands for, so that a triangle between three sites aims at 1.
+struct TriangleGoal {
+    double weight = 0;  ///< capacity per doubled area, held fixed while vertices move
+    double target = 1;
+};
+
+struct RelaxationOptions {
+    double spring = 0.01;        ///< stiffness of the edges against that of the areas
+    double border_spring = 0.1;  ///< further stiffness of edges of the border, which keeps its vertices apart
+    double relaxation = 1.2;     ///< length of a move over the one that minimises, in [1, 2)
+    double least_height = 1e-9;  ///< that a move leaves a triangle, in the unit frame
+};
+
+/// Moves vertices, one at a time, to where the capacities of the triangles around them come closest to their targets:
+/// coordinate descent on the sum of (weight * doubled area - target)^2 over triangles and of
+/// spring * mean weight * length^2 over edges, those of the border stiffer.
+///
+/// Sites move freely, vertices on straight parts of the border along them, corners never. A move is cut short where a
+/// triangle would lose more than 90 % of its area, or become a needle: all stay counter-clockwise, for however long.
+/// Source: Xu et al. 2011, section 3.2, the 2 x 2 system R^T R X = -R^T S. Departures: targets are given instead of
+/// being the mean of the ring; springs; over-relaxation.
+class Relaxation {
+public:
+    /// @param fixed    [vertices - sites] of the border: true for those that never move
+    /// @param uniform  all weights are equal, and all targets between three sites
+    Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool uniform, const RelaxationOptions& options);
+
+    /// Takes note of the mesh's edges and of new goals [triangles]. To be called before the first pass and after every
+    /// restore_delaunay(). O(vertices).
+    void prepare(std::span<const TriangleGoal> goals);
+
+    /// Moves every vertex once. O(vertices).
+    void pass();
+
+    /// What the passes minimise; no pass makes it larger.
+    double energy() const;
+
+private:
+    struct System;
+
+    /// Sites of one kind, laid out for the fast path. Per site: itself; its neighbours counter-clockwise, the first one
+    /// repeated until there are 2 * pairs + 1 of them; unless it is plain, the 2 * pairs triangles between them.
+    using Batch = std::vector<std::uint32_t>;
+
+    // Kinds of sites: by the number of neighbours, in pairs, and by whether all goals around are the common one
+    // (plain).
+    static constexpr std::size_t kFewestPairs = 2, kMostPairs = 4;
+    static constexpr std::uint8_t kKinds = 2 * (kMostPairs - kFewestPairs + 1);
+    static constexpr std::uint32_t kBlock = 8192;     ///< sites that are moved before the next ones are looked at
+    static constexpr std::uint8_t kFanKind = kKinds;  ///< too many neighbours: the general path
+    static constexpr std::uint8_t kind_of(bool plain, std::size_t pairs) {
+        return static_cast<std::uint8_t>(2 * (pairs - kFewestPairs) + (plain ? 1 : 0));
+    }
+    static constexpr std::size_t stride(std::uint8_t kind) {
+        const std::size_t pairs = kind / 2 + kFewestPairs;
+        return 2 + 2 * pairs + (kind % 2 == 1 ? 0 : 2 * pairs);
+    }
+
+    /// A vertex and what lies around it, for the general path: neighbours counter-clockwise and the triangle between
+    /// each and the next one. The fan of a vertex on the border ends with a neighbour that has no triangle after it.
+    struct Fan {
+        std::uint32_t vertex;
+        std::uint32_t first;  ///< into fan_vertices_ and fan_triangles_
+        std::uint32_t neighbours;
+        std::uint32_t triangles;  ///< as many as neighbours, on the border one less
+    };
+    double mean_doubled_area() const;
+    bool add_to_batch(std::uint32_t site);
+    void add_fan(std::uint32_t vertex, std::vector<Fan>& fans);
+    template <bool kPlain, std::size_t kPairs>
+    void move_batch(std::size_t block);
+    template <bool kPlain, std::size_t kPairs>
+    void move_few(const std::uint32_t* record);
+    System system_of(const Fan& fan) const;
+    void move_site(const Fan& fan);
+    void slide(const Fan& fan);
+    void move(std::uint32_t vertex, Point by, std::span<const std::uint32_t> around, std::size_t triangles);
+
+    Triangulation& mesh_;
+    std::vector<bool> fixed_;
+    bool uniform_;
+    RelaxationOptions options_;
+    double small_ = 0;                 ///< doubled area below which the fast path leaves a triangle to the general one
+    std::vector<TriangleGoal> goals_;  ///< [triangles + 1], the last one for triangles that are none
+
+    std::vector<std::uint8_t> kinds_;  ///< [sites]
+    std::array<Batch, kKinds> batches_;
+    std::array<Batch, kKinds> old_batches_;
+    std::array<std::vector<std::size_t>, kKinds> block_starts_;  ///< [blocks + 1] of each kind
+    std::vector<Fan> site_fans_;
+    std::vector<Fan> border_fans_;
+    std::vector<std::uint32_t> fan_vertices_;
+    std::vector<std::uint32_t> fan_triangles_;
+};
+
+}  // namespace ccdt

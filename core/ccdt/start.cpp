@@ -1,0 +1,218 @@
+#include "core/ccdt/start.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/density/grid_walk.h"
+#include "core/random.h"
+
+namespace ccdt {
+
+namespace {
+
+constexpr std::size_t kSitesPerCell = 4;
+
+/// The grid point on [low, high] where an increasing function passes `level`, and the fraction beyond it.
+template <class Function>
+double invert(double low, double high, double level, Function&& function) {
+    // Between two neighbouring grid points the function is linear.
+    auto below = static_cast<long>(std::floor(low)) + 1;
+    auto above = static_cast<long>(std::ceil(high)) - 1;
+    double x0 = low, f0 = function(low), x1 = high, f1 = function(high);
+    while (below <= above) {
+        const long middle = (below + above) / 2;
+        const auto x = static_cast<double>(middle);
+        const double f = function(x);
+        if (f <= level) {
+            x0 = x;
+            f0 = f;
+            below = middle + 1;
+        } else {
+            x1 = x;
+            f1 = f;
+            above = middle - 1;
+        }
+    }
+    if (!(f1 > f0)) return (x0 + x1) / 2;
+    return std::clamp(x0 + (x1 - x0) * (level - f0) / (f1 - f0), x0, x1);
+}
+
+/// Share of each cell that the domain covers [rows * columns].
+std::vector<double> coverage(const Domain& domain, int columns, int rows) {
+    const auto width = static_cast<std::size_t>(columns);
+    std::vector<double> share(width * static_cast<std::size_t>(rows), 0);
+    std::vector<double> left_of(share.size(), 0);  // what an edge adds to all cells on its left
+    const Point scale{columns / domain.unit_bounds().width(), rows / domain.unit_bounds().height()};
+    for (const Ring& ring : domain.rings()) {
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+            const Point a = ring[i], b = ring[(i + 1) % ring.size()];
+            walk_cells({a.x * scale.x, a.y * scale.y}, {b.x * scale.x, b.y * scale.y}, columns, rows,
+                       [&](int column, int row, double x, double dy) {
+                           const auto cell = static_cast<std::size_t>(row) * width + static_cast<std::size_t>(column);
+                           share[cell] += (x - column) * dy;
+                           left_of[cell] += dy;
+                       });
+        }
+    }
+    for (std::size_t row = 0; row < static_cast<std::size_t>(rows); ++row) {
+        double from_right = 0;
+        for (std::size_t column = width; column-- > 0;) {
+            const std::size_t cell = row * width + column;
+            share[cell] = std::clamp(share[cell] + from_right, 0.0, 1.0);
+            from_right += left_of[cell];
+        }
+    }
+    return share;
+}
+
+}  // namespace
+
+StartSites::StartSites(const Domain& domain, const Density& density, const Options& options)
+    : density_(density), seed_(options.seed) {
+    unit_size_ = domain.unit_bounds().max;
+    constexpr double kMostCells = 4194304;
+    if (!density.is_uniform()) {
+        // A very fine picture is summed up in blocks.
+        const double pixels = static_cast<double>(density.width()) * density.height();
+        const int block = pixels > kMostCells ? static_cast<int>(std::ceil(std::sqrt(pixels / kMostCells))) : 1;
+        columns_ = (density.width() + block - 1) / block;
+        rows_ = (density.height() + block - 1) / block;
+    }
+    if (!domain.is_box()) {
+        const double share = domain.unit_area() / (unit_size_.x * unit_size_.y);
+        const double cells = std::clamp(4 * static_cast<double>(options.sites) / share, 4096.0, kMostCells);
+        const double side = std::sqrt(unit_size_.x * unit_size_.y / cells);
+        columns_ = std::max(columns_, std::clamp(static_cast<int>(unit_size_.x / side), 1, 4096));
+        rows_ = std::max(rows_, std::clamp(static_cast<int>(unit_size_.y / side), 1, 4096));
+    }
+    make_grid(domain);
+    const Rectangle box{0, static_cast<double>(columns_), 0, static_cast<double>(rows_)};
+    if (options.start == Start::Random) {
+        cells_.push_back(box);
+        cell_of_.assign(options.sites, 0);
+    } else {
+        cells_.reserve(options.sites / 2 + 1);
+        cell_of_.reserve(options.sites);
+        divide(box, options.sites);
+    }
+}
+
+void StartSites::make_grid(const Domain& domain) {
+    const auto width = static_cast<std::size_t>(columns_);
+    const auto height = static_cast<std::size_t>(rows_);
+    std::vector<double> share;
+    if (!domain.is_box()) share = coverage(domain, columns_, rows_);
+    sums_.assign((width + 1) * (height + 1), 0);
+    std::vector<double> row_mass(width, 1);
+    for (std::size_t row = 0; row < height; ++row) {
+        if (!density_.is_uniform()) mass_of_row(static_cast<int>(row), row_mass);
+        double from_left = 0;
+        for (std::size_t column = 0; column < width; ++column) {
+            from_left += row_mass[column] * (share.empty() ? 1 : share[row * width + column]);
+            sums_[(row + 1) * (width + 1) + column + 1] = sums_[row * (width + 1) + column + 1] + from_left;
+        }
+    }
+}
+
+/// The density's integral over each cell of a row.
+void StartSites::mass_of_row(int row, std::vector<double>& mass) const {
+    const double cell_width = static_cast<double>(density_.width()) / columns_;
+    const double cell_height = static_cast<double>(density_.height()) / rows_;
+    const double low = row * cell_height, high = (row + 1) * cell_height;
+    std::fill(mass.begin(), mass.end(), 0.0);
+    for (int j = static_cast<int>(low); j < density_.height() && j < high; ++j) {
+        const double overlap = std::min(high, j + 1.0) - std::max(low, static_cast<double>(j));
+        const auto sums = density_.row_sums(j);
+        double before = 0;
+        for (std::size_t column = 0; column < mass.size(); ++column) {
+            const double x = static_cast<double>(column + 1) * cell_width;
+            const auto i = static_cast<std::size_t>(std::min(static_cast<int>(x), density_.width() - 1));
+            const double upto = sums[i] + (x - static_cast<double>(i)) * (sums[i + 1] - sums[i]);
+            mass[column] += std::max(0.0, upto - before) * overlap;
+            before = upto;
+        }
+    }
+}
+
+double StartSites::sum(double x, double y) const {
+    const int i = std::min(static_cast<int>(x), columns_ - 1);
+    const int j = std::min(static_cast<int>(y), rows_ - 1);
+    const double* s =
+        &sums_[static_cast<std::size_t>(j) * (static_cast<std::size_t>(columns_) + 1) + static_cast<std::size_t>(i)];
+    const double* above = s + columns_ + 1;
+    const double fx = x - i, fy = y - j;
+    return (1 - fy) * (s[0] + fx * (s[1] - s[0])) + fy * (above[0] + fx * (above[1] - above[0]));
+}
+
+/// Where a vertical cut leaves this share of the box's capacity on its left.
+double StartSites::cut_across_x(const Rectangle& box, double share) const {
+    if (box.x1 - box.x0 <= 1 && std::ceil(box.x1) - std::floor(box.x0) <= 1) return std::lerp(box.x0, box.x1, share);
+    const auto left_of = [&](double x) { return sum(x, box.y1) - sum(x, box.y0); };
+    const double low = left_of(box.x0);
+    return invert(box.x0, box.x1, low + share * (left_of(box.x1) - low), left_of);
+}
+
+double StartSites::cut_across_y(const Rectangle& box, double share) const {
+    if (box.y1 - box.y0 <= 1 && std::ceil(box.y1) - std::floor(box.y0) <= 1) return std::lerp(box.y0, box.y1, share);
+    const auto below = [&](double y) { return sum(box.x1, y) - sum(box.x0, y); };
+    const double low = below(box.y0);
+    return invert(box.y0, box.y1, low + share * (below(box.y1) - low), below);
+}
+
+void StartSites::divide(const Rectangle& box, std::size_t sites) {
+    if (sites <= kSitesPerCell) {
+        cell_of_.insert(cell_of_.end(), sites, static_cast<std::uint32_t>(cells_.size()));
+        cells_.push_back(box);
+        return;
+    }
+    const std::size_t first = sites / 2;
+    const double share = static_cast<double>(first) / static_cast<double>(sites);
+    const bool wide = (box.x1 - box.x0) * unit_size_.x * rows_ >= (box.y1 - box.y0) * unit_size_.y * columns_;
+    if (wide) {
+        const double x = cut_across_x(box, share);
+        divide({box.x0, x, box.y0, box.y1}, first);
+        divide({x, box.x1, box.y0, box.y1}, sites - first);
+    } else {
+        const double y = cut_across_y(box, share);
+        divide({box.x0, box.x1, box.y0, y}, first);
+        divide({box.x0, box.x1, y, box.y1}, sites - first);
+    }
+}
+
+/// Density at a place over the largest in its cell of the grid: 1 unless the density is finer than the grid.
+double StartSites::acceptance(double x, double y) const {
+    if (density_.is_uniform()) return 1;
+    const auto place = [](double v, int cells, int pixels) {
+        return std::min(static_cast<int>(v / cells * pixels), pixels - 1);
+    };
+    const double value = density_.value(place(x, columns_, density_.width()), place(y, rows_, density_.height()));
+    if (columns_ >= density_.width() && rows_ >= density_.height()) return value > 0 ? 1 : 0;
+    const double column = std::floor(x), row = std::floor(y);
+    const int last_i = place(std::nextafter(column + 1, 0.0), columns_, density_.width());
+    const int last_j = place(std::nextafter(row + 1, 0.0), rows_, density_.height());
+    double largest = value;
+    for (int j = place(row, rows_, density_.height()); j <= last_j; ++j) {
+        for (int i = place(column, columns_, density_.width()); i <= last_i; ++i) {
+            largest = std::max(largest, density_.value(i, j));
+        }
+    }
+    return largest > 0 ? value / largest : 0;
+}
+
+Point StartSites::draw(std::size_t site, int attempt) const {
+    constexpr int kTries = 256;
+    const Rectangle& box = cells_[cell_of_[site]];
+    Random random(seed_, site + (static_cast<std::uint64_t>(attempt) << 40));
+    double x = 0, y = 0;
+    for (int i = 0; i < kTries; ++i) {
+        x = cut_across_x(box, random.uniform());
+        // Within one column of the grid the density is a function of y alone.
+        const double column = std::min(std::floor(x), columns_ - 1.0);
+        const Rectangle strip{std::max(box.x0, column), std::min(box.x1, column + 1), box.y0, box.y1};
+        y = cut_across_y(strip, random.uniform());
+        if (random.uniform() < acceptance(x, y)) break;
+    }
+    return {x / columns_ * unit_size_.x, y / rows_ * unit_size_.y};
+}
+
+}  // namespace ccdt

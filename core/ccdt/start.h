@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/ccdt/ccdt.h"
+#include "core/density/density.h"
+#include "core/geometry/domain.h"
+#include "core/geometry/point.h"
+
+namespace ccdt {
+
+/// Draws first sites: cuts the domain's bounding box into cells of equal capacity, holding up to four sites each, by
+/// halving it again and again across its longer side, and places each site at random by density in its cell. Long
+/// waves of density error never arise, and no grid shows. Start::Random has one cell, the box.
+///
+/// Near the domain's border the density of a cell is known on average only, so a site may be drawn outside; the
+/// caller, who can tell, draws again.
+class StartSites {
+public:
+    /// Both must outlive this.
+    StartSites(const Domain& domain, const Density& density, const Options& options);
+
+    /// A place for a site, in the unit frame. Sites of neighbouring number are neighbours. A function of the seed,
+    /// site and attempt alone.
+    Point draw(std::size_t site, int attempt) const;
+
+private:
+    struct Rectangle {
+        double x0, x1, y0, y1;  ///< in cells of the grid
+    };
+
+    void make_grid(const Domain& domain);
+    void mass_of_row(int row, std::vector<double>& mass) const;
+    void divide(const Rectangle& box, std::size_t sites);
+    double sum(double x, double y) const;
+    double cut_across_x(const Rectangle& box, double share) const;
+    double cut_across_y(const Rectangle& box, double share) const;
+    double acceptance(double x, double y) const;
+
+    const Density& density_;
+    std::uint64_t seed_;
+    Point unit_size_;
+    int columns_ = 1;
+    int rows_ = 1;
+    std::vector<double> sums_;  ///< capacity left of and below each grid point [rows + 1][columns + 1]
+    std::vector<Rectangle> cells_;
+    std::vector<std::uint32_t> cell_of_;  ///< [sites]
+};
+
+}  // namespace ccdt

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/geometry/point.h"
+#include "core/result.h"
+
+namespace ccdt {
+
+/// How many sites an area wants, relative to other areas: constant, or constant on each cell of a grid that is
+/// stretched over the bounding box of the domain. Only ratios matter.
+class Density {
+public:
+    static Density uniform() { return {}; }
+
+    /// @param values  [width * height], row by row, the first row at the smallest y; in [0, 1e100], one > 0
+    /// Errors: Malformed for a wrong count or value (field `values/i`), Unusable if all are zero.
+    static Result<Density> grid(int width, int height, std::span<const double> values);
+    static Result<Density> grid(int width, int height, std::span<const float> values);
+
+    bool is_uniform() const { return width_ == 0; }
+    int width() const { return width_; }    ///< cells; 0 if uniform
+    int height() const { return height_; }  ///< cells; 0 if uniform
+
+    /// Value of a cell.
+    double value(int column, int row) const;
+
+    /// Sum of the values in a row left of column x; `row_sums(row)[x]`, x in [0, width].
+    std::span<const double> row_sums(int row) const;
+
+    /// Sum of all values.
+    double total() const { return total_; }
+
+    /// Largest value.
+    double largest() const { return largest_; }
+
+private:
+    template <class T>
+    static Result<Density> make(int width, int height, std::span<const T> values);
+
+    static constexpr double kMaxValue = 1e100;  // sums and squares of sums stay finite
+
+    int width_ = 0;
+    int height_ = 0;
+    double total_ = 0;
+    double largest_ = 0;
+    std::vector<double> row_sums_;  ///< [height][width + 1]
+};
+
+}  // namespace ccdt

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/geometry/point.h"
+#include "core/result.h"
+
+namespace ccdt {
+
+/// Corners of a closed chain of segments; the last one is joined to the first.
+using Ring = std::vector<Point>;
+
+/// A part of a domain as callers give it: rings open or closed (first corner repeated), any orientation.
+struct PolygonPart {
+    Ring outer;
+    std::vector<Ring> holes;
+};
+
+/// A bounded region of the plane: disjoint simple polygons with holes. Valid by construction.
+///
+/// Kept normalised: `rings()` are in the unit frame, where the longer side of the bounding box is 1 and its
+/// lower left corner the origin; repeated corners are dropped, outer rings run counter-clockwise, holes
+/// clockwise. `to_user` takes a point of the unit frame back to the caller's coordinates.
+class Domain {
+public:
+    /// @param parts  at least one; a part may lie inside a hole of another
+    /// Errors (Unusable): fewer than three distinct corners, a coordinate that is not finite, zero area, crossing,
+    /// touching or overlapping rings, a hole outside its part, a hole in a hole. The message names the
+    /// ring and the vertex; `field` is their JSON Pointer below the polygon, as GeoJSON's MultiPolygon
+    /// nests them: /part/ring/vertex, ring 0 being the outer one and vertices as the caller counts them.
+    static Result<Domain> create(const std::vector<PolygonPart>& parts);
+
+    /// [0, width] x [0, height].
+    static Result<Domain> rectangle(double width, double height);
+
+    /// Outer rings and holes in the unit frame.
+    const std::vector<Ring>& rings() const { return rings_; }
+
+    /// Bounding box in the unit frame; its min is the origin.
+    Box unit_bounds() const { return {{0, 0}, unit_size_}; }
+
+    /// Bounding box in the caller's coordinates.
+    const Box& bounds() const { return bounds_; }
+
+    /// Area in the caller's coordinates.
+    double area() const;
+
+    /// Area in the unit frame.
+    double unit_area() const { return unit_area_; }
+
+    std::size_t corner_count() const;
+
+    /// The domain is its own bounding box.
+    bool is_box() const { return is_box_; }
+
+    Point to_user(Point unit) const;
+
+    /// How far to_user() may move a point by rounding, in the unit frame.
+    double resolution() const;
+
+private:
+    Domain() = default;
+
+    std::vector<Ring> rings_;
+    Box bounds_;
+    Point unit_size_;
+    double scale_ = 1;  ///< caller's units per unit of the unit frame
+    double unit_area_ = 0;
+    bool is_box_ = false;
+};
+
+}  // namespace ccdt

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "core/geometry/point.h"
+
+namespace ccdt {
+
+/// Two numbers that the processor handles as one.
+using Pair = double __attribute__((vector_size(16)));
+
+inline Pair load(const Point& p) {
+    return Pair{p.x, p.y};
+}
+inline Pair firsts(Pair a, Pair b) {
+    return Pair{a[0], b[0]};
+}
+inline Pair seconds(Pair a, Pair b) {
+    return Pair{a[1], b[1]};
+}
+inline Pair shifted(Pair a, Pair b) {
+    return Pair{a[1], b[0]};
+}
+inline double sum(Pair a) {
+    return a[0] + a[1];
+}
+inline Pair magnitude(Pair a) {
+    return a < Pair{} ? -a : a;
+}
+
+}  // namespace ccdt

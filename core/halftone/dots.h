@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/geometry/point.h"
+
+namespace ccdt {
+
+/// Where dots are to be drawn.
+struct Canvas {
+    int width = 0;     ///< pixels
+    int height = 0;    ///< pixels
+    double scale = 1;  ///< canvas pixels per unit of the dots' coordinates
+};
+
+/// Share of each pixel that dots cover, row by row, 255 being all of it. Binary rasters hold 0 and 255 only.
+struct Raster {
+    int width = 0;
+    int height = 0;
+    double radius = 0;                   ///< of the dots, in pixels
+    std::vector<std::uint8_t> coverage;  ///< [width * height]
+};
+
+struct DotOptions {
+    std::optional<double> radius;  ///< pixels; none: such that the mean coverage is `mean_coverage`
+    double mean_coverage = 0;      ///< in [0, 1]
+    bool antialias = false;        ///< false: a pixel is covered if its centre is
+};
+
+/// Draws equal discs; without dots the raster stays empty. Overlaps count once, also in the choice of the radius: the
+/// mean of the raster is `mean_coverage` to the pixel (binary; pixels exactly as far from their dots as the last one
+/// needed are covered with it) or to one part in 10,000 (antialiased).
+///
+/// @param canvas  at least 1 x 1
+/// O(pixels + dots).
+Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options);
+
+}  // namespace ccdt

@@ -1,0 +1,53 @@
+#include "core/halftone/tone.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace ccdt {
+
+namespace {
+
+double ink_of(const std::vector<float>& coverage) {
+    return std::accumulate(coverage.begin(), coverage.end(), 0.0);
+}
+
+/// CIE 1976 lightness of a relative luminance, in [0, 1].
+float lightness(float luminance) {
+    constexpr float kLinearBelow = 216.0f / 24389.0f;
+    constexpr float kSlope = 24389.0f / 2700.0f;
+    return luminance <= kLinearBelow ? luminance * kSlope : 1.16f * std::cbrt(luminance) - 0.16f;
+}
+
+}  // namespace
+
+std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert) {
+    std::vector<float> coverage(picture.luminance.size());
+    for (std::size_t i = 0; i < coverage.size(); ++i) {
+        const float luminance = std::clamp(picture.luminance[i], 0.0f, 1.0f);
+        const float light = tone == Tone::Linear ? luminance : lightness(luminance);
+        coverage[i] = std::clamp(invert ? light : 1 - light, 0.0f, 1.0f);
+        if (!picture.alpha.empty()) coverage[i] *= std::clamp(picture.alpha[i], 0.0f, 1.0f);
+    }
+    return coverage;
+}
+
+std::size_t default_sites(const std::vector<float>& coverage, std::size_t limit) {
+    constexpr double kInkPerDot = 8;
+    constexpr double kFewest = 4096, kMost = 100'000;
+    const double ink = ink_of(coverage);
+    const double sites = std::min(std::clamp(ink / kInkPerDot, kFewest, kMost), ink);
+    return std::clamp(static_cast<std::size_t>(sites), std::size_t{1}, std::max(limit, std::size_t{1}));
+}
+
+double default_scale(const std::vector<float>& coverage, std::size_t sites) {
+    constexpr double kPi = 3.141592653589793;
+    constexpr double kRadius = 3;         // canvas pixels: a binary disc of this size looks round
+    constexpr double kMostPixels = 16e6;  // of the canvas
+    const double radius = std::sqrt(ink_of(coverage) / (kPi * static_cast<double>(sites)));
+    const double wanted = kRadius / std::max(radius, 1e-6);
+    const double most = std::sqrt(kMostPixels / static_cast<double>(coverage.size()));
+    return std::clamp(std::min(wanted > 1 ? std::ceil(wanted) : wanted, most), 0.1, 16.0);
+}
+
+}  // namespace ccdt

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/density/density.h"
+#include "core/result.h"
+
+namespace ccdt {
+
+/// A grey picture in linear light, row by row from the top.
+struct Picture {
+    int width = 0;
+    int height = 0;
+    std::vector<float> luminance;  ///< [width * height], relative luminance in [0, 1], not premultiplied
+    std::vector<float> alpha;      ///< [width * height] in [0, 1]; empty: opaque
+};
+
+/// Which lightness the dots reproduce.
+enum class Tone {
+    Linear,      ///< relative luminance: what a densitometer or a far eye averages
+    Perceptual,  ///< CIE L*: lighter, as the picture's own pixel values read
+};
+
+/// Share of each pixel that the dots shall cover [width * height], in [0, 1], top row first.
+/// Dark pixels want dots; inverted, light ones do. Transparent pixels show the paper: no dots.
+std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert);
+
+/// Dots that resolve a picture well: one for 8 pixels' worth of ink, but 4,096 at least (as long as that is not more
+/// than one a pixel of ink) and 100,000 at most; never less than 1 nor more than `limit`.
+std::size_t default_sites(const std::vector<float>& coverage, std::size_t limit);
+
+/// Canvas pixels per picture pixel, in [0.1, 16], at which dots that keep the mean tone have a radius of about 3 pixels
+/// and so look round; smaller where the canvas would pass 16 million pixels.
+double default_scale(const std::vector<float>& coverage, std::size_t sites);
+
+}  // namespace ccdt

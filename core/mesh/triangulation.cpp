@@ -1,0 +1,268 @@
+#include "core/mesh/triangulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/pair.h"
+#include "core/geometry/predicates.h"
+
+namespace ccdt {
+
+Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& border) : sites_(sites) {
+    points_.resize(sites);
+    points_.insert(points_.end(), border.points.begin(), border.points.end());
+    triangles_.reserve(border.triangles.size() + 2 * sites);
+    for (const auto& given : border.triangles) {
+        Triangle& triangle = triangles_.emplace_back();
+        triangle.constrained = given.constrained;
+        for (std::size_t i = 0; i < 3; ++i) {
+            triangle.corners[i] = static_cast<std::uint32_t>(sites + given.corners[i]);
+            const std::uint32_t neighbour = given.neighbours[i];
+            if (neighbour == ConstrainedDelaunay::kNone) continue;
+            // The neighbour's edge that begins where ours ends is the one we share.
+            const auto& other = border.triangles[neighbour].corners;
+            const std::uint32_t end = given.corners[(i + 1) % 3];
+            triangle.twins[i] = edge(neighbour, other[0] == end ? 0 : other[1] == end ? 1 : 2);
+        }
+    }
+    mark_inside();
+}
+
+/// Crossing a segment changes sides: fills inwards from the box, whose triangles are outside.
+void Triangulation::mark_inside() {
+    std::vector<bool> seen(triangle_count(), false);
+    std::vector<std::uint32_t> stack;
+    const auto at_box = [](const Triangle& t) {
+        return std::find(t.twins.begin(), t.twins.end(), kNone) != t.twins.end();
+    };
+    const auto first = std::find_if(triangles_.begin(), triangles_.end(), at_box) - triangles_.begin();
+    stack.push_back(static_cast<std::uint32_t>(first));
+    seen[stack.front()] = true;
+    triangles_[stack.front()].inside = false;
+    while (!stack.empty()) {
+        const Triangle& triangle = triangles_[stack.back()];
+        stack.pop_back();
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (triangle.twins[i] == kNone || seen[triangle_of(triangle.twins[i])]) continue;
+            const std::uint32_t other = triangle_of(triangle.twins[i]);
+            seen[other] = true;
+            triangles_[other].inside = triangle.inside != triangle.constrained[i];
+            stack.push_back(other);
+        }
+    }
+}
+
+/// Walks towards p across edges that have it on their right. The first edge looked at changes from step to step, so
+/// that the walk cannot circle for ever where the triangulation is not Delaunay.
+std::uint32_t Triangulation::locate(Point p) const {
+    std::uint32_t t = last_, entered = kNone;
+    for (std::uint32_t step = 0;; ++step) {
+        std::uint32_t h = edge(t, (step * 0x9e3779b9u >> 16) % 3);
+        std::uint32_t crossed = kNone;
+        for (int i = 0; i < 3 && crossed == kNone; ++i, h = next(h)) {
+            if (h == entered || twin(h) == kNone) continue;
+            if (orientation(points_[origin(h)], points_[target(h)], p) < 0) crossed = h;
+        }
+        if (crossed == kNone) return t;
+        entered = twin(crossed);
+        t = triangle_of(entered);
+    }
+}
+
+std::uint32_t Triangulation::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    const auto number = static_cast<std::uint32_t>(triangles_.size());
+    triangles_.emplace_back().corners = {a, b, c};
+    return number;
+}
+
+void Triangulation::join(std::uint32_t edge, std::uint32_t twin) {
+    set_twin(edge, twin);
+    if (twin != kNone) set_twin(twin, edge);
+}
+
+bool Triangulation::insert(std::uint32_t site, Point p, double margin) {
+    const std::uint32_t t = locate(p);
+    last_ = t;
+    const Triangle split = triangles_[t];
+    if (!split.inside) return false;
+    const auto& c = split.corners;
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (points_[c[i]] == p) return false;
+        if (!split.constrained[i]) continue;
+        const Point a = points_[c[i]], b = points_[c[(i + 1) % 3]];
+        if (orientation(a, b, p) <= 0 || cross(b - a, p - a) < margin * std::sqrt(dot(b - a, b - a))) return false;
+    }
+
+    // Split into three: (c0, c1, p) stays at t. Where p lies on an edge, one of them is flat; that edge then has the
+    // corner beyond it in its circle, a half-plane, and is flipped away.
+    points_[site] = p;
+    const std::uint32_t u = add_triangle(c[1], c[2], site);
+    const std::uint32_t v = add_triangle(c[2], c[0], site);
+    triangles_[t].corners[2] = site;
+    triangles_[u].constrained[0] = split.constrained[1];
+    triangles_[v].constrained[0] = split.constrained[2];
+    triangles_[t].constrained[1] = triangles_[t].constrained[2] = false;
+    join(edge(u, 0), split.twins[1]);
+    join(edge(v, 0), split.twins[2]);
+    join(edge(t, 1), edge(u, 2));
+    join(edge(u, 1), edge(v, 2));
+    join(edge(v, 1), edge(t, 2));
+    stack_.insert(stack_.end(), {edge(t, 0), edge(u, 0), edge(v, 0)});
+    legalise();
+    return true;
+}
+
+bool Triangulation::wants_flip(std::uint32_t edge) const {
+    const auto& c = triangles_[triangle_of(edge)].corners;
+    return in_circle(points_[c[0]], points_[c[1]], points_[c[2]], points_[origin(previous(twin(edge)))]);
+}
+
+/// Whether two edges are both Delaunay beyond doubt; what in_circle() computes first, for both at once.
+bool Triangulation::is_certain(std::uint32_t edge, std::uint32_t other) const {
+    if (twin(edge) == kNone || twin(other) == kNone) return false;
+    const auto& p = triangles_[triangle_of(edge)].corners;
+    const auto& q = triangles_[triangle_of(other)].corners;
+    const Pair p3 = load(points_[origin(previous(twin(edge)))]), q3 = load(points_[origin(previous(twin(other)))]);
+    const Pair pa = load(points_[p[0]]) - p3, pb = load(points_[p[1]]) - p3, pc = load(points_[p[2]]) - p3;
+    const Pair qa = load(points_[q[0]]) - q3, qb = load(points_[q[1]]) - q3, qc = load(points_[q[2]]) - q3;
+    const Pair ax = firsts(pa, qa), bx = firsts(pb, qb), cx = firsts(pc, qc);
+    const Pair ay = seconds(pa, qa), by = seconds(pb, qb), cy = seconds(pc, qc);
+    const Pair bc1 = bx * cy, bc2 = cx * by, ca1 = cx * ay, ca2 = ax * cy, ab1 = ax * by, ab2 = bx * ay;
+    const Pair a2 = ax * ax + ay * ay, b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
+    const Pair det = a2 * (bc1 - bc2) + b2 * (ca1 - ca2) + c2 * (ab1 - ab2);
+    const Pair permanent = (magnitude(bc1) + magnitude(bc2)) * a2 + (magnitude(ca1) + magnitude(ca2)) * b2 +
+                           (magnitude(ab1) + magnitude(ab2)) * c2;
+    const auto certain = det < -kInCircleBound * permanent;
+    return (certain[0] & certain[1]) != 0;
+}
+
+/// Turns the edge a-b of triangles (a, b, c) and (b, a, d) into d-c of (a, d, c) and (b, c, d).
+void Triangulation::flip(std::uint32_t edge) {
+    const std::uint32_t twin = this->twin(edge);
+    const std::uint32_t edge_next = next(edge), twin_next = next(twin);
+    const std::uint32_t c = origin(previous(edge)), d = origin(previous(twin));
+    set_constrained(edge, is_constrained(twin_next));
+    set_constrained(twin, is_constrained(edge_next));
+    set_constrained(edge_next, false);
+    set_constrained(twin_next, false);
+    if (!changed_.empty()) {
+        for (const std::uint32_t vertex : {origin(edge), origin(twin), c, d}) changed_[vertex] = 1;
+    }
+    join(edge, this->twin(twin_next));
+    join(twin, this->twin(edge_next));
+    join(edge_next, twin_next);
+    triangles_[triangle_of(edge)].corners[edge_next % 4] = d;
+    triangles_[triangle_of(twin)].corners[twin_next % 4] = c;
+}
+
+std::size_t Triangulation::legalise() {
+    std::size_t flips = 0;
+    while (!stack_.empty()) {
+        const std::uint32_t h = stack_.back();
+        stack_.pop_back();
+        if (twin(h) == kNone || is_constrained(h) || !wants_flip(h)) continue;
+        const std::uint32_t twin = this->twin(h);
+        flip(h);
+        ++flips;
+        stack_.insert(stack_.end(), {h, previous(h), twin, previous(twin)});
+    }
+    return flips;
+}
+
+std::size_t Triangulation::restore_delaunay() {
+    // Both halves of an edge are one edge: keep those with the smaller number, without branches that cannot be
+    // foretold.
+    sweep_.resize(3 * triangle_count() + 1);
+    std::size_t count = 0;
+    for (std::uint32_t t = 0; t < triangle_count(); ++t) {
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t h = edge(t, i), twin = triangles_[t].twins[i];
+            sweep_[count] = h;
+            count += static_cast<std::size_t>(twin != kNone) & static_cast<std::size_t>(twin > h);
+        }
+    }
+    // An edge whose surroundings a flip has changed since is looked at again by that flip.
+    changed_.assign(points_.size(), 0);
+    if (count % 2 != 0) sweep_[count++] = sweep_[0];
+    std::size_t flips = 0;
+    for (std::size_t i = 0; i < count; i += 2) {
+        if (is_certain(sweep_[i], sweep_[i + 1])) continue;
+        for (const std::uint32_t h : {sweep_[i], sweep_[i + 1]}) {
+            stack_.push_back(h);
+            flips += legalise();
+        }
+    }
+    if (flips > 0) find_edges();
+    return flips;
+}
+
+std::vector<std::array<Point, 3>> Triangulation::inside_triangles() const {
+    std::vector<std::array<Point, 3>> inside;
+    for (const Triangle& t : triangles_) {
+        if (t.inside) inside.push_back({points_[t.corners[0]], points_[t.corners[1]], points_[t.corners[2]]});
+    }
+    return inside;
+}
+
+void Triangulation::trim() {
+    for (Triangle& triangle : triangles_) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (triangle.constrained[i]) triangle.twins[i] = kNone;
+        }
+        triangle.constrained = {};
+    }
+    points_.resize(points_.size() - 4);  // the box
+    number_along_sites();
+    changed_.assign(points_.size(), 0);
+    find_edges();
+}
+
+/// Triangles in the order of their first site: neighbours in the plane become neighbours in memory.
+void Triangulation::number_along_sites() {
+    edge_of_.assign(points_.size(), kNone);
+    for (std::uint32_t t = 0; t < triangle_count(); ++t) {
+        if (!triangles_[t].inside) continue;
+        for (std::uint32_t i = 0; i < 3; ++i) edge_of_[triangles_[t].corners[i]] = edge(t, i);
+    }
+    std::vector<std::uint32_t> number(triangle_count(), kNone);
+    std::vector<std::uint32_t> order;
+    order.reserve(triangle_count());
+    const auto visit = [&](std::uint32_t t) {
+        if (number[t] != kNone) return;
+        number[t] = static_cast<std::uint32_t>(order.size());
+        order.push_back(t);
+    };
+    for (std::uint32_t v = 0; v < sites_; ++v) {
+        std::uint32_t h = edge_of_[v];
+        do {
+            visit(triangle_of(h));
+            h = twin(previous(h));
+        } while (h != edge_of_[v]);
+    }
+    for (std::uint32_t t = 0; t < triangle_count(); ++t) {
+        if (triangles_[t].inside) visit(t);
+    }
+    std::vector<Triangle> sorted;
+    sorted.reserve(order.size());
+    for (const std::uint32_t t : order) {
+        Triangle& triangle = sorted.emplace_back(triangles_[t]);
+        for (std::uint32_t& twin : triangle.twins) {
+            if (twin != kNone) twin = edge(number[triangle_of(twin)], twin % 4);
+        }
+    }
+    triangles_ = std::move(sorted);
+}
+
+void Triangulation::find_edges() {
+    edge_of_.resize(points_.size());
+    for (std::uint32_t t = 0; t < triangle_count(); ++t) {
+        for (std::uint32_t i = 0; i < 3; ++i) edge_of_[triangles_[t].corners[i]] = edge(t, i);
+    }
+    for (std::uint32_t t = 0; t < triangle_count(); ++t) {
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            if (triangles_[t].twins[i] == kNone) edge_of_[triangles_[t].corners[i]] = edge(t, i);
+        }
+    }
+}
+
+}  // namespace ccdt
