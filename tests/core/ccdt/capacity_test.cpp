@@ -1,0 +1,191 @@
+#include "core/ccdt/capacity.h"
+
+#include <cmath>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+#include "tests/support/meshes.h"
+
+namespace ccdt {
+namespace {
+
+using test::domain_of;
+using test::grid_of;
+using test::Parts;
+using test::StartMesh;
+
+/// Triangulation of a domain with given sites in it.
+Triangulation mesh_of(const Domain& domain, const std::vector<Point>& sites) {
+    Triangulation mesh(sites.size(), triangulate(bare_border(domain)).value());
+    for (std::uint32_t i = 0; i < sites.size(); ++i) EXPECT_TRUE(mesh.insert(i, sites[i])) << i;
+    mesh.trim();
+    return mesh;
+}
+
+std::vector<double> capacities_of(const Capacity& capacity, const Triangulation& mesh) {
+    std::vector<double> capacities;
+    capacity.of_triangles(mesh, capacities);
+    return capacities;
+}
+
+double sum_of(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
+
+TEST(Capacity, OfAUniformDensityIsTheArea) {
+    const Domain domain = domain_of({{test::l_shape(), {}}});
+    const Density uniform = Density::uniform();
+    const Capacity capacity(domain, uniform);
+    EXPECT_DOUBLE_EQ(capacity.total(), domain.unit_area());
+    const Triangulation mesh = mesh_of(domain, {{0.2, 0.3}, {0.7, 0.2}});
+    const auto capacities = capacities_of(capacity, mesh);
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        EXPECT_DOUBLE_EQ(capacities[t], mesh.doubled_area(t) / 2);
+    }
+    EXPECT_NEAR(sum_of(capacities), capacity.total(), 1e-15);
+}
+
+TEST(Capacity, OfOneCellIsTheArea) {
+    const Domain domain = domain_of({{test::u_shape(), {}}});
+    const Density one = grid_of(1, 1, [](int, int) { return 3.0; });
+    const Capacity capacity(domain, one);
+    const Triangulation mesh = mesh_of(domain, {{0.1, 0.3}, {0.9, 0.6}});
+    const auto capacities = capacities_of(capacity, mesh);
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        EXPECT_NEAR(capacities[t], 3 * mesh.doubled_area(t) / 2, 1e-15);
+    }
+}
+
+TEST(Capacity, OfTheWholeBoxIsTheSumOfTheCells) {
+    const Domain domain = domain_of(kSquare);
+    Random random(1, 0);
+    const Density noise = grid_of(37, 53, [&](int, int) { return random.uniform(); });
+    EXPECT_NEAR(Capacity(domain, noise).total(), noise.total(), 1e-12 * noise.total());
+}
+
+/// The ramp is sampled at the cells' centres: the difference to the linear function is of second order in their size.
+TEST(Capacity, FollowsALinearRamp) {
+    constexpr int kCells = 512;
+    const Domain domain = domain_of(kSquare);
+    const auto ramp = [](double x, double y) { return 0.25 + x + 2 * y; };
+    const Density density =
+        grid_of(kCells, kCells, [&](int i, int j) { return ramp((i + 0.5) / kCells, (j + 0.5) / kCells); });
+    const Capacity capacity(domain, density);
+    const Triangulation mesh = mesh_of(domain, {{0.31, 0.42}, {0.77, 0.13}, {0.52, 0.91}, {0.11, 0.86}});
+    const auto capacities = capacities_of(capacity, mesh);
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        const auto [a, b, c] = mesh.corners(t);
+        const Point middle = (1.0 / 3) * (mesh.point(a) + mesh.point(b) + mesh.point(c));
+        const double exact = mesh.doubled_area(t) / 2 * ramp(middle.x, middle.y) * kCells * kCells;
+        EXPECT_NEAR(capacities[t], exact, 1e-4 * exact);
+    }
+}
+
+TEST(Capacity, IsExactWhereEdgesLieOnCellLines) {
+    // Four cells of values 1, 2, 4 and 8, a site in the middle: each triangle has half of two cells.
+    const Domain domain = domain_of(kSquare);
+    const Density density = grid_of(2, 2, [](int i, int j) { return std::ldexp(1.0, i + 2 * j); });
+    const Triangulation mesh = mesh_of(domain, {{0.5, 0.5}});
+    const auto capacities = capacities_of(Capacity(domain, density), mesh);
+    ASSERT_EQ(capacities.size(), 4u);
+    for (std::uint32_t t = 0; t < 4; ++t) {
+        const auto [a, b, c] = mesh.corners(t);
+        const Point sum = mesh.point(a) + mesh.point(b) + mesh.point(c);
+        const double expected = sum.y < 1 ? 1.5 : sum.x > 2 - 1e-9 && sum.y < 2 ? 5 : sum.x < 1 ? 2.5 : 6;
+        EXPECT_DOUBLE_EQ(capacities[t], expected) << "triangle about " << sum.x / 3 << ' ' << sum.y / 3;
+    }
+}
+
+TEST(Capacity, IsExactForTrianglesSmallerThanACell) {
+    const Domain domain = domain_of(kSquare);
+    Random random(3, 0);
+    const Density density = grid_of(8, 8, [&](int, int) { return random.uniform(); });
+    const Capacity capacity(domain, density);
+    std::vector<Point> sites;  // all within one cell
+    for (int i = 0; i < 100; ++i) sites.push_back({0.38 + 0.11 * random.uniform(), 0.63 + 0.11 * random.uniform()});
+    const Triangulation mesh = mesh_of(domain, sites);
+    const auto capacities = capacities_of(capacity, mesh);
+    const double height = 64 * density.value(3, 5);
+    int inner = 0;
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        const auto corners = mesh.corners(t);
+        if (!std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return mesh.is_site(v); })) continue;
+        ++inner;
+        EXPECT_NEAR(capacities[t], height * mesh.doubled_area(t) / 2, 1e-13 * density.total());
+    }
+    EXPECT_GT(inner, 100);
+    EXPECT_NEAR(sum_of(capacities), capacity.total(), 1e-12 * capacity.total());
+}
+
+TEST(Capacity, TurnsWithItsDensity) {
+    const Domain domain = domain_of(kSquare);
+    const Density density = grid_of(5, 5, [](int i, int j) { return 1.0 + 3 * i + 7 * j; });
+    const Density turned = grid_of(5, 5, [](int i, int j) { return 1.0 + 3 * j + 7 * (4 - i); });
+    const Triangulation mesh = mesh_of(domain, {{0.3, 0.4}});
+    const Triangulation turned_mesh = mesh_of(domain, {{1 - 0.4, 0.3}});
+    auto before = capacities_of(Capacity(domain, density), mesh);
+    auto after = capacities_of(Capacity(domain, turned), turned_mesh);
+    std::sort(before.begin(), before.end());
+    std::sort(after.begin(), after.end());
+    ASSERT_EQ(before.size(), after.size());
+    for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(before[i], after[i], 1e-12 * density.total());
+}
+
+class CapacitySum : public testing::TestWithParam<int> {};
+
+TEST_P(CapacitySum, IsTheTotal) {
+    Random random(static_cast<std::uint64_t>(GetParam()), 5);
+    const int width = 1 + static_cast<int>(90 * random.uniform()), height = 1 + static_cast<int>(90 * random.uniform());
+    const int kind = GetParam() % 4;
+    const Density density = grid_of(width, height, [&](int, int) {
+        if (kind == 0) return random.uniform();
+        if (kind == 1) return random.uniform() < 0.9 ? 0.0 : random.uniform();
+        if (kind == 2) return std::pow(10.0, 24 * random.uniform() - 12);
+        return 1.0;
+    });
+    std::vector<Parts> domains{kSquare, {test::sieve(4)}, {{test::star({0, 0}, 1, 0.3, 14), {}}}};
+    for (const char* name : {"Italy-110m.geojson", "South-Africa-50m.geojson", "Switzerland-10m.geojson"}) {
+        domains.push_back(test::read_geojson(name));
+    }
+    for (const Parts& parts : domains) {
+        const Domain domain = domain_of(parts);
+        for (const std::size_t sites : {1, 30, 2000}) {
+            if (!(Capacity(domain, density).total() > 0)) continue;
+            StartMesh start(domain, density, Options{.sites = sites, .seed = 7});
+            start.measure();
+            // What is left of the domain in a row counts into sums along the way: it bounds the rounding.
+            EXPECT_NEAR(sum_of(start.capacities), start.capacity.total(), 1e-12 * density.total());
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Grids, CapacitySum, testing::Range(0, 8));
+
+TEST(Capacity, AddsUpWhereVerticesLieOnCellLines) {
+    const Domain domain = domain_of(kSquare);
+    Random random(9, 0);
+    const Density density = grid_of(16, 16, [&](int, int) { return random.uniform(); });
+    const Capacity capacity(domain, density);
+    std::vector<Point> sites;
+    for (int j = 1; j < 16; ++j) {
+        for (int i = 1; i < 16; ++i) sites.push_back({i / 16.0, j / 16.0});
+    }
+    const Triangulation mesh = mesh_of(domain, sites);
+    const auto capacities = capacities_of(capacity, mesh);
+    EXPECT_NEAR(sum_of(capacities), density.total(), 1e-12 * density.total());
+    // Triangles between sites are halves of cells.
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        const auto [a, b, c] = mesh.corners(t);
+        if (!mesh.is_site(a) || !mesh.is_site(b) || !mesh.is_site(c)) continue;
+        const Point middle = (1.0 / 3) * (mesh.point(a) + mesh.point(b) + mesh.point(c));
+        const double cell = density.value(static_cast<int>(middle.x * 16), static_cast<int>(middle.y * 16));
+        EXPECT_NEAR(capacities[t], cell / 2, 1e-13 * density.total());
+    }
+}
+
+}  // namespace
+}  // namespace ccdt

@@ -1,0 +1,180 @@
+#include "core/ccdt/relaxation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+#include "tests/support/meshes.h"
+
+namespace ccdt {
+namespace {
+
+using test::domain_of;
+using test::grid_of;
+using test::Parts;
+using test::StartMesh;
+
+const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
+
+Density portrait() {
+    return grid_of(48, 64, [](int i, int j) {
+        const double x = i / 48.0 - 0.5, y = j / 64.0 - 0.5;
+        return 0.02 + std::exp(-20 * (x * x + y * y)) + (i > 30 && j > 40 ? 1.0 : 0.0);
+    });
+}
+
+struct Run {
+    Parts parts;
+    Density density;
+    Options options;
+};
+
+/// Runs iterations by hand, checking what must hold after each pass and after each iteration.
+void expect_descent(const Run& run) {
+    const Domain domain = domain_of(run.parts);
+    StartMesh start(domain, run.density, run.options);
+    Relaxation relaxation(start.mesh, start.border.corner, run.density.is_uniform(), {});
+    for (int iteration = 0; iteration < run.options.iterations; ++iteration) {
+        start.measure();
+        relaxation.prepare(start.goals);
+        const double first = relaxation.energy();
+        double before = first;
+        for (int pass = 0; pass < run.options.passes; ++pass) {
+            relaxation.pass();
+            const double after = relaxation.energy();
+            ASSERT_LE(after, before * (1 + 1e-9)) << "iteration " << iteration << ", pass " << pass;
+            before = after;
+        }
+        EXPECT_LE(before, first * (1 + 1e-12));
+        ASSERT_EQ(test::count_inverted(start.mesh), 0u) << "iteration " << iteration;
+        start.mesh.restore_delaunay();
+        ASSERT_EQ(test::count_not_delaunay(start.mesh), 0u) << "iteration " << iteration;
+        ASSERT_EQ(test::count_inverted(start.mesh), 0u) << "iteration " << iteration;
+        ASSERT_EQ(test::count_bad_links(start.mesh), 0u) << "iteration " << iteration;
+    }
+}
+
+TEST(Relaxation, DescendsOnASquare) {
+    expect_descent({kSquare, Density::uniform(), {.sites = 2000, .seed = 1}});
+}
+
+TEST(Relaxation, DescendsFromARandomStart) {
+    expect_descent({kSquare, Density::uniform(), {.sites = 2000, .seed = 2, .start = Start::Random}});
+}
+
+TEST(Relaxation, DescendsOnAPicture) {
+    expect_descent({kSquare, portrait(), {.sites = 2000, .seed = 3, .iterations = 8}});
+}
+
+TEST(Relaxation, DescendsWithWhiteAreas) {
+    const Density half = grid_of(64, 64, [](int i, int) { return i < 32 ? 0.0 : 1.0; });
+    expect_descent({kSquare, half, {.sites = 1000, .seed = 4}});
+}
+
+TEST(Relaxation, DescendsInCountries) {
+    for (const char* name : {"Italy-110m.geojson", "South-Africa-50m.geojson", "Switzerland-10m.geojson"}) {
+        SCOPED_TRACE(name);
+        expect_descent({test::read_geojson(name), Density::uniform(), {.sites = 1000, .seed = 5}});
+    }
+}
+
+TEST(Relaxation, DescendsBetweenHoles) {
+    expect_descent({{test::sieve(6)}, Density::uniform(), {.sites = 1000, .seed = 6}});
+}
+
+TEST(Relaxation, DescendsWithFewSites) {
+    for (const std::size_t sites : {1, 2, 3, 10}) {
+        SCOPED_TRACE(sites);
+        expect_descent({kSquare, Density::uniform(), {.sites = sites, .seed = sites, .iterations = 10}});
+        expect_descent({{{test::l_shape(), {}}}, Density::uniform(), {.sites = sites, .seed = sites}});
+    }
+}
+
+TEST(Relaxation, BringsALoneSiteToTheMiddle) {
+    const Domain domain = domain_of(kSquare);
+    Triangulation mesh(1, triangulate(bare_border(domain)).value());
+    ASSERT_TRUE(mesh.insert(0, {0.3, 0.8}));
+    mesh.trim();
+    Relaxation relaxation(mesh, std::vector<bool>(4, true), false, {});
+    relaxation.prepare(std::vector<TriangleGoal>(4, TriangleGoal{2, 1}));
+    for (int pass = 0; pass < 60; ++pass) relaxation.pass();
+    EXPECT_NEAR(mesh.point(0).x, 0.5, 1e-9);
+    EXPECT_NEAR(mesh.point(0).y, 0.5, 1e-9);
+}
+
+TEST(Relaxation, DividesASquareByItsTargets) {
+    // Triangles over opposite edges add up to half the square wherever the site is: x and y are chosen freely.
+    const Domain domain = domain_of(kSquare);
+    Triangulation mesh(1, triangulate(bare_border(domain)).value());
+    ASSERT_TRUE(mesh.insert(0, {0.5, 0.5}));
+    mesh.trim();
+    std::vector<TriangleGoal> goals(4);
+    const Point wanted{0.375, 0.75};
+    for (std::uint32_t t = 0; t < 4; ++t) {
+        Point sum;
+        for (const std::uint32_t v : mesh.corners(t)) sum = sum + mesh.point(v);
+        const double height = sum.y < 1 ? wanted.y : sum.y > 2 ? 1 - wanted.y : sum.x < 1 ? wanted.x : 1 - wanted.x;
+        goals[t] = {1, height};
+    }
+    Relaxation relaxation(mesh, std::vector<bool>(4, true), false, {.spring = 0, .border_spring = 0});
+    relaxation.prepare(goals);
+    for (int pass = 0; pass < 60; ++pass) relaxation.pass();
+    EXPECT_NEAR(mesh.point(0).x, wanted.x, 1e-9);
+    EXPECT_NEAR(mesh.point(0).y, wanted.y, 1e-9);
+    EXPECT_NEAR(relaxation.energy(), 0, 1e-15);
+}
+
+TEST(Relaxation, KeepsTheBorderWhereItIs) {
+    const Domain domain = domain_of(kSquare);
+    StartMesh start(domain, Density::uniform(), {.sites = 500, .seed = 8});
+    start.measure();
+    const auto before = start.mesh.points();
+    Relaxation relaxation(start.mesh, start.border.corner, true, {});
+    relaxation.prepare(start.goals);
+    for (int pass = 0; pass < 5; ++pass) relaxation.pass();
+    std::size_t slid = 0;
+    for (std::size_t v = 500; v < before.size(); ++v) {
+        const Point p = start.mesh.points()[v];
+        if (start.border.corner[v - 500]) {
+            EXPECT_EQ(p, before[v]);
+        } else {
+            EXPECT_LT(std::min({std::abs(p.x), std::abs(1 - p.x), std::abs(p.y), std::abs(1 - p.y)}), 1e-15);
+        }
+        slid += p != before[v] ? 1 : 0;
+    }
+    EXPECT_GT(slid, 20u) << "vertices on straight borders slide";
+}
+
+TEST(Relaxation, MovesNothingWithoutWeight) {
+    StartMesh start(domain_of(kSquare), Density::uniform(), {.sites = 100, .seed = 9});
+    const auto before = start.mesh.points();
+    Relaxation relaxation(start.mesh, start.border.corner, false, {});
+    relaxation.prepare(std::vector<TriangleGoal>(start.mesh.triangle_count(), TriangleGoal{0, 1}));
+    relaxation.pass();
+    EXPECT_EQ(start.mesh.points(), before);
+}
+
+/// Both layouts of a site's surroundings, the plain one and that with a goal for each triangle, solve the same
+/// equations: where one of them has come to rest, the other one rests too.
+TEST(Relaxation, RestsInTheSamePlaceOnAllPaths) {
+    StartMesh start(domain_of(kSquare), Density::uniform(), {.sites = 120, .seed = 10});
+    start.measure();
+    Relaxation plain(start.mesh, start.border.corner, true, {});
+    plain.prepare(start.goals);
+    for (int pass = 0; pass < 20'000; ++pass) plain.pass();
+    const auto rest = start.mesh.points();
+
+    Relaxation general(start.mesh, start.border.corner, false, {});
+    general.prepare(start.goals);
+    EXPECT_NEAR(general.energy(), plain.energy(), 1e-12 * plain.energy());
+    general.pass();
+    for (std::size_t v = 0; v < rest.size(); ++v) {
+        EXPECT_NEAR(start.mesh.points()[v].x, rest[v].x, 1e-9);
+        EXPECT_NEAR(start.mesh.points()[v].y, rest[v].y, 1e-9);
+    }
+}
+
+}  // namespace
+}  // namespace ccdt

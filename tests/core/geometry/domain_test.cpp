@@ -1,0 +1,265 @@
+#include "core/geometry/domain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/geometry/predicates.h"
+#include "core/random.h"
+#include "tests/support/shapes.h"
+
+namespace ccdt {
+namespace {
+
+using test::box;
+using test::Parts;
+
+constexpr int kManyVertices = 100'000;
+
+void expect_refused(const Parts& parts, const std::string& field) {
+    const auto domain = Domain::create(parts);
+    ASSERT_FALSE(domain);
+    EXPECT_EQ(domain.error().code, ErrorCode::Unusable) << domain.error().message;
+    EXPECT_EQ(domain.error().field, field) << domain.error().message;
+    EXPECT_FALSE(domain.error().message.empty());
+}
+
+/// For errors that may be named by either of two rings or vertices.
+void expect_refused(const Parts& parts, const std::vector<std::string>& fields) {
+    const auto domain = Domain::create(parts);
+    ASSERT_FALSE(domain);
+    EXPECT_EQ(domain.error().code, ErrorCode::Unusable) << domain.error().message;
+    EXPECT_NE(std::find(fields.begin(), fields.end(), domain.error().field), fields.end())
+        << domain.error().field << ": " << domain.error().message;
+}
+
+TEST(Domain, MeasuresARectangle) {
+    const auto domain = Domain::rectangle(3, 2);
+    ASSERT_TRUE(domain);
+    EXPECT_DOUBLE_EQ(domain->area(), 6);
+    EXPECT_DOUBLE_EQ(domain->unit_area(), 2.0 / 3);
+    EXPECT_EQ(domain->bounds().width(), 3);
+    EXPECT_EQ(domain->bounds().height(), 2);
+    EXPECT_EQ(domain->unit_bounds().width(), 1);
+    EXPECT_EQ(domain->corner_count(), 4u);
+    EXPECT_TRUE(domain->is_box());
+}
+
+TEST(Domain, RefusesRectanglesWithoutSize) {
+    for (const double bad : {0.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+        EXPECT_FALSE(Domain::rectangle(bad, 1)) << bad;
+        EXPECT_FALSE(Domain::rectangle(1, bad)) << bad;
+    }
+}
+
+TEST(Domain, SubtractsHolesAndAddsParts) {
+    const auto domain = Domain::create({{box(0, 0, 4, 4), {box(1, 1, 2, 2)}}, {box(6, 0, 2, 3), {}}});
+    ASSERT_TRUE(domain);
+    EXPECT_DOUBLE_EQ(domain->area(), 16 - 4 + 6);
+    EXPECT_FALSE(domain->is_box());
+}
+
+TEST(Domain, AcceptsOpenAndClosedRingsOfBothOrientations) {
+    Ring outer = test::u_shape(), hole = box(0.25, 0.25, 0.5, 0.5);
+    for (const bool reverse_outer : {false, true}) {
+        for (const bool reverse_hole : {false, true}) {
+            for (const bool closed : {false, true}) {
+                Ring o = outer, h = hole;
+                if (reverse_outer) std::reverse(o.begin(), o.end());
+                if (reverse_hole) std::reverse(h.begin(), h.end());
+                if (closed) {
+                    o.push_back(o.front());
+                    h.push_back(h.front());
+                }
+                const auto domain = Domain::create({{o, {h}}});
+                ASSERT_TRUE(domain) << domain.error().message;
+                EXPECT_DOUBLE_EQ(domain->area(), 10 - 0.25);
+                EXPECT_EQ(domain->corner_count(), 12u);
+                EXPECT_EQ(orientation(domain->rings()[1][0], domain->rings()[1][1], domain->rings()[1][2]), -1)
+                    << "holes run clockwise";
+            }
+        }
+    }
+}
+
+TEST(Domain, DropsRepeatedVertices) {
+    const Ring ring{{0, 0}, {0, 0}, {1, 0}, {1, 1}, {1, 1}, {1, 1}, {0, 1}, {0, 0}, {0, 0}};
+    const auto domain = Domain::create({{ring, {}}});
+    ASSERT_TRUE(domain);
+    EXPECT_EQ(domain->corner_count(), 4u);
+    EXPECT_TRUE(domain->is_box());
+}
+
+TEST(Domain, KeepsCollinearVertices) {
+    const auto domain = Domain::create({{{{0, 0}, {0.25, 0}, {0.5, 0}, {1, 0}, {1, 1}, {0, 1}}, {}}});
+    ASSERT_TRUE(domain);
+    EXPECT_EQ(domain->corner_count(), 6u);
+    EXPECT_DOUBLE_EQ(domain->area(), 1);
+}
+
+TEST(Domain, TakesUnitPointsBack) {
+    const auto domain = Domain::create({{box(100, -50, 8, 4), {}}});
+    ASSERT_TRUE(domain);
+    EXPECT_EQ(domain->to_user({0, 0}), (Point{100, -50}));
+    EXPECT_EQ(domain->to_user({1, 0.5}), (Point{108, -46}));
+}
+
+TEST(Domain, IsTheSameWhereverItLiesAndHoweverLarge) {
+    const Parts parts = test::read_geojson("Italy-110m.geojson");
+    const auto domain = Domain::create(parts);
+    const auto large = Domain::create(test::scaled(parts, 0x1p30));
+    const auto tiny = Domain::create(test::scaled(parts, 0x1p-30));
+    ASSERT_TRUE(domain && large && tiny);
+    EXPECT_EQ(domain->rings(), large->rings());
+    EXPECT_EQ(domain->rings(), tiny->rings());
+    EXPECT_EQ(domain->area() * 0x1p60, large->area());
+}
+
+TEST(Domain, ReadsCountries) {
+    for (const char* name : {"Italy-110m.geojson", "South-Africa-50m.geojson", "Switzerland-10m.geojson"}) {
+        const auto domain = Domain::create(test::read_geojson(name));
+        EXPECT_TRUE(domain) << name << ": " << domain.error().message;
+    }
+}
+
+TEST(Domain, AcceptsAnIslandInAHole) {
+    const PolygonPart sea{box(0, 0, 10, 10), {box(2, 2, 6, 6)}}, island{box(4, 4, 2, 2), {}};
+    for (const Parts& parts : {Parts{sea, island}, Parts{island, sea}}) {
+        const auto domain = Domain::create(parts);
+        ASSERT_TRUE(domain) << domain.error().message;
+        EXPECT_DOUBLE_EQ(domain->area(), 100 - 36 + 4);
+    }
+}
+
+TEST(Domain, AcceptsManyHoles) {
+    const auto domain = Domain::create({test::sieve(20)});
+    ASSERT_TRUE(domain);
+    EXPECT_NEAR(domain->area(), 0.75, 1e-12);
+}
+
+TEST(Domain, RefusesNothing) {
+    const auto domain = Domain::create({});
+    ASSERT_FALSE(domain);
+    EXPECT_EQ(domain.error().code, ErrorCode::Unusable);
+}
+
+TEST(Domain, RefusesTooFewVertices) {
+    expect_refused({{{}, {}}}, "/0/0");
+    expect_refused({{{{0, 0}, {1, 1}}, {}}}, "/0/0");
+    expect_refused({{{{0, 0}, {1, 1}, {0, 0}}, {}}}, "/0/0");
+    expect_refused({{box(0, 0, 1, 1), {}}, {box(2, 0, 1, 1), {{{2.2, 0.2}, {2.2, 0.2}, {2.4, 0.4}}}}}, "/1/1");
+}
+
+TEST(Domain, RefusesCoordinatesThatAreNotFinite) {
+    const double inf = std::numeric_limits<double>::infinity();
+    expect_refused({{{{0, 0}, {1, 0}, {std::nan(""), 1}}, {}}}, "/0/0/2");
+    expect_refused({{box(0, 0, 1, 1), {{{0.2, 0.2}, {0.4, inf}, {0.2, 0.4}}}}}, "/0/1/1");
+    expect_refused({{box(0, 0, 1, 1), {}}, {{{2, 0}, {2, 1}, {-inf, 0}}, {}}}, "/1/0/2");
+}
+
+TEST(Domain, RefusesZeroArea) {
+    expect_refused({{{{0, 0}, {1, 1}, {2, 2}}, {}}}, "/0/0");
+    expect_refused({{{{0, 0}, {3, 0}, {1, 0}, {2, 0}}, {}}}, "/0/0");
+    expect_refused({{box(0, 0, 1, 1), {{{0.2, 0.2}, {0.3, 0.3}, {0.4, 0.4}}}}}, "/0/1");
+}
+
+TEST(Domain, RefusesExtentsThatNumbersCannotResolve) {
+    EXPECT_FALSE(Domain::create({{box(1e16, 1e16, 64, 64), {}}}));
+    EXPECT_FALSE(Domain::create({{box(0, 0, 1e200, 1e200), {}}}));
+    EXPECT_FALSE(Domain::create({{box(-1.5e308, 0, 1.7e308, 1), {}}}));
+}
+
+TEST(Domain, RefusesSelfCrossing) {
+    expect_refused({{{{0, 0}, {4, 0}, {4, 4}, {1, -1}}, {}}}, std::vector<std::string>{"/0/0/0", "/0/0/2", "/0/0/3"});
+}
+
+TEST(Domain, RefusesABowTieWhoseAreasCancel) {
+    expect_refused({{{{0, 0}, {1, 1}, {1, 0}, {0, 1}}, {}}}, std::vector<std::string>{"/0/0/0", "/0/0/2"});
+}
+
+TEST(Domain, RefusesAVertexOnAnEdge) {
+    expect_refused({{{{0, 0}, {4, 0}, {4, 4}, {2, 0}, {0, 4}}, {}}}, std::vector<std::string>{"/0/0/0", "/0/0/3"});
+}
+
+TEST(Domain, RefusesARingThatPassesAVertexTwice) {
+    expect_refused({{{{0, 0}, {2, 2}, {4, 0}, {4, 4}, {2, 2}, {0, 4}}, {}}},
+                   std::vector<std::string>{"/0/0/1", "/0/0/4"});
+}
+
+TEST(Domain, RefusesSpikes) {
+    expect_refused({{{{0, 0}, {2, 0}, {3, 0}, {2, 0}, {2, 2}, {0, 2}}, {}}},
+                   std::vector<std::string>{"/0/0/1", "/0/0/3"});
+}
+
+TEST(Domain, CountsVerticesAsTheCallerDoes) {
+    // Repeated and closing vertices count, and a turned ring keeps its numbers.
+    const Ring ring{{0, 0}, {0, 0}, {0, 4}, {2, 2}, {4, 4}, {4, 0}, {2, 2}, {0, 0}};
+    expect_refused({{ring, {}}}, std::vector<std::string>{"/0/0/3", "/0/0/6"});
+}
+
+TEST(Domain, RefusesHolesOutside) {
+    expect_refused({{box(0, 0, 1, 1), {box(2, 2, 1, 1)}}}, "/0/1");
+    expect_refused({{box(0, 0, 1, 1), {box(0.2, 0.2, 0.1, 0.1), box(-1, -1, 0.5, 0.5)}}}, "/0/2");
+    expect_refused({{box(0, 0, 1, 1), {}}, {box(2, 0, 1, 1), {box(0.2, 0.2, 0.2, 0.2)}}}, "/1/1");
+}
+
+TEST(Domain, RefusesAHoleAroundItsPolygon) {
+    EXPECT_FALSE(Domain::create({{box(1, 1, 1, 1), {box(0, 0, 3, 3)}}}));
+}
+
+TEST(Domain, RefusesHolesThatCrossTheOuterRing) {
+    expect_refused({{box(0, 0, 1, 1), {box(0.5, 0.25, 1, 0.5)}}},
+                   std::vector<std::string>{"/0/0/1", "/0/1/0", "/0/1/1", "/0/1/2", "/0/1/3"});
+}
+
+TEST(Domain, RefusesHolesThatTouch) {
+    const Ring outer = box(0, 0, 4, 4);
+    expect_refused({{outer, {{{0, 0}, {2, 1}, {1, 2}}}}}, std::vector<std::string>{"/0/1/0", "/0/0/0"});
+    expect_refused({{outer, {{{2, 0}, {3, 1}, {1, 1}}}}}, std::vector<std::string>{"/0/1/0", "/0/0/0"});
+    expect_refused({{outer, {box(1, 1, 1, 1), box(2, 2, 1, 1)}}}, std::vector<std::string>{"/0/1/2", "/0/2/0"});
+}
+
+TEST(Domain, RefusesHolesInHoles) {
+    expect_refused({{box(0, 0, 8, 8), {box(1, 1, 6, 6), box(3, 3, 2, 2)}}}, "/0/2");
+}
+
+TEST(Domain, RefusesOverlappingParts) {
+    expect_refused({{box(0, 0, 8, 8), {}}, {box(3, 3, 2, 2), {}}}, "/1/0");
+    expect_refused({{box(3, 3, 2, 2), {}}, {box(0, 0, 8, 8), {}}}, "/0/0");
+    EXPECT_FALSE(Domain::create({{box(0, 0, 2, 2), {}}, {box(1, 1, 2, 2), {}}}));
+    EXPECT_FALSE(Domain::create({{box(0, 0, 2, 2), {}}, {box(0, 0, 2, 2), {}}}));
+    EXPECT_FALSE(Domain::create({{box(0, 0, 2, 2), {}}, {box(2, 0, 2, 2), {}}})) << "a common edge";
+}
+
+TEST(Domain, TakesRingsOfManyVertices) {
+    const auto domain = Domain::create({{test::circle({0, 0}, 1, kManyVertices), {}}});
+    ASSERT_TRUE(domain);
+    EXPECT_EQ(domain->corner_count(), static_cast<std::size_t>(kManyVertices));
+    EXPECT_NEAR(domain->area(), 3.141592653589793, 1e-8);
+}
+
+TEST(Domain, TakesManyCollinearVertices) {
+    for (const double slope : {0.0, 0.7}) {
+        Ring ring;
+        for (int i = 0; i <= kManyVertices / 4; ++i) {
+            const double x = 4.0 * i / kManyVertices;
+            ring.push_back({x, slope * x});
+        }
+        ring.push_back({0, 1});
+        const auto domain = Domain::create({{ring, {}}});
+        ASSERT_TRUE(domain) << domain.error().message;
+        EXPECT_NEAR(domain->area(), 0.5, 1e-12);
+    }
+}
+
+TEST(Domain, RefusesAMessOfManyVertices) {
+    Random random(1, 0);
+    Ring ring;
+    for (int i = 0; i < kManyVertices; ++i) ring.push_back({random.uniform(), random.uniform()});
+    EXPECT_FALSE(Domain::create({{ring, {}}}));
+}
+
+}  // namespace
+}  // namespace ccdt

@@ -1,0 +1,75 @@
+#include "core/halftone/tone.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace ccdt {
+namespace {
+
+TEST(InkCoverage, IsWhatPaperDoesNotReflect) {
+    const Picture picture{2, 2, {0, 1, 0.25f, 0.75f}, {}};
+    EXPECT_EQ(ink_coverage(picture, Tone::Linear, false), (std::vector<float>{1, 0, 0.75f, 0.25f}));
+    EXPECT_EQ(ink_coverage(picture, Tone::Linear, true), (std::vector<float>{0, 1, 0.25f, 0.75f}));
+}
+
+TEST(InkCoverage, LeavesTransparentPixelsToThePaper) {
+    const Picture picture{2, 2, {0, 0, 0.5f, 1}, {0, 0.5f, 0.5f, 0}};
+    EXPECT_EQ(ink_coverage(picture, Tone::Linear, false), (std::vector<float>{0, 0.5f, 0.25f, 0}));
+    EXPECT_EQ(ink_coverage(picture, Tone::Linear, true), (std::vector<float>{0, 0, 0.25f, 0}));
+}
+
+TEST(InkCoverage, FollowsLightnessIfPerceptual) {
+    // CIE L* is 50 at Y = 0.184187, 8 at the end of its straight piece, Y = 216 / 24389.
+    const Picture picture{5, 1, {0, 1, 0.18418651f, 216.0f / 24389.0f, 108.0f / 24389.0f}, {}};
+    const auto coverage = ink_coverage(picture, Tone::Perceptual, false);
+    EXPECT_NEAR(coverage[0], 1, 1e-6);
+    EXPECT_NEAR(coverage[1], 0, 1e-6);
+    EXPECT_NEAR(coverage[2], 0.5, 1e-6);
+    EXPECT_NEAR(coverage[3], 0.92, 1e-6);
+    EXPECT_NEAR(coverage[4], 0.96, 1e-6);
+    EXPECT_NEAR(ink_coverage(picture, Tone::Perceptual, true)[2], 0.5, 1e-6);
+}
+
+TEST(InkCoverage, ClampsLuminance) {
+    const Picture picture{2, 1, {-0.5f, 1.5f}, {}};
+    EXPECT_EQ(ink_coverage(picture, Tone::Linear, false), (std::vector<float>{1, 0}));
+    EXPECT_EQ(ink_coverage(picture, Tone::Perceptual, true), (std::vector<float>{0, 1}));
+}
+
+std::vector<float> ink(std::size_t pixels, float coverage) {
+    return std::vector<float>(pixels, coverage);
+}
+
+TEST(DefaultSites, IsOneForEightPixelsOfInk) {
+    EXPECT_EQ(default_sites(ink(160'000, 0.5f), 1'000'000), 10'000u);
+}
+
+TEST(DefaultSites, StaysInItsRange) {
+    constexpr std::size_t kLimit = 1'000'000;
+    EXPECT_EQ(default_sites(ink(10'000, 0.5f), kLimit), 4096u) << "at least 4,096";
+    EXPECT_EQ(default_sites(ink(1000, 0.5f), kLimit), 500u) << "no more than one a pixel of ink";
+    EXPECT_EQ(default_sites(ink(2'000'000, 1), kLimit), 100'000u) << "at most 100,000";
+    EXPECT_EQ(default_sites(ink(2'000'000, 1), 500), 500u) << "never more than the limit";
+    EXPECT_EQ(default_sites(ink(100, 0), kLimit), 1u);
+    EXPECT_EQ(default_sites({}, kLimit), 1u);
+    EXPECT_EQ(default_sites(ink(100, 1), 0), 1u);
+}
+
+TEST(DefaultScale, GivesDotsOfThreePixels) {
+    // Dots of 2 pixels of ink have a radius of sqrt(2 / pi) = 0.798 pixels.
+    EXPECT_EQ(default_scale(ink(10'000, 0.5f), 2500), 4);
+    // Larger dots need no whole number.
+    EXPECT_NEAR(default_scale(ink(10'000, 1), 100), 3 / std::sqrt(100 / 3.141592653589793), 1e-6);
+}
+
+TEST(DefaultScale, StaysInItsRange) {
+    EXPECT_EQ(default_scale(ink(100, 0), 10), 16);
+    EXPECT_EQ(default_scale(ink(100, 0.01f), 100), 16);
+    EXPECT_EQ(default_scale(ink(1'000'000, 1), 1), 0.1);
+    const double scale = default_scale(ink(4'000'000, 1), 4'000'000);
+    EXPECT_NEAR(scale * scale * 4e6, 16e6, 1);
+}
+
+}  // namespace
+}  // namespace ccdt

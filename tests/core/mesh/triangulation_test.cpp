@@ -1,0 +1,153 @@
+#include "core/mesh/triangulation.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+#include "tests/support/meshes.h"
+
+namespace ccdt {
+namespace {
+
+using test::count_bad_links;
+using test::count_inverted;
+using test::count_not_delaunay;
+using test::domain_of;
+using test::Parts;
+using test::StartMesh;
+
+const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
+
+Triangulation empty_mesh(const Parts& parts, std::size_t sites) {
+    return {sites, triangulate(bare_border(domain_of(parts))).value()};
+}
+
+void expect_valid(const Triangulation& mesh, std::size_t parts, std::size_t holes) {
+    EXPECT_EQ(count_inverted(mesh), 0u);
+    EXPECT_EQ(count_not_delaunay(mesh), 0u);
+    EXPECT_EQ(count_bad_links(mesh), 0u);
+    const std::size_t border = mesh.vertex_count() - mesh.site_count();
+    EXPECT_EQ(mesh.triangle_count(), 2 * mesh.site_count() + border + 2 * holes - 2 * parts);
+}
+
+TEST(Triangulation, SplitsASquareAboutItsCentre) {
+    Triangulation mesh = empty_mesh(kSquare, 1);
+    ASSERT_TRUE(mesh.insert(0, {0.5, 0.5}));
+    mesh.trim();
+    ASSERT_EQ(mesh.triangle_count(), 4u);
+    EXPECT_EQ(mesh.vertex_count(), 5u);
+    for (std::uint32_t t = 0; t < 4; ++t) EXPECT_DOUBLE_EQ(mesh.doubled_area(t), 0.5);
+    expect_valid(mesh, 1, 0);
+}
+
+TEST(Triangulation, RefusesPlacesThatAreNotStrictlyInside) {
+    const Parts ring{{test::box(0, 0, 4, 4), {test::box(1, 1, 2, 2)}}};
+    Triangulation mesh = empty_mesh(ring, 1);
+    EXPECT_FALSE(mesh.insert(0, {0.5, 0.5})) << "in the hole";
+    EXPECT_FALSE(mesh.insert(0, {0.5, 0})) << "on the border";
+    EXPECT_FALSE(mesh.insert(0, {0.25, 0.5})) << "on the hole's border";
+    EXPECT_FALSE(mesh.insert(0, {0, 0})) << "on a corner";
+    EXPECT_TRUE(mesh.insert(0, {0.125, 0.5}));
+    mesh.trim();
+    expect_valid(mesh, 1, 1);
+}
+
+TEST(Triangulation, RefusesAPlaceThatIsTaken) {
+    Triangulation mesh = empty_mesh(kSquare, 2);
+    EXPECT_TRUE(mesh.insert(0, {0.25, 0.5}));
+    EXPECT_FALSE(mesh.insert(1, {0.25, 0.5}));
+    EXPECT_TRUE(mesh.insert(1, {0.25, std::nextafter(0.5, 1.0)}));
+    mesh.trim();
+    expect_valid(mesh, 1, 0);
+}
+
+TEST(Triangulation, TakesSitesOnEdgesAndCircles) {
+    // Every site of a lattice lies on edges of the ones before, and four at a time on a circle.
+    constexpr int kSide = 31;
+    Triangulation mesh = empty_mesh(kSquare, kSide * kSide);
+    std::uint32_t site = 0;
+    for (int j = 1; j <= kSide; ++j) {
+        for (int i = 1; i <= kSide; ++i) ASSERT_TRUE(mesh.insert(site++, {i / 32.0, j / 32.0}));
+    }
+    mesh.trim();
+    expect_valid(mesh, 1, 0);
+}
+
+TEST(Triangulation, TakesSitesCrowdedIntoOnePlace) {
+    Random random(4, 0);
+    Triangulation mesh = empty_mesh(kSquare, 500);
+    for (std::uint32_t i = 0; i < 500; ++i) {
+        const double distance = std::pow(10.0, -12 * random.uniform()), angle = 6.28 * random.uniform();
+        ASSERT_TRUE(mesh.insert(i, {0.5 + 0.4 * distance * std::cos(angle), 0.5 + 0.4 * distance * std::sin(angle)}));
+    }
+    mesh.trim();
+    expect_valid(mesh, 1, 0);
+}
+
+TEST(Triangulation, HoldsInAllShapes) {
+    struct Case {
+        Parts parts;
+        std::size_t holes;
+    };
+    const std::vector<Case> cases{{kSquare, 0},
+                                  {{{test::u_shape(), {}}}, 0},
+                                  {{test::sieve(5)}, 25},
+                                  {{{test::box(0, 0, 8, 8), {test::box(2, 2, 4, 4)}}, {test::box(3, 3, 1, 1), {}}}, 1},
+                                  {test::read_geojson("South-Africa-50m.geojson"), 1},
+                                  {test::read_geojson("Switzerland-10m.geojson"), 0},
+                                  {test::read_geojson("Italy-110m.geojson"), 0}};
+    for (const Case& c : cases) {
+        for (const std::size_t sites : {1, 10, 1000}) {
+            const StartMesh start(domain_of(c.parts), Density::uniform(), Options{.sites = sites, .seed = sites});
+            SCOPED_TRACE(sites);
+            expect_valid(start.mesh, c.parts.size(), c.holes);
+        }
+    }
+}
+
+TEST(Triangulation, FlipsBackAfterMoves) {
+    StartMesh start(domain_of(kSquare), Density::uniform(), Options{.sites = 2000, .seed = 5});
+    Triangulation& mesh = start.mesh;
+    Random random(6, 0);
+    for (int round = 0; round < 5; ++round) {
+        // Each site some way towards a corner of its ring: triangles stay counter-clockwise, edges do not stay
+        // Delaunay.
+        for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
+            const Point old = mesh.point(v), goal = mesh.point(mesh.target(mesh.edge_of(v)));
+            mesh.points()[v] = old + 0.5 * random.uniform() * (goal - old);
+            std::uint32_t h = mesh.edge_of(v);
+            bool flat = false;
+            do {
+                flat = flat || mesh.doubled_area(Triangulation::triangle_of(h)) < 1e-9;
+                h = mesh.twin(Triangulation::previous(h));
+            } while (h != mesh.edge_of(v));
+            if (flat) mesh.points()[v] = old;
+        }
+        ASSERT_EQ(count_inverted(mesh), 0u);
+        EXPECT_GT(count_not_delaunay(mesh), 0u);
+        EXPECT_GT(mesh.restore_delaunay(), 0u);
+        expect_valid(mesh, 1, 0);
+    }
+    EXPECT_EQ(mesh.restore_delaunay(), 0u);
+}
+
+TEST(Triangulation, TellsWhatFlipsHaveChanged) {
+    Triangulation mesh = empty_mesh(kSquare, 4);
+    ASSERT_TRUE(mesh.insert(0, {0.5, 0.3}));
+    ASSERT_TRUE(mesh.insert(1, {0.5, 0.7}));
+    ASSERT_TRUE(mesh.insert(2, {0.25, 0.5}));
+    ASSERT_TRUE(mesh.insert(3, {0.75, 0.5}));
+    mesh.trim();
+    EXPECT_EQ(mesh.restore_delaunay(), 0u);
+    for (std::uint32_t v = 0; v < 4; ++v) EXPECT_FALSE(mesh.has_changed(v));
+    // The short diagonal of the four was 0-1; now it is 2-3.
+    mesh.points()[2] = {0.45, 0.5};
+    mesh.points()[3] = {0.55, 0.5};
+    EXPECT_GE(mesh.restore_delaunay(), 1u);
+    for (std::uint32_t v = 0; v < 4; ++v) EXPECT_TRUE(mesh.has_changed(v));
+    expect_valid(mesh, 1, 0);
+}
+
+}  // namespace
+}  // namespace ccdt
