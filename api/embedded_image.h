@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "api/option_reader.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Decodes base64 (RFC 4648, section 4): the standard alphabet, without line breaks; the padding may be left out
+/// altogether, but what there is must be right.
+/// Errors: Malformed, naming the first character that is wrong.
+Result<std::string> decode_base64(std::string_view text);
+
+/// An image file inside JSON: base64, or a `data:` URI (RFC 2397) in base64, whose media type is not looked at.
+/// @returns  the file's bytes, in a format that is read
+/// Errors: Malformed for the text; those of check_image for what it holds.
+Result<std::string> read_embedded_image(const Input& input);
+
+}  // namespace ccdt::api

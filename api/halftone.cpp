@@ -1,0 +1,232 @@
+#include "api/halftone.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "api/embedded_image.h"
+#include "api/image_codec.h"
+#include "api/json_writer.h"
+#include "api/negotiation.h"
+#include "api/png_writer.h"
+#include "api/run_options.h"
+#include "api/stopwatch.h"
+#include "core/halftone/dots.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr Interval kScales = {.min = 0.1, .max = 16};
+constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
+
+/// In the order of HalftoneFormat, which is the server's preference.
+constexpr std::array<Format, 2> kFormats = {{{"png", "image/png"}, {"json", "application/json"}}};
+
+std::string_view media_type(HalftoneFormat format) {
+    return kFormats[static_cast<std::size_t>(format)].media_type;
+}
+
+Result<void> read_dot(const Input& input, std::optional<double>& dot) {
+    if (const auto text = read_text(input); text && *text == "auto") {
+        dot.reset();
+        return {};
+    }
+    auto radius = read_number(input, kRadii);
+    if (!radius) radius.error().message += ", or auto";
+    return assign(dot, std::move(radius));
+}
+
+Result<void> read_tone(const Input& input, Tone& tone) {
+    static constexpr std::array<std::string_view, 2> kWords = {"linear", "perceptual"};
+    return assign(tone, read_choice(input, kWords));
+}
+
+/// A request on its way; the format can only be settled when all options are known.
+struct Draft {
+    HalftoneRequest request;
+    std::optional<std::size_t> format;  ///< index into kFormats
+};
+
+constexpr std::array<OptionRule<Draft>, 12> kRules = {{
+    {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
+    {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
+    {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
+    {"passes", [](const Input& i, const Limits&, Draft& d) { return read_passes(i, d.request.run); }},
+    {"scale", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.scale, read_number(i, kScales)); }},
+    {"dot", [](const Input& i, const Limits&, Draft& d) { return read_dot(i, d.request.dot); }},
+    {"antialias", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.antialias, read_boolean(i)); }},
+    {"invert", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.invert, read_boolean(i)); }},
+    {"tone", [](const Input& i, const Limits&, Draft& d) { return read_tone(i, d.request.tone); }},
+    {"foreground",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.foreground, read_colour(i)); }},
+    {"background",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.background, read_colour_or_none(i)); }},
+    {"format", [](const Input& i, const Limits&, Draft& d) { return assign(d.format, read_format(i, kFormats)); }},
+}};
+
+Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector<Input>& inputs,
+                                      std::string_view accept, const Limits& limits) {
+    Draft draft{std::move(request), {}};
+    if (auto read = read_options<Draft>(kRules, inputs, limits, draft); !read) {
+        return tl::make_unexpected(read.error());
+    }
+    if (!draft.format) {
+        auto chosen = assign(draft.format, negotiate(accept, kFormats));
+        if (!chosen) return tl::make_unexpected(chosen.error());
+    }
+    draft.request.format = static_cast<HalftoneFormat>(*draft.format);
+    return std::move(draft.request);
+}
+
+/// Where the dots go in the picture, and how many there are.
+struct Plan {
+    PictureSize picture;
+    double ink = 0;  ///< mean coverage
+    std::size_t sites = 0;
+    Canvas canvas;  ///< of an answer that is drawn
+    Density density = Density::uniform();
+};
+
+double mean(const std::vector<float>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+Canvas scaled(PictureSize picture, double scale) {
+    static constexpr long kMaxSide = std::numeric_limits<int>::max();
+    const auto side = [scale](int pixels) {
+        return static_cast<int>(std::clamp(std::lround(pixels * scale), 1L, kMaxSide));
+    };
+    return {side(picture.width), side(picture.height), scale};
+}
+
+bool fits(const Canvas& canvas, std::size_t max_pixels) {
+    return static_cast<std::size_t>(canvas.width) <= max_pixels / static_cast<std::size_t>(canvas.height);
+}
+
+/// A chosen scale gives way to the limit; one that was asked for does not.
+Result<Canvas> plan_canvas(const HalftoneRequest& request, PictureSize picture, double preferred_scale,
+                           const Limits& limits) {
+    if (request.scale) {
+        const Canvas canvas = scaled(picture, *request.scale);
+        if (fits(canvas, limits.max_pixels)) return canvas;
+        return failure(ErrorCode::LimitExceeded,
+                       "scale makes an output of " + std::to_string(canvas.width) + " x " +
+                           std::to_string(canvas.height) + " pixels; this server's limit (max-pixels) is " +
+                           std::to_string(limits.max_pixels),
+                       "scale");
+    }
+    const double pixels = static_cast<double>(picture.width) * picture.height;
+    const double largest = std::sqrt(static_cast<double>(limits.max_pixels) / pixels);
+    double scale = std::min(preferred_scale, largest);
+    while (scale > 1 && !fits(scaled(picture, scale), limits.max_pixels)) scale = std::max(1.0, scale * 0.999);
+    return scaled(picture, scale);
+}
+
+Result<Plan> plan_dots(const HalftoneRequest& request, const Limits& limits) {
+    auto decoded = decode_image(request.image, limits.max_pixels);
+    if (!decoded) return failure(decoded.error().code, decoded.error().message, request.image_field);
+    Plan plan;
+    plan.picture = {decoded->width, decoded->height};
+    const std::vector<float> coverage = ink_coverage(*decoded, request.tone, request.invert);
+    *decoded = {};  // megabytes a megapixel, no longer needed
+    plan.ink = mean(coverage);
+    if (!(plan.ink > 0)) {
+        return failure(ErrorCode::Unusable,
+                       request.invert ? "the image is black or transparent all over: there is nothing to draw"
+                                      : "the image is white or transparent all over: there is nothing to draw",
+                       request.image_field);
+    }
+    plan.sites = request.sites ? *request.sites : default_sites(coverage, limits.max_sites);
+    if (request.format == HalftoneFormat::Png) {
+        const double scale = default_scale(coverage, plan.sites);
+        auto planned = assign(plan.canvas, plan_canvas(request, plan.picture, scale, limits));
+        if (!planned) return tl::make_unexpected(planned.error());
+    }
+    auto density = Density::grid(plan.picture.width, plan.picture.height, std::span<const float>(coverage));
+    if (!density) return failure(density.error().code, density.error().message, request.image_field);
+    plan.density = *std::move(density);
+    return plan;
+}
+
+/// The density is taken and given back as soon as the sites lie.
+Result<Distribution> place_dots(const HalftoneRequest& request, Plan& plan, const Control& control) {
+    const Density density = std::exchange(plan.density, Density::uniform());
+    const auto domain = Domain::rectangle(plan.picture.width, plan.picture.height);
+    if (!domain) return tl::make_unexpected(domain.error());
+    Options options = request.run;
+    options.sites = plan.sites;
+    auto distribution = distribute_all(*domain, density, options, control);
+    if (!distribution) return failure(distribution.error().code, distribution.error().message, request.image_field);
+    return distribution;
+}
+
+Inks inks_of(const HalftoneRequest& request) {
+    return {request.foreground.value_or(request.invert ? kWhite : kBlack),
+            request.background.value_or(request.invert ? kBlack : kWhite)};
+}
+
+Result<std::string> draw(const HalftoneRequest& request, const Plan& plan, const Distribution& distribution) {
+    const Raster raster = draw_dots(distribution.points, plan.canvas, {request.dot, plan.ink, request.antialias});
+    return write_png(raster, request.antialias, inks_of(request));
+}
+
+}  // namespace
+
+Result<HalftoneRequest> parse_halftone(std::string image, const std::vector<TextOption>& options,
+                                       std::string_view accept, const Limits& limits) {
+    HalftoneRequest request;
+    request.image = std::move(image);
+    auto parsed = parse_options(std::move(request), inputs_of(options), accept, limits);
+    if (!parsed) return parsed;
+    if (auto checked = check_image(parsed->image); !checked) return tl::make_unexpected(checked.error());
+    return parsed;
+}
+
+Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::vector<TextOption>& options,
+                                            std::string_view accept, const Limits& limits) {
+    const auto document = JsonDocument::parse(body);
+    if (!document) return tl::make_unexpected(document.error());
+    auto inputs = inputs_of(document->root(), "");
+    if (!inputs) return tl::make_unexpected(inputs.error());
+    const auto image = std::find_if(inputs->begin(), inputs->end(), [](const Input& i) { return i.name == "image"; });
+    if (image == inputs->end()) return failure(ErrorCode::Malformed, "image is missing", "/image");
+    auto bytes = read_embedded_image(*image);
+    if (!bytes) return tl::make_unexpected(bytes.error());
+
+    HalftoneRequest request;
+    request.image_field = image->field;
+    request.image = *std::move(bytes);
+    inputs->erase(image);
+    for (auto& input : inputs_of(options)) inputs->push_back(std::move(input));
+    return parse_options(std::move(request), *inputs, accept, limits);
+}
+
+Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Control& control,
+                            Timings& timings) {
+    Stopwatch watch;
+    auto plan = plan_dots(request, limits);
+    timings.decode = watch.lap();
+    if (!plan) return tl::make_unexpected(plan.error());
+    if (auto going = check_stop(control); !going) return tl::make_unexpected(going.error());
+
+    const auto distribution = place_dots(request, *plan, control);
+    timings.optimise = watch.lap();
+    if (!distribution) return tl::make_unexpected(distribution.error());
+
+    Answer answer{std::string(media_type(request.format)), {}};
+    if (request.format == HalftoneFormat::Json) {
+        answer.body =
+            write_distribution(*distribution, {request.run.seed, timings.decode + timings.optimise, plan->picture});
+    } else {
+        auto png = draw(request, *plan, *distribution);
+        if (!png) return tl::make_unexpected(png.error());
+        answer.body = *std::move(png);
+    }
+    timings.encode = watch.lap();
+    return answer;
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/colour.h"
+#include "api/options.h"
+#include "core/ccdt/ccdt.h"
+#include "core/halftone/tone.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+enum class HalftoneFormat { Png, Json };
+
+struct HalftoneRequest {
+    std::string image;                 ///< the file's bytes
+    std::string image_field;           ///< for Error::field; empty if it is the body
+    std::optional<std::size_t> sites;  ///< none: chosen from the image
+    Options run;                       ///< seed, iterations, passes
+    std::optional<double> scale;       ///< output pixels per input pixel; none: chosen
+    std::optional<double> dot;         ///< radius in output pixels; none: keeps the mean tone
+    bool antialias = false;
+    bool invert = false;
+    Tone tone = Tone::Linear;
+    std::optional<Colour> foreground;  ///< none: black, inverted white
+    std::optional<Colour> background;  ///< none: white, inverted black
+    HalftoneFormat format = HalftoneFormat::Png;
+};
+
+/// Reads a request whose image is the body, or a part of a form; options come as text.
+///
+/// @param image    the file's bytes
+/// @param options  in the order they came
+/// @param accept   the Accept header, empty if there is none; the option `format` wins over it
+/// Errors: Malformed for an option that is unknown, repeated or out of range, or no image; Unsupported for an
+/// image of a format that is not read; LimitExceeded for too many sites; NotAcceptable if neither of the formats
+/// is accepted. The field is the option's name. Cheap: the image is not decoded.
+Result<HalftoneRequest> parse_halftone(std::string image, const std::vector<TextOption>& options,
+                                       std::string_view accept, const Limits& limits);
+
+/// The same for a body that is a JSON object, with the member `image` in base64 or as a data: URI.
+///
+/// @param options  that came in the query besides; they must not repeat a member
+/// Errors: as above, and those of JsonDocument::parse. The field of a member is its JSON Pointer.
+Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::vector<TextOption>& options,
+                                            std::string_view accept, const Limits& limits);
+
+/// Decodes, distributes, draws, encodes.
+///
+/// @param control  a stop ends it within a pass, with nothing to show for it
+/// @param timings  filled as far as it came
+/// @returns        a PNG file, or the points as JSON
+/// Errors: those of decode_image; Unusable for a picture without ink; LimitExceeded if the output would have more
+/// than limits.max_pixels; Stopped. Same request, same bytes, but for `elapsed_ms` in JSON.
+Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Control& control,
+                            Timings& timings);
+
+}  // namespace ccdt::api

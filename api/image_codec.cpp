@@ -1,0 +1,426 @@
+#include "api/image_codec.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace ccdt::api {
+namespace {
+
+enum class FileFormat { Png, Jpeg, WebP, Tiff };
+
+struct Size {
+    std::uint64_t width = 0;
+    std::uint64_t height = 0;
+};
+
+std::optional<FileFormat> recognise(std::string_view bytes) {
+    using namespace std::string_view_literals;
+    if (bytes.starts_with("\x89PNG\r\n\x1a\n"sv)) return FileFormat::Png;
+    if (bytes.starts_with("\xff\xd8\xff"sv)) return FileFormat::Jpeg;
+    if (bytes.starts_with("RIFF"sv) && bytes.substr(0, 12).ends_with("WEBP"sv)) return FileFormat::WebP;
+    if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv)) return FileFormat::Tiff;
+    return std::nullopt;
+}
+
+const char* plugin_name(FileFormat format) {
+    switch (format) {
+        case FileFormat::Png:
+            return "png";
+        case FileFormat::Jpeg:
+            return "jpeg";
+        case FileFormat::WebP:
+            return "webp";
+        case FileFormat::Tiff:
+            return "tiff";
+    }
+    return "";
+}
+
+tl::unexpected<Error> broken() {
+    return failure(ErrorCode::Unusable, "the image is broken or cut short");
+}
+
+tl::unexpected<Error> unusual(const char* what) {
+    return failure(ErrorCode::Unusable, std::string("the image is of a kind that is not read: ") + what);
+}
+
+Result<void> check_pixels(Size size, std::size_t max_pixels) {
+    if (size.width == 0 || size.height == 0) return broken();
+    if (size.width <= max_pixels / size.height) return {};
+    return failure(ErrorCode::LimitExceeded,
+                   "the image has " + std::to_string(size.width) + " x " + std::to_string(size.height) +
+                       " pixels; this server's limit (max-pixels) is " + std::to_string(max_pixels));
+}
+
+/// Unsigned integers inside a file.
+class ByteReader {
+public:
+    ByteReader(std::string_view bytes, bool big_endian) : bytes_(bytes), big_endian_(big_endian) {}
+
+    /// @returns  none past the end
+    std::optional<std::uint32_t> read(std::size_t offset, std::size_t size) const {
+        if (offset > bytes_.size() || size > bytes_.size() - offset) return std::nullopt;
+        std::uint32_t value = 0;
+        for (std::size_t i = 0; i < size; ++i) {
+            const std::size_t at = offset + (big_endian_ ? i : size - 1 - i);
+            value = value << 8 | static_cast<unsigned char>(bytes_[at]);
+        }
+        return value;
+    }
+
+private:
+    std::string_view bytes_;
+    bool big_endian_;
+};
+
+constexpr std::size_t kRiffChunks = 12;  ///< where the first chunk of a WebP file stands
+constexpr std::size_t kRiffHeader = 8;   ///< a chunk's name and size
+
+/// The size of a WebP's canvas. The reader decodes the picture when it is opened, which is too late to ask.
+std::optional<Size> webp_size(std::string_view bytes) {
+    const ByteReader reader(bytes, false);
+    const std::string_view chunk = bytes.substr(std::min(kRiffChunks, bytes.size()), 4);
+    const std::size_t data = kRiffChunks + kRiffHeader;
+    if (chunk == "VP8X") {
+        const auto width = reader.read(data + 4, 3);
+        const auto height = reader.read(data + 7, 3);
+        if (width && height) return Size{*width + std::uint64_t{1}, *height + std::uint64_t{1}};
+    } else if (chunk == "VP8L") {
+        const auto bits = reader.read(data + 1, 4);
+        if (bits) return Size{(*bits & 0x3FFF) + std::uint64_t{1}, (*bits >> 14 & 0x3FFF) + std::uint64_t{1}};
+    } else if (chunk == "VP8 ") {
+        const auto width = reader.read(data + 6, 2);
+        const auto height = reader.read(data + 8, 2);
+        if (width && height) return Size{*width & 0x3FFF, *height & 0x3FFF};
+    }
+    return std::nullopt;
+}
+
+/// One value of the first directory of a TIFF file or EXIF block.
+std::optional<std::uint32_t> tiff_short(std::string_view bytes, std::uint32_t tag) {
+    constexpr std::uint32_t kShort = 3;
+    const ByteReader reader(bytes, bytes.starts_with("MM"));
+    const auto directory = reader.read(4, 4);
+    if (!directory) return std::nullopt;
+    const auto entries = reader.read(*directory, 2);
+    for (std::size_t i = 0; entries && i < *entries; ++i) {
+        const std::size_t entry = std::size_t{*directory} + 2 + 12 * i;
+        const auto name = reader.read(entry, 2);
+        if (!name) return std::nullopt;
+        if (*name == tag && reader.read(entry + 2, 2) == kShort) return reader.read(entry + 8, 2);
+    }
+    return std::nullopt;
+}
+
+/// All chunks are there, up to the last. Where they end early the reader leaks memory.
+bool is_whole_png(std::string_view bytes) {
+    constexpr std::size_t kSignature = 8;
+    constexpr std::size_t kFrame = 12;  // a chunk's length, name and checksum
+    const ByteReader reader(bytes, true);
+    std::size_t chunk = kSignature;
+    while (const auto length = reader.read(chunk, 4)) {
+        const std::size_t end = chunk + kFrame + *length;
+        if (end > bytes.size()) return false;
+        if (bytes.substr(chunk + 4, 4) == "IEND") return true;
+        chunk = end;
+    }
+    return false;
+}
+
+/// The reader takes a missing BitsPerSample for 8 where the format says 1, and then returns memory that it never
+/// wrote.
+bool has_bits_per_sample(std::string_view tiff) {
+    constexpr std::uint32_t kBitsPerSample = 258;
+    return tiff_short(tiff, kBitsPerSample).has_value();
+}
+
+/// The reader does not look at a WebP's EXIF block.
+int webp_orientation(std::string_view bytes) {
+    constexpr std::uint32_t kOrientation = 274;
+    const ByteReader reader(bytes, false);
+    std::size_t chunk = kRiffChunks;
+    while (const auto size = reader.read(chunk + 4, 4)) {
+        if (bytes.substr(chunk, 4) == "EXIF") {
+            std::string_view exif = bytes.substr(chunk + kRiffHeader, *size);
+            if (exif.starts_with("Exif")) exif.remove_prefix(std::min<std::size_t>(6, exif.size()));
+            return static_cast<int>(tiff_short(exif, kOrientation).value_or(1));
+        }
+        chunk += kRiffHeader + *size + *size % 2;
+    }
+    return 1;
+}
+
+/// Where the pixels of the file's rows go in the upright picture.
+struct Placement {
+    Size size;                 ///< of the upright picture
+    std::ptrdiff_t start = 0;  ///< index of the file's first pixel
+    std::ptrdiff_t right = 0;  ///< from a pixel to the next in its row of the file
+    std::ptrdiff_t down = 0;   ///< from a pixel to the one below it in the file
+};
+
+/// @param orientation  EXIF's, 1 to 8; anything else counts as 1, upright
+Placement place(Size file, int orientation) {
+    if (orientation < 1 || orientation > 8) orientation = 1;
+    const bool turned = orientation >= 5;
+    const Size size = turned ? Size{file.height, file.width} : file;
+    const auto width = static_cast<std::ptrdiff_t>(size.width);
+    const auto height = static_cast<std::ptrdiff_t>(size.height);
+    // The file's first pixel lies at the right, or at the bottom, of the upright picture.
+    const bool from_right = orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7;
+    const bool from_bottom = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;
+    const std::ptrdiff_t start = (from_right ? width - 1 : 0) + (from_bottom ? (height - 1) * width : 0);
+    const std::ptrdiff_t along = from_right ? -1 : 1;
+    const std::ptrdiff_t across = from_bottom ? -width : width;
+    return turned ? Placement{size, start, across, along} : Placement{size, start, along, across};
+}
+
+/// What the numbers of the file stand for.
+struct Encoding {
+    enum class Curve { Srgb, Gamma, Linear };
+
+    std::ptrdiff_t channels = 1;
+    bool colour = false;  ///< the first three are red, green, blue; else the first is grey
+    int alpha = -1;       ///< its channel; -1: none
+    bool premultiplied = false;
+    Curve curve = Curve::Srgb;
+    float gamma = 1;  ///< of Curve::Gamma
+
+    float to_linear(float value) const {
+        if (curve == Curve::Linear) return value;
+        if (curve == Curve::Gamma) return std::pow(value, gamma);
+        return value <= 0.04045F ? value / 12.92F : std::pow((value + 0.055F) / 1.055F, 2.4F);
+    }
+};
+
+Encoding encoding_of(const OIIO::ImageSpec& spec) {
+    Encoding encoding;
+    encoding.channels = spec.nchannels;
+    encoding.colour = spec.nchannels >= 3;
+    encoding.alpha = spec.alpha_channel;
+    encoding.premultiplied = spec.alpha_channel >= 0 && spec.get_int_attribute("oiio:UnassociatedAlpha", 0) == 0;
+    const bool floats = spec.format.is_floating_point();
+    const std::string space = spec.get_string_attribute("oiio:ColorSpace", floats ? "linear" : "sRGB");
+    const float gamma = spec.get_float_attribute("oiio:Gamma", 0);
+    if (OIIO::Strutil::iequals(space, "linear")) {
+        encoding.curve = Encoding::Curve::Linear;
+    } else if (gamma > 0) {
+        encoding.curve = Encoding::Curve::Gamma;
+        encoding.gamma = gamma;
+    }
+    return encoding;
+}
+
+/// Turns samples of one type into shares of the full range; integers to linear light by a table.
+template <class Sample>
+class SampleReader {
+public:
+    explicit SampleReader(const Encoding& encoding) : encoding_(encoding) {
+        if constexpr (std::is_integral_v<Sample>) {
+            table_.resize(std::size_t{kFull} + 1);
+            for (std::size_t i = 0; i < table_.size(); ++i) {
+                table_[i] = encoding.to_linear(static_cast<float>(i) / static_cast<float>(kFull));
+            }
+        }
+    }
+
+    static float share(Sample sample) {
+        if constexpr (std::is_integral_v<Sample>) {
+            return static_cast<float>(sample) / static_cast<float>(kFull);
+        } else {
+            return sample > 0 ? std::min(sample, Sample{1}) : 0;  // not a number: 0
+        }
+    }
+
+    float linear(Sample sample) const {
+        if constexpr (std::is_integral_v<Sample>) {
+            return table_[sample];
+        } else {
+            return encoding_.to_linear(share(sample));
+        }
+    }
+
+    /// The sample before it was multiplied by alpha.
+    float linear(Sample sample, float alpha) const {
+        if (!encoding_.premultiplied) return linear(sample);
+        return alpha > 0 ? encoding_.to_linear(std::min(share(sample) / alpha, 1.0F)) : 0;
+    }
+
+private:
+    static constexpr Sample kFull = std::numeric_limits<Sample>::max();
+
+    const Encoding& encoding_;
+    std::vector<float> table_;
+};
+
+/// Puts one row of the file into the picture.
+template <class Sample>
+void store_row(const Sample* sample, std::ptrdiff_t count, const SampleReader<Sample>& reader, const Encoding& encoding,
+               const Placement& placement, std::ptrdiff_t row, Picture& picture) {
+    std::ptrdiff_t to = placement.start + row * placement.down;
+    for (std::ptrdiff_t i = 0; i < count; ++i, sample += encoding.channels, to += placement.right) {
+        const auto pixel = static_cast<std::size_t>(to);
+        const float alpha = encoding.alpha < 0 ? 1.0F : reader.share(sample[encoding.alpha]);
+        if (encoding.alpha >= 0) picture.alpha[pixel] = alpha;
+        float luminance = reader.linear(sample[0], alpha);
+        if (encoding.colour) {
+            luminance = 0.2126F * luminance + 0.7152F * reader.linear(sample[1], alpha) +
+                        0.0722F * reader.linear(sample[2], alpha);
+        }
+        picture.luminance[pixel] = std::min(luminance, 1.0F);
+    }
+}
+
+/// Rows that are read at once: whole tiles, or about a megabyte.
+int rows_at_once(const OIIO::ImageSpec& spec) {
+    if (spec.tile_width > 0) return spec.tile_height;
+    const std::uint64_t row_bytes =
+        static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.nchannels) * 4;
+    return static_cast<int>(std::clamp<std::uint64_t>((1 << 20) / row_bytes, 1, 256));
+}
+
+bool read_rows(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, int begin, int end, const OIIO::TypeDesc& type,
+               void* rows) {
+    if (spec.tile_width == 0) return input.read_scanlines(0, 0, begin, end, 0, 0, spec.nchannels, type, rows);
+    return input.read_tiles(0, 0, 0, spec.width, begin, end, 0, 1, 0, spec.nchannels, type, rows);
+}
+
+template <class Sample>
+Result<Picture> read_pixels(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, const Placement& placement) {
+    const Encoding encoding = encoding_of(spec);
+    const SampleReader<Sample> reader(encoding);
+    const int step = rows_at_once(spec);
+    const auto width = static_cast<std::size_t>(spec.width);
+    const std::size_t row_size = width * static_cast<std::size_t>(spec.nchannels);
+    std::vector<Sample> rows(static_cast<std::size_t>(std::min(step, spec.height)) * row_size);
+
+    Picture picture;
+    picture.width = static_cast<int>(placement.size.width);
+    picture.height = static_cast<int>(placement.size.height);
+    picture.luminance.resize(width * static_cast<std::size_t>(spec.height));
+    if (encoding.alpha >= 0) picture.alpha.resize(picture.luminance.size());
+    for (int begin = 0; begin < spec.height; begin += std::min(step, spec.height - begin)) {
+        const int end = begin + std::min(step, spec.height - begin);
+        // A shortened file may read "well" and only leave a note.
+        if (!read_rows(input, spec, begin, end, OIIO::BaseTypeFromC<Sample>::value, rows.data()) || input.has_error()) {
+            return broken();
+        }
+        for (int y = begin; y < end; ++y) {
+            store_row(rows.data() + static_cast<std::size_t>(y - begin) * row_size, spec.width, reader, encoding,
+                      placement, y, picture);
+        }
+    }
+    return picture;
+}
+
+Result<void> check_spec(const OIIO::ImageSpec& spec, std::size_t max_pixels) {
+    constexpr int kMaxChannels = 5;  // CMYK and alpha
+    if (spec.width < 1 || spec.height < 1) return broken();
+    const Size size{static_cast<std::uint64_t>(spec.width), static_cast<std::uint64_t>(spec.height)};
+    if (auto checked = check_pixels(size, max_pixels); !checked) return checked;
+    if (spec.depth > 1 || spec.deep) return unusual("more than two dimensions");
+    if (spec.nchannels < 1 || spec.nchannels > kMaxChannels) return unusual("an odd number of channels");
+    if (spec.tile_width > 0) {
+        const Size tile{static_cast<std::uint64_t>(spec.tile_width), static_cast<std::uint64_t>(spec.tile_height)};
+        if (!check_pixels(tile, max_pixels)) return unusual("tiles larger than any picture");
+    }
+    return {};
+}
+
+/// A TIFF whose rows the reader turns over by itself, though not as its orientation says.
+bool is_converted_ycbcr(const OIIO::ImageSpec& spec) {
+    constexpr int kYCbCr = 6;
+    constexpr int kJpeg = 7;
+    return spec.get_int_attribute("tiff:PhotometricInterpretation") == kYCbCr &&
+           spec.get_int_attribute("tiff:Compression") != kJpeg;
+}
+
+/// The library keeps what an input notes until it is fetched, or the thread ends. It may name files of the
+/// server, so nobody reads it.
+struct NoteDropper {
+    OIIO::ImageInput& input;
+
+    ~NoteDropper() { static_cast<void>(input.geterror()); }
+};
+
+Result<Picture> read_file(std::string_view bytes, FileFormat format, std::size_t max_pixels) {
+    OIIO::Filesystem::IOMemReader file(bytes.data(), bytes.size());
+    const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(plugin_name(format));
+    if (!input) return failure(ErrorCode::Internal, "the image reader is missing");
+    const NoteDropper dropper{*input};
+    input->threads(1);
+    input->set_ioproxy(&file);
+    OIIO::ImageSpec wishes;
+    OIIO::ImageSpec spec;
+    wishes.attribute("oiio:UnassociatedAlpha", 1);
+    if (!input->open("image", spec, wishes)) return broken();
+    if (auto checked = check_spec(spec, max_pixels); !checked) return tl::make_unexpected(checked.error());
+
+    const int orientation =
+        format == FileFormat::WebP ? webp_orientation(bytes) : spec.get_int_attribute("Orientation", 1);
+    if (orientation != 1 && is_converted_ycbcr(spec)) return unusual("a TIFF of YCbCr that is stored turned");
+    const Size size{static_cast<std::uint64_t>(spec.width), static_cast<std::uint64_t>(spec.height)};
+    const Placement placement = place(size, orientation);
+    if (spec.format == OIIO::TypeDesc::UINT8) return read_pixels<std::uint8_t>(*input, spec, placement);
+    if (spec.format == OIIO::TypeDesc::UINT16) return read_pixels<std::uint16_t>(*input, spec, placement);
+    return read_pixels<float>(*input, spec, placement);
+}
+
+/// What can be told of a file without its reader, and must be, as the reader would fall over it.
+Result<void> check_header(std::string_view bytes, FileFormat format, std::size_t max_pixels) {
+    if (format == FileFormat::WebP) {
+        const auto size = webp_size(bytes);
+        if (!size) return broken();
+        return check_pixels(*size, max_pixels);
+    }
+    if (format == FileFormat::Png && !is_whole_png(bytes)) return broken();
+    if (format == FileFormat::Tiff && !has_bits_per_sample(bytes))
+        return unusual("a TIFF that leaves out its bits per sample");
+    return {};
+}
+
+void configure_library() {
+    static std::once_flag once;
+    std::call_once(once, [] {
+        OIIO::attribute("threads", 1);          // a request has one core
+        OIIO::attribute("try_all_readers", 0);  // only those that are allowed
+    });
+}
+
+}  // namespace
+
+Result<void> check_image(std::string_view bytes) {
+    if (bytes.empty()) return failure(ErrorCode::Malformed, "there is no image: the request is empty");
+    if (recognise(bytes)) return {};
+    return failure(ErrorCode::Unsupported, "this is not an image that can be read; PNG, JPEG, WebP and TIFF can");
+}
+
+Result<Picture> decode_image(std::string_view bytes, std::size_t max_pixels) {
+    if (auto checked = check_image(bytes); !checked) return tl::make_unexpected(checked.error());
+    const FileFormat format = *recognise(bytes);
+    if (auto checked = check_header(bytes, format, max_pixels); !checked) {
+        return tl::make_unexpected(checked.error());
+    }
+    configure_library();
+    // Its TIFF reader has known faults with threads.
+    static std::mutex tiff_mutex;
+    std::unique_lock<std::mutex> lock;
+    if (format == FileFormat::Tiff) lock = std::unique_lock(tiff_mutex);
+    try {
+        return read_file(bytes, format, max_pixels);
+    } catch (...) {
+        return broken();
+    }
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ccdt::api {
+
+/// What one request may ask for.
+struct Limits {
+    std::size_t max_sites = 2'000'000;
+    std::size_t max_pixels = 64'000'000;  ///< of a decoded picture, and of one that is drawn
+};
+
+/// An option that came as text: a query parameter or a form field.
+struct TextOption {
+    std::string name;
+    std::string value;
+};
+
+/// Milliseconds spent, for Server-Timing.
+struct Timings {
+    double decode = 0;
+    double optimise = 0;
+    double encode = 0;
+};
+
+/// What goes back to the client.
+struct Answer {
+    std::string media_type;
+    std::string body;
+};
+
+}  // namespace ccdt::api

@@ -1,0 +1,39 @@
+#include "api/run_options.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr std::uint64_t kMaxIterations = 1000;
+constexpr std::uint64_t kMaxPasses = 100;
+
+tl::unexpected<Error> stopped() {
+    return failure(ErrorCode::Stopped, "the computation was stopped");
+}
+
+}  // namespace
+
+Result<void> read_seed(const Input& input, Options& options) {
+    return assign(options.seed, read_integer(input, 0, kMaxInteger));
+}
+
+Result<void> read_iterations(const Input& input, Options& options) {
+    return assign(options.iterations, read_integer(input, 0, kMaxIterations));
+}
+
+Result<void> read_passes(const Input& input, Options& options) {
+    return assign(options.passes, read_integer(input, 1, kMaxPasses));
+}
+
+Result<Distribution> distribute_all(const Domain& domain, const Density& density, const Options& options,
+                                    const Control& control) {
+    auto distribution = distribute(domain, density, options, control);
+    if (distribution && distribution->stopped) return stopped();
+    return distribution;
+}
+
+Result<void> check_stop(const Control& control) {
+    if (control.stop.stop_requested()) return stopped();
+    return {};
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,255 @@
+#include "api/sample.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "api/embedded_image.h"
+#include "api/image_codec.h"
+#include "api/json_writer.h"
+#include "api/negotiation.h"
+#include "api/run_options.h"
+#include "api/stopwatch.h"
+#include "core/density/density.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr std::array<Format, 1> kFormats = {{{"json", "application/json"}}};
+constexpr std::uint64_t kMaxSide = std::numeric_limits<int>::max();
+
+struct DensityDraft {
+    std::optional<int> width;
+    std::optional<int> height;
+    std::optional<std::vector<double>> values;
+    std::optional<std::string> image;
+};
+
+/// A request on its way: what is given is known, whether it fits together is not.
+struct Draft {
+    SampleRequest request;
+    std::optional<Ring> polygon;
+    std::optional<std::vector<Ring>> holes;
+    std::optional<PolygonInput> geometry;
+    std::optional<Rectangle> rectangle;
+    std::optional<std::size_t> format;
+};
+
+/// A value that there is only one of; others are refused by name.
+Result<void> read_only_choice(const Input& input, std::string_view word) {
+    std::size_t index = 0;
+    return assign(index, read_choice(input, {&word, 1}));
+}
+
+Result<void> read_rectangle(const Input& input, const Limits& limits, Draft& draft) {
+    struct Members {
+        bool typed = false;
+        Rectangle sides;
+    };
+    static constexpr std::array<OptionRule<Members>, 3> kRules = {{
+        {"/domain/type",
+         [](const Input& i, const Limits&, Members& m) {
+             m.typed = true;
+             return read_only_choice(i, "rectangle");
+         }},
+        {"/domain/width",
+         [](const Input& i, const Limits&, Members& m) { return assign(m.sides.width, read_number(i, kPositive)); }},
+        {"/domain/height",
+         [](const Input& i, const Limits&, Members& m) { return assign(m.sides.height, read_number(i, kPositive)); }},
+    }};
+    const auto inputs = inputs_of(std::get<JsonValue>(input.value), input.field);
+    if (!inputs) return tl::make_unexpected(inputs.error());
+    Members members;
+    if (auto read = read_options<Members>(kRules, *inputs, limits, members); !read) return read;
+    if (!members.typed || members.sides.width == 0 || members.sides.height == 0) {
+        return malformed(input, "must have the members type, width and height");
+    }
+    draft.rectangle = members.sides;
+    return {};
+}
+
+Result<std::vector<double>> read_values(const Input& input) {
+    const auto list = std::get<JsonValue>(input.value);
+    if (!list.is_array()) return malformed(input, "must be a list of numbers");
+    std::vector<double> values;
+    values.reserve(list.size());
+    for (const JsonValue value : list) {
+        if (!value.is_number() || value.number() < 0) {
+            const std::string pointer = pointer_below(input.field, values.size());
+            return failure(ErrorCode::Malformed, pointer + " must be a number of at least 0", pointer);
+        }
+        values.push_back(value.number());
+    }
+    return values;
+}
+
+Result<void> settle_density(const Input& input, DensityDraft draft, SampleRequest& request) {
+    const bool any_of_grid = draft.width || draft.height || draft.values;
+    if (draft.image && !any_of_grid) {
+        request.density = DensityImage{*std::move(draft.image)};
+        return {};
+    }
+    if (draft.image || !draft.width || !draft.height || !draft.values) {
+        return malformed(input, "must have either the members width, height and values, or image");
+    }
+    const std::uint64_t cells = static_cast<std::uint64_t>(*draft.width) * static_cast<std::uint64_t>(*draft.height);
+    if (draft.values->size() != cells) {
+        const std::string pointer = pointer_below(input.field, "values");
+        return failure(ErrorCode::Malformed,
+                       pointer + " must hold width times height numbers, " + std::to_string(cells) + ", not " +
+                           std::to_string(draft.values->size()),
+                       pointer);
+    }
+    request.density = DensityGrid{*draft.width, *draft.height, *std::move(draft.values)};
+    return {};
+}
+
+Result<void> read_density(const Input& input, const Limits& limits, Draft& draft) {
+    static constexpr std::array<OptionRule<DensityDraft>, 4> kRules = {{
+        {"/density/width",
+         [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.width, read_integer(i, 1, kMaxSide)); }},
+        {"/density/height",
+         [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.height, read_integer(i, 1, kMaxSide)); }},
+        {"/density/values",
+         [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.values, read_values(i)); }},
+        {"/density/image",
+         [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.image, read_embedded_image(i)); }},
+    }};
+    const auto inputs = inputs_of(std::get<JsonValue>(input.value), input.field);
+    if (!inputs) return tl::make_unexpected(inputs.error());
+    DensityDraft density;
+    if (auto read = read_options<DensityDraft>(kRules, *inputs, limits, density); !read) return read;
+    return settle_density(input, std::move(density), draft.request);
+}
+
+constexpr std::array<OptionRule<Draft>, 13> kRules = {{
+    {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.run.sites, read_sites(i, l)); }},
+    {"polygon", [](const Input& i, const Limits&, Draft& d) { return assign(d.polygon, read_ring(i)); }},
+    {"holes", [](const Input& i, const Limits&, Draft& d) { return assign(d.holes, read_rings(i)); }},
+    {"geometry", [](const Input& i, const Limits&, Draft& d) { return assign(d.geometry, read_geometry(i)); }},
+    {"domain", read_rectangle},
+    {"density", read_density},
+    {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
+    {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
+    {"passes", [](const Input& i, const Limits&, Draft& d) { return read_passes(i, d.request.run); }},
+    {"tolerance", [](const Input& i, const Limits&,
+                     Draft& d) { return assign(d.request.run.tolerance, read_number(i, kPositive)); }},
+    {"method", [](const Input& i, const Limits&, Draft&) { return read_only_choice(i, "ccdt"); }},
+    {"mesh", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.run.keep_mesh, read_boolean(i)); }},
+    {"format", [](const Input& i, const Limits&, Draft& d) { return assign(d.format, read_format(i, kFormats)); }},
+}};
+
+Result<void> settle_domain(Draft& draft) {
+    const int given = (draft.polygon ? 1 : 0) + (draft.geometry ? 1 : 0) + (draft.rectangle ? 1 : 0);
+    if (given != 1) return failure(ErrorCode::Malformed, "exactly one of polygon, geometry and domain must be given");
+    if (draft.holes && !draft.polygon) return failure(ErrorCode::Malformed, "holes belong to a polygon", "/holes");
+    if (draft.rectangle) {
+        draft.request.domain = *draft.rectangle;
+        return {};
+    }
+    PolygonInput polygon;
+    if (draft.geometry) {
+        polygon = *std::move(draft.geometry);
+    } else {
+        polygon.parts.push_back({*std::move(draft.polygon), std::move(draft.holes).value_or(std::vector<Ring>())});
+    }
+    if (auto checked = check_size(polygon); !checked) return checked;
+    draft.request.domain = std::move(polygon);
+    return {};
+}
+
+Result<Domain> make_domain(const SampleRequest& request) {
+    if (const auto* rectangle = std::get_if<Rectangle>(&request.domain)) {
+        auto domain = Domain::rectangle(rectangle->width, rectangle->height);
+        if (!domain) domain.error().field = "/domain";
+        return domain;
+    }
+    const auto& polygon = std::get<PolygonInput>(request.domain);
+    auto domain = Domain::create(polygon.parts);
+    if (!domain) domain.error().field = polygon.locate(domain.error().field);
+    return domain;
+}
+
+/// Pictures have their top row first, grids over the plane their bottom one.
+void flip_rows(std::vector<float>& values, int width) {
+    const auto row = static_cast<std::ptrdiff_t>(width);
+    auto top = values.begin();
+    for (auto bottom = values.end() - row; top < bottom; top += row, bottom -= row) {
+        std::swap_ranges(top, top + row, bottom);
+    }
+}
+
+Result<Density> make_density(const DensityImage& image, const Limits& limits) {
+    auto picture = decode_image(image.bytes, limits.max_pixels);
+    if (!picture) return failure(picture.error().code, picture.error().message, "/density/image");
+    const int width = picture->width;
+    const int height = picture->height;
+    std::vector<float> coverage = ink_coverage(*picture, Tone::Linear, false);
+    *picture = {};  // megabytes a megapixel, no longer needed
+    flip_rows(coverage, width);
+    auto density = Density::grid(width, height, std::span<const float>(coverage));
+    if (!density) density.error().field = "/density/image";
+    return density;
+}
+
+Result<Density> make_density(const SampleRequest& request, const Limits& limits) {
+    if (const auto* image = std::get_if<DensityImage>(&request.density)) return make_density(*image, limits);
+    const auto* grid = std::get_if<DensityGrid>(&request.density);
+    if (grid == nullptr) return Density::uniform();
+    auto density = Density::grid(grid->width, grid->height, std::span<const double>(grid->values));
+    if (!density) {
+        Error& error = density.error();
+        error.field = error.field.empty() ? "/density" : "/density/" + error.field;
+    }
+    return density;
+}
+
+Result<Distribution> place_points(const SampleRequest& request, const Domain& domain, const Density& density,
+                                  const Control& control) {
+    if (auto going = check_stop(control); !going) return tl::make_unexpected(going.error());
+    auto distribution = distribute_all(domain, density, request.run, control);
+    if (!distribution && !distribution.error().field.empty()) distribution.error().field.insert(0, "/");
+    return distribution;
+}
+
+}  // namespace
+
+Result<SampleRequest> parse_sample(std::string_view body, std::string_view accept, const Limits& limits) {
+    const auto document = JsonDocument::parse(body);
+    if (!document) return tl::make_unexpected(document.error());
+    const auto inputs = inputs_of(document->root(), "");
+    if (!inputs) return tl::make_unexpected(inputs.error());
+    Draft draft;
+    if (auto read = read_options<Draft>(kRules, *inputs, limits, draft); !read) {
+        return tl::make_unexpected(read.error());
+    }
+    if (draft.request.run.sites == 0) return failure(ErrorCode::Malformed, "sites is missing", "/sites");
+    if (auto settled = settle_domain(draft); !settled) return tl::make_unexpected(settled.error());
+    if (!draft.format) {
+        if (auto chosen = negotiate(accept, kFormats); !chosen) return tl::make_unexpected(chosen.error());
+    }
+    return std::move(draft.request);
+}
+
+Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Control& control,
+                          Timings& timings) {
+    Stopwatch watch;
+    const auto domain = make_domain(request);
+    if (!domain) return tl::make_unexpected(domain.error());
+    const auto density = make_density(request, limits);
+    timings.decode = watch.lap();
+    if (!density) return tl::make_unexpected(density.error());
+
+    const auto distribution = place_points(request, *domain, *density, control);
+    timings.optimise = watch.lap();
+    if (!distribution) return tl::make_unexpected(distribution.error());
+
+    Answer answer{std::string(kFormats[0].media_type), {}};
+    answer.body = write_distribution(*distribution, {request.run.seed, timings.decode + timings.optimise, {}});
+    timings.encode = watch.lap();
+    return answer;
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "api/options.h"
+#include "api/polygon_reader.h"
+#include "core/ccdt/ccdt.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// [0, width] x [0, height].
+struct Rectangle {
+    double width = 0;
+    double height = 0;
+};
+
+/// A grid stretched over the bounding box, the first row at the smallest y.
+struct DensityGrid {
+    int width = 0;
+    int height = 0;
+    std::vector<double> values;  ///< [width * height], finite, >= 0
+};
+
+/// A picture stretched over the bounding box, the first row at the largest y; dark is dense.
+struct DensityImage {
+    std::string bytes;  ///< of the file
+};
+
+struct SampleRequest {
+    std::variant<PolygonInput, Rectangle> domain;
+    std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
+    Options run;
+};
+
+/// Reads a request: a JSON object.
+///
+/// @param accept  the Accept header, empty if there is none; the member `format` wins over it
+/// Errors: Malformed for what is not JSON, an unknown or repeated member, a value of the wrong kind or out of
+/// range, not exactly one domain; Unsupported for a density image of a format that is not read; LimitExceeded for
+/// too many sites, corners or density cells; NotAcceptable. The field is a JSON Pointer.
+/// Cheap: whether polygons are simple is left to run_sample, and so is decoding.
+Result<SampleRequest> parse_sample(std::string_view body, std::string_view accept, const Limits& limits);
+
+/// Builds the domain and the density, distributes, writes JSON.
+///
+/// @param control  a stop ends it within a pass, with nothing to show for it
+/// @param timings  filled as far as it came
+/// Errors: Unusable for a polygon that is not simple or a density of zero; those of decode_image; Stopped. The
+/// field is a JSON Pointer. Same request, same bytes, but for `elapsed_ms`.
+Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Control& control, Timings& timings);
+
+}  // namespace ccdt::api

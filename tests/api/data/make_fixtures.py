@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+"""Writes the image files beside it (Debian 12: python3-pil 9.4, python3-numpy).
+
+All but those for alpha and corruption show one picture, 24 x 16: four quadrants of sRGB grey, 0 and 85 above
+170 and 255.
+"""
+import struct
+import zlib
+
+import numpy as np
+from PIL import Image
+
+GREY = np.repeat(np.repeat(np.array([[0, 85], [170, 255]], np.uint8), 8, axis=0), 12, axis=1)
+ORIENTATION = 0x0112
+# What turns the upright picture into the file that has this orientation.
+STORE = {
+    2: Image.Transpose.FLIP_LEFT_RIGHT,
+    3: Image.Transpose.ROTATE_180,
+    4: Image.Transpose.FLIP_TOP_BOTTOM,
+    5: Image.Transpose.TRANSPOSE,
+    6: Image.Transpose.ROTATE_90,
+    7: Image.Transpose.TRANSVERSE,
+    8: Image.Transpose.ROTATE_270,
+}
+
+
+def oriented(name, orientation, **options):
+    exif = Image.Exif()
+    exif[ORIENTATION] = orientation
+    picture = Image.fromarray(GREY).convert("RGB")
+    if orientation in STORE:
+        picture = picture.transpose(STORE[orientation])
+    picture.save(name, exif=exif, **options)
+
+
+def chunk(name, data):
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+
+def header(width, height, depth, kind):
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, depth, kind, 0, 0, 0))
+
+
+def tiff(name, blocks, order="<", **wanted):
+    """A TIFF of one directory. `blocks`: its strips or tiles; `wanted`: tags by number, as t256=[24]."""
+    tags = {int(key[1:]): values for key, values in wanted.items()}
+    offsets = [8 + sum(map(len, blocks[:i])) for i in range(len(blocks))]
+    tiled = 322 in tags
+    tags[324 if tiled else 273] = offsets
+    tags[325 if tiled else 279] = [len(block) for block in blocks]
+    body = b"".join(blocks)
+    body += b"\0" * (len(body) % 2)
+    directory = 8 + len(body)
+    spare = directory + 2 + 12 * len(tags) + 4
+    entries, extra = b"", b""
+    for tag, values in sorted(tags.items()):
+        kind, letter = (4, "I") if tag in (273, 279, 324, 325) else (3, "H")
+        data = struct.pack(order + letter * len(values), *values)
+        if len(data) > 4:
+            entry, extra = struct.pack(order + "I", spare + len(extra)), extra + data
+        else:
+            entry = data.ljust(4, b"\0")
+        entries += struct.pack(order + "HHI", tag, kind, len(values)) + entry
+    start = (b"II*\0" if order == "<" else b"MM\0*") + struct.pack(order + "I", directory)
+    with open(name, "wb") as file:
+        file.write(start + body + struct.pack(order + "H", len(tags)) + entries + b"\0" * 4 + extra)
+
+
+def main():
+    grey = Image.fromarray(GREY)
+    rgb = grey.convert("RGB")
+    for orientation in range(1, 9):
+        oriented(f"orientation-{orientation}.jpg", orientation, quality=95, subsampling=0)
+    oriented("orientation-6.webp", 6, lossless=True)
+    oriented("orientation-6.tif", 6)
+    oriented("orientation-6.png", 6)
+
+    grey.save("grey.jpg", quality=95)
+    rgb.save("progressive.jpg", quality=95, progressive=True)
+    Image.merge("CMYK", [Image.new("L", (24, 16), 0)] * 3 + [Image.fromarray(255 - GREY)]).save("cmyk.jpg", quality=95)
+    rgb.save("lossy.webp", quality=90)
+    rgb.save("lossless.webp", lossless=True)
+    Image.fromarray(GREY.astype(np.uint16) * 257).save("grey-16.png")
+    rgb.convert("P", palette=Image.Palette.ADAPTIVE).save("palette.png")
+    rgb.save("lzw.tif", compression="tiff_lzw")
+    Image.fromarray((GREY / 255).astype(np.float32)).save("float.tif")
+    Image.fromarray(GREY > 100).save("bits-missing.tif")
+    with open("linear.png", "wb") as file:
+        rows = b"".join(b"\0" + row.tobytes() for row in GREY)
+        file.write(header(24, 16, 8, 0) + chunk(b"gAMA", struct.pack(">I", 100000)))
+        file.write(chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+    shape = dict(t256=[24], t257=[16], t258=[8], t259=[1], t262=[1], t277=[1])
+    tiff("big-endian.tif", [GREY.tobytes()], order=">", t278=[16], **shape)
+    padded = np.pad(GREY, ((0, 0), (0, 8)))
+    tiff("tiled.tif", [padded[:, :16].tobytes(), padded[:, 16:].tobytes()], t322=[16], t323=[16], **shape)
+    tiff("huge-tile.tif", [GREY.tobytes()], t322=[65520], t323=[65520], **shape)
+
+    # Red over green over blue, 50 % grey; alpha 0, 51, 102 ... across.
+    colours = np.zeros((4, 6, 4), np.uint8)
+    colours[0, :, 0] = colours[1, :, 1] = colours[2, :, 2] = 255
+    colours[3, :, :3] = 128
+    colours[:, :, 3] = np.arange(6) * 51
+    Image.fromarray(colours).save("rgba.png")
+    Image.fromarray(colours).save("rgba.webp", lossless=True, exact=True)
+    Image.fromarray(np.dstack([colours[..., 0], colours[..., 3]])).save("grey-alpha.png")
+    multiplied = np.rint(colours[..., :3] * (colours[..., 3:] / 255.0)).astype(np.uint8)
+    tiff("premultiplied.tif", [np.dstack([multiplied, colours[..., 3:]]).tobytes()], t256=[6], t257=[4],
+         t258=[8] * 4, t259=[1], t262=[2], t277=[4], t278=[4], t338=[1])
+    seen = Image.fromarray(np.array([[0, 1, 2, 3]], np.uint8), "P")
+    seen.putpalette([0, 0, 0, 255, 0, 0, 0, 255, 0, 255, 255, 255])
+    seen.save("palette-transparent.png", transparency=1)
+
+    with open("bomb.png", "wb") as file:
+        file.write(header(30000, 30000, 8, 2) + chunk(b"IDAT", zlib.compress(bytes(1000))) + chunk(b"IEND", b""))
+    with open("bomb.webp", "wb") as file:
+        picture = b"\x2f" + struct.pack("<I", 16383 | 16383 << 14) + bytes(11)
+        file.write(b"RIFF" + struct.pack("<I", 12 + len(picture)) + b"WEBPVP8L" + struct.pack("<I", len(picture)))
+        file.write(picture)
+    with open("pixel.gif", "wb") as file:
+        file.write(b"GIF89a\1\0\1\0\x80\0\0" + b"\0\0\0\xff\xff\xff" + b",\0\0\0\0\1\0\1\0\0" + b"\2\2D\1\0;")
+
+
+main()

@@ -1,0 +1,277 @@
+#include "api/halftone.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "api/png_writer.h"
+#include "tests/api/files.h"
+
+namespace ccdt::api {
+namespace {
+
+using Options = std::vector<TextOption>;
+
+std::string base64(std::string_view bytes) {
+    constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        unsigned bits = 0;
+        for (std::size_t k = i; k < i + 3; ++k) {
+            bits = bits << 8 | (k < bytes.size() ? static_cast<unsigned char>(bytes[k]) : 0U);
+        }
+        for (int shift = 18; shift >= 0; shift -= 6) text += digits[bits >> shift & 63];
+    }
+    for (std::size_t pad = 0; pad < (3 - bytes.size() % 3) % 3; ++pad) text[text.size() - 1 - pad] = '=';
+    return text;
+}
+
+Result<HalftoneRequest> parse(const Options& options, std::string_view accept = "", const Limits& limits = {}) {
+    return parse_halftone(fixture("rgba.png"), options, accept, limits);
+}
+
+Result<Answer> answer(const std::string& image, const Options& options, const Limits& limits = {}) {
+    const auto request = parse_halftone(image, options, "", limits);
+    if (!request) return tl::make_unexpected(request.error());
+    Timings timings;
+    return run_halftone(*request, limits, {}, timings);
+}
+
+/// Mean light of a picture that is all black and white.
+double white_share(const DecodedPng& png) {
+    double sum = 0;
+    for (const auto& pixel : png.pixels) sum += pixel[0] / 255.0;
+    return sum / static_cast<double>(png.pixels.size());
+}
+
+TEST(HalftoneOptions, HaveTheirDefaults) {
+    const auto request = parse({});
+    ASSERT_TRUE(request);
+    EXPECT_FALSE(request->sites || request->scale || request->dot || request->foreground || request->background);
+    EXPECT_FALSE(request->antialias || request->invert);
+    EXPECT_EQ(request->tone, Tone::Linear);
+    EXPECT_EQ(request->format, HalftoneFormat::Png);
+    EXPECT_EQ(request->run.seed, 0U);
+    EXPECT_EQ(request->run.iterations, 5);
+    EXPECT_EQ(request->run.passes, 5);
+}
+
+TEST(HalftoneOptions, AreAllRead) {
+    const auto request = parse({{"sites", "20000"},
+                                {"seed", "9007199254740991"},
+                                {"iterations", "0"},
+                                {"passes", "100"},
+                                {"scale", "0.1"},
+                                {"dot", "1.5"},
+                                {"antialias", "true"},
+                                {"invert", "1"},
+                                {"tone", "perceptual"},
+                                {"foreground", "#123"},
+                                {"background", "transparent"},
+                                {"format", "json"}});
+    ASSERT_TRUE(request) << request.error().message;
+    EXPECT_EQ(request->sites, 20000U);
+    EXPECT_EQ(request->run.seed, 9007199254740991U);
+    EXPECT_EQ(request->run.iterations, 0);
+    EXPECT_EQ(request->run.passes, 100);
+    EXPECT_EQ(request->scale, 0.1);
+    EXPECT_EQ(request->dot, 1.5);
+    EXPECT_TRUE(request->antialias);
+    EXPECT_TRUE(request->invert);
+    EXPECT_EQ(request->tone, Tone::Perceptual);
+    EXPECT_EQ(*request->foreground, (Colour{0x11, 0x22, 0x33}));
+    EXPECT_TRUE(request->background->transparent);
+    EXPECT_EQ(request->format, HalftoneFormat::Json);
+}
+
+TEST(HalftoneOptions, AreRefusedByName) {
+    const Options wrong = {{"sites", "0"},     {"sites", "12abc"},     {"seed", "9007199254740992"},
+                           {"seed", "-1"},     {"iterations", "1001"}, {"passes", "0"},
+                           {"passes", "101"},  {"scale", "0.05"},      {"scale", "17"},
+                           {"scale", "nan"},   {"dot", "0"},           {"dot", "big"},
+                           {"antialias", "2"}, {"tone", "loud"},       {"foreground", "transparent"},
+                           {"background", ""}, {"format", "svg"},      {"format", "webp"},
+                           {"sights", "10"},   {"image", "aGVsbG8="},  {"method", "ccdt"}};
+    for (const auto& option : wrong) {
+        const auto request = parse({option});
+        ASSERT_FALSE(request) << option.name << '=' << option.value;
+        EXPECT_EQ(request.error().code, ErrorCode::Malformed) << option.name;
+        EXPECT_EQ(request.error().field, option.name);
+    }
+    EXPECT_EQ(parse({{"dot", "big"}}).error().message, "dot must be a number above 0, at most 65536, or auto");
+    EXPECT_TRUE(parse({{"dot", "auto"}}));
+}
+
+TEST(HalftoneOptions, StopAtTheLimitOfSites) {
+    const auto request = parse({{"sites", "11"}}, "", {.max_sites = 10});
+    ASSERT_FALSE(request);
+    EXPECT_EQ(request.error().code, ErrorCode::LimitExceeded);
+}
+
+TEST(HalftoneOptions, LetFormatWinOverAccept) {
+    EXPECT_EQ(parse({}, "application/json")->format, HalftoneFormat::Json);
+    EXPECT_EQ(parse({{"format", "png"}}, "application/json")->format, HalftoneFormat::Png);
+    EXPECT_EQ(parse({{"format", "png"}}, "text/html")->format, HalftoneFormat::Png);
+    EXPECT_EQ(parse({}, "text/html").error().code, ErrorCode::NotAcceptable);
+}
+
+TEST(HalftoneRequest, NeedsAnImage) {
+    EXPECT_EQ(parse_halftone("", {}, "", {}).error().code, ErrorCode::Malformed);
+    EXPECT_EQ(parse_halftone("hello", {}, "", {}).error().code, ErrorCode::Unsupported);
+}
+
+TEST(HalftoneJson, ReadsImageAndOptions) {
+    const std::string image = fixture("rgba.png");
+    const std::string body =
+        R"({"image":"data:image/png;base64,)" + base64(image) + R"(","sites":7,"invert":true,"dot":"auto","scale":2})";
+    const auto request = parse_halftone_json(body, {{"seed", "3"}}, "", {});
+    ASSERT_TRUE(request) << request.error().message;
+    EXPECT_EQ(request->image, image);
+    EXPECT_EQ(request->sites, 7U);
+    EXPECT_EQ(request->run.seed, 3U);
+    EXPECT_EQ(request->scale, 2);
+    EXPECT_TRUE(request->invert);
+}
+
+TEST(HalftoneJson, PointsAtWhatIsWrong) {
+    const std::string image = R"("image":")" + base64(fixture("rgba.png")) + '"';
+    const std::vector<std::pair<std::string, std::string>> wrong = {
+        {R"({"sites":7})", "/image"},
+        {R"({"image":7})", "/image"},
+        {R"({"image":"*"})", "/image"},
+        {'{' + image + R"(,"sites":"7"})", "/sites"},
+        {'{' + image + R"(,"sites":7.5})", "/sites"},
+        {'{' + image + R"(,"invert":1})", "/invert"},
+        {'{' + image + R"(,"a/b":1})", "/a~1b"},
+        {"[]", ""},
+        {"", ""},
+    };
+    for (const auto& [body, field] : wrong) {
+        const auto request = parse_halftone_json(body, {}, "", {});
+        ASSERT_FALSE(request) << body;
+        EXPECT_EQ(request.error().code, ErrorCode::Malformed);
+        EXPECT_EQ(request.error().field, field);
+    }
+    const auto twice = parse_halftone_json('{' + image + R"(,"sites":7})", {{"sites", "7"}}, "", {});
+    ASSERT_FALSE(twice);
+    EXPECT_EQ(twice.error().message, "sites is given twice");
+}
+
+TEST(Halftone, KeepsTheMeanTone) {
+    for (const auto& [option, expected] : {std::pair<const char*, double>{"false", 0.373205}, {"true", 0.373205}}) {
+        const auto result = answer(fixture("lossless.webp"), {{"sites", "200"}, {"scale", "16"}, {"invert", option}});
+        ASSERT_TRUE(result) << result.error().message;
+        EXPECT_EQ(result->media_type, "image/png");
+        const DecodedPng png = decode_png(result->body);
+        EXPECT_EQ(png.width, 24 * 16);
+        EXPECT_EQ(png.height, 16 * 16);
+        EXPECT_EQ(png.bit_depth, 1);
+        EXPECT_NEAR(white_share(png), expected, 0.01) << option;
+    }
+}
+
+TEST(Halftone, PutsDotsWhereThePictureIsDark) {
+    const auto result = answer(fixture("lossless.webp"), {{"sites", "1000"}, {"format", "json"}});
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->media_type, "application/json");
+    const auto json = nlohmann::json::parse(result->body);
+    EXPECT_EQ(json.at("width"), 24);
+    EXPECT_EQ(json.at("height"), 16);
+    ASSERT_EQ(json.at("points").size(), 1000U);
+    std::array<std::array<int, 2>, 2> counts{};
+    for (const auto& point : json.at("points")) {
+        const double x = point[0];
+        const double y = point[1];
+        ASSERT_TRUE(x > 0 && x < 24 && y > 0 && y < 16);
+        ++counts[y < 8 ? 0 : 1][x < 12 ? 0 : 1];
+    }
+    EXPECT_NEAR(counts[0][0], 1000 * 1 / 2.5072, 40);
+    EXPECT_NEAR(counts[0][1], 1000 * (1 - 0.0908) / 2.5072, 40);
+    EXPECT_NEAR(counts[1][0], 1000 * (1 - 0.4020) / 2.5072, 40);
+    EXPECT_LT(counts[1][1], 5);
+}
+
+TEST(Halftone, GivesTheSameBytesForTheSameSeed) {
+    const std::string image = fixture("lossless.webp");
+    const Options options = {{"sites", "50"}, {"seed", "1"}};
+    EXPECT_EQ(answer(image, options)->body, answer(image, options)->body);
+    EXPECT_NE(answer(image, options)->body, answer(image, {{"sites", "50"}, {"seed", "2"}})->body);
+}
+
+TEST(Halftone, UsesTheColoursItIsGiven) {
+    const auto result = answer(fixture("lossless.webp"), {{"sites", "50"},
+                                                          {"scale", "8"},
+                                                          {"invert", "true"},
+                                                          {"antialias", "true"},
+                                                          {"foreground", "#306"},
+                                                          {"background", "transparent"}});
+    ASSERT_TRUE(result);
+    const DecodedPng png = decode_png(result->body);
+    int partly = 0;
+    for (const auto& pixel : png.pixels) {
+        ASSERT_TRUE(pixel[0] == 0x33 && pixel[1] == 0 && pixel[2] == 0x66);
+        partly += pixel[3] > 0 && pixel[3] < 255 ? 1 : 0;
+    }
+    EXPECT_GT(partly, 0);
+}
+
+TEST(Halftone, ChoosesSitesAndScaleByThePicture) {
+    const auto result = answer(photograph("chelsea.png"), {});
+    ASSERT_TRUE(result);
+    const DecodedPng png = decode_png(result->body);
+    EXPECT_GE(png.width, 451);
+    EXPECT_EQ(std::lround(png.width / 451.0 * 300), png.height);
+}
+
+TEST(Halftone, MakesAtLeastOnePixel) {
+    const auto result = answer(fixture("palette-transparent.png"), {{"scale", "0.1"}, {"sites", "1"}});
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_EQ(decode_png(result->body).width, 1);
+    EXPECT_EQ(decode_png(result->body).height, 1);
+}
+
+TEST(Halftone, HoldsTheOutputToTheLimit) {
+    const Limits limits = {.max_pixels = std::size_t{24} * 16 * 9};
+    const auto large = answer(fixture("lossless.webp"), {{"sites", "50"}, {"scale", "4"}}, limits);
+    ASSERT_FALSE(large);
+    EXPECT_EQ(large.error().code, ErrorCode::LimitExceeded);
+    EXPECT_EQ(large.error().field, "scale");
+    EXPECT_NE(large.error().message.find("96 x 64"), std::string::npos);
+    EXPECT_TRUE(answer(fixture("lossless.webp"), {{"sites", "50"}, {"scale", "3"}}, limits));
+    EXPECT_TRUE(answer(fixture("lossless.webp"), {{"sites", "5000"}}, limits)) << "a chosen scale gives way";
+    EXPECT_TRUE(answer(fixture("lossless.webp"), {{"sites", "50"}, {"scale", "4"}, {"format", "json"}}, limits));
+}
+
+TEST(Halftone, RefusesPicturesWithoutInk) {
+    const Raster paper{8, 8, 0, std::vector<std::uint8_t>(64, 0)};
+    const std::string white = *write_png(paper, false, {});
+    const std::string nothing = *write_png(paper, false, {kBlack, {.transparent = true}});
+    for (const auto& image : {white, nothing}) {
+        const auto result = answer(image, {});
+        ASSERT_FALSE(result);
+        EXPECT_EQ(result.error().code, ErrorCode::Unusable);
+        EXPECT_NE(result.error().message.find("white"), std::string::npos);
+    }
+    EXPECT_TRUE(answer(white, {{"invert", "true"}}));
+}
+
+TEST(Halftone, ReportsBrokenImages) {
+    const std::string image = photograph("camera.png");
+    const auto result = answer(image.substr(0, image.size() / 2), {});
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::Unusable);
+}
+
+TEST(Halftone, StopsWhenAsked) {
+    std::stop_source stop;
+    const auto request = parse_halftone(fixture("lossless.webp"), {{"sites", "50"}}, "", {});
+    Timings timings;
+    Control control{stop.get_token(), [&](const Progress&) { stop.request_stop(); }};
+    const auto result = run_halftone(*request, {}, control, timings);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::Stopped);
+}
+
+}  // namespace
+}  // namespace ccdt::api

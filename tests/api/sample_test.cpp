@@ -1,0 +1,252 @@
+#include "api/sample.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "tests/api/files.h"
+
+namespace ccdt::api {
+namespace {
+
+const std::string kSquare = R"("polygon":[[0,0],[4,0],[4,4],[0,4]])";
+
+Result<SampleRequest> parse(const std::string& body, std::string_view accept = "", const Limits& limits = {}) {
+    return parse_sample(body, accept, limits);
+}
+
+Result<Answer> answer(const std::string& body) {
+    const auto request = parse(body);
+    if (!request) return tl::make_unexpected(request.error());
+    Timings timings;
+    return run_sample(*request, {}, {}, timings);
+}
+
+nlohmann::json sample(const std::string& body) {
+    const auto result = answer(body);
+    EXPECT_TRUE(result) << result.error().message;
+    if (!result) return {};
+    EXPECT_EQ(result->media_type, "application/json");
+    return nlohmann::json::parse(result->body);
+}
+
+TEST(SampleRequest, HasItsDefaults) {
+    const auto request = parse('{' + kSquare + R"(,"sites":10})");
+    ASSERT_TRUE(request) << request.error().message;
+    EXPECT_EQ(request->run.sites, 10U);
+    EXPECT_EQ(request->run.seed, 0U);
+    EXPECT_EQ(request->run.iterations, 5);
+    EXPECT_EQ(request->run.passes, 5);
+    EXPECT_FALSE(request->run.tolerance);
+    EXPECT_FALSE(request->run.keep_mesh);
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(request->density));
+}
+
+TEST(SampleRequest, ReadsEveryMember) {
+    const auto request = parse('{' + kSquare + R"(,"holes":[[[1,1],[2,1],[2,2]]],"sites":10,"seed":3,"iterations":7,
+        "passes":2,"tolerance":0.01,"method":"ccdt","mesh":true,"format":"json",
+        "density":{"width":2,"height":1,"values":[1,2.5]}})");
+    ASSERT_TRUE(request) << request.error().message;
+    EXPECT_EQ(request->run.seed, 3U);
+    EXPECT_EQ(request->run.iterations, 7);
+    EXPECT_EQ(request->run.passes, 2);
+    EXPECT_EQ(request->run.tolerance, 0.01);
+    EXPECT_TRUE(request->run.keep_mesh);
+    const auto& polygon = std::get<PolygonInput>(request->domain);
+    ASSERT_EQ(polygon.parts.size(), 1U);
+    EXPECT_EQ(polygon.parts[0].outer.size(), 4U);
+    EXPECT_EQ(polygon.parts[0].holes.size(), 1U);
+    EXPECT_EQ(std::get<DensityGrid>(request->density).values, (std::vector<double>{1, 2.5}));
+}
+
+TEST(SampleRequest, ReadsGeoJson) {
+    const std::string rings = R"([[[0,0,9],[4,0],[4,4],[0,0]],[[2,1],[3,1],[3,2],[2,1]]])";
+    const std::string polygon = R"({"type":"Polygon","bbox":[0,0,4,4],"coordinates":)" + rings + '}';
+    const std::string multi = R"({"coordinates":[)" + rings + ',' + rings + R"(],"type":"MultiPolygon"})";
+    const std::string feature = R"({"type":"Feature","properties":{"a":[{}]},"id":1,"geometry":)" + multi + '}';
+    const std::vector<std::pair<std::string, std::size_t>> cases = {{polygon, 1}, {multi, 2}, {feature, 2}};
+    for (const auto& [geometry, parts] : cases) {
+        const auto request = parse(R"({"sites":10,"geometry":)" + geometry + '}');
+        ASSERT_TRUE(request) << request.error().message;
+        const auto& input = std::get<PolygonInput>(request->domain);
+        ASSERT_EQ(input.parts.size(), parts);
+        EXPECT_EQ(input.parts.back().outer.size(), 4U);
+        EXPECT_EQ(input.parts.back().outer[1], (Point{4, 0}));
+        EXPECT_EQ(input.parts.back().holes.size(), 1U);
+    }
+}
+
+TEST(SampleRequest, PointsAtWhatIsWrong) {
+    const std::string sites = R"(,"sites":10)";
+    const std::vector<std::pair<std::string, std::string>> wrong = {
+        {kSquare, "/sites"},
+        {kSquare + R"(,"sites":0)", "/sites"},
+        {kSquare + R"(,"sites":1e30)", "/sites"},
+        {kSquare + R"(,"sites":2.5)", "/sites"},
+        {kSquare + sites + R"(,"seed":-1)", "/seed"},
+        {kSquare + sites + R"(,"tolerance":0)", "/tolerance"},
+        {kSquare + sites + R"(,"mesh":1)", "/mesh"},
+        {kSquare + sites + R"(,"method":"cvt")", "/method"},
+        {kSquare + sites + R"(,"format":"png")", "/format"},
+        {kSquare + sites + R"(,"x":1)", "/x"},
+        {R"("polygon":7)" + sites, "/polygon"},
+        {R"("polygon":[[0,0],[1,0],[1]])" + sites, "/polygon/2"},
+        {R"("polygon":[[0,0],[1,0],[1,2,3]])" + sites, "/polygon/2"},
+        {R"("polygon":[[0,0],[1,0],[1,"2"]])" + sites, "/polygon/2"},
+        {kSquare + R"(,"holes":[[[1,1],[2,1],[2,2]],[[0,null]]])" + sites, "/holes/1/0"},
+        {R"("holes":[],"domain":{"type":"rectangle","width":1,"height":1})" + sites, "/holes"},
+        {R"("domain":{"type":"torus","width":1,"height":1})" + sites, "/domain/type"},
+        {R"("domain":{"type":"rectangle","width":0,"height":1})" + sites, "/domain/width"},
+        {R"("domain":{"type":"rectangle","width":1})" + sites, "/domain"},
+        {R"("domain":{"type":"rectangle","width":1,"height":1,"depth":1})" + sites, "/domain/depth"},
+        {R"("domain":[])" + sites, "/domain"},
+        {R"("geometry":{"type":"Point","coordinates":[0,0]})" + sites, "/geometry"},
+        {R"("geometry":{"type":"FeatureCollection","features":[]})" + sites, "/geometry"},
+        {R"("geometry":{"type":"Polygon"})" + sites, "/geometry/coordinates"},
+        {R"("geometry":{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1]],[[0,0],{}]]})" + sites,
+         "/geometry/coordinates/1/1"},
+        {R"("geometry":{"type":"MultiPolygon","coordinates":[[[[0,0],[1,0],[1]]]]})" + sites,
+         "/geometry/coordinates/0/0/2"},
+        {R"("geometry":{"type":"Feature","geometry":null})" + sites, "/geometry/geometry"},
+        {R"("geometry":{"type":"Feature","geometry":{"type":"Polygon","coordinates":[3]}})" + sites,
+         "/geometry/geometry/coordinates/0"},
+        {kSquare + R"(,"density":{"width":2,"height":2,"values":[1,2,3]})" + sites, "/density/values"},
+        {kSquare + R"(,"density":{"width":2,"height":1,"values":[1,-2]})" + sites, "/density/values/1"},
+        {kSquare + R"(,"density":{"width":2,"height":1,"values":[1,"2"]})" + sites, "/density/values/1"},
+        {kSquare + R"(,"density":{"width":2,"values":[1,2]})" + sites, "/density"},
+        {kSquare + R"(,"density":{"width":1.5})" + sites, "/density/width"},
+        {kSquare + R"(,"density":{"image":"?"})" + sites, "/density/image"},
+        {kSquare + R"(,"density":{})" + sites, "/density"},
+        {kSquare + R"(,"density":3)" + sites, "/density"},
+        {sites.substr(1), ""},
+        {kSquare + R"(,"domain":{"type":"rectangle","width":1,"height":1})" + sites, ""},
+    };
+    for (const auto& [members, field] : wrong) {
+        const auto request = parse('{' + members + '}');
+        ASSERT_FALSE(request) << members;
+        EXPECT_EQ(request.error().code, ErrorCode::Malformed) << members;
+        EXPECT_EQ(request.error().field, field) << members;
+    }
+}
+
+TEST(SampleRequest, RefusesEmptyGeometry) {
+    for (const auto* geometry :
+         {R"({"type":"Polygon","coordinates":[]})", R"({"type":"MultiPolygon","coordinates":[]})",
+          R"({"type":"MultiPolygon","coordinates":[[]]})"}) {
+        const auto request = parse(std::string(R"({"sites":1,"geometry":)") + geometry + '}');
+        ASSERT_FALSE(request) << geometry;
+        EXPECT_EQ(request.error().code, ErrorCode::Unusable);
+    }
+}
+
+TEST(SampleRequest, StopsAtLimits) {
+    EXPECT_EQ(parse('{' + kSquare + R"(,"sites":11})", "", {.max_sites = 10}).error().code, ErrorCode::LimitExceeded);
+    std::string ring = "[[0,0]";
+    for (std::size_t i = 0; i < PolygonInput::kMaxCorners; ++i) ring += ",[1,2]";
+    const auto request = parse(R"({"sites":1,"polygon":)" + ring + "]}");
+    ASSERT_FALSE(request);
+    EXPECT_EQ(request.error().code, ErrorCode::LimitExceeded);
+    EXPECT_EQ(request.error().field, "/polygon");
+}
+
+TEST(SampleRequest, KnowsWhatIsAccepted) {
+    const std::string body = '{' + kSquare + R"(,"sites":10)";
+    EXPECT_TRUE(parse(body + '}', "application/*"));
+    EXPECT_EQ(parse(body + '}', "image/png").error().code, ErrorCode::NotAcceptable);
+    EXPECT_TRUE(parse(body + R"(,"format":"json"})", "image/png"));
+}
+
+TEST(Sample, GivesExactlyTheSitesInsideThePolygon) {
+    const auto json = sample('{' + kSquare + R"(,"holes":[[[1,1],[3,1],[3,3],[1,3]]],"sites":100,"seed":5})");
+    EXPECT_EQ(json.at("sites"), 100);
+    EXPECT_EQ(json.at("seed"), 5);
+    EXPECT_EQ(json.at("iterations"), 5);
+    EXPECT_EQ(json.at("trace").size(), 6U);
+    EXPECT_FALSE(json.contains("triangles"));
+    EXPECT_FALSE(json.contains("width"));
+    ASSERT_EQ(json.at("points").size(), 100U);
+    for (const auto& point : json.at("points")) {
+        const double x = point[0];
+        const double y = point[1];
+        EXPECT_TRUE(x > 0 && x < 4 && y > 0 && y < 4);
+        EXPECT_FALSE(x > 1 && x < 3 && y > 1 && y < 3);
+    }
+}
+
+TEST(Sample, ReadsRealCountries) {
+    for (const auto* name : {"South-Africa-50m.geojson", "Switzerland-10m.geojson", "Italy-110m.geojson"}) {
+        const auto json = sample(R"({"sites":200,"geometry":)" + polygon_file(name) + '}');
+        EXPECT_EQ(json.at("points").size(), 200U) << name;
+    }
+}
+
+TEST(Sample, ReturnsTheMeshOnRequest) {
+    const auto json = sample('{' + kSquare + R"(,"sites":50,"mesh":true})");
+    EXPECT_GE(json.at("vertices").size(), 50U);
+    EXPECT_EQ(json.at("vertices")[0], json.at("points")[0]);
+    EXPECT_GT(json.at("triangles").size(), 50U);
+    EXPECT_EQ(json.at("boundary").size(), 1U);
+}
+
+/// Share of the points above the middle of the rectangle.
+double share_above(const nlohmann::json& json, double middle) {
+    const auto& points = json.at("points");
+    const auto above = std::count_if(points.begin(), points.end(), [&](const auto& p) { return p[1] > middle; });
+    return static_cast<double>(above) / static_cast<double>(points.size());
+}
+
+TEST(Sample, PutsTheFirstRowOfAGridAtTheBottom) {
+    const auto json = sample(R"({"sites":400,"domain":{"type":"rectangle","width":10,"height":4},
+        "density":{"width":1,"height":2,"values":[3,1]}})");
+    EXPECT_NEAR(share_above(json, 2), 0.25, 0.03);
+}
+
+TEST(Sample, PutsTheFirstRowOfAnImageAtTheTop) {
+    // One black pixel above one white.
+    const auto json = sample(R"({"sites":100,"domain":{"type":"rectangle","width":10,"height":4},"density":{"image":
+        "iVBORw0KGgoAAAANSUhEUgAAAAEAAAACCAAAAAC86un7AAAADElEQVR4nGNgYPgPAAEDAQAIicLsAAAAAElFTkSuQmCC"}})");
+    EXPECT_GT(share_above(json, 2), 0.95);
+}
+
+TEST(Sample, PointsIntoTheRequestWhenThePolygonIsNotSimple) {
+    const std::string bow = "[[0,0],[4,4],[4,0],[0,4]]";
+    const std::string good = "[[0,0],[4,0],[4,4],[0,4]]";
+    const std::string far = "[[9,9],[10,9],[10,10]]";
+    const std::vector<std::pair<std::string, std::string>> wrong = {
+        {R"("polygon":)" + bow, "/polygon/"},
+        {R"("polygon":)" + good + R"(,"holes":[[[1,1],[2,1],[2,2]],)" + far + ']', "/holes/1"},
+        {R"("geometry":{"type":"Polygon","coordinates":[)" + bow + "]}", "/geometry/coordinates/0/"},
+        {R"("geometry":{"type":"MultiPolygon","coordinates":[[)" + far + "],[" + bow + "]]}",
+         "/geometry/coordinates/1/0/"},
+        {R"("geometry":{"type":"Feature","geometry":{"type":"Polygon","coordinates":[)" + good + ',' + far + "]}}",
+         "/geometry/geometry/coordinates/1"},
+        {R"("polygon":[[0,0],[1,1]])", "/polygon"},
+    };
+    for (const auto& [members, field] : wrong) {
+        const auto result = answer('{' + members + R"(,"sites":10})");
+        ASSERT_FALSE(result) << members;
+        EXPECT_EQ(result.error().code, ErrorCode::Unusable) << members;
+        EXPECT_TRUE(result.error().field.starts_with(field)) << result.error().field << " for " << members;
+    }
+}
+
+TEST(Sample, RefusesADensityOfZero) {
+    const auto result = answer('{' + kSquare + R"(,"sites":10,"density":{"width":2,"height":1,"values":[0,0]}})");
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::Unusable);
+    EXPECT_TRUE(result.error().field.starts_with("/density"));
+}
+
+TEST(Sample, StopsWhenAsked) {
+    std::stop_source stop;
+    const auto request = parse('{' + kSquare + R"(,"sites":100})");
+    Timings timings;
+    const Control control{stop.get_token(), [&](const Progress&) { stop.request_stop(); }};
+    const auto result = run_sample(*request, {}, control, timings);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::Stopped);
+}
+
+}  // namespace
+}  // namespace ccdt::api
