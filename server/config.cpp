@@ -1,0 +1,187 @@
+#include "server/config.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <string_view>
+#include <thread>
+
+namespace ccdt::server {
+namespace {
+
+constexpr std::size_t kQueuePerWorker = 16;
+
+/// What a flag or variable sets; the queue's default waits for the number of workers.
+struct Draft {
+    Config config;
+    std::optional<std::size_t> queue;
+};
+
+/// @returns  what was expected instead, empty if the value was taken
+using Apply = std::string (*)(Draft&, std::string_view value);
+
+struct Setting {
+    std::string_view flag;
+    const char* variable;
+    std::string_view value;
+    std::string_view help;
+    Apply apply;
+};
+
+std::optional<std::uint64_t> parse_whole(std::string_view text) {
+    std::uint64_t number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return number;
+}
+
+std::string set_whole(std::size_t& target, std::string_view text, std::uint64_t low, std::uint64_t high) {
+    const auto number = parse_whole(text);
+    if (!number || *number < low || *number > high)
+        return "a whole number from " + std::to_string(low) + " to " + std::to_string(high);
+    target = static_cast<std::size_t>(*number);
+    return {};
+}
+
+std::string set_bytes(std::size_t& target, std::string_view text) {
+    constexpr std::uint64_t kMost = std::uint64_t{1} << 40;
+    int shift = 0;
+    if (text.ends_with("KiB")) shift = 10;
+    if (text.ends_with("MiB")) shift = 20;
+    if (text.ends_with("GiB")) shift = 30;
+    if (shift > 0) text.remove_suffix(3);
+    const auto number = parse_whole(text);
+    if (!number || *number < 1 || *number > (kMost >> shift)) return "a number of bytes, such as 67108864 or 64MiB";
+    target = static_cast<std::size_t>(*number << shift);
+    return {};
+}
+
+std::string set_timeout(Draft& draft, std::string_view text) {
+    constexpr double kMostSeconds = 86'400;
+    double seconds = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
+    const bool whole = error == std::errc() && end == text.data() + text.size();
+    if (!whole || !(seconds >= 0.001) || seconds > kMostSeconds) return "a number of seconds from 0.001 to 86400";
+    draft.config.timeout = std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
+    return {};
+}
+
+std::string set_port(Draft& draft, std::string_view text) {
+    std::size_t port = 0;
+    auto expected = set_whole(port, text, 0, 65'535);
+    draft.config.port = static_cast<int>(port);
+    return expected;
+}
+
+std::string set_log_format(Draft& draft, std::string_view text) {
+    if (text != "text" && text != "json") return "text or json";
+    draft.config.log_format = text == "json" ? LogFormat::Json : LogFormat::Text;
+    return {};
+}
+
+/// The value ends up in a header.
+std::string set_cors_origin(Draft& draft, std::string_view text) {
+    if (text.empty() || !std::ranges::all_of(text, [](char c) { return c > ' ' && c < 0x7f && c != ','; }))
+        return "* or an origin such as https://example.org";
+    draft.config.cors_origin = text;
+    return {};
+}
+
+std::string set_bind(Draft& draft, std::string_view text) {
+    if (text.empty()) return "an address or host name";
+    draft.config.bind = text;
+    return {};
+}
+
+constexpr auto kSettings = std::to_array<Setting>({
+    {"--port", "PORT", "N", "port to listen on, 0 for any that is free (8080)", set_port},
+    {"--bind", "BIND", "ADDRESS", "address to listen on (127.0.0.1)", set_bind},
+    {"--workers", "CCDT_WORKERS", "N", "threads that compute (one per core)",
+     [](Draft& draft, std::string_view text) { return set_whole(draft.config.workers, text, 1, 1024); }},
+    {"--queue", "CCDT_QUEUE", "N", "requests that may wait for a worker (16 per worker)",
+     [](Draft& draft, std::string_view text) { return set_whole(draft.queue.emplace(), text, 0, 4096); }},
+    {"--max-body", "CCDT_MAX_BODY", "BYTES", "largest request body; KiB, MiB and GiB are understood (64MiB)",
+     [](Draft& draft, std::string_view text) { return set_bytes(draft.config.max_body, text); }},
+    {"--max-pixels", "CCDT_MAX_PIXELS", "N", "most pixels of a picture, read or drawn (64000000)",
+     [](Draft& draft, std::string_view text) {
+         return set_whole(draft.config.limits.max_pixels, text, 1, 1'000'000'000);
+     }},
+    {"--max-sites", "CCDT_MAX_SITES", "N", "most sites of a request (2000000)",
+     [](Draft& draft, std::string_view text) {
+         return set_whole(draft.config.limits.max_sites, text, 1, 100'000'000);
+     }},
+    {"--timeout", "CCDT_TIMEOUT", "SECONDS", "longest wait for an answer (60)", set_timeout},
+    {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGIN", "origin whose pages may call, * for all (none)", set_cors_origin},
+    {"--log-format", "CCDT_LOG_FORMAT", "FORMAT", "text or json (text)", set_log_format},
+});
+
+Result<void> apply(const Setting& setting, std::string_view name, std::string_view value, Draft& draft) {
+    const std::string expected = setting.apply(draft, value);
+    if (expected.empty()) return {};
+    return failure(ErrorCode::Malformed, std::string(name) + ": '" + std::string(value) + "' is not " + expected);
+}
+
+Result<void> read_environment(const Environment& environment, Draft& draft) {
+    for (const Setting& setting : kSettings) {
+        const char* value = environment(setting.variable);
+        if (value == nullptr || *value == '\0') continue;
+        if (auto taken = apply(setting, setting.variable, value, draft); !taken) return taken;
+    }
+    return {};
+}
+
+Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, Draft& draft) {
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+        const std::string_view argument = arguments[i];
+        if (argument == "--help" || argument == "-h") return CommandLine::Action::Help;
+        if (argument == "--version") return CommandLine::Action::Version;
+        const auto equals = argument.find('=');
+        const auto name = argument.substr(0, equals);
+        const auto setting = std::ranges::find(kSettings, name, &Setting::flag);
+        if (setting == kSettings.end())
+            return failure(ErrorCode::Malformed, "unknown argument '" + std::string(argument) + "'");
+        const bool attached = equals != std::string_view::npos;
+        if (!attached && ++i == arguments.size())
+            return failure(ErrorCode::Malformed, std::string(name) + " needs a value");
+        const auto value = attached ? argument.substr(equals + 1) : std::string_view(arguments[i]);
+        if (auto taken = apply(*setting, name, value, draft); !taken) return tl::unexpected(taken.error());
+    }
+    return CommandLine::Action::Serve;
+}
+
+}  // namespace
+
+Result<CommandLine> parse_command_line(std::span<const char* const> arguments, const Environment& environment) {
+    // Flags first: asking for help works whatever the environment holds.
+    Draft flags;
+    const auto action = read_flags(arguments, flags);
+    if (!action) return tl::unexpected(action.error());
+    if (*action != CommandLine::Action::Serve) return CommandLine{*action, {}};
+
+    Draft draft;
+    draft.config.workers = std::max<std::size_t>(1, std::thread::hardware_concurrency());
+    if (auto read = read_environment(environment, draft); !read) return tl::unexpected(read.error());
+    if (auto read = read_flags(arguments, draft); !read) return tl::unexpected(read.error());
+    draft.config.queue = draft.queue.value_or(kQueuePerWorker * draft.config.workers);
+    return CommandLine{CommandLine::Action::Serve, draft.config};
+}
+
+std::string usage() {
+    std::string text =
+        "Usage: ccdt-server [options]\n"
+        "Serves halftones and point sets of equal capacity over HTTP.\n\n";
+    for (const Setting& setting : kSettings) {
+        std::string flag = "  " + std::string(setting.flag) + ' ' + std::string(setting.value);
+        flag.resize(std::max<std::size_t>(flag.size() + 1, 25), ' ');
+        std::string variable = setting.variable;
+        variable.resize(std::max<std::size_t>(variable.size() + 1, 18), ' ');
+        text += flag + variable + std::string(setting.help) + '\n';
+    }
+    return text +
+           "  --help                                   prints this\n"
+           "  --version                                prints the version\n\n"
+           "Each option may also be given as the environment variable beside it; the flag wins.\n";
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "api/options.h"
+#include "core/result.h"
+
+namespace ccdt::server {
+
+enum class LogFormat { Text, Json };
+
+struct Config {
+    std::string bind = "127.0.0.1";
+    int port = 8080;                               ///< 0: any that is free
+    std::size_t workers = 1;                       ///< threads that compute
+    std::size_t queue = 16;                        ///< requests that may wait for a worker
+    std::size_t max_body = std::size_t{64} << 20;  ///< bytes
+    api::Limits limits;
+    std::chrono::milliseconds timeout{60'000};  ///< from a request's last byte to its answer
+    std::string cors_origin;                    ///< `*` or one origin; empty: no CORS headers
+    LogFormat log_format = LogFormat::Text;
+};
+
+struct CommandLine {
+    enum class Action { Serve, Help, Version };
+    Action action = Action::Serve;
+    Config config;
+};
+
+/// Looks up an environment variable; null if it is not set.
+using Environment = std::function<const char*(const char* name)>;
+
+/// Reads the flags and the environment; a flag wins. An empty variable counts as not set.
+///
+/// @param arguments  without the program's name; `--flag value` and `--flag=value`
+/// Errors (Malformed): an unknown flag, a flag without its value, a value out of range. The message names it.
+Result<CommandLine> parse_command_line(std::span<const char* const> arguments, const Environment& environment);
+
+/// What --help prints.
+std::string usage();
+
+}  // namespace ccdt::server

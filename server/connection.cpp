@@ -1,0 +1,210 @@
+#include "server/connection.h"
+
+#include <arpa/inet.h>
+#include <netdb.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+
+namespace ccdt::server {
+namespace {
+
+using std::chrono::duration_cast;
+using std::chrono::milliseconds;
+
+constexpr std::size_t kLargestHead = 32'768;
+constexpr std::size_t kLargestLine = 4'096;  ///< of a chunk's size or a trailer
+constexpr std::size_t kReceiveSize = 65'536;
+constexpr milliseconds kHeadTimeout{10'000};  ///< for the whole head
+constexpr milliseconds kBodyPause{30'000};    ///< longest pause within a body
+constexpr milliseconds kLinger{2'000};
+constexpr milliseconds kWaitStep{100};
+constexpr int kNoTime = 0;
+
+/// Waits for an event on the socket, at most until the deadline.
+bool wait_for(int socket, short events, std::chrono::steady_clock::time_point deadline) {
+    while (true) {
+        const auto left = duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now());
+        pollfd entry{socket, events, 0};
+        const int ready = poll(&entry, 1, static_cast<int>(std::max<milliseconds::rep>(left.count(), 0)));
+        if (ready >= 0 || errno != EINTR) return ready > 0;
+    }
+}
+
+tl::unexpected<Fault> too_large(std::size_t limit) {
+    return fault(413, "the body is larger than this server's limit (max-body) of " + std::to_string(limit) + " bytes");
+}
+
+/// Size of a chunk; what follows a semicolon is an extension, and ignored.
+Received<std::uint64_t> parse_chunk_size(std::string_view line) {
+    std::uint64_t size = 0;
+    const auto digits = line.substr(0, line.find(';'));
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), size, 16);
+    if (error != std::errc() || end != digits.data() + digits.size()) return fault(400, "a chunk's size is malformed");
+    return size;
+}
+
+std::string peer_name(int socket) {
+    sockaddr_storage address{};
+    socklen_t size = sizeof(address);
+    std::array<char, NI_MAXHOST> host{};
+    std::array<char, NI_MAXSERV> port{};
+    auto* generic = reinterpret_cast<sockaddr*>(&address);
+    if (getpeername(socket, generic, &size) != 0 || getnameinfo(generic, size, host.data(), host.size(), port.data(),
+                                                                port.size(), NI_NUMERICHOST | NI_NUMERICSERV) != 0)
+        return "-";
+    const std::string name = host.data();
+    const bool has_colon = name.find(':') != std::string::npos;
+    return (has_colon ? "[" + name + "]" : name) + ":" + port.data();
+}
+
+}  // namespace
+
+Connection::Connection(int socket) : socket_(socket), client_(peer_name(socket)) {}
+
+bool Connection::wait_for_request(const std::function<bool(Milliseconds waited)>& give_up) {
+    bytes_in_ = 0;
+    bytes_out_ = 0;
+    const auto start = Clock::now();
+    while (unread_.empty()) {
+        if (wait_for(socket_, POLLIN, Clock::now() + kWaitStep)) return fill(Clock::now()).has_value();
+        if (give_up(duration_cast<Milliseconds>(Clock::now() - start))) return false;
+    }
+    return true;
+}
+
+Received<Request> Connection::read_head() {
+    const auto deadline = Clock::now() + kHeadTimeout;
+    between_requests_ = false;
+    std::size_t end = std::string::npos;
+    while (true) {
+        // Clients may send a line end after a body; it is no part of the next head.
+        while (unread_.starts_with("\r\n")) unread_.erase(0, 2);
+        end = unread_.find("\r\n\r\n");
+        if (std::min(end, unread_.size()) > kLargestHead)
+            return fault(431, "the head of the request is larger than " + std::to_string(kLargestHead) + " bytes");
+        if (end != std::string::npos) break;
+        if (auto filled = fill(deadline); !filled) return tl::unexpected(filled.error());
+    }
+    auto request = parse_head(take(end + 4));
+    between_requests_ = request && !request->chunked && request->content_length.value_or(0) == 0;
+    return request;
+}
+
+Received<std::string> Connection::read_body(const Request& request, std::size_t limit) {
+    if (!request.is_framed()) return fault(411, "the request has neither Content-Length nor chunks");
+    if (request.content_length.value_or(0) > limit) return too_large(limit);
+    if (request.expects_continue && unread_.empty() && !write("HTTP/1.1 100 Continue\r\n\r\n"))
+        return fault(400, "the client left");
+    auto body = request.chunked ? read_chunked(limit) : read_plain(*request.content_length);
+    between_requests_ = body.has_value();
+    return body;
+}
+
+bool Connection::client_gone() const {
+    pollfd entry{socket_, POLLRDHUP, 0};
+    return poll(&entry, 1, kNoTime) > 0;
+}
+
+bool Connection::write(std::string_view bytes) {
+    while (!bytes.empty()) {
+        const ssize_t sent = send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+        if (sent < 0 && errno == EINTR) continue;
+        if (sent <= 0) return false;
+        bytes_out_ += static_cast<std::uint64_t>(sent);
+        bytes.remove_prefix(static_cast<std::size_t>(sent));
+    }
+    return true;
+}
+
+void Connection::close_gently() {
+    shutdown(socket_, SHUT_WR);
+    const auto deadline = Clock::now() + kLinger;
+    while (!between_requests_ && Clock::now() < deadline && fill(deadline)) unread_.clear();
+}
+
+/// Receives what there is, waiting for the first byte of it.
+Received<bool> Connection::fill(Clock::time_point deadline) {
+    if (!wait_for(socket_, POLLIN, deadline)) return fault(408, "the request did not arrive in time");
+    std::array<char, kReceiveSize> buffer;
+    ssize_t received = -1;
+    do received = recv(socket_, buffer.data(), buffer.size(), 0);
+    while (received < 0 && errno == EINTR);
+    if (received <= 0) return fault(400, "the client closed the connection within its request");
+    unread_.append(buffer.data(), static_cast<std::size_t>(received));
+    return true;
+}
+
+std::string Connection::take(std::size_t size) {
+    std::string taken = unread_.substr(0, size);
+    unread_.erase(0, size);
+    bytes_in_ += taken.size();
+    return taken;
+}
+
+/// A line of the body's framing, without its end.
+Received<std::string> Connection::read_line() {
+    while (true) {
+        const auto end = unread_.find("\r\n");
+        if (std::min(end, unread_.size()) > kLargestLine) return fault(400, "a line of the chunked body is too long");
+        if (end != std::string::npos) {
+            std::string line = take(end + 2);
+            line.resize(end);
+            return line;
+        }
+        if (auto filled = fill(Clock::now() + kBodyPause); !filled) return tl::unexpected(filled.error());
+    }
+}
+
+Received<bool> Connection::append(std::string& body, std::uint64_t size) {
+    while (size > 0) {
+        if (unread_.empty()) {
+            if (auto filled = fill(Clock::now() + kBodyPause); !filled) return filled;
+        }
+        const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(size, unread_.size()));
+        body.append(unread_, 0, part);
+        unread_.erase(0, part);
+        size -= part;
+        bytes_in_ += part;
+    }
+    return true;
+}
+
+Received<std::string> Connection::read_plain(std::uint64_t size) {
+    std::string body;
+    if (auto read = append(body, size); !read) return tl::unexpected(read.error());
+    return body;
+}
+
+Received<std::string> Connection::read_chunked(std::size_t limit) {
+    std::string body;
+    while (true) {
+        const auto size = read_line().and_then(parse_chunk_size);
+        if (!size) return tl::unexpected(size.error());
+        if (*size == 0) break;
+        if (*size > limit - body.size()) return too_large(limit);
+        if (auto read = append(body, *size); !read) return tl::unexpected(read.error());
+        const auto end = read_line();
+        if (!end) return tl::unexpected(end.error());
+        if (!end->empty()) return fault(400, "a chunk is longer than its size");
+    }
+    if (auto skipped = skip_trailers(); !skipped) return tl::unexpected(skipped.error());
+    return body;
+}
+
+/// Nothing here uses trailers, and few of them are enough.
+Received<bool> Connection::skip_trailers() {
+    for (std::size_t skipped = 0; skipped <= kLargestLine;) {
+        const auto line = read_line();
+        if (!line) return tl::unexpected(line.error());
+        if (line->empty()) return true;
+        skipped += line->size();
+    }
+    return fault(400, "the trailers of the chunked body are too long");
+}
+
+}  // namespace ccdt::server

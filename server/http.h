@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "api/options.h"
+
+namespace ccdt::server {
+
+struct Header {
+    std::string name;
+    std::string value;
+};
+
+/// The head of a request, and how its body is framed.
+struct Request {
+    std::string method;
+    std::string target;           ///< as sent
+    std::string path;             ///< percent-decoded
+    std::string query;            ///< as sent, without the question mark
+    std::vector<Header> headers;  ///< in order, values as sent
+    std::optional<std::uint64_t> content_length;
+    bool chunked = false;
+    bool keep_alive = true;  ///< the client wants to send more on this connection
+    bool expects_continue = false;
+
+    /// Value of the first header of that name, in any case; empty if there is none.
+    std::string_view header(std::string_view name) const;
+
+    /// A body follows, if only an empty one.
+    bool is_framed() const { return chunked || content_length.has_value(); }
+};
+
+/// Where a request's time went, in milliseconds.
+struct Stages {
+    double queue = 0;
+    api::Timings work;
+};
+
+struct Response {
+    int status = 200;
+    std::string media_type;
+    std::string body;
+    std::vector<Header> headers;
+    std::string request_id;
+    std::string cause;  ///< of a failure of ours; for the log only
+    Stages stages;
+    bool deliver = true;  ///< false: the client has left
+};
+
+/// A request that is refused for the way it was sent.
+struct Fault {
+    int status = 400;
+    std::string detail;
+};
+
+template <class T>
+using Received = tl::expected<T, Fault>;
+
+inline tl::unexpected<Fault> fault(int status, std::string detail) {
+    return tl::unexpected<Fault>(Fault{status, std::move(detail)});
+}
+
+/// Reads a request's head, from the request line to the empty line, both included.
+///
+/// Stricter than most servers, since two that read the same bytes differently can be played against each other:
+/// lines end in CRLF, names are tokens, there is one Content-Length of digits or one `Transfer-Encoding: chunked`
+/// but not both.
+Received<Request> parse_head(std::string_view head);
+
+/// The parameters of a query, in order and with their repetitions; `+` is a space.
+std::vector<api::TextOption> parse_query(std::string_view query);
+
+/// The type and subtype of a Content-Type, in small letters.
+std::string media_type(std::string_view content_type);
+
+/// Value of a parameter such as `boundary` in `multipart/form-data; boundary="x"`; empty if there is none.
+std::string header_parameter(std::string_view value, std::string_view name);
+
+bool equals_ignoring_case(std::string_view a, std::string_view b);
+
+/// The phrase that belongs to a status.
+std::string_view status_phrase(int status);
+
+}  // namespace ccdt::server

@@ -1,0 +1,79 @@
+#include "server/log.h"
+
+#include <spdlog/logger.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+namespace ccdt::server {
+namespace {
+
+/// A request target may be long; its beginning tells which it was.
+constexpr std::size_t kLongestTarget = 512;
+
+std::string member(LogFormat format, std::string_view message) {
+    if (format == LogFormat::Text) return escape(message);
+    return fmt::format(R"("message":"{}")", escape(message));
+}
+
+}  // namespace
+
+std::string escape(std::string_view text) {
+    std::string escaped;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\') {
+            escaped += '\\';
+            escaped += c;
+        } else if (byte < ' ' || byte >= 0x7f) {
+            escaped += fmt::format("\\u{:04x}", byte);
+        } else {
+            escaped += c;
+        }
+    }
+    return escaped;
+}
+
+std::string exchange_line(const Exchange& exchange, LogFormat format) {
+    const auto& [request, response, client, in, out, total] = exchange;
+    const auto& stages = response.stages;
+    constexpr std::string_view kText =
+        "{} {} {} {} {} in={} out={} total={:.1f} queue={:.1f} decode={:.1f} optimise={:.1f} encode={:.1f}";
+    constexpr std::string_view kJson =
+        R"("message":"request","id":"{}","client":"{}","method":"{}","target":"{}","status":{},"bytes_in":{},)"
+        R"("bytes_out":{},"total_ms":{:.1f},"queue_ms":{:.1f},"decode_ms":{:.1f},"optimise_ms":{:.1f},)"
+        R"("encode_ms":{:.1f})";
+    const auto shown = [](std::string_view text) {
+        return text.empty() ? "-" : escape(text.substr(0, kLongestTarget));
+    };
+    const bool text = format == LogFormat::Text;
+    std::string line = fmt::format(fmt::runtime(text ? kText : kJson), shown(response.request_id), shown(client),
+                                   shown(request.method), shown(request.target), response.status, in, out, total,
+                                   stages.queue, stages.work.decode, stages.work.optimise, stages.work.encode);
+    if (!response.cause.empty())
+        line += fmt::format(fmt::runtime(text ? R"( cause="{}")" : R"(,"cause":"{}")"), escape(response.cause));
+    return line;
+}
+
+Log::Log(LogFormat format)
+    : format_(format),
+      logger_(std::make_shared<spdlog::logger>("ccdt", std::make_shared<spdlog::sinks::stderr_color_sink_mt>())) {
+    const bool json = format == LogFormat::Json;
+    logger_->set_pattern(
+        json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l",%v})" : "%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %v",
+        spdlog::pattern_time_type::utc);
+    logger_->flush_on(spdlog::level::trace);
+}
+
+void Log::info(std::string_view message) const {
+    logger_->info(member(format_, message));
+}
+
+void Log::error(std::string_view message) const {
+    logger_->error(member(format_, message));
+}
+
+void Log::exchange(const Exchange& exchange) const {
+    logger_->info(exchange_line(exchange, format_));
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,118 @@
+#include <algorithm>
+#include <csignal>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <span>
+#include <string>
+#include <thread>
+
+#include <unistd.h>
+
+#include "server/config.h"
+#include "server/http_server.h"
+#include "server/log.h"
+#include "server/routes.h"
+#include "server/worker_pool.h"
+
+namespace ccdt::server {
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+
+/// Connections beyond those that compute or wait to: for health checks, refusals and slow uploads.
+constexpr std::size_t kSpareConnections = 64;
+
+sigset_t ending_signals() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    return signals;
+}
+
+/// From then on another signal ends the program at once. That takes a handler: without one, the first process of a
+/// container is not ended by them.
+void wait_for_signal(const sigset_t& signals) {
+    int number = 0;
+    sigwait(&signals, &number);
+    for (const int other : {SIGINT, SIGTERM}) std::signal(other, [](int again) { _exit(128 + again); });
+    pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+}
+
+std::string url(const std::string& address, int port) {
+    const bool has_colon = address.find(':') != std::string::npos;
+    return "http://" + (has_colon ? "[" + address + "]" : address) + ":" + std::to_string(port);
+}
+
+int serve(const Config& config) {
+    // Before any thread starts: they inherit the mask, and only this one takes the signals.
+    const sigset_t signals = ending_signals();
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+
+    const Log log(config.log_format);
+    WorkerPool pool(config.workers, config.queue);
+    Routes routes(config, pool);
+    HttpServer server(
+        config.workers + config.queue + kSpareConnections,
+        [&](const auto& request, const auto& fault, auto& connection) {
+            return routes.answer(request, fault, connection);
+        },
+        [&](const Exchange& exchange) { log.exchange(exchange); });
+
+    const auto port = server.bind(config.bind, config.port);
+    if (!port) {
+        log.error(port.error().message);
+        return kFailed;
+    }
+    log.info("listening on " + url(config.bind, *port));
+
+    bool served = false;
+    std::jthread acceptor([&] {
+        served = server.serve();
+        if (served) return;
+        log.error("accepting connections failed");
+        kill(getpid(), SIGTERM);
+    });
+    wait_for_signal(signals);
+    routes.drain();
+    server.drain();
+    log.info("shutting down: no new requests, those accepted are answered");
+    acceptor.join();
+    pool.drain();
+    log.info("stopped");
+    return served ? EXIT_SUCCESS : kFailed;
+}
+
+int run(std::span<const char* const> arguments) {
+    const auto command = parse_command_line(arguments, [](const char* name) { return std::getenv(name); });
+    if (!command) {
+        std::fprintf(stderr, "ccdt-server: %s\nTry --help.\n", command.error().message.c_str());
+        return kWrongUsage;
+    }
+    switch (command->action) {
+        case CommandLine::Action::Help:
+            std::fputs(usage().c_str(), stdout);
+            return EXIT_SUCCESS;
+        case CommandLine::Action::Version:
+            std::puts("ccdt-server " CCDT_VERSION);
+            return EXIT_SUCCESS;
+        case CommandLine::Action::Serve:
+            break;
+    }
+    return serve(command->config);
+}
+
+}  // namespace
+}  // namespace ccdt::server
+
+int main(int argc, char** argv) {
+    try {
+        return ccdt::server::run(std::span(argv, static_cast<std::size_t>(argc)).subspan(1));
+    } catch (const std::exception& exception) {
+        std::fprintf(stderr, "ccdt-server: %s\n", exception.what());
+        return 1;
+    }
+}

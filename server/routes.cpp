@@ -1,0 +1,362 @@
+#include "server/routes.h"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "api/halftone.h"
+#include "api/problem.h"
+#include "api/sample.h"
+#include "server/multipart.h"
+
+namespace ccdt::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Milliseconds = std::chrono::duration<double, std::milli>;
+
+constexpr std::string_view kJson = "application/json";
+constexpr std::string_view kProblem = "application/problem+json";
+constexpr std::size_t kLongestId = 64;
+
+/// How often a connection looks whether its client still waits.
+constexpr std::chrono::milliseconds kPeek{20};
+
+/// A result on its way from a worker to the connection that waits for it, which may leave before it comes.
+class Ticket {
+public:
+    void begin() {
+        const std::lock_guard lock(mutex_);
+        stages_.queue = Milliseconds(Clock::now() - submitted_).count();
+    }
+
+    void finish(Result<api::Answer> result, const api::Timings& timings) {
+        const std::lock_guard lock(mutex_);
+        stages_.work = timings;
+        result_ = std::move(result);
+        finished_.notify_all();
+    }
+
+    /// @returns  whether there is a result
+    bool wait_until(Clock::time_point time) {
+        std::unique_lock lock(mutex_);
+        return finished_.wait_until(lock, time, [this] { return result_.has_value(); });
+    }
+
+    Result<api::Answer> take_result() {
+        const std::lock_guard lock(mutex_);
+        return std::move(*result_);
+    }
+
+    Stages stages() const {
+        const std::lock_guard lock(mutex_);
+        return stages_;
+    }
+
+private:
+    const Clock::time_point submitted_ = Clock::now();
+
+    mutable std::mutex mutex_;  ///< guards the rest
+    std::condition_variable finished_;
+    std::optional<Result<api::Answer>> result_;
+    Stages stages_;
+};
+
+bool is_json(std::string_view type) {
+    return type == kJson || (type.starts_with("application/") && type.ends_with("+json"));
+}
+
+/// Types under which programs send JSON without saying so.
+bool may_hold_json(std::string_view type) {
+    constexpr std::string_view kUnspecific[] = {"", "text/plain", "application/octet-stream",
+                                                "application/x-www-form-urlencoded"};
+    return is_json(type) || std::ranges::find(kUnspecific, type) != std::end(kUnspecific);
+}
+
+bool is_request_id(std::string_view text) {
+    const auto allowed = [](char c) {
+        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '_' ||
+               c == '-';
+    };
+    return !text.empty() && text.size() <= kLongestId && std::ranges::all_of(text, allowed);
+}
+
+std::string hexadecimal(std::uint64_t number, int digits) {
+    char text[17];
+    std::snprintf(text, sizeof(text), "%0*llx", digits, static_cast<unsigned long long>(number));
+    return text;
+}
+
+std::string server_timing(const Stages& stages) {
+    char text[160];
+    std::snprintf(text, sizeof(text), "queue;dur=%.1f, decode;dur=%.1f, optimise;dur=%.1f, encode;dur=%.1f",
+                  stages.queue, stages.work.decode, stages.work.optimise, stages.work.encode);
+    return text;
+}
+
+Response json_response(std::string body) {
+    Response response;
+    response.media_type = kJson;
+    response.body = std::move(body);
+    return response;
+}
+
+}  // namespace
+
+int http_status(ErrorCode code) {
+    switch (code) {
+        case ErrorCode::Malformed:
+            return 400;
+        case ErrorCode::Unusable:
+            return 422;
+        case ErrorCode::LimitExceeded:
+            return 413;
+        case ErrorCode::NotAcceptable:
+            return 406;
+        case ErrorCode::Unsupported:
+            return 415;
+        case ErrorCode::Stopped:
+            return 503;
+        case ErrorCode::Internal:
+            break;
+    }
+    return 500;
+}
+
+constexpr Routes::Route Routes::kRoutes[] = {
+    {"/halftone", "POST", "POST, OPTIONS", &Routes::halftone},
+    {"/sample", "POST", "POST, OPTIONS", &Routes::sample},
+    {"/health", "GET", "GET, HEAD, OPTIONS", &Routes::live},
+    {"/health/live", "GET", "GET, HEAD, OPTIONS", &Routes::live},
+    {"/health/ready", "GET", "GET, HEAD, OPTIONS", &Routes::ready},
+};
+
+Routes::Routes(const Config& config, WorkerPool& pool)
+    : config_(config), pool_(pool), id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
+
+Response Routes::answer(const Request& request, const std::optional<Fault>& fault, Connection& connection) {
+    const std::string id = request_id(request);
+    Response response;
+    try {
+        auto outcome = fault ? Outcome(problem(fault->status, fault->detail)) : dispatch(request, connection);
+        response = outcome ? std::move(*outcome) : describe(std::move(outcome.error()), id);
+    } catch (const std::exception& exception) {
+        response = describe(problem(500, exception.what()).value(), id);
+    }
+    response.request_id = id;
+    add_common_headers(response);
+    return response;
+}
+
+Routes::Outcome Routes::dispatch(const Request& request, Connection& connection) {
+    const auto* route = std::ranges::find(kRoutes, std::string_view(request.path), &Route::path);
+    if (route == std::end(kRoutes)) return problem(404, "there is nothing at this path");
+    if (request.method == "OPTIONS") return preflight(*route, request);
+    const bool headers_only = request.method == "HEAD" && route->method == "GET";
+    if (request.method != route->method && !headers_only) {
+        auto refused = problem(405, "this path takes " + std::string(route->allow));
+        refused.value().headers.push_back({"Allow", std::string(route->allow)});
+        return refused;
+    }
+    return (this->*route->handler)(request, connection);
+}
+
+Routes::Outcome Routes::live(const Request&, Connection&) {
+    return json_response(R"({"status":"live"})");
+}
+
+Routes::Outcome Routes::ready(const Request&, Connection&) {
+    if (draining_) return busy(503, "the server is shutting down");
+    return json_response(R"({"status":"ready"})");
+}
+
+Routes::Outcome Routes::halftone(const Request& request, Connection& connection) {
+    auto body = read_body(request, connection);
+    if (!body) return tl::unexpected(std::move(body.error()));
+    const std::string type = media_type(request.header("Content-Type"));
+    if (is_json(type)) {
+        Work work = [this, body = std::move(*body), options = parse_query(request.query),
+                     accept = std::string(request.header("Accept"))](const Control& control, api::Timings& timings) {
+            return api::parse_halftone_json(body, options, accept, config_.limits).and_then([&](const auto& parsed) {
+                return api::run_halftone(parsed, config_.limits, control, timings);
+            });
+        };
+        return compute(std::move(work), connection);
+    }
+    auto image = std::move(*body);
+    auto options = parse_query(request.query);
+    if (type == "multipart/form-data") {
+        auto form = read_form(std::move(image), request.header("Content-Type"), options);
+        if (!form) return tl::unexpected(std::move(form.error()));
+        image = std::move(*form);
+    }
+    auto parsed = api::parse_halftone(std::move(image), options, request.header("Accept"), config_.limits);
+    if (!parsed) return problem(std::move(parsed.error()));
+    // Shared because functions are copied, and the picture should not be.
+    return compute([this, shared = std::make_shared<const api::HalftoneRequest>(std::move(*parsed))](
+                       const Control& control,
+                       api::Timings& timings) { return api::run_halftone(*shared, config_.limits, control, timings); },
+                   connection);
+}
+
+Routes::Outcome Routes::sample(const Request& request, Connection& connection) {
+    const std::string type = media_type(request.header("Content-Type"));
+    if (!may_hold_json(type)) return problem(415, "the body must be application/json, not " + type);
+    if (!request.query.empty()) return problem(400, "the options of this path are members of the JSON body");
+    auto body = read_body(request, connection);
+    if (!body) return tl::unexpected(std::move(body.error()));
+    Work work = [this, body = std::move(*body), accept = std::string(request.header("Accept"))](const Control& control,
+                                                                                                api::Timings& timings) {
+        return api::parse_sample(body, accept, config_.limits).and_then([&](const auto& parsed) {
+            return api::run_sample(parsed, config_.limits, control, timings);
+        });
+    };
+    return compute(std::move(work), connection);
+}
+
+/// The picture of a form; its other fields are added to the options.
+tl::expected<std::string, Routes::Problem> Routes::read_form(std::string body, std::string_view content_type,
+                                                             std::vector<api::TextOption>& options) {
+    const auto parts = parse_multipart(body, content_type);
+    if (!parts) return problem(parts.error().status, parts.error().detail);
+    const FormPart* picture = nullptr;
+    for (const FormPart& part : *parts) {
+        if (part.name != "image" && part.name != "file") {
+            options.push_back({part.name, std::string(part.content(body))});
+        } else if (picture == nullptr) {
+            picture = &part;
+        } else {
+            return problem(400, "the form holds more than one picture", "image");
+        }
+    }
+    if (picture == nullptr) return problem(400, "the form has no part `image`", "image");
+    // In place: the picture may be as large as the body.
+    body.resize(picture->begin + picture->size);
+    body.erase(0, picture->begin);
+    return body;
+}
+
+/// The body of a request that is to be computed, unless it is clear already that it will not be.
+tl::expected<std::string, Routes::Problem> Routes::read_body(const Request& request, Connection& connection) const {
+    const auto encoding = request.header("Content-Encoding");
+    if (!encoding.empty() && !equals_ignoring_case(encoding, "identity"))
+        return problem(415, "a Content-Encoding is not understood; send the body as it is");
+    if (draining_) return busy(503, "the server is shutting down");
+    if (pool_.is_full()) return busy(429, "too many requests are waiting");
+    auto body = connection.read_body(request, config_.max_body);
+    if (!body) return problem(body.error().status, body.error().detail);
+    return std::move(*body);
+}
+
+/// Has a worker do it, and waits: for the result, the deadline or the client's leaving.
+Routes::Outcome Routes::compute(Work work, Connection& connection) {
+    const auto deadline = Clock::now() + config_.timeout;
+    const auto ticket = std::make_shared<Ticket>();
+    const auto job = pool_.submit([ticket, work = std::move(work)](std::stop_token stop) {
+        ticket->begin();
+        api::Timings timings;
+        try {
+            ticket->finish(work(Control{std::move(stop), {}}, timings), timings);
+        } catch (const std::exception& exception) {
+            ticket->finish(failure(ErrorCode::Internal, exception.what()), timings);
+        }
+    });
+    if (!job) return busy(429, "too many requests are waiting");
+
+    const auto give_up = [&](tl::unexpected<Problem> reason) {
+        reason.value().stages = ticket->stages();
+        return reason;
+    };
+    while (!ticket->wait_until(std::min(Clock::now() + kPeek, deadline))) {
+        if (connection.client_gone()) {
+            pool_.cancel(*job);
+            auto gone = problem(499, "the client went away");
+            gone.value().deliver = false;
+            return give_up(std::move(gone));
+        }
+        if (Clock::now() < deadline) continue;
+        const auto cancelled = pool_.cancel(*job);
+        if (cancelled == WorkerPool::Cancelled::Queued) return give_up(busy(503, "no worker was free in time"));
+        if (cancelled == WorkerPool::Cancelled::Running)
+            return give_up(problem(504, "the computation took longer than the timeout of " +
+                                            std::to_string(config_.timeout.count()) + " ms (timeout)"));
+    }
+    auto result = ticket->take_result();
+    if (!result) return give_up(problem(std::move(result.error())));
+    Response response;
+    response.media_type = std::move(result->media_type);
+    response.body = std::move(result->body);
+    response.stages = ticket->stages();
+    return response;
+}
+
+/// Answers OPTIONS, to people and to browsers that ask before a request from another origin.
+Response Routes::preflight(const Route& route, const Request& request) const {
+    Response response;
+    response.status = 204;
+    response.headers.push_back({"Allow", std::string(route.allow)});
+    if (!config_.cors_origin.empty() && !request.header("Access-Control-Request-Method").empty()) {
+        response.headers.push_back({"Access-Control-Allow-Methods", std::string(route.allow)});
+        response.headers.push_back({"Access-Control-Allow-Headers", "Accept, Content-Type, X-Request-ID"});
+        response.headers.push_back({"Access-Control-Max-Age", "86400"});
+    }
+    return response;
+}
+
+tl::unexpected<Routes::Problem> Routes::problem(int status, std::string message, std::string field) {
+    return tl::unexpected<Problem>(
+        Problem{status, Error{ErrorCode::Internal, std::move(message), std::move(field)}, {}, {}, true});
+}
+
+tl::unexpected<Routes::Problem> Routes::problem(Error error) {
+    const int status = http_status(error.code);
+    return tl::unexpected<Problem>(Problem{status, std::move(error), {}, {}, true});
+}
+
+/// A refusal that may end well a little later.
+tl::unexpected<Routes::Problem> Routes::busy(int status, std::string message) const {
+    auto refused = problem(status, std::move(message));
+    refused.value().headers.push_back({"Retry-After", std::to_string(pool_.backlog().count())});
+    return refused;
+}
+
+std::string Routes::request_id(const Request& request) {
+    const auto given = request.header("X-Request-ID");
+    if (is_request_id(given)) return std::string(given);
+    return id_prefix_ + hexadecimal(++requests_, 8);
+}
+
+Response Routes::describe(Problem problem, const std::string& id) const {
+    Response response;
+    if (problem.status == 500) {
+        response.cause = std::move(problem.error.message);
+        problem.error.message = "the server failed; its log holds the cause";
+        problem.error.field.clear();
+    }
+    response.status = problem.status;
+    response.media_type = kProblem;
+    response.body =
+        api::problem_json(problem.status, status_phrase(problem.status), problem.error, "urn:request:" + id);
+    response.headers = std::move(problem.headers);
+    response.stages = problem.stages;
+    response.deliver = problem.deliver;
+    return response;
+}
+
+void Routes::add_common_headers(Response& response) const {
+    response.headers.push_back({"X-Request-ID", response.request_id});
+    response.headers.push_back({"Server-Timing", server_timing(response.stages)});
+    if (config_.cors_origin.empty()) return;
+    response.headers.push_back({"Access-Control-Allow-Origin", config_.cors_origin});
+    response.headers.push_back({"Access-Control-Expose-Headers", "Retry-After, Server-Timing, X-Request-ID"});
+    if (config_.cors_origin != "*") response.headers.push_back({"Vary", "Origin"});
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/options.h"
+#include "core/ccdt/ccdt.h"
+#include "core/result.h"
+#include "server/config.h"
+#include "server/connection.h"
+#include "server/http.h"
+#include "server/worker_pool.h"
+
+namespace ccdt::server {
+
+/// Status that an error of the libraries below is answered with.
+int http_status(ErrorCode code);
+
+/// Maps paths and methods to what answers them. May be used from any thread.
+class Routes {
+public:
+    /// The pool must outlive the routes.
+    Routes(const Config& config, WorkerPool& pool);
+
+    /// Answers anything that came over a connection; a fault is answered as what it says.
+    Response answer(const Request& request, const std::optional<Fault>& fault, Connection& connection);
+
+    /// From now on nothing new is computed.
+    void drain() { draining_ = true; }
+
+private:
+    /// Why a request is not answered as it wished.
+    struct Problem {
+        int status = 500;
+        Error error;
+        std::vector<Header> headers;
+        Stages stages;
+        bool deliver = true;
+    };
+    using Outcome = tl::expected<Response, Problem>;
+    using Handler = Outcome (Routes::*)(const Request&, Connection&);
+
+    struct Route {
+        std::string_view path;
+        std::string_view method;
+        std::string_view allow;
+        Handler handler;
+    };
+    static const Route kRoutes[];
+
+    /// What a worker does for a request.
+    using Work = std::function<Result<api::Answer>(const Control&, api::Timings&)>;
+
+    static tl::unexpected<Problem> problem(int status, std::string message, std::string field = {});
+    static tl::unexpected<Problem> problem(Error error);
+
+    Outcome dispatch(const Request& request, Connection& connection);
+    Outcome halftone(const Request& request, Connection& connection);
+    Outcome sample(const Request& request, Connection& connection);
+    Outcome live(const Request& request, Connection& connection);
+    Outcome ready(const Request& request, Connection& connection);
+
+    Response preflight(const Route& route, const Request& request) const;
+    tl::unexpected<Problem> busy(int status, std::string message) const;
+    tl::expected<std::string, Problem> read_body(const Request& request, Connection& connection) const;
+    static tl::expected<std::string, Problem> read_form(std::string body, std::string_view content_type,
+                                                        std::vector<api::TextOption>& options);
+    Outcome compute(Work work, Connection& connection);
+
+    std::string request_id(const Request& request);
+    Response describe(Problem problem, const std::string& id) const;
+    void add_common_headers(Response& response) const;
+
+    const Config config_;
+    WorkerPool& pool_;
+    std::atomic<bool> draining_ = false;
+    std::atomic<std::uint64_t> requests_ = 0;
+    const std::string id_prefix_;  ///< differs between processes
+};
+
+}  // namespace ccdt::server

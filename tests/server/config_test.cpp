@@ -1,0 +1,150 @@
+#include "server/config.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <vector>
+
+namespace ccdt::server {
+namespace {
+
+using Variables = std::map<std::string, std::string>;
+
+Result<CommandLine> parse(const std::vector<const char*>& arguments, const Variables& variables = {}) {
+    return parse_command_line(arguments, [&](const char* name) -> const char* {
+        const auto found = variables.find(name);
+        return found == variables.end() ? nullptr : found->second.c_str();
+    });
+}
+
+TEST(Config, HasTheDocumentedDefaults) {
+    const auto parsed = parse({});
+    ASSERT_TRUE(parsed);
+    const Config& config = parsed->config;
+    EXPECT_EQ(parsed->action, CommandLine::Action::Serve);
+    EXPECT_EQ(config.port, 8080);
+    EXPECT_EQ(config.bind, "127.0.0.1");
+    EXPECT_GE(config.workers, 1u);
+    EXPECT_EQ(config.queue, 16 * config.workers);
+    EXPECT_EQ(config.max_body, std::size_t{64} << 20);
+    EXPECT_EQ(config.limits.max_pixels, 64'000'000u);
+    EXPECT_EQ(config.limits.max_sites, 2'000'000u);
+    EXPECT_EQ(config.timeout, std::chrono::seconds(60));
+    EXPECT_EQ(config.cors_origin, "");
+    EXPECT_EQ(config.log_format, LogFormat::Text);
+}
+
+TEST(Config, ReadsFlagsInBothSpellings) {
+    const auto parsed =
+        parse({"--port=81", "--bind", "0.0.0.0", "--workers=3", "--queue", "0", "--max-body=2MiB", "--max-pixels=1000",
+               "--max-sites", "77", "--timeout=1.5", "--cors-origin", "*", "--log-format=json"});
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    const Config& config = parsed->config;
+    EXPECT_EQ(config.port, 81);
+    EXPECT_EQ(config.bind, "0.0.0.0");
+    EXPECT_EQ(config.workers, 3u);
+    EXPECT_EQ(config.queue, 0u);
+    EXPECT_EQ(config.max_body, std::size_t{2} << 20);
+    EXPECT_EQ(config.limits.max_pixels, 1000u);
+    EXPECT_EQ(config.limits.max_sites, 77u);
+    EXPECT_EQ(config.timeout, std::chrono::milliseconds(1500));
+    EXPECT_EQ(config.cors_origin, "*");
+    EXPECT_EQ(config.log_format, LogFormat::Json);
+}
+
+TEST(Config, ReadsTheEnvironment) {
+    const auto parsed = parse({}, {{"PORT", "81"},
+                                   {"BIND", "::"},
+                                   {"CCDT_WORKERS", "2"},
+                                   {"CCDT_QUEUE", "5"},
+                                   {"CCDT_MAX_BODY", "512KiB"},
+                                   {"CCDT_MAX_PIXELS", "9"},
+                                   {"CCDT_MAX_SITES", "8"},
+                                   {"CCDT_TIMEOUT", "2"},
+                                   {"CCDT_CORS_ORIGIN", "https://example.org"},
+                                   {"CCDT_LOG_FORMAT", "json"}});
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    const Config& config = parsed->config;
+    EXPECT_EQ(config.port, 81);
+    EXPECT_EQ(config.bind, "::");
+    EXPECT_EQ(config.workers, 2u);
+    EXPECT_EQ(config.queue, 5u);
+    EXPECT_EQ(config.max_body, std::size_t{512} << 10);
+    EXPECT_EQ(config.limits.max_pixels, 9u);
+    EXPECT_EQ(config.limits.max_sites, 8u);
+    EXPECT_EQ(config.timeout, std::chrono::seconds(2));
+    EXPECT_EQ(config.cors_origin, "https://example.org");
+    EXPECT_EQ(config.log_format, LogFormat::Json);
+}
+
+TEST(Config, LetsAFlagWinOverTheEnvironment) {
+    const auto parsed = parse({"--port", "81"}, {{"PORT", "82"}, {"CCDT_WORKERS", "2"}});
+    ASSERT_TRUE(parsed);
+    EXPECT_EQ(parsed->config.port, 81);
+    EXPECT_EQ(parsed->config.queue, 32u) << "the queue's default follows the number of workers";
+}
+
+TEST(Config, TakesAnEmptyVariableForNone) {
+    const auto parsed = parse({}, {{"PORT", ""}, {"CCDT_CORS_ORIGIN", ""}});
+    ASSERT_TRUE(parsed);
+    EXPECT_EQ(parsed->config.port, 8080);
+}
+
+TEST(Config, HelpsWhateverElseIsWrong) {
+    EXPECT_EQ(parse({"--help"}, {{"PORT", "x"}})->action, CommandLine::Action::Help);
+    EXPECT_EQ(parse({"--version"})->action, CommandLine::Action::Version);
+}
+
+TEST(Config, ListsEveryFlagAndVariableInItsHelp) {
+    const std::string text = usage();
+    for (const char* word : {"--port",        "PORT",
+                             "--bind",        "BIND",
+                             "--workers",     "CCDT_WORKERS",
+                             "--queue",       "CCDT_QUEUE",
+                             "--max-body",    "CCDT_MAX_BODY",
+                             "--max-pixels",  "CCDT_MAX_PIXELS",
+                             "--max-sites",   "CCDT_MAX_SITES",
+                             "--timeout",     "CCDT_TIMEOUT",
+                             "--cors-origin", "CCDT_CORS_ORIGIN",
+                             "--log-format",  "CCDT_LOG_FORMAT",
+                             "--help",        "--version"})
+        EXPECT_NE(text.find(word), std::string::npos) << word;
+}
+
+struct Wrong {
+    std::vector<const char*> arguments;
+    Variables variables;
+    const char* named;
+};
+
+TEST(Config, NamesWhatIsWrong) {
+    const Wrong wrongs[] = {
+        {{"--nonsense"}, {}, "--nonsense"},
+        {{"8080"}, {}, "8080"},
+        {{"--port"}, {}, "--port"},
+        {{"--port", "65536"}, {}, "--port"},
+        {{"--port=-1"}, {}, "--port"},
+        {{"--port="}, {}, "--port"},
+        {{"--port=80x"}, {}, "--port"},
+        {{"--workers=0"}, {}, "--workers"},
+        {{"--max-body=0"}, {}, "--max-body"},
+        {{"--max-body=1TiB"}, {}, "--max-body"},
+        {{"--max-body=99999999999GiB"}, {}, "--max-body"},
+        {{"--max-sites=0"}, {}, "--max-sites"},
+        {{"--timeout=0"}, {}, "--timeout"},
+        {{"--timeout=nan"}, {}, "--timeout"},
+        {{"--timeout=1e9"}, {}, "--timeout"},
+        {{"--cors-origin=a\r\nb"}, {}, "--cors-origin"},
+        {{"--log-format=xml"}, {}, "--log-format"},
+        {{"--bind="}, {}, "--bind"},
+        {{}, {{"CCDT_QUEUE", "many"}}, "CCDT_QUEUE"},
+    };
+    for (const Wrong& wrong : wrongs) {
+        const auto parsed = parse(wrong.arguments, wrong.variables);
+        ASSERT_FALSE(parsed) << wrong.named;
+        EXPECT_NE(parsed.error().message.find(wrong.named), std::string::npos) << parsed.error().message;
+    }
+}
+
+}  // namespace
+}  // namespace ccdt::server

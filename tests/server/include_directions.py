@@ -1,0 +1,87 @@
+"""Checks that the code's folders include each other only downwards: server -> api -> core.
+
+Usage: include_directions.py ROOT         check the tree
+       include_directions.py --self-check  check that planted violations are found
+"""
+
+import pathlib
+import re
+import sys
+import tempfile
+
+FOLDERS = ("core", "api", "server")
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
+
+# What a header may be included by, for all that not every folder may include: the first match decides.
+RULES = (
+    (re.compile(r"^server/"), ("server/",)),
+    (re.compile(r"^api/"), ("api/", "server/")),
+    (re.compile(r"^CGAL/"), ("core/geometry/delaunay.cpp",)),
+    (re.compile(r"^OpenImageIO/"), ("api/image_codec.cpp",)),
+    (re.compile(r"^nlohmann/|^png\.h$"), ("api/",)),
+    (re.compile(r"^httplib\.h$|^spdlog/|^fmt/"), ("server/",)),
+)
+
+
+def violations(root):
+    for folder in FOLDERS:
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix not in (".h", ".cpp"):
+                continue
+            name = path.relative_to(root).as_posix()
+            for included in INCLUDE.findall(path.read_text()):
+                allowed = next((by for rule, by in RULES if rule.search(included)), ("",))
+                if not name.startswith(allowed):
+                    yield f"{name} includes {included}"
+
+
+def self_check():
+    planted = {
+        "core/a.h": "api/options.h",
+        "core/b.cpp": "server/config.h",
+        "core/c.h": "httplib.h",
+        "core/d.cpp": "nlohmann/json.hpp",
+        "core/e.cpp": "OpenImageIO/imageio.h",
+        "core/f.cpp": "spdlog/spdlog.h",
+        "core/g.cpp": "png.h",
+        "core/mesh/h.cpp": "CGAL/Polygon_2.h",
+        "api/i.cpp": "server/http.h",
+        "api/j.h": "httplib.h",
+        "api/k.cpp": "spdlog/logger.h",
+        "api/l.h": "OpenImageIO/imageio.h",
+        "server/m.cpp": "nlohmann/json.hpp",
+        "server/n.cpp": "OpenImageIO/imageio.h",
+    }
+    harmless = {
+        "core/geometry/delaunay.cpp": "CGAL/Polygon_2.h",
+        "api/image_codec.cpp": "OpenImageIO/imageio.h",
+        "api/o.cpp": "core/result.h",
+        "server/p.cpp": "api/options.h",
+        "core/q.cpp": "vector",
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        for name, included in (planted | harmless).items():
+            path = root / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(f"#pragma once\n  #  include <{included}>\n")
+        expected = sorted(f"{name} includes {included}" for name, included in planted.items())
+        found = sorted(violations(root))
+    if found != expected:
+        sys.exit(f"expected {expected}\nfound {found}")
+
+
+def main():
+    if sys.argv[1:] == ["--self-check"]:
+        self_check()
+        return
+    root = pathlib.Path(sys.argv[1])
+    missing = [folder for folder in FOLDERS if not (root / folder).is_dir()]
+    found = list(violations(root))
+    for line in missing + found:
+        print(line)
+    sys.exit(1 if missing or found else 0)
+
+
+if __name__ == "__main__":
+    main()

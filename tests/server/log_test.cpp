@@ -1,0 +1,48 @@
+#include "server/log.h"
+
+#include <gtest/gtest.h>
+
+namespace ccdt::server {
+namespace {
+
+Exchange example() {
+    Exchange exchange;
+    exchange.request.method = "POST";
+    exchange.request.target = "/halftone?a=\"\r\n\x1b[1m\xff\\";
+    exchange.response.status = 500;
+    exchange.response.request_id = "abc-1";
+    exchange.response.cause = "out of \"luck\"";
+    exchange.response.stages = {1, {2, 3, 4}};
+    exchange.client = "127.0.0.1:5";
+    exchange.bytes_in = 10;
+    exchange.bytes_out = 20;
+    exchange.milliseconds = 30;
+    return exchange;
+}
+
+TEST(Log, WritesARequestOnOneLine) {
+    EXPECT_EQ(exchange_line(example(), LogFormat::Text),
+              R"(abc-1 127.0.0.1:5 POST /halftone?a=\"\u000d\u000a\u001b[1m\u00ff\\ 500 in=10 out=20 total=30.0 )"
+              R"(queue=1.0 decode=2.0 optimise=3.0 encode=4.0 cause="out of \"luck\"")");
+}
+
+TEST(Log, WritesARequestAsJson) {
+    EXPECT_EQ(exchange_line(example(), LogFormat::Json),
+              R"("message":"request","id":"abc-1","client":"127.0.0.1:5","method":"POST",)"
+              R"("target":"/halftone?a=\"\u000d\u000a\u001b[1m\u00ff\\","status":500,"bytes_in":10,"bytes_out":20,)"
+              R"("total_ms":30.0,"queue_ms":1.0,"decode_ms":2.0,"optimise_ms":3.0,"encode_ms":4.0,)"
+              R"("cause":"out of \"luck\"")");
+}
+
+TEST(Log, ShortensLongTargets) {
+    Exchange exchange = example();
+    exchange.request.target = "/" + std::string(10'000, 'x');
+    EXPECT_LT(exchange_line(exchange, LogFormat::Text).size(), 1'000u);
+}
+
+TEST(Log, ShowsWhatIsMissing) {
+    EXPECT_TRUE(exchange_line({}, LogFormat::Text).starts_with("- - - - 200 "));
+}
+
+}  // namespace
+}  // namespace ccdt::server

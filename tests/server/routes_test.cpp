@@ -1,0 +1,100 @@
+#include "server/routes.h"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+
+namespace ccdt::server {
+namespace {
+
+/// Asks the routes directly, as if the request had come over a connection.
+class RoutesTest : public testing::Test {
+protected:
+    RoutesTest() { EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM, 0, sockets_.data()), 0); }
+    ~RoutesTest() override {
+        for (const int socket : sockets_) ::close(socket);
+    }
+
+    Response ask(const std::string& head, const std::optional<Fault>& fault = {}) {
+        Connection connection(sockets_[0]);
+        return routes_.answer(*parse_head(head + "\r\n\r\n"), fault, connection);
+    }
+
+    static std::string header(const Response& response, std::string_view name) {
+        const auto found = std::ranges::find(response.headers, name, &Header::name);
+        return found == response.headers.end() ? "" : found->value;
+    }
+
+    Config config_;
+    WorkerPool pool_{1, 1};
+    Routes routes_{config_, pool_};
+
+private:
+    std::array<int, 2> sockets_{};
+};
+
+TEST(HttpStatus, CoversEveryKindOfError) {
+    EXPECT_EQ(http_status(ErrorCode::Malformed), 400);
+    EXPECT_EQ(http_status(ErrorCode::Unusable), 422);
+    EXPECT_EQ(http_status(ErrorCode::LimitExceeded), 413);
+    EXPECT_EQ(http_status(ErrorCode::NotAcceptable), 406);
+    EXPECT_EQ(http_status(ErrorCode::Unsupported), 415);
+    EXPECT_EQ(http_status(ErrorCode::Stopped), 503);
+    EXPECT_EQ(http_status(ErrorCode::Internal), 500);
+}
+
+TEST_F(RoutesTest, KeepsAWellFormedRequestId) {
+    EXPECT_EQ(ask("GET /health HTTP/1.1\r\nX-Request-ID: aZ09._-").request_id, "aZ09._-");
+    const std::string longest(64, 'a');
+    EXPECT_EQ(ask("GET /health HTTP/1.1\r\nX-Request-ID: " + longest).request_id, longest);
+}
+
+TEST_F(RoutesTest, ReplacesAnyOtherRequestId) {
+    for (const std::string& id : {std::string("a b"), std::string("a%0d%0aX"), std::string(65, 'a'), std::string()}) {
+        const Response response = ask("GET /health HTTP/1.1\r\nX-Request-ID: " + id);
+        EXPECT_NE(response.request_id, id);
+        EXPECT_EQ(header(response, "X-Request-ID"), response.request_id);
+    }
+    EXPECT_NE(ask("GET /health HTTP/1.1").request_id, ask("GET /health HTTP/1.1").request_id);
+}
+
+TEST_F(RoutesTest, AnswersFaultsAsProblems) {
+    const Response response = ask("GET /health HTTP/1.1", Fault{431, "too large"});
+    EXPECT_EQ(response.status, 431);
+    EXPECT_EQ(response.media_type, "application/problem+json");
+    EXPECT_NE(response.body.find("too large"), std::string::npos);
+}
+
+TEST_F(RoutesTest, RefusesNewWorkWhileDraining) {
+    EXPECT_EQ(ask("GET /health/ready HTTP/1.1").status, 200);
+    routes_.drain();
+    EXPECT_EQ(ask("GET /health/ready HTTP/1.1").status, 503);
+    EXPECT_EQ(ask("GET /health/live HTTP/1.1").status, 200);
+    const Response refused = ask("POST /halftone HTTP/1.1\r\nContent-Length: 0");
+    EXPECT_EQ(refused.status, 503);
+    EXPECT_FALSE(header(refused, "Retry-After").empty());
+}
+
+TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
+    EXPECT_EQ(header(ask("GET /health HTTP/1.1"), "Access-Control-Allow-Origin"), "");
+}
+
+TEST_F(RoutesTest, NamesTheConfiguredOrigin) {
+    Config config;
+    config.cors_origin = "https://example.org";
+    Routes routes(config, pool_);
+    Connection connection(-1);
+    const auto request = parse_head(
+        "OPTIONS /halftone HTTP/1.1\r\nOrigin: https://example.org\r\nAccess-Control-Request-Method: POST\r\n\r\n");
+    const Response response = routes.answer(*request, {}, connection);
+    EXPECT_EQ(response.status, 204);
+    EXPECT_EQ(header(response, "Access-Control-Allow-Origin"), "https://example.org");
+    EXPECT_EQ(header(response, "Access-Control-Allow-Methods"), "POST, OPTIONS");
+    EXPECT_EQ(header(response, "Vary"), "Origin");
+}
+
+}  // namespace
+}  // namespace ccdt::server

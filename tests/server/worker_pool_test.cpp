@@ -1,0 +1,153 @@
+#include "server/worker_pool.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <future>
+#include <latch>
+#include <stdexcept>
+#include <string>
+
+namespace ccdt::server {
+namespace {
+
+/// A job that runs until it is let go.
+class Gate {
+public:
+    WorkerPool::Job job() {
+        return [this](const std::stop_token&) {
+            started_.set_value();
+            opened_.wait();
+        };
+    }
+    void wait_until_started() { started_.get_future().wait(); }
+    void open() { open_.set_value(); }
+
+private:
+    std::promise<void> started_;
+    std::promise<void> open_;
+    std::shared_future<void> opened_ = open_.get_future().share();
+};
+
+TEST(WorkerPool, DoesEveryJob) {
+    std::atomic<int> done = 0;
+    WorkerPool pool(3, 100);
+    for (int i = 0; i < 100; ++i) ASSERT_TRUE(pool.submit([&](const std::stop_token&) { ++done; }));
+    pool.drain();
+    EXPECT_EQ(done, 100);
+}
+
+TEST(WorkerPool, RunsAsManyJobsAtOnceAsItHasWorkers) {
+    std::latch all(3);
+    WorkerPool pool(3, 0);
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(pool.submit([&](const std::stop_token&) { all.arrive_and_wait(); }));
+    pool.drain();
+}
+
+TEST(WorkerPool, RefusesWhatItsQueueCannotHold) {
+    Gate gate;
+    std::atomic<int> done = 0;
+    const auto count = [&](const std::stop_token&) { ++done; };
+    WorkerPool pool(1, 2);
+    ASSERT_TRUE(pool.submit(gate.job()));
+    gate.wait_until_started();
+    EXPECT_FALSE(pool.is_full());
+    EXPECT_TRUE(pool.submit(count));
+    EXPECT_TRUE(pool.submit(count));
+    EXPECT_TRUE(pool.is_full());
+    EXPECT_FALSE(pool.submit(count));
+    gate.open();
+    pool.drain();
+    EXPECT_EQ(done, 2);
+    EXPECT_TRUE(pool.submit(count));
+    pool.drain();
+    EXPECT_EQ(done, 3);
+}
+
+TEST(WorkerPool, KeepsTheOrderOfTheQueue) {
+    Gate gate;
+    std::string order;
+    WorkerPool pool(1, 10);
+    ASSERT_TRUE(pool.submit(gate.job()));
+    for (const char letter : std::string("abcde"))
+        ASSERT_TRUE(pool.submit([&order, letter](const std::stop_token&) { order += letter; }));
+    gate.open();
+    pool.drain();
+    EXPECT_EQ(order, "abcde");
+}
+
+TEST(WorkerPool, StopsARunningJob) {
+    std::promise<void> started;
+    WorkerPool pool(1, 0);
+    const auto id = pool.submit([&](const std::stop_token& stop) {
+        started.set_value();
+        while (!stop.stop_requested()) std::this_thread::yield();
+    });
+    ASSERT_TRUE(id);
+    started.get_future().wait();
+    EXPECT_EQ(pool.cancel(*id), WorkerPool::Cancelled::Running);
+    pool.drain();
+    EXPECT_EQ(pool.cancel(*id), WorkerPool::Cancelled::Unknown);
+}
+
+TEST(WorkerPool, ForgetsAWaitingJob) {
+    Gate gate;
+    bool ran = false;
+    WorkerPool pool(1, 1);
+    ASSERT_TRUE(pool.submit(gate.job()));
+    gate.wait_until_started();
+    const auto id = pool.submit([&](const std::stop_token&) { ran = true; });
+    ASSERT_TRUE(id);
+    EXPECT_TRUE(pool.is_full());
+    EXPECT_EQ(pool.cancel(*id), WorkerPool::Cancelled::Queued);
+    EXPECT_FALSE(pool.is_full());
+    gate.open();
+    pool.drain();
+    EXPECT_FALSE(ran);
+}
+
+TEST(WorkerPool, OutlivesJobsThatThrow) {
+    bool ran = false;
+    WorkerPool pool(1, 2);
+    ASSERT_TRUE(pool.submit([](const std::stop_token&) { throw std::runtime_error("x"); }));
+    ASSERT_TRUE(pool.submit([&](const std::stop_token&) { ran = true; }));
+    pool.drain();
+    EXPECT_TRUE(ran);
+}
+
+TEST(WorkerPool, StopsItsJobsWhenDestroyed) {
+    std::promise<void> started;
+    bool stopped = false;
+    {
+        WorkerPool pool(1, 1);
+        ASSERT_TRUE(pool.submit([&](const std::stop_token& stop) {
+            started.set_value();
+            while (!stop.stop_requested()) std::this_thread::yield();
+            stopped = true;
+        }));
+        started.get_future().wait();
+        ASSERT_TRUE(pool.submit([](const std::stop_token&) { ADD_FAILURE() << "a dropped job ran"; }));
+    }
+    EXPECT_TRUE(stopped);
+}
+
+TEST(WorkerPool, EstimatesItsBacklog) {
+    Gate gate;
+    WorkerPool pool(1, 100);
+    EXPECT_EQ(pool.backlog(), std::chrono::seconds(1)) << "nothing is known, nothing waits";
+    // One job that takes at least 30 ms, by the clock it is measured with.
+    ASSERT_TRUE(pool.submit([](const std::stop_token&) {
+        const auto end = WorkerPool::Clock::now() + std::chrono::milliseconds(30);
+        while (WorkerPool::Clock::now() < end) std::this_thread::yield();
+    }));
+    pool.drain();
+    ASSERT_TRUE(pool.submit(gate.job()));
+    gate.wait_until_started();
+    for (int i = 0; i < 99; ++i) ASSERT_TRUE(pool.submit([](const std::stop_token&) {}));
+    EXPECT_GE(pool.backlog(), std::chrono::seconds(3));
+    gate.open();
+    pool.drain();
+}
+
+}  // namespace
+}  // namespace ccdt::server
