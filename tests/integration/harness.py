@@ -1,0 +1,267 @@
+"""The real server program under test, and curl to ask it with.
+
+The program's path is in the environment variable CCDT_SERVER.
+"""
+
+import base64
+import io
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import tempfile
+import threading
+import unittest
+
+import numpy
+from PIL import Image
+
+DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
+PICTURES = DATA / "images"
+POLYGONS = DATA / "polygons"
+
+# For anything that must happen soon; only a fault makes a test wait so long.
+PATIENCE = 120
+
+
+class Server:
+    """A running server. Its log is kept; on a port of its own unless told otherwise."""
+
+    def __init__(self, *flags, environment=None):
+        command = [os.environ["CCDT_SERVER"], "--port=0", *flags]
+        self.process = subprocess.Popen(
+            command, stderr=subprocess.PIPE, text=True, env={**os.environ, **(environment or {})})
+        self.lines = []
+        self.news = threading.Condition()
+        self.reader = threading.Thread(target=self._read_log)
+        self.reader.start()
+        listening = self.wait_for_log("listening on http://")
+        self.port = int(re.search(r"listening on http://[^\"]*:(\d+)", listening).group(1))
+
+    def _read_log(self):
+        for line in self.process.stderr:
+            with self.news:
+                self.lines.append(line)
+                self.news.notify_all()
+        with self.news:
+            self.lines.append(None)
+            self.news.notify_all()
+
+    def wait_for_log(self, text):
+        def find():
+            return next((line for line in self.lines if line is None or text in line), False)
+
+        with self.news:
+            line = self.news.wait_for(find, PATIENCE)
+        if not line:
+            raise AssertionError(f"no '{text}' in the log:\n{self.log()}")
+        return line
+
+    def log(self):
+        with self.news:
+            return "".join(line for line in self.lines if line is not None)
+
+    def url(self, path):
+        return f"http://127.0.0.1:{self.port}{path}"
+
+    def signal(self, number=signal.SIGTERM):
+        self.process.send_signal(number)
+
+    def wait(self):
+        """Waits for the end; returns the exit code."""
+        code = self.process.wait(PATIENCE)
+        self.reader.join()
+        self.process.stderr.close()
+        return code
+
+    def stop(self):
+        if self.process.poll() is None:
+            self.signal()
+        return self.wait()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        try:
+            self.process.kill()
+        finally:
+            self.wait()
+
+
+class Answer:
+    def __init__(self, status, headers, body):
+        self.status = status
+        self.headers = headers
+        self.body = body
+
+    @property
+    def type(self):
+        return self.headers.get("content-type", "")
+
+    def json(self):
+        return json.loads(self.body)
+
+    def picture(self, mode=None):
+        """Its pixels, as they are or as one of Pillow's modes; of one bit, white is 1."""
+        return pixels(self.body, mode)
+
+    def __repr__(self):
+        return f"{self.status} {self.headers} {self.body[:300]}"
+
+
+def _parse(head):
+    """The last head of several, such as after 100 Continue."""
+    lines = head.decode("latin-1").strip().split("\r\n\r\n")[-1].split("\r\n")
+    headers = {}
+    for line in lines[1:]:
+        name, value = line.split(":", 1)
+        headers[name.lower()] = value.strip()
+    return int(lines[0].split()[1]), headers
+
+
+class Call:
+    """A curl process; `answer` waits for it."""
+
+    def __init__(self, url, *arguments, data=None):
+        self.folder = tempfile.TemporaryDirectory()
+        folder = pathlib.Path(self.folder.name)
+        self.head, self.body = folder / "head", folder / "body"
+        command = ["curl", "--silent", "--show-error", "--max-time", str(PATIENCE), "--dump-header", str(self.head),
+                   "--output", str(self.body), *arguments]
+        if data is not None:
+            sent = folder / "sent"
+            sent.write_bytes(data if isinstance(data, bytes) else data.encode())
+            command += ["--data-binary", f"@{sent}"]
+        if "--head" in arguments:
+            self.body = pathlib.Path(os.devnull)  # curl writes the head there
+        self.process = subprocess.Popen([*command, url], stderr=subprocess.PIPE, text=True)
+
+    def answer(self):
+        with self.folder:
+            error = self.process.communicate()[1]
+            if self.process.returncode != 0:
+                raise AssertionError(f"curl failed with {self.process.returncode}: {error}")
+            status, headers = _parse(self.head.read_bytes())
+            return Answer(status, headers, self.body.read_bytes() if self.body.is_file() else b"")
+
+    def abandon(self):
+        """The client goes away."""
+        with self.folder:
+            self.process.kill()
+            self.process.communicate()
+
+
+def ask(server, path, *arguments, data=None):
+    return Call(server.url(path), *arguments, data=data).answer()
+
+
+def post_json(server, path, body, *arguments):
+    data = body if isinstance(body, (str, bytes)) else json.dumps(body)
+    return ask(server, path, "--header", "Content-Type: application/json", *arguments, data=data)
+
+
+class ServerCase(unittest.TestCase):
+    """Tests that share a server."""
+
+    flags = ()
+
+    @classmethod
+    def setUpClass(cls):
+        cls.server = Server(*cls.flags)
+
+    @classmethod
+    def tearDownClass(cls):
+        with cls.server:
+            if cls.server.stop() != 0:
+                raise AssertionError("the server did not end well:\n" + cls.server.log())
+
+    def ask(self, path, *arguments, data=None):
+        return ask(self.server, path, *arguments, data=data)
+
+    def halftone(self, data, query=""):
+        answer = self.ask("/halftone" + query, data=data)
+        self.assertEqual(answer.status, 200, answer)
+        return answer
+
+    def sample(self, **body):
+        answer = post_json(self.server, "/sample", body)
+        self.assertEqual(answer.status, 200, answer)
+        return answer.json()
+
+    def assert_problem(self, answer, status, *words):
+        self.assertEqual(answer.status, status, answer)
+        self.assertEqual(answer.type, "application/problem+json")
+        problem = answer.json()
+        self.assertEqual(problem["status"], status)
+        for member in ("type", "title", "detail", "instance"):
+            self.assertIsInstance(problem[member], str)
+        self.assertEqual(problem["instance"], "urn:request:" + answer.headers["x-request-id"])
+        for word in words:
+            self.assertIn(word, json.dumps(problem))
+        return problem
+
+
+def file_of(picture, kind="PNG"):
+    """A file's bytes, from an array of grey levels or colours of 8 bits."""
+    file = io.BytesIO()
+    Image.fromarray(numpy.asarray(picture, dtype=numpy.uint8)).save(file, kind)
+    return file.getvalue()
+
+
+def pixels(file, mode=None):
+    image = Image.open(io.BytesIO(file))
+    return numpy.asarray(image.convert(mode) if mode else image)
+
+
+def flat(level, width=64, height=64):
+    return numpy.full((height, width), level, dtype=numpy.uint8)
+
+
+def data_uri(bytes_, kind="image/png"):
+    return f"data:{kind};base64," + base64.b64encode(bytes_).decode()
+
+
+def linear(level):
+    """Relative luminance of a grey level of sRGB, in [0, 1]."""
+    value = level / 255
+    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+
+
+def polygon(name):
+    return json.loads((POLYGONS / name).read_text())
+
+
+def rings_of(geometry):
+    """All rings of a GeoJSON geometry, as arrays of corners, without the repeated last one."""
+    many = geometry["coordinates"] if geometry["type"] == "MultiPolygon" else [geometry["coordinates"]]
+    return [numpy.array(ring[:-1]) for part in many for ring in part]
+
+
+def area(rings):
+    """Of the region inside an odd number of rings; the rings do not cross."""
+    def signed(ring):
+        x, y = ring[:, 0], ring[:, 1]
+        return 0.5 * numpy.sum(x * numpy.roll(y, -1) - numpy.roll(x, -1) * y)
+
+    total = 0
+    for i, ring in enumerate(rings):
+        others = [other for j, other in enumerate(rings) if j != i]
+        outer = not others or not inside(ring[:1], others)[0]
+        total += abs(signed(ring)) if outer else -abs(signed(ring))
+    return total
+
+
+def inside(points, rings):
+    """Whether each point is inside an odd number of rings."""
+    x, y = numpy.asarray(points)[:, 0], numpy.asarray(points)[:, 1]
+    odd = numpy.zeros(len(x), dtype=bool)
+    for ring in rings:
+        for (ax, ay), (bx, by) in zip(ring, numpy.roll(ring, -1, axis=0)):
+            if ay == by:
+                continue
+            crosses = (ay > y) != (by > y)
+            odd ^= crosses & (x < ax + (y - ay) / (by - ay) * (bx - ax))
+    return odd

@@ -1,0 +1,125 @@
+"""What travels over one connection: keep-alive, pipelining, bodies nobody read, malformed requests."""
+
+import http.client
+import re
+import socket
+import unittest
+
+from harness import PATIENCE, ServerCase, file_of, flat
+
+GREY = file_of(flat(128))
+
+
+class Raw:
+    """Bytes to and from the server."""
+
+    def __init__(self, server):
+        self.socket = socket.create_connection(("127.0.0.1", server.port), timeout=PATIENCE)
+
+    def send(self, data):
+        self.socket.sendall(data)
+
+    def rest(self):
+        """All that comes until the server closes the connection."""
+        received = b""
+        try:
+            while chunk := self.socket.recv(65536):
+                received += chunk
+        except ConnectionResetError:
+            pass
+        return received
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.socket.close()
+
+
+def statuses(received):
+    """Of the answers in what was received."""
+    return [int(status) for status in re.findall(rb"HTTP/1\.1 (\d{3}) ", received)]
+
+
+class KeepAlive(ServerCase):
+    def test_many_requests_on_one_connection(self):
+        connection = http.client.HTTPConnection("127.0.0.1", self.server.port, timeout=PATIENCE)
+        connection.connect()
+        client = connection.sock
+        for i in range(200):
+            if i % 2:
+                connection.request("POST", "/halftone?sites=5&scale=1", GREY)
+            else:
+                connection.request("GET", "/health")
+            answer = connection.getresponse()
+            self.assertEqual(answer.status, 200)
+            answer.read()
+            self.assertIs(connection.sock, client, "the server closed the connection")
+        connection.close()
+
+    def test_pipelined_requests_are_all_answered_in_order(self):
+        post = b"POST /halftone?sites=0 HTTP/1.1\r\nHost: h\r\nContent-Length: %d\r\n\r\n%s" % (len(GREY), GREY)
+        chunked = b"POST /sample HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n"
+        with Raw(self.server) as raw:
+            raw.send(b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n" + post + chunked + b"GET /no HTTP/1.1\r\nHost: h\r\n\r\n"
+                     b"GET /health/ready HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\nGET /health HTTP/1.1\r\n\r\n")
+            self.assertEqual(statuses(raw.rest()), [200, 400, 400, 404, 200])
+
+    def test_http_1_0_is_closed_after_the_answer(self):
+        with Raw(self.server) as raw:
+            raw.send(b"GET /health HTTP/1.0\r\n\r\n")
+            self.assertEqual(statuses(raw.rest()), [200])
+
+
+class UnreadBodies(ServerCase):
+    flags = ("--max-body=1000",)
+
+    def test_are_never_taken_for_a_request(self):
+        smuggled = b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n"
+        for head in (b"POST /no HTTP/1.1\r\nContent-Length: 5000\r\n", b"GET /halftone HTTP/1.1\r\nContent-Length: 5000\r\n",
+                     b"POST /halftone HTTP/1.1\r\nContent-Length: 5000\r\n",
+                     b"GET /health HTTP/1.1\r\nTransfer-Encoding: chunked\r\n",
+                     b"POST /halftone HTTP/1.1\r\nContent-Encoding: gzip\r\nContent-Length: 500\r\n",
+                     b"POST /halftone HTTP/1.1\r\nExpect: 100-continue\r\nContent-Length: 5000\r\n"):
+            with self.subTest(head=head), Raw(self.server) as raw:
+                raw.send(head + b"Host: h\r\n\r\n" + smuggled * 3)
+                received = raw.rest()
+                self.assertEqual(len(statuses(received)), 1)
+                self.assertIn(b"\r\nConnection: close\r\n", received)
+
+
+class Malformed(ServerCase):
+    def check(self, request, status=400):
+        with Raw(self.server) as raw:
+            raw.send(request)
+            received = raw.rest()
+        self.assertEqual(statuses(received), [status], request[:60])
+        self.assertIn(b"application/problem+json", received)
+        self.assertIn(b"X-Request-ID: ", received)
+
+    def test_requests_are_refused(self):
+        for request in (b"nonsense\r\n\r\n", b"GET /health\r\n\r\n", b"GET /health HTTP/3.0\r\n\r\n",
+                        b"GET /health HTTP/1.1\r\nNo colon\r\n\r\n", b"GET /health HTTP/1.1\r\nA: b\r\n c\r\n\r\n",
+                        b"GET /health HTTP/1.1\nHost: h\n\n\r\n\r\n"):
+            with self.subTest(request=request):
+                self.check(request)
+
+    def test_ambiguous_lengths_are_refused(self):
+        for headers in (b"Content-Length: abc", b"Content-Length: 10abc", b"Content-Length: 1\r\nContent-Length: 1",
+                        b"Content-Length: 1\r\nTransfer-Encoding: chunked", b"Transfer-Encoding: gzip"):
+            with self.subTest(headers=headers):
+                self.check(b"POST /halftone HTTP/1.1\r\nHost: h\r\n" + headers + b"\r\n\r\nx")
+
+    def test_malformed_chunks_are_refused(self):
+        for chunks in (b"x\r\n", b"-1\r\n", b"1\r\nab\r\n"):
+            with self.subTest(chunks=chunks):
+                self.check(b"POST /halftone HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n" + chunks)
+
+    def test_large_heads_are_refused(self):
+        for head in (b"GET /" + b"x" * 40_000 + b" HTTP/1.1\r\n", b"GET / HTTP/1.1\r\n" + b"A: b\r\n" * 10_000):
+            with self.subTest(head=head[:20]):
+                self.check(head + b"\r\n", 431)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,266 @@
+"""Every refusal: its status, its body, and that the server goes on."""
+
+import json
+import unittest
+
+from harness import PICTURES, Server, ServerCase, ask, data_uri, file_of, flat, post_json
+
+GREY = file_of(flat(128))
+SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
+RECTANGLE = {"type": "rectangle", "width": 2, "height": 1}
+
+
+class Paths(ServerCase):
+    def test_404_for_anything_else(self):
+        for path in ("/nothing", "/halftone/", "/Halftone", "/health/x", "/%00", "/" + "x" * 8000):
+            with self.subTest(path=path[:20]):
+                self.assert_problem(self.ask(path), 404)
+                self.assert_problem(self.ask(path, data=b"x"), 404)
+
+    def test_405_names_what_is_allowed(self):
+        for method in ("GET", "HEAD", "PUT", "DELETE", "PATCH", "TRACE", "BREW"):
+            for path in ("/halftone", "/sample"):
+                with self.subTest(method=method, path=path):
+                    option = ["--head"] if method == "HEAD" else ["--request", method]
+                    answer = self.ask(path, *option)
+                    self.assertEqual(answer.status, 405, answer)
+                    self.assertEqual(answer.headers["allow"], "POST, OPTIONS")
+        answer = self.ask("/health", data=b"x")
+        self.assert_problem(answer, 405)
+        self.assertEqual(answer.headers["allow"], "GET, HEAD, OPTIONS")
+
+    def test_options(self):
+        answer = self.ask("/halftone", "--request", "OPTIONS")
+        self.assertEqual((answer.status, answer.body), (204, b""))
+        self.assertEqual(answer.headers["allow"], "POST, OPTIONS")
+        self.assertNotIn("content-length", answer.headers)
+
+    def test_health(self):
+        for path in ("/health", "/health/live", "/health/ready"):
+            answer = self.ask(path)
+            self.assertEqual((answer.status, answer.type), (200, "application/json"))
+            head = self.ask(path, "--head")
+            self.assertEqual((head.status, head.body), (200, b""))
+            self.assertEqual(head.headers["content-length"], str(len(answer.body)))
+
+
+class EveryAnswer(ServerCase):
+    flags = ("--cors-origin=*",)
+
+    def test_has_an_id_timings_and_cors_headers(self):
+        answers = [
+            self.ask("/health"), self.ask("/nothing"), self.ask("/halftone"), self.ask("/halftone", data=GREY),
+            self.ask("/halftone", data=b"no image"), self.ask("/halftone", "--request", "OPTIONS"),
+        ]
+        for answer in answers:
+            self.assertRegex(answer.headers["x-request-id"], r"^[A-Za-z0-9._-]{1,64}$")
+            self.assertRegex(answer.headers["server-timing"],
+                             r"^queue;dur=[\d.]+, decode;dur=[\d.]+, optimise;dur=[\d.]+, encode;dur=[\d.]+$")
+            self.assertEqual(answer.headers["access-control-allow-origin"], "*")
+        self.assertEqual(len({answer.headers["x-request-id"] for answer in answers}), len(answers))
+
+    def test_keeps_the_clients_id_if_it_is_well_formed(self):
+        self.assertEqual(self.ask("/health", "--header", "X-Request-ID: my.id-7_x").headers["x-request-id"], "my.id-7_x")
+        for bad in ("a b", "a%0d%0aEvil: 1", "x" * 65, "<script>"):
+            answer = self.ask("/health", "--header", "X-Request-ID: " + bad)
+            self.assertNotEqual(answer.headers["x-request-id"], bad)
+            self.assertNotIn("evil", answer.headers)
+
+    def test_preflight(self):
+        answer = self.ask("/halftone", "--request", "OPTIONS", "--header", "Origin: https://example.org", "--header",
+                          "Access-Control-Request-Method: POST")
+        self.assertEqual(answer.status, 204)
+        self.assertIn("POST", answer.headers["access-control-allow-methods"])
+        self.assertIn("Content-Type", answer.headers["access-control-allow-headers"])
+
+    def test_is_whole_and_plain_whatever_range_or_encoding_is_asked_for(self):
+        plain = self.ask("/halftone?sites=10", data=GREY)
+        for header in ("Range: bytes=0-9", "Range: bytes=0-1,3-4", "Range: nonsense", "Accept-Encoding: br, gzip"):
+            answer = self.ask("/halftone?sites=10", "--header", header, data=GREY)
+            self.assertEqual((answer.status, answer.body), (200, plain.body))
+            self.assertNotIn("content-encoding", answer.headers)
+
+
+class HalftoneOptions(ServerCase):
+    def refuse(self, query, status=400, data=GREY, words=()):
+        return self.assert_problem(self.ask("/halftone?" + query, data=data), status, *words)
+
+    def test_unknown_option_is_named(self):
+        problem = self.refuse("sytes=10", words=("sytes",))
+        self.assertEqual(problem["errors"][0]["pointer"], "sytes")
+
+    def test_values_out_of_range(self):
+        for query in ("sites=0", "sites=-1", "sites=1.5", "sites=x", "sites=", "sites", "sites=10%00", "seed=-1",
+                      f"seed={2 ** 53}", "iterations=1001", "passes=0", "passes=101", "scale=0", "scale=17",
+                      "scale=nan", "scale=1e400", "dot=-1", "dot=inf", "antialias=maybe", "invert=2", "tone=loud",
+                      "foreground=red", "foreground=transparent", "background=%2312"):
+            with self.subTest(query=query):
+                problem = self.refuse(query)
+                self.assertEqual(problem["errors"][0]["pointer"], query.split("=")[0])
+
+    def test_repeated_option(self):
+        self.refuse("sites=10&sites=10", words=("sites",))
+        self.assert_problem(self.ask("/halftone?sites=1", "--form", f"image=@{PICTURES / 'camera.png'}", "--form",
+                                     "sites=1"), 400, "sites")
+        self.assert_problem(post_json(self.server, "/halftone?sites=1", {"image": data_uri(GREY), "sites": 1}), 400)
+
+    def test_formats_of_later_are_refused_by_name(self):
+        for name in ("svg", "csv", "npy", "bmp"):
+            self.refuse("format=" + name, words=(name,))
+
+    def test_406(self):
+        for accept in ("image/webp", "text/html;q=1", "image/png;q=0, application/json;q=0"):
+            answer = self.ask("/halftone", "--header", "Accept: " + accept, data=GREY)
+            self.assert_problem(answer, 406, "image/png")
+
+    def test_form_without_a_picture_or_with_two(self):
+        picture = f"@{PICTURES / 'camera.png'}"
+        self.assert_problem(self.ask("/halftone", "--form", "sites=1"), 400, "image")
+        self.assert_problem(self.ask("/halftone", "--form", "image=" + picture, "--form", "file=" + picture), 400)
+
+    def test_malformed_form(self):
+        header = "Content-Type: multipart/form-data"
+        self.assert_problem(self.ask("/halftone", "--header", header, data=b"x"), 400, "boundary")
+        self.assert_problem(self.ask("/halftone", "--header", header + "; boundary=x", data=b"--x\r\n"), 400)
+
+    def test_malformed_json(self):
+        for body in ("", "{", "[]", "null", '{"image":1}', '{"image":"*"}', "{}", '{"image":"' + "A" * 7 + '"}',
+                     '{"image":"data:image/png,x"}', "[" * 100_000, b'{"image":"\xff"}'):
+            with self.subTest(body=body[:20]):
+                answer = post_json(self.server, "/halftone", body)
+                self.assertIn(answer.status, (400, 415), answer)
+                self.assert_problem(answer, answer.status)
+
+    def test_json_options_of_the_wrong_kind(self):
+        for option in ({"sites": "10"}, {"sites": 1.5}, {"sites": -1}, {"sites": 1e30}, {"invert": 1},
+                       {"tone": None}, {"unknown": 1}):
+            with self.subTest(option=option):
+                problem = self.assert_problem(
+                    post_json(self.server, "/halftone", {"image": data_uri(GREY), **option}), 400)
+                self.assertEqual(problem["errors"][0]["pointer"], "/" + next(iter(option)))
+
+
+class Pictures(ServerCase):
+    def test_415_for_what_is_no_picture_that_is_read(self):
+        for body in (b"GIF89a" + b"\0" * 50, b"BM" + b"\0" * 50, b"plain text", b"{}", b"\0"):
+            with self.subTest(body=body[:8]):
+                self.assert_problem(self.ask("/halftone", data=body), 415)
+
+    def test_400_for_an_empty_body(self):
+        self.assert_problem(self.ask("/halftone", data=b""), 400)
+
+    def test_415_for_an_encoded_body(self):
+        self.assert_problem(self.ask("/halftone", "--header", "Content-Encoding: gzip", data=GREY), 415)
+        answer = self.ask("/halftone", "--header", "Content-Encoding: identity", data=GREY)
+        self.assertEqual(answer.status, 200)
+
+    def test_422_for_a_broken_picture(self):
+        camera = (PICTURES / "camera.png").read_bytes()
+        jpeg = file_of(flat(128, 500, 500), "JPEG")
+        for body in (camera[:5000], camera[:20], jpeg[:len(jpeg) // 2], file_of(flat(9), "TIFF")[:200]):
+            with self.subTest(body=body[:4]):
+                self.assert_problem(self.ask("/halftone", data=body), 422)
+
+    def test_422_for_a_picture_without_ink(self):
+        white, black = file_of(flat(255)), file_of(flat(0))
+        self.assert_problem(self.ask("/halftone", data=white), 422)
+        self.assert_problem(self.ask("/halftone?invert=true", data=black), 422)
+        self.assertEqual(self.ask("/halftone?invert=true", data=white).status, 200)
+
+
+class SampleRequests(ServerCase):
+    def refuse(self, body, status, *words):
+        return self.assert_problem(post_json(self.server, "/sample", body), status, *words)
+
+    def test_members_that_are_missing_or_wrong(self):
+        good = {"sites": 10, "polygon": SQUARE}
+        for change in ({"sites": None}, {"sites": 0}, {"sites": "10"}, {"sites": 2.5}, {"seed": -1},
+                       {"iterations": 1001}, {"passes": 0}, {"tolerance": 0}, {"mesh": "yes"}, {"unknown": 1},
+                       {"polygon": [[0, 0], [1]]}, {"polygon": [[0, 0], [1, "a"], [1, 1]]}, {"polygon": {}},
+                       {"domain": RECTANGLE}, {"density": {}}, {"density": {"width": 2, "height": 1, "values": [1]}},
+                       {"density": {"width": 1, "height": 1, "values": [-1]}}):
+            with self.subTest(change=change):
+                self.refuse({**good, **change}, 400)
+        self.refuse({"sites": 10}, 400, "polygon")
+        self.refuse({"polygon": SQUARE}, 400, "sites")
+
+    def test_what_comes_later_is_refused_by_name(self):
+        good = {"sites": 10, "polygon": SQUARE}
+        for name in ("cvt", "odt", "ccvt", "random"):
+            self.refuse({**good, "method": name}, 400, name)
+        for name in ("csv", "geojson", "npy", "svg", "png"):
+            self.refuse({**good, "format": name}, 400, name)
+        self.refuse({"sites": 10, "domain": {"type": "torus", "width": 1, "height": 1}}, 400, "torus")
+        self.assert_problem(post_json(self.server, "/sample", good, "--header", "Accept: text/csv"), 406)
+
+    def test_422_for_polygons_that_are_none(self):
+        bow_tie = [[0, 0], [1, 1], [1, 0], [0, 1]]
+        outside = [[2, 2], [3, 2], [3, 3]]
+        self.refuse({"sites": 10, "polygon": bow_tie}, 422)
+        self.refuse({"sites": 10, "polygon": [[0, 0], [1, 1], [2, 2]]}, 422)
+        self.refuse({"sites": 10, "polygon": [[0, 0], [1, 1]]}, 422)
+        self.refuse({"sites": 10, "polygon": SQUARE, "holes": [outside]}, 422)
+        self.refuse({"sites": 10, "polygon": SQUARE, "density": {"width": 1, "height": 1, "values": [0]}}, 422)
+
+    def test_malformed_json(self):
+        for body in ("", "{", "[" * 1_000_000, '{"sites":1,"sites":2}', "nul"):
+            with self.subTest(body=body[:20]):
+                self.refuse(body, 400)
+
+    def test_415_for_other_types(self):
+        body = json.dumps({"sites": 10, "polygon": SQUARE})
+        for kind in ("image/png", "multipart/form-data; boundary=x", "text/csv", "application/xml"):
+            self.assert_problem(self.ask("/sample", "--header", "Content-Type: " + kind, data=body), 415, kind[:9])
+
+    def test_options_in_the_query_are_refused(self):
+        self.assert_problem(post_json(self.server, "/sample?sites=10", {"polygon": SQUARE}), 400)
+
+
+class Limits(ServerCase):
+    flags = ("--max-body=100KiB", "--max-pixels=10000", "--max-sites=100")
+
+    def test_body(self):
+        body = b"x" * (100 * 1024 + 1)
+        for extra in ((), ("--header", "Transfer-Encoding: chunked"), ("--header", "Expect: 100-continue")):
+            answer = self.ask("/halftone", *extra, data=body)
+            self.assert_problem(answer, 413, "102400", "max-body")
+            self.assertEqual(answer.headers["connection"], "close")
+        self.assertEqual(self.ask("/halftone", data=body[1:]).status, 415, "a body at the limit is read")
+
+    def test_a_body_far_over_the_limit_is_not_read(self):
+        self.assert_problem(self.ask("/halftone", data=b"x" * 30_000_000), 413)
+        self.assert_problem(self.ask("/halftone", "--form", f"image=@{PICTURES / 'astronaut.png'}"), 413)
+
+    def test_pixels(self):
+        self.assert_problem(self.ask("/halftone", data=file_of(flat(9, 101, 100))), 413, "10000", "max-pixels")
+        self.assertEqual(self.ask("/halftone?scale=1", data=file_of(flat(9, 100, 100))).status, 200)
+        self.assert_problem(self.ask("/halftone?scale=2", data=file_of(flat(9, 100, 100))), 413, "10000")
+        self.assert_problem(post_json(self.server, "/sample", {
+            "sites": 10, "domain": RECTANGLE, "density": {"image": data_uri(file_of(flat(9, 101, 100)))}}), 413)
+
+    def test_sites(self):
+        self.assert_problem(self.ask("/halftone?sites=101", data=GREY), 413, "100", "max-sites")
+        self.assertEqual(self.ask("/halftone?sites=100", data=GREY).status, 200)
+        self.assert_problem(post_json(self.server, "/sample", {"sites": 101, "domain": RECTANGLE}), 413, "max-sites")
+
+    def test_411_without_a_length(self):
+        self.assert_problem(self.ask("/halftone", "--request", "POST"), 411)
+
+
+class Log(unittest.TestCase):
+    def test_has_one_json_object_a_line(self):
+        with Server("--log-format=json") as server:
+            ask(server, "/halftone?sites=10", "--header", "X-Request-ID: mine", data=GREY)
+            ask(server, '/no"thing?\\x%0a=%22')
+            self.assertEqual(server.stop(), 0)
+            lines = [json.loads(line) for line in server.log().splitlines()]
+        requests = [line for line in lines if line["message"] == "request"]
+        self.assertEqual([line["status"] for line in requests], [200, 404])
+        self.assertEqual(requests[0]["id"], "mine")
+        self.assertEqual((requests[0]["method"], requests[0]["target"]), ("POST", "/halftone?sites=10"))
+        self.assertGreater(requests[0]["bytes_in"], len(GREY))
+        self.assertTrue(all("time" in line and "level" in line for line in lines))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,205 @@
+"""POST /halftone: every way in, every option, and what comes out."""
+
+import base64
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import numpy
+
+from harness import PICTURES, ServerCase, ask, data_uri, file_of, flat, linear, pixels, post_json
+
+CAMERA = (PICTURES / "camera.png").read_bytes()
+CHELSEA = (PICTURES / "chelsea.png").read_bytes()
+
+
+class WaysIn(ServerCase):
+    """All ways in lead to the same bytes."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.expected = ask(cls.server, "/halftone?sites=500&seed=3", data=CAMERA).body
+
+    def same(self, answer):
+        self.assertEqual(answer.status, 200, answer)
+        self.assertEqual(answer.type, "image/png")
+        self.assertEqual(answer.body, self.expected)
+
+    def test_raw_body_with_its_type(self):
+        self.same(self.ask("/halftone?sites=500&seed=3", "--header", "Content-Type: image/png", data=CAMERA))
+
+    def test_raw_body_with_a_wrong_type(self):
+        self.same(self.ask("/halftone?sites=500&seed=3", "--header", "Content-Type: image/jpeg", data=CAMERA))
+
+    def test_raw_body_without_a_type(self):
+        self.assertGreater(len(CAMERA), 8192)
+        self.same(self.ask("/halftone?sites=500&seed=3", "--header", "Content-Type:", data=CAMERA))
+
+    def test_raw_body_in_chunks(self):
+        self.same(self.ask("/halftone?sites=500&seed=3", "--header", "Transfer-Encoding: chunked", data=CAMERA))
+
+    def test_uploaded_file(self):
+        self.same(self.ask("/halftone?sites=500&seed=3", "--request", "POST", "--upload-file",
+                           str(PICTURES / "camera.png")))
+
+    def test_client_that_waits_for_100_continue(self):
+        self.same(self.ask("/halftone?sites=500&seed=3", "--header", "Expect: 100-continue", data=CAMERA))
+
+    def test_form(self):
+        for part in ("image", "file"):
+            with self.subTest(part=part):
+                self.same(self.ask("/halftone", "--form", f"{part}=@{PICTURES / 'camera.png'}", "--form", "sites=500",
+                                   "--form", "seed=3"))
+
+    def test_form_with_options_before_the_picture(self):
+        self.same(self.ask("/halftone", "--form", "sites=500", "--form", f"image=@{PICTURES / 'camera.png'}",
+                           "--form", "seed=3"))
+
+    def test_form_with_options_in_the_query(self):
+        self.same(self.ask("/halftone?seed=3", "--form", f"image=@{PICTURES / 'camera.png'}", "--form", "sites=500"))
+
+    def test_json_with_base64(self):
+        body = {"image": base64.b64encode(CAMERA).decode(), "sites": 500, "seed": 3}
+        self.same(post_json(self.server, "/halftone", body))
+
+    def test_json_with_a_data_uri(self):
+        self.same(post_json(self.server, "/halftone", {"image": data_uri(CAMERA), "sites": 500, "seed": 3}))
+
+    def test_json_with_options_in_the_query(self):
+        self.same(post_json(self.server, "/halftone?seed=3", {"image": data_uri(CAMERA), "sites": 500}))
+
+
+class Formats(ServerCase):
+    def test_reads_the_usual_file_formats(self):
+        grey = numpy.tile(numpy.arange(64) * 3 + 20, (48, 1))
+        colours = numpy.stack([grey, grey.max() - grey, grey // 2], axis=2)
+        for picture in (grey, colours):
+            for kind in ("PNG", "JPEG", "TIFF", "WEBP"):
+                if kind == "WEBP" and picture is grey:
+                    continue
+                with self.subTest(kind=kind, colours=picture is colours):
+                    answer = self.halftone(file_of(picture, kind), "?sites=50&scale=2")
+                    self.assertEqual(answer.picture().shape, (96, 128))
+
+    def test_png_is_well_formed_with_one_bit_a_pixel(self):
+        answer = self.halftone(CAMERA, "?sites=2000&scale=2")
+        with tempfile.NamedTemporaryFile(suffix=".png") as file:
+            file.write(answer.body)
+            file.flush()
+            told = subprocess.run(["file", file.name], capture_output=True, text=True, check=True).stdout
+            self.assertIn("1024 x 1024, 1-bit", told)
+            checker = shutil.which("pngcheck")
+            self.assertIsNotNone(checker)
+            subprocess.run([checker, "-q", file.name], check=True)
+
+    def test_json_holds_the_points(self):
+        for choice in (("?sites=700&format=json",), ("?sites=700", "--header", "Accept: application/json")):
+            with self.subTest(choice=choice):
+                answer = self.ask("/halftone" + choice[0], *choice[1:], data=CHELSEA)
+                self.assertEqual(answer.type, "application/json", answer)
+                result = answer.json()
+                self.assertEqual((result["width"], result["height"]), (451, 300))
+                self.assertEqual((result["sites"], result["seed"], result["method"]), (700, 0, "ccdt"))
+                points = numpy.array(result["points"])
+                self.assertEqual(points.shape, (700, 2))
+                self.assertTrue((points > 0).all() and (points < (451, 300)).all())
+                self.assertEqual(len(result["trace"]), result["iterations"] + 1)
+                self.assertEqual(result["trace"][-1]["variation"], result["variation"])
+
+    def test_format_wins_over_accept(self):
+        answer = self.ask("/halftone?sites=10&format=png", "--header", "Accept: application/json", data=CAMERA)
+        self.assertEqual(answer.type, "image/png")
+
+    def test_points_gather_where_the_picture_is_dark(self):
+        picture = flat(250, 100, 100)
+        picture[:50] = 40
+        points = numpy.array(self.halftone(file_of(picture), "?sites=1000&format=json").json()["points"])
+        self.assertGreater((points[:, 1] < 50).mean(), 0.9)
+
+
+class Options(ServerCase):
+    def picture(self, query, data=CAMERA):
+        return self.halftone(data, query).picture()
+
+    def test_scale_sets_the_size(self):
+        for scale, side in ((0.5, 256), (1, 512), (2.5, 1280)):
+            with self.subTest(scale=scale):
+                self.assertEqual(self.picture(f"?sites=200&scale={scale}").shape, (side, side))
+
+    def test_dot_sets_the_radius(self):
+        small, large = (self.picture(f"?sites=300&scale=2&dot={dot}") for dot in (2, 4))
+        self.assertGreater(large.size - large.sum(), 3 * (small.size - small.sum()))
+
+    def test_dot_auto_is_the_default(self):
+        self.assertEqual(self.halftone(CAMERA, "?sites=300&dot=auto").body, self.halftone(CAMERA, "?sites=300").body)
+
+    def test_antialias_makes_grey_levels(self):
+        levels = numpy.unique(self.picture("?sites=300&scale=2&antialias=true"))
+        self.assertGreater(len(levels), 10)
+        self.assertEqual(len(numpy.unique(self.picture("?sites=300&scale=2&antialias=false"))), 2)
+
+    def test_invert_draws_light_dots_on_black(self):
+        picture = self.picture("?sites=300&scale=2&invert=true", file_of(flat(30)))
+        self.assertAlmostEqual(picture.mean(), linear(30), delta=0.01)
+        self.assertEqual(picture[0, 0], 0)
+
+    def test_perceptual_tone_is_lighter_than_linear(self):
+        data = file_of(flat(128))
+        linear_tone, perceptual = (self.picture(f"?sites=300&tone={tone}", data).mean()
+                                   for tone in ("linear", "perceptual"))
+        self.assertAlmostEqual(linear_tone, linear(128), delta=0.01)
+        self.assertGreater(perceptual, linear_tone + 0.2)
+
+    def test_colours(self):
+        answer = self.halftone(CAMERA, "?sites=300&foreground=%23f00&background=%230000ff")
+        picture = answer.picture("RGB").reshape(-1, 3)
+        self.assertEqual({tuple(colour) for colour in numpy.unique(picture, axis=0).tolist()},
+                         {(255, 0, 0), (0, 0, 255)})
+
+    def test_transparent_background(self):
+        answer = self.halftone(CAMERA, "?sites=300&background=transparent")
+        alpha = answer.picture("RGBA")[:, :, 3]
+        self.assertEqual(set(numpy.unique(alpha)), {0, 255})
+
+    def test_iterations_and_passes(self):
+        bodies = {self.halftone(CAMERA, f"?sites=300&{query}").body
+                  for query in ("iterations=0", "iterations=1", "iterations=1&passes=1", "iterations=9")}
+        self.assertEqual(len(bodies), 4)
+
+    def test_no_iterations_return_the_start(self):
+        result = self.halftone(CAMERA, "?sites=300&iterations=0&format=json").json()
+        self.assertEqual(result["iterations"], 0)
+        self.assertEqual(len(result["trace"]), 1)
+
+    def test_number_of_sites_is_chosen_by_the_ink(self):
+        dark, light = (len(self.halftone(file_of(flat(level, 200, 200)), "?format=json").json()["points"])
+                       for level in (40, 220))
+        self.assertGreater(dark, light)
+
+    def test_smallest_pictures_and_numbers(self):
+        self.assertEqual(len(self.halftone(file_of(flat(0, 1, 1)), "?sites=1&format=json").json()["points"]), 1)
+        self.assertEqual(self.halftone(file_of(flat(0, 300, 1)), "?sites=40&scale=3").picture().shape, (3, 900))
+        self.assertEqual(len(self.halftone(CAMERA, "?sites=1&format=json").json()["points"]), 1)
+
+
+class Tone(ServerCase):
+    def test_flat_greys_keep_their_luminance(self):
+        for black in range(5, 95, 5):
+            wanted = 1 - black / 100
+            level = min(range(256), key=lambda grey: abs(linear(grey) - wanted))
+            for query in ("?sites=2000&scale=4", "?sites=2000&scale=4&antialias=true"):
+                with self.subTest(black=black, query=query):
+                    picture = self.halftone(file_of(flat(level, 128, 128)), query).picture()
+                    # Coverage is in linear light, also where an antialiased edge is stored as a grey level.
+                    shades = picture if picture.dtype == bool else numpy.vectorize(linear)(numpy.arange(256))[picture]
+                    self.assertLess(abs(shades.mean() / linear(level) - 1), 0.01)
+
+    def test_photographs_keep_their_mean_luminance(self):
+        wanted = numpy.vectorize(linear)(numpy.arange(256))[pixels(CAMERA, "L")].mean()
+        self.assertLess(abs(self.halftone(CAMERA).picture().mean() / wanted - 1), 0.01)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,211 @@
+"""Load, deadlines, clients that leave, starting and stopping."""
+
+import http.client
+import json
+import os
+import signal
+import subprocess
+import unittest
+
+from harness import PATIENCE, Call, Server, ask, file_of, flat, post_json
+
+RECTANGLE = {"type": "rectangle", "width": 2, "height": 1}
+JSON = ("--header", "Content-Type: application/json")
+
+# Longer than any test; ended by cancelling it.
+ENDLESS = json.dumps({"sites": 100_000, "iterations": 1000, "domain": RECTANGLE})
+# Some seconds at most: longer than it takes to ask the server something, shorter than its timeout.
+SHORT = json.dumps({"sites": 20_000, "iterations": 50, "domain": RECTANGLE})
+
+
+def start(server, body, count):
+    return [Call(server.url("/sample"), *JSON, data=body) for _ in range(count)]
+
+
+def probe(server):
+    """Asks for something that is refused before it reaches a worker: 429 if the queue is full, else 400."""
+    return ask(server, "/halftone?nonsense=1", data=b"x")
+
+
+def wait_until(server, status):
+    answer = probe(server)
+    while answer.status != status:
+        answer = probe(server)
+    return answer
+
+
+class Load(unittest.TestCase):
+    def test_a_full_queue_refuses_and_health_answers_meanwhile(self):
+        with Server("--workers=2", "--queue=1", "--timeout=300") as server:
+            calls = start(server, ENDLESS, 3)
+            answer = wait_until(server, 429)
+            self.assertEqual(answer.type, "application/problem+json")
+            self.assertGreaterEqual(int(answer.headers["retry-after"]), 1)
+            self.assertEqual(answer.headers["connection"], "close")
+            large = ask(server, "/halftone", data=b"x" * 5_000_000)
+            self.assertEqual(large.status, 429, "refused without reading the body")
+            for path in ("/health", "/health/live", "/health/ready"):
+                self.assertEqual(ask(server, path).status, 200)
+            for call in calls:
+                call.abandon()
+
+    def test_many_at_once_are_answered_or_refused(self):
+        with Server("--workers=2", "--queue=4") as server:
+            picture = file_of(flat(100))
+            calls = [Call(server.url("/halftone?sites=5000"), data=picture) for _ in range(40)]
+            answers = [call.answer() for call in calls]
+            good = [answer.body for answer in answers if answer.status == 200]
+            self.assertEqual({answer.status for answer in answers} - {200, 429}, set())
+            self.assertGreaterEqual(len(good), 6)
+            self.assertEqual(len(set(good)), 1)
+
+    def test_a_client_that_leaves_frees_its_worker(self):
+        with Server("--workers=1", "--queue=0", "--timeout=300") as server:
+            (call,) = start(server, ENDLESS, 1)
+            wait_until(server, 429)
+            call.abandon()
+            wait_until(server, 400)
+            server.wait_for_log(" 499 ")
+
+    def test_a_client_that_leaves_the_queue_makes_room(self):
+        with Server("--workers=1", "--queue=1", "--timeout=300") as server:
+            calls = start(server, ENDLESS, 2)
+            wait_until(server, 429)
+            calls.pop().abandon()
+            wait_until(server, 400)
+            calls.pop().abandon()
+
+
+class Deadline(unittest.TestCase):
+    def test_504_if_it_passes_during_the_work_and_503_before(self):
+        # Reading a large picture cannot be stopped: the second request is still in the queue when its time is over.
+        picture = file_of(flat(128, 6000, 6000))
+        with Server("--workers=1", "--queue=1", "--timeout=0.1") as server:
+            calls = [Call(server.url("/halftone"), data=picture) for _ in range(2)]
+            answers = sorted((call.answer() for call in calls), key=lambda answer: answer.status)
+            self.assertEqual([answer.status for answer in answers], [503, 504])
+            for answer in answers:
+                self.assertEqual(answer.type, "application/problem+json")
+            self.assertGreaterEqual(int(answers[0].headers["retry-after"]), 1)
+            answer = ask(server, "/halftone?sites=10", data=file_of(flat(9)))
+            while answer.status in (503, 504):
+                answer = ask(server, "/halftone?sites=10", data=file_of(flat(9)))
+            self.assertEqual(answer.status, 200)
+
+
+class Stopping(unittest.TestCase):
+    def test_everything_accepted_is_answered(self):
+        for number in (signal.SIGTERM, signal.SIGINT):
+            with self.subTest(number=number), Server("--workers=2", "--queue=2", "--timeout=300") as server:
+                calls = start(server, SHORT, 4)
+                wait_until(server, 429)
+                server.signal(number)
+                for call in calls:
+                    answer = call.answer()
+                    self.assertEqual(answer.status, 200)
+                    self.assertEqual(len(answer.json()["points"]), 20_000)
+                self.assertEqual(server.wait(), 0)
+
+    def test_nothing_new_is_accepted_meanwhile(self):
+        with Server("--workers=1", "--queue=0", "--timeout=300") as server:
+            open_connections = [http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE)
+                                for _ in range(3)]
+            for connection in open_connections:
+                connection.request("GET", "/health/ready")
+                answer = connection.getresponse()
+                self.assertEqual((answer.status, answer.read()), (200, b'{"status":"ready"}'))
+            (call,) = start(server, ENDLESS, 1)
+            wait_until(server, 429)
+            server.signal()
+            server.wait_for_log("shutting down")
+
+            with self.assertRaises(ConnectionRefusedError):
+                http.client.HTTPConnection("127.0.0.1", server.port).connect()
+            ready, live, work = open_connections
+            ready.request("GET", "/health/ready")
+            answer = ready.getresponse()
+            self.assertEqual((answer.status, answer.headers["Connection"]), (503, "close"))
+            self.assertGreaterEqual(int(answer.headers["Retry-After"]), 1)
+            answer.read()
+            live.request("GET", "/health/live")
+            answer = live.getresponse()
+            self.assertEqual((answer.status, len(answer.read()) > 0), (200, True))
+            work.request("POST", "/sample", SHORT, {"Content-Type": "application/json"})
+            answer = work.getresponse()
+            self.assertEqual(answer.status, 503)
+            self.assertIn("Retry-After", answer.headers)
+            answer.read()
+            for connection in open_connections:
+                connection.close()
+            call.abandon()
+            self.assertEqual(server.wait(), 0)
+
+    def test_idle_connections_do_not_hold_it_up(self):
+        with Server() as server:
+            connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE)
+            connection.request("GET", "/health")
+            connection.getresponse().read()
+            silent = http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE)
+            silent.connect()
+            self.assertEqual(server.stop(), 0)
+            connection.close()
+            silent.close()
+
+    def test_a_second_signal_ends_it_at_once(self):
+        with Server("--workers=1", "--timeout=300") as server:
+            calls = start(server, ENDLESS, 1)
+            server.signal()
+            server.wait_for_log("shutting down")
+            server.signal()
+            self.assertEqual(server.wait(), 128 + signal.SIGTERM)
+            calls[0].abandon()
+
+
+class Starting(unittest.TestCase):
+    def run_program(self, *flags, environment=None):
+        return subprocess.run([os.environ["CCDT_SERVER"], *flags], capture_output=True, text=True, timeout=PATIENCE,
+                              env={**os.environ, **(environment or {})}, check=False)
+
+    def test_a_taken_port_is_told(self):
+        with Server() as server:
+            second = self.run_program(f"--port={server.port}")
+            self.assertEqual(second.returncode, 1)
+            self.assertIn(f"cannot listen on 127.0.0.1 port {server.port}", second.stderr)
+            self.assertIn("in use", second.stderr)
+            self.assertEqual(ask(server, "/health").status, 200)
+
+    def test_its_port_is_free_again_at_once(self):
+        with Server() as server:
+            port = server.port
+            ask(server, "/health")
+            self.assertEqual(server.stop(), 0)
+        with Server(f"--port={port}") as server:
+            self.assertEqual(server.port, port)
+            self.assertEqual(ask(server, "/health").status, 200)
+
+    def test_an_unknown_address_is_told(self):
+        second = self.run_program("--bind=192.0.2.1", "--port=0")
+        self.assertEqual(second.returncode, 1)
+        self.assertIn("cannot listen on 192.0.2.1", second.stderr)
+
+    def test_wrong_usage_is_told(self):
+        for flags, word in ((("--nonsense",), "--nonsense"), (("--workers=0",), "--workers"), (("--port",), "--port")):
+            result = self.run_program(*flags)
+            self.assertEqual((result.returncode, result.stdout), (2, ""))
+            self.assertIn(word, result.stderr)
+        self.assertEqual(self.run_program(environment={"PORT": "x"}).returncode, 2)
+
+    def test_help_and_version(self):
+        told = self.run_program("--help")
+        self.assertEqual((told.returncode, told.stderr), (0, ""))
+        self.assertIn("--max-body", told.stdout)
+        self.assertRegex(self.run_program("--version").stdout, r"^ccdt-server \d+\.\d+\.\d+\n$")
+
+    def test_environment_counts(self):
+        with Server(environment={"CCDT_MAX_SITES": "5"}) as server:
+            answer = post_json(server, "/sample", {"sites": 6, "domain": RECTANGLE})
+            self.assertEqual(answer.status, 413)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
