@@ -1,0 +1,52 @@
+#include "tests/bench/stages.h"
+
+#include <algorithm>
+
+#include "core/ccdt/border.h"
+#include "core/ccdt/capacity.h"
+#include "core/ccdt/goals.h"
+#include "core/ccdt/placement.h"
+#include "core/ccdt/relaxation.h"
+#include "core/ccdt/start.h"
+#include "core/mesh/triangulation.h"
+
+namespace ccdt::bench {
+
+Stages time_stages(const Domain& domain, const Density& density, const Options& options) {
+    Stages stages;
+    Clock clock;
+    const Capacity capacity(domain, density);
+    const Border border = make_border(domain, capacity, options.sites);
+    const StartSites start(domain, density, options);
+    stages.start = clock.lap();
+    Triangulation mesh(options.sites, *triangulate(border));
+    place_sites(mesh, start, options.seed, 0, {});
+    mesh.trim();
+    stages.triangulate = clock.lap();
+
+    std::vector<double> capacities;
+    std::vector<TriangleGoal> goals;
+    const auto measure = [&] {
+        capacity.of_triangles(mesh, capacities);
+        set_goals(mesh, capacity, capacities, goals);
+        stages.capacity += clock.lap();
+    };
+    measure();
+    Relaxation relaxation(mesh, border.corner, capacity.is_uniform(), {});
+    for (int iteration = 0; iteration < options.iterations; ++iteration) {
+        relaxation.prepare(goals);
+        for (int pass = 0; pass < options.passes; ++pass) relaxation.pass();
+        stages.geometry += clock.lap();
+        mesh.restore_delaunay();
+        stages.flips += clock.lap();
+        measure();
+    }
+    return stages;
+}
+
+double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values.empty() ? 0 : values[values.size() / 2];
+}
+
+}  // namespace ccdt::bench

@@ -1,0 +1,67 @@
+#include <benchmark/benchmark.h>
+
+#include "core/ccdt/ccdt.h"
+#include "tests/bench/stages.h"
+#include "tests/bench/yardstick.h"
+
+namespace ccdt::bench {
+namespace {
+
+const Domain& square() {
+    static const Domain domain = *Domain::rectangle(1, 1);
+    return domain;
+}
+
+Options options_for(std::int64_t sites) {
+    Options options;
+    options.sites = static_cast<std::size_t>(sites);
+    return options;
+}
+
+/// Uniform CCDT on the square, 5 iterations of 5 passes; `over_delaunay` is its time over that of one CGAL Delaunay
+/// triangulation of the same points, medians of the same run.
+void Uniform(benchmark::State& state) {
+    const Options options = options_for(state.range(0));
+    std::vector<double> ours, yardstick;
+    double variation = 0;
+    for (auto _ : state) {
+        Clock clock;
+        const auto result = distribute(square(), Density::uniform(), options);
+        ours.push_back(clock.lap());
+        yardstick.push_back(delaunay_ms(result->points));
+        state.SetIterationTime(ours.back() / 1000);
+        variation = result->variation();
+    }
+    state.counters["over_delaunay"] = median(ours) / median(yardstick);
+    state.counters["delaunay_ms"] = median(yardstick);
+    state.counters["us_per_site"] = median(ours) * 1000 / static_cast<double>(options.sites);
+    state.counters["variation"] = variation;
+}
+
+/// The same, its parts in milliseconds.
+void UniformStages(benchmark::State& state) {
+    const Options options = options_for(state.range(0));
+    std::vector<Stages> runs;
+    for (auto _ : state) runs.push_back(time_stages(square(), Density::uniform(), options));
+    const auto report = [&](const char* name, double Stages::*stage) {
+        std::vector<double> values;
+        for (const Stages& run : runs) values.push_back(run.*stage);
+        state.counters[name] = median(values);
+    };
+    report("1_start", &Stages::start);
+    report("2_triangulate", &Stages::triangulate);
+    report("3_capacity", &Stages::capacity);
+    report("4_geometry", &Stages::geometry);
+    report("5_flips", &Stages::flips);
+}
+
+void sizes(benchmark::internal::Benchmark* benchmark) {
+    for (const int sites : {1024, 16384, 131072, 1048576}) benchmark->Arg(sites);
+    benchmark->Unit(benchmark::kMillisecond);
+}
+
+BENCHMARK(Uniform)->Apply(sizes)->UseManualTime()->MinTime(2);
+BENCHMARK(UniformStages)->Apply(sizes);
+
+}  // namespace
+}  // namespace ccdt::bench
