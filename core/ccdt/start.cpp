@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/density/grid_walk.h"
 #include "core/random.h"
@@ -82,14 +83,19 @@ StartSites::StartSites(const Domain& domain, const Density& density, const Optio
         const double share = domain.unit_area() / (unit_size_.x * unit_size_.y);
         const double cells = std::clamp(4 * static_cast<double>(options.sites) / share, 4096.0, kMostCells);
         const double side = std::sqrt(unit_size_.x * unit_size_.y / cells);
-        columns_ = std::max(columns_, std::clamp(static_cast<int>(unit_size_.x / side), 1, 4096));
-        rows_ = std::max(rows_, std::clamp(static_cast<int>(unit_size_.y / side), 1, 4096));
+        const auto refine = [&](int& own, int other, double length) {
+            const auto most = static_cast<int>(4 * kMostCells / other);
+            own = std::max(own, std::min(std::clamp(static_cast<int>(length / side), 1, 4096), most));
+        };
+        refine(columns_, rows_, unit_size_.x);
+        refine(rows_, columns_, unit_size_.y);
     }
     make_grid(domain);
     const Rectangle box{0, static_cast<double>(columns_), 0, static_cast<double>(rows_)};
     if (options.start == Start::Random) {
         cells_.push_back(box);
         cell_of_.assign(options.sites, 0);
+        number_along_curve();
     } else {
         cells_.reserve(options.sites / 2 + 1);
         cell_of_.reserve(options.sites);
@@ -199,10 +205,36 @@ double StartSites::acceptance(double x, double y) const {
     return largest > 0 ? value / largest : 0;
 }
 
+/// Numbers sites that were drawn independently along Morton's curve.
+void StartSites::number_along_curve() {
+    const auto spread = [](double part) {
+        std::uint64_t bits = static_cast<std::uint32_t>(part * 0x1p31);
+        for (const auto& [shift, mask] : {std::pair{16, 0x0000ffff0000ffff},
+                                          {8, 0x00ff00ff00ff00ff},
+                                          {4, 0x0f0f0f0f0f0f0f0f},
+                                          {2, 0x3333333333333333},
+                                          {1, 0x5555555555555555}}) {
+            bits = (bits | bits << shift) & static_cast<std::uint64_t>(mask);
+        }
+        return bits;
+    };
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> places;
+    places.reserve(cell_of_.size());
+    for (std::uint32_t i = 0; i < cell_of_.size(); ++i) {
+        const Point p = draw_stream(i, 0, cells_[0]);
+        places.emplace_back(spread(p.x) | spread(p.y) << 1, i);
+    }
+    std::sort(places.begin(), places.end());
+    for (const auto& [place, number] : places) stream_of_.push_back(number);
+}
+
 Point StartSites::draw(std::size_t site, int attempt) const {
+    return draw_stream(stream_of_.empty() ? site : stream_of_[site], attempt, cells_[cell_of_[site]]);
+}
+
+Point StartSites::draw_stream(std::uint64_t stream, int attempt, const Rectangle& box) const {
     constexpr int kTries = 256;
-    const Rectangle& box = cells_[cell_of_[site]];
-    Random random(seed_, site + (static_cast<std::uint64_t>(attempt) << 40));
+    Random random(seed_, stream + (static_cast<std::uint64_t>(attempt) << 40));
     double x = 0, y = 0;
     for (int i = 0; i < kTries; ++i) {
         x = cut_across_x(box, random.uniform());

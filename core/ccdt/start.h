@@ -22,8 +22,8 @@ public:
     /// Both must outlive this.
     StartSites(const Domain& domain, const Density& density, const Options& options);
 
-    /// A place for a site, in the unit frame. Sites of neighbouring number are neighbours. A function of the seed,
-    /// site and attempt alone.
+    /// A place for a site, in the unit frame. Sites of neighbouring number are neighbours, mostly. A function of the
+    /// seed, site and attempt alone.
     Point draw(std::size_t site, int attempt) const;
 
 private:
@@ -38,6 +38,8 @@ private:
     double cut_across_x(const Rectangle& box, double share) const;
     double cut_across_y(const Rectangle& box, double share) const;
     double acceptance(double x, double y) const;
+    void number_along_curve();
+    Point draw_stream(std::uint64_t stream, int attempt, const Rectangle& box) const;
 
     const Density& density_;
     std::uint64_t seed_;
@@ -46,7 +48,8 @@ private:
     int rows_ = 1;
     std::vector<double> sums_;  ///< capacity left of and below each grid point [rows + 1][columns + 1]
     std::vector<Rectangle> cells_;
-    std::vector<std::uint32_t> cell_of_;  ///< [sites]
+    std::vector<std::uint32_t> cell_of_;    ///< [sites]
+    std::vector<std::uint32_t> stream_of_;  ///< [sites], where it is not the site's own number
 };
 
 }  // namespace ccdt
