@@ -240,12 +240,9 @@ void Relaxation::move_few(const std::uint32_t* record) {
     double stiffness = 0;  // of all springs together
     Point pull;            // of all springs together
     if constexpr (kPlain) {
-        // All terms are over the squared weight. Repetitions of the first neighbour must not pull.
+        // All terms are over the squared weight. A repetition of the first neighbour must not pull.
         const double spring = options_.spring / goals_[0].weight;
-        double repeated = 0;
-        for (std::size_t i = kPairs == kFewestPairs ? 3 : 2 * kPairs - 1; i < 2 * kPairs; ++i) {
-            repeated += around[i] == around[0] ? 1 : 0;
-        }
+        const double repeated = around[2 * kPairs - 1] == around[0] ? 1 : 0;
         stiffness = spring * (2 * kPairs - repeated);
         pull = {spring * (sum(spring_x) - repeated * x[0][0]), spring * (sum(spring_y) - repeated * y[0][0])};
     } else {
