@@ -126,6 +126,44 @@ TEST(Distribute, FillsASinglePixel) {
     EXPECT_GT(in_pixel, 950);
 }
 
+TEST(Distribute, StartsInTheOnlyPixelWithInk) {
+    const Density pixel = grid_of(1000, 1000, [](int i, int j) { return i == 700 && j == 500 ? 1.0 : 0.0; });
+    for (const Point& p : run(kSquare, pixel, {.sites = 1000, .seed = 1, .iterations = 0}).points) {
+        EXPECT_TRUE(p.x >= 0.700 && p.x <= 0.701 && p.y >= 0.500 && p.y <= 0.501) << p.x << " " << p.y;
+    }
+}
+
+TEST(Distribute, StandsVerticesOfTheBorderThatMeetAHole) {
+    // A vertex set on the outer edge rounds to the very corner of the hole.
+    const Parts parts{{{{0, 0}, {1, 0.67211498554141436}, {0.16277443304464762, 1}},
+                       {{{0.056603773584905662, 0.038044244464608364}, {0.4, 0.5}, {0.41, 0.52}}}}};
+    EXPECT_EQ(run(parts, Density::uniform(), {.sites = 1000, .seed = 1}).points.size(), 1000u);
+}
+
+TEST(Distribute, SetsFewVerticesOnTheBorderOfASliver) {
+    const Parts sliver{{test::box(0, 0, 1, 1e-8), {}}};
+    const auto result = run(sliver, Density::uniform(), {.sites = 1000, .seed = 1, .keep_mesh = true});
+    EXPECT_LT(result.mesh->vertices.size(), 6000u);
+    for (const Point& p : result.points) EXPECT_TRUE(p.y > 0 && p.y < 1e-8) << p.y;
+}
+
+/// Part of this corner of the density reaches the triangle's box, none of it the triangle.
+TEST(Distribute, RefusesADensityThatOnlyRoundingPutsInside) {
+    const Parts triangle{{{{1, 0}, {1, 1}, {0, 1}}, {}}};
+    Random random(1, 1);
+    for (int i = 0; i < 200; ++i) {
+        const int width = 5 + static_cast<int>(60 * random.uniform()),
+                  height = 5 + static_cast<int>(60 * random.uniform());
+        const double first = random.uniform(), second = random.uniform();
+        const Density corner = grid_of(width, height, [&](int x, int y) {
+            return y > 0 ? 0.0 : x == 0 ? first : x == 1 ? second : 0.0;
+        });
+        const auto result = distribute(domain_of(triangle), corner, {.sites = 10});
+        ASSERT_FALSE(result) << width << " x " << height;
+        EXPECT_EQ(result.error().code, ErrorCode::Unusable);
+    }
+}
+
 TEST(Distribute, RefusesADensityOutsideTheDomain) {
     // The domain is the half of its box that lies beyond the diagonal.
     const Parts half{{{{1, 0}, {1, 1}, {0, 1}}, {}}};

@@ -261,5 +261,12 @@ TEST(Domain, RefusesAMessOfManyVertices) {
     EXPECT_FALSE(Domain::create({{ring, {}}}));
 }
 
+TEST(Domain, RefusesWhatItsCoordinatesCannotResolve) {
+    const auto thin = Domain::create({{{{1e9, 1e9}, {1e9 + 10, 1e9}, {1e9 + 10, 1e9 + 1e-5}, {1e9, 1e9 + 1e-5}}, {}}});
+    ASSERT_FALSE(thin);
+    EXPECT_EQ(thin.error().code, ErrorCode::Unusable);
+    EXPECT_TRUE(Domain::create({{{{0, 0}, {10, 0}, {10, 1e-5}, {0, 1e-5}}, {}}}));
+}
+
 }  // namespace
 }  // namespace ccdt
