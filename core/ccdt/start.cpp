@@ -13,13 +13,14 @@ namespace {
 
 constexpr std::size_t kSitesPerCell = 4;
 
-/// The grid point on [low, high] where an increasing function passes `level`, and the fraction beyond it.
+/// Where on [x0, x1] an increasing function, linear between neighbouring grid points, has passed this share of its
+/// rise.
 template <class Function>
-double invert(double low, double high, double level, Function&& function) {
-    // Between two neighbouring grid points the function is linear.
-    auto below = static_cast<long>(std::floor(low)) + 1;
-    auto above = static_cast<long>(std::ceil(high)) - 1;
-    double x0 = low, f0 = function(low), x1 = high, f1 = function(high);
+double invert(double x0, double x1, double share, Function&& function) {
+    double f0 = function(x0), f1 = function(x1);
+    const double level = std::lerp(f0, f1, share);
+    auto below = static_cast<long>(std::floor(x0)) + 1;
+    auto above = static_cast<long>(std::ceil(x1)) - 1;
     while (below <= above) {
         const long middle = (below + above) / 2;
         const auto x = static_cast<double>(middle);
@@ -153,16 +154,12 @@ double StartSites::sum(double x, double y) const {
 /// Where a vertical cut leaves this share of the box's capacity on its left.
 double StartSites::cut_across_x(const Rectangle& box, double share) const {
     if (box.x1 - box.x0 <= 1 && std::ceil(box.x1) - std::floor(box.x0) <= 1) return std::lerp(box.x0, box.x1, share);
-    const auto left_of = [&](double x) { return sum(x, box.y1) - sum(x, box.y0); };
-    const double low = left_of(box.x0);
-    return invert(box.x0, box.x1, low + share * (left_of(box.x1) - low), left_of);
+    return invert(box.x0, box.x1, share, [&](double x) { return sum(x, box.y1) - sum(x, box.y0); });
 }
 
 double StartSites::cut_across_y(const Rectangle& box, double share) const {
     if (box.y1 - box.y0 <= 1 && std::ceil(box.y1) - std::floor(box.y0) <= 1) return std::lerp(box.y0, box.y1, share);
-    const auto below = [&](double y) { return sum(box.x1, y) - sum(box.x0, y); };
-    const double low = below(box.y0);
-    return invert(box.y0, box.y1, low + share * (below(box.y1) - low), below);
+    return invert(box.y0, box.y1, share, [&](double y) { return sum(box.x1, y) - sum(box.x0, y); });
 }
 
 void StartSites::divide(const Rectangle& box, std::size_t sites) {
