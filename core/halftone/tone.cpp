@@ -45,9 +45,9 @@ double default_scale(const std::vector<float>& coverage, std::size_t sites) {
     constexpr double kRadius = 3;         // canvas pixels: a binary disc of this size looks round
     constexpr double kMostPixels = 16e6;  // of the canvas
     const double radius = std::sqrt(ink_of(coverage) / (kPi * static_cast<double>(sites)));
-    const double wanted = kRadius / std::max(radius, 1e-6);
+    const double wanted = std::max(1.0, std::ceil(kRadius / std::max(radius, 1e-6)));
     const double most = std::sqrt(kMostPixels / static_cast<double>(coverage.size()));
-    return std::clamp(std::min(wanted > 1 ? std::ceil(wanted) : wanted, most), 0.1, 16.0);
+    return std::clamp(std::min(wanted, most), 0.1, 16.0);
 }
 
 }  // namespace ccdt

@@ -30,8 +30,8 @@ std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert);
 /// than one a pixel of ink) and 100,000 at most; never less than 1 nor more than `limit`.
 std::size_t default_sites(const std::vector<float>& coverage, std::size_t limit);
 
-/// Canvas pixels per picture pixel, in [0.1, 16], at which dots that keep the mean tone have a radius of about 3 pixels
-/// and so look round; smaller where the canvas would pass 16 million pixels.
+/// Canvas pixels per picture pixel, at most 16: the smallest whole number at which dots that keep the mean tone have a
+/// radius of 3 pixels or more and so look round; less where the canvas would pass 16 million pixels, but at least 0.1.
 double default_scale(const std::vector<float>& coverage, std::size_t sites);
 
 }  // namespace ccdt

@@ -59,14 +59,15 @@ TEST(DefaultSites, StaysInItsRange) {
 TEST(DefaultScale, GivesDotsOfThreePixels) {
     // Dots of 2 pixels of ink have a radius of sqrt(2 / pi) = 0.798 pixels.
     EXPECT_EQ(default_scale(ink(10'000, 0.5f), 2500), 4);
-    // Larger dots need no whole number.
-    EXPECT_NEAR(default_scale(ink(10'000, 1), 100), 3 / std::sqrt(100 / 3.141592653589793), 1e-6);
+    // Dots that are larger in the picture stay as they are.
+    EXPECT_EQ(default_scale(ink(10'000, 1), 100), 1);
 }
 
 TEST(DefaultScale, StaysInItsRange) {
     EXPECT_EQ(default_scale(ink(100, 0), 10), 16);
     EXPECT_EQ(default_scale(ink(100, 0.01f), 100), 16);
-    EXPECT_EQ(default_scale(ink(1'000'000, 1), 1), 0.1);
+    EXPECT_EQ(default_scale(ink(1'000'000, 1), 1), 1);
+    EXPECT_NEAR(default_scale(ink(64'000'000, 1), 100'000), 0.5, 1e-9);
     const double scale = default_scale(ink(4'000'000, 1), 4'000'000);
     EXPECT_NEAR(scale * scale * 4e6, 16e6, 1);
 }
