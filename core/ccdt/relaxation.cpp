@@ -254,7 +254,8 @@ void Relaxation::move_few(const std::uint32_t* record) {
 
     const Pair move_x{by.x, by.x}, move_y{by.y, by.y};
     const Pair small{small_, small_};
-    auto fits = small == small;
+    using Mask = decltype(small < move_x);
+    Mask fits{-1, -1};
     for (std::size_t i = 0; i < kPairs; ++i) {
         const Pair moved = area[i] + a[i] * move_x + b[i] * move_y;
         fits &= (area[i] == Pair{}) | ((moved >= kKeptArea * area[i]) & (moved >= small));

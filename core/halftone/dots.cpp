@@ -141,7 +141,7 @@ Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOpt
     if (options.antialias) {
         std::transform(squared.begin(), squared.end(), raster.coverage.begin(), [&](float value) {
             const double share = pixel_coverage(fitted.radius - std::sqrt(static_cast<double>(value)));
-            return static_cast<std::uint8_t>(255 * share + 0.5);
+            return static_cast<std::uint8_t>(std::lrint(255 * share));
         });
     } else {
         const auto limit = fitted.radius < 0 ? -1.0f : static_cast<float>(fitted.radius * fitted.radius);
