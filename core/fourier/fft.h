@@ -1,0 +1,74 @@
+#pragma once
+
+#include <complex>
+#include <memory>
+#include <span>
+
+namespace ccdt {
+
+/// Smallest even product of powers of 2, 3 and 5 that is at least `least`: a side whose transform is fast.
+/// @param least  at most 1e9
+int good_size(double least);
+
+/// Fourier transform of a real grid, and back. By FFTW (Frigo, Johnson 2005).
+///
+/// Plans are chosen by rule, never by timing, and use no vector instructions: the same input gives the same bits
+/// in every run and on every processor of one architecture. Making one is safe from any thread, using one is for
+/// one thread at a time. Throws std::bad_alloc. O(n log n) for n cells, 16 bytes a cell.
+class RealTransform {
+public:
+    /// @param columns, rows  >= 1; see good_size()
+    /// All cells are 0.
+    RealTransform(int columns, int rows);
+    RealTransform(RealTransform&&) noexcept;
+    RealTransform& operator=(RealTransform&&) noexcept;
+    ~RealTransform();
+
+    /// [rows * columns], row by row.
+    std::span<double> grid();
+
+    /// [rows * (columns / 2 + 1)], row by row: frequency (x, y) of the row y mod rows. The columns left out are the
+    /// complex conjugates of those at (-x, -y).
+    std::span<std::complex<double>> spectrum();
+    std::span<const std::complex<double>> spectrum() const;
+
+    /// spectrum[k] = sum over cells j of grid[j] e^(-2 pi i k.j), k.j = x_k x_j / columns + y_k y_j / rows. Keeps the
+    /// grid.
+    void forward();
+
+    /// grid[j] = sum over all frequencies k of spectrum[k] e^(2 pi i k.j): forward(), then backward(), multiplies by
+    /// columns * rows. Leaves nothing of use in the spectrum.
+    void backward();
+
+private:
+    struct Plans;
+    std::unique_ptr<Plans> plans_;
+};
+
+/// Cosine transform of a real grid, and back, in place: the Fourier transform of the grid mirrored at its border.
+/// All that is said of RealTransform holds; 8 bytes a cell.
+class CosineTransform {
+public:
+    /// @param columns, rows  >= 1; see good_size()
+    /// All cells are 0.
+    CosineTransform(int columns, int rows);
+    CosineTransform(CosineTransform&&) noexcept;
+    CosineTransform& operator=(CosineTransform&&) noexcept;
+    ~CosineTransform();
+
+    /// [rows * columns], row by row: values before forward(), coefficients of frequency (x, y) after it.
+    std::span<double> grid();
+
+    /// DCT-II: the coefficient (x, y) is 4 sum over cells (i, j) of
+    /// grid[j][i] cos(pi x (i + 1/2) / columns) cos(pi y (j + 1/2) / rows).
+    void forward();
+
+    /// DCT-III: forward(), then backward(), multiplies by 4 * columns * rows.
+    void backward();
+
+private:
+    struct Plans;
+    std::unique_ptr<Plans> plans_;
+};
+
+}  // namespace ccdt
