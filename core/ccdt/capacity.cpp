@@ -14,6 +14,14 @@ Capacity::Capacity(const Domain& domain, const Density& density) : density_(dens
         return;
     }
     to_grid_ = {density.width() / domain.unit_bounds().width(), density.height() / domain.unit_bounds().height()};
+    if (domain.is_torus()) {
+        total_ = density.total();
+        rows_below_.push_back(0);
+        for (int row = 0; row < density.height(); ++row) {
+            rows_below_.push_back(rows_below_.back() + density.row_sums(row).back());
+        }
+        return;
+    }
     for (const Ring& ring : domain.rings()) {
         for (std::size_t i = 0; i < ring.size(); ++i) total_ += along(ring[i], ring[(i + 1) % ring.size()]);
     }
@@ -32,6 +40,71 @@ double Capacity::along(Point a, Point b) const {
     return sum;
 }
 
+namespace {
+
+/// Copies of a torus' grid on each side of it; more than places and shifts come to.
+constexpr int kRepeats = 8;
+
+bool is_in(Point p, Point sides) {
+    return p.x >= 0 && p.y >= 0 && p.x <= sides.x && p.y <= sides.y;
+}
+
+/// Whether the edge or a triangle at it reaches beyond a torus' box.
+bool leaves_box(const Triangulation& mesh, std::uint32_t edge) {
+    return mesh.crosses_seam(Triangulation::triangle_of(edge)) ||
+           mesh.crosses_seam(Triangulation::triangle_of(mesh.twin(edge))) ||
+           !is_in(mesh.point(mesh.origin(edge)), mesh.period()) || !is_in(mesh.point(mesh.target(edge)), mesh.period());
+}
+
+}  // namespace
+
+/// Integral of the rows' totals up to y.
+double Capacity::rows_below(double y) const {
+    const double place = y * to_grid_.y;
+    const int rows = density_.height();
+    const double copy = std::floor(place / rows);
+    const double inside = place - copy * rows;
+    const auto row = static_cast<std::size_t>(std::min(static_cast<int>(inside), rows - 1));
+    const double part = rows_below_[row + 1] - rows_below_[row];
+    return copy * rows_below_.back() + rows_below_[row] + (inside - static_cast<double>(row)) * part;
+}
+
+template <bool kRepeated>
+Capacity::Sweep Capacity::sweep(Point a, Point b) const {
+    const int columns = density_.width(), rows = density_.height();
+    constexpr int kCopies = kRepeated ? 2 * kRepeats : 1;
+    const Point offset{kRepeated ? static_cast<double>(kRepeats) * columns : 0.0,
+                       kRepeated ? static_cast<double>(kRepeats) * rows : 0.0};
+    const Point from = to_grid(a) + offset, to = to_grid(b) + offset;
+    const double* all_sums = density_.row_sums(0).data();
+    const auto stride = static_cast<std::ptrdiff_t>(columns) + 1;
+    Sweep sum;
+    walk_pieces(from, to, kCopies * columns, kCopies * rows, [&](int column, int row, double t0, double t1) {
+        const double* sums = all_sums + (kRepeated ? row % rows : row) * stride;
+        const int i = kRepeated ? column % columns : column;
+        const double value = sums[i + 1] - sums[i];
+        const double length = t1 - t0, middle = (t0 + t1) / 2;
+        const double x = from.x + middle * (to.x - from.x);
+        double below = sums[i] + (x - column) * value;
+        if (kRepeated) below += (column / columns - kRepeats) * sums[columns];
+        sum.flow += below * length;
+        sum.near += value * length;
+        sum.far += value * length * middle;
+    });
+    const double scale = to_grid_.x * to_grid_.y;
+    return {sum.flow * (to.y - from.y), (sum.near - sum.far) * scale, sum.far * scale};
+}
+
+/// Around a torus the two triangles at an edge may see it in different places.
+void Capacity::add_flow(const Triangulation& mesh, std::uint32_t edge, double flow,
+                        std::vector<double>& capacities) const {
+    const std::uint32_t twin = mesh.twin(edge);
+    const Point a = mesh.point(mesh.origin(edge)), b = a + mesh.along(edge);
+    const double rise = rows_below(b.y) - rows_below(a.y);
+    capacities[Triangulation::triangle_of(edge)] += flow + mesh.lift(edge).x * rise;
+    capacities[Triangulation::triangle_of(twin)] -= flow + (mesh.lift(twin) - mesh.shift(edge)).x * rise;
+}
+
 void Capacity::of_triangles(const Triangulation& mesh, std::vector<double>& capacities) const {
     capacities.assign(mesh.triangle_count(), 0);
     if (is_uniform()) {
@@ -42,9 +115,36 @@ void Capacity::of_triangles(const Triangulation& mesh, std::vector<double>& capa
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
             if (twin < h) continue;  // kNone is the largest number
+            if (mesh.is_torus() && leaves_box(mesh, h)) {
+                const Point a = mesh.point(mesh.origin(h));
+                add_flow(mesh, h, sweep<true>(a, a + mesh.along(h)).flow, capacities);
+                continue;
+            }
             const double flow = along(mesh.point(mesh.origin(h)), mesh.point(mesh.target(h)));
             capacities[t] += flow;
             if (twin != Triangulation::kNone) capacities[Triangulation::triangle_of(twin)] -= flow;
+        }
+    }
+}
+
+void Capacity::of_edges(const Triangulation& mesh, std::vector<double>& capacities, std::vector<double>& sweeps) const {
+    capacities.assign(mesh.triangle_count(), 0);
+    sweeps.resize(4 * mesh.triangle_count());
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
+            if (twin < h) continue;  // kNone is the largest number
+            const bool repeated = mesh.is_torus() && leaves_box(mesh, h);
+            const Point a = mesh.point(mesh.origin(h)), b = a + mesh.along(h);
+            const Sweep found = repeated ? sweep<true>(a, b) : sweep<false>(a, b);
+            sweeps[h] = found.near;
+            if (twin != Triangulation::kNone) sweeps[twin] = found.far;
+            if (repeated) {
+                add_flow(mesh, h, found.flow, capacities);
+                continue;
+            }
+            capacities[t] += found.flow;
+            if (twin != Triangulation::kNone) capacities[Triangulation::triangle_of(twin)] -= found.flow;
         }
     }
 }
@@ -57,7 +157,11 @@ int Capacity::cells_along(Point a, Point b) const {
 
 double Capacity::at(Point p) const {
     if (is_uniform()) return 1;
-    const Point g = to_grid(p);
+    Point g = to_grid(p);
+    if (!rows_below_.empty()) {
+        g = {g.x - std::floor(g.x / density_.width()) * density_.width(),
+             g.y - std::floor(g.y / density_.height()) * density_.height()};
+    }
     const int column = std::clamp(static_cast<int>(g.x), 0, density_.width() - 1);
     const int row = std::clamp(static_cast<int>(g.y), 0, density_.height() - 1);
     return density_.value(column, row) * to_grid_.x * to_grid_.y;

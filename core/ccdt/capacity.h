@@ -11,7 +11,8 @@ namespace ccdt {
 
 /// Integrates a density over triangles of a domain, exactly: it is constant on its cells, so by Green's theorem a
 /// triangle's capacity is the integral of F dy along its edges, F(x, y) the density's sum in the row up to x, and F
-/// is linear within a cell. Capacities of all triangles add up to the domain's to rounding.
+/// is linear within a cell. Capacities of all triangles add up to the domain's to rounding. Around a torus the density
+/// repeats itself, and F grows by the row's total with every period.
 class Capacity {
 public:
     /// Both must outlive this.
@@ -26,6 +27,11 @@ public:
     /// Capacity of each triangle [triangles]. O(half-edges), and their length in cells.
     void of_triangles(const Triangulation& mesh, std::vector<double>& capacities) const;
 
+    /// Capacity of each triangle [triangles], and of each half-edge [4 * triangles] what it sweeps when its near end
+    /// moves to its right, over the length of the move and its own: the density's integral over it, weighing 1 at the
+    /// near end and 0 at the far one. Not for uniform densities.
+    void of_edges(const Triangulation& mesh, std::vector<double>& capacities, std::vector<double>& sweeps) const;
+
     /// Density at a point of the unit frame, in units of capacity per area of the unit frame.
     double at(Point p) const;
 
@@ -36,12 +42,23 @@ public:
     int cells_along(Point a, Point b) const;
 
 private:
+    /// Integrals along a segment.
+    struct Sweep {
+        double flow = 0;  ///< of F dy
+        double near = 0;  ///< of the density per unit frame's area, over the segment, weighing 1 at a and 0 at b
+        double far = 0;   ///< the other way round
+    };
     double along(Point a, Point b) const;
+    template <bool kRepeated>
+    Sweep sweep(Point a, Point b) const;
+    double rows_below(double y) const;
+    void add_flow(const Triangulation& mesh, std::uint32_t edge, double flow, std::vector<double>& capacities) const;
     Point to_grid(Point p) const { return {p.x * to_grid_.x, p.y * to_grid_.y}; }
 
     const Density& density_;
     Point to_grid_{1, 1};  ///< cells per unit
     double total_ = 0;
+    std::vector<double> rows_below_;  ///< on a torus: total of the rows below each [height + 1]
 };
 
 }  // namespace ccdt

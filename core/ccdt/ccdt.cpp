@@ -13,6 +13,7 @@
 #include "core/ccdt/start.h"
 #include "core/geometry/delaunay.h"
 #include "core/mesh/triangulation.h"
+#include "core/polish/polish.h"
 
 namespace ccdt {
 
@@ -46,9 +47,16 @@ public:
 
 private:
     bool stopping() const { return control_.stop.stop_requested(); }
-    void measure(const Triangulation& mesh);
+    Result<Triangulation> empty_mesh(Border& border) const;
+    Result<Triangulation> triangulate_sites(const std::vector<Point>& first, const StartSites& start, Border& border);
+    std::vector<Point> even_start(const StartSites& start);
+    double measure(const Triangulation& mesh);
     void iterate(Triangulation& mesh, std::vector<bool> corners);
+    bool is_exact(int iteration) const;
+    PolishOptions polish_options() const;
+    void refine(Triangulation& mesh);
     void report() const;
+    Point to_user(Point p) const;
     void collect(const Triangulation& mesh, const Border& border);
 
     const Domain& domain_;
@@ -56,6 +64,7 @@ private:
     const Options& options_;
     const Control& control_;
     Capacity capacity_;
+    std::optional<Polish> polish_;
     std::vector<double> capacities_;   ///< [triangles]
     std::vector<TriangleGoal> goals_;  ///< [triangles]
     Distribution result_;
@@ -65,7 +74,43 @@ Result<Distribution> Run::execute() {
     if (!(capacity_.total() > 0)) {
         return failure(ErrorCode::Unusable, "the density is zero all over the domain", "density");
     }
-    Border border = make_border(domain_, capacity_, options_.sites);
+    const StartSites start(domain_, density_, options_);
+    if (options_.quality != Quality::Draft && options_.iterations > 0) {
+        polish_.emplace(domain_, density_, options_.sites);
+    }
+    Border border;
+    auto mesh = triangulate_sites(even_start(start), start, border);
+    if (!mesh) return tl::unexpected(mesh.error());
+    iterate(*mesh, border.corner);
+    if (polish_ && !result_.stopped) {
+        refine(*mesh);
+        std::vector<Point> sites(mesh->points().begin(),
+                                 mesh->points().begin() + static_cast<std::ptrdiff_t>(options_.sites));
+        // Where other sites were in the way of one that had to leave white, all are triangulated anew.
+        if (polish_->clear_gaps(sites)) mesh = triangulate_sites(sites, start, border);
+        if (!mesh) return tl::unexpected(mesh.error());
+        result_.polished = measure(*mesh);
+    }
+    collect(*mesh, border);
+    return std::move(result_);
+}
+
+/// @param first   [sites] or empty: where they stand
+/// @param border  out: what lies around them
+Result<Triangulation> Run::triangulate_sites(const std::vector<Point>& first, const StartSites& start, Border& border) {
+    auto mesh = empty_mesh(border);
+    if (!mesh) return mesh;
+    if (auto error = place_sites(*mesh, first, start, options_.seed, domain_.resolution(), control_.stop)) {
+        return tl::unexpected(*error);
+    }
+    mesh->trim();
+    return mesh;
+}
+
+/// @param border  out: what lies around it
+Result<Triangulation> Run::empty_mesh(Border& border) const {
+    if (domain_.is_torus()) return Triangulation(options_.sites, domain_.unit_bounds().max);
+    border = make_border(domain_, capacity_, options_.sites);
     auto scaffold = triangulate(border);
     if (!scaffold) {
         // Vertices set on the edges round off them; where two edges almost touch, that can make them cross.
@@ -73,49 +118,101 @@ Result<Distribution> Run::execute() {
         scaffold = triangulate(border);
     }
     if (!scaffold) return failure(ErrorCode::Internal, "the domain cannot be triangulated");
-    Triangulation mesh(options_.sites, *scaffold);
-    scaffold = ConstrainedDelaunay{};
-    const StartSites start(domain_, density_, options_);
-    if (auto error = place_sites(mesh, start, options_.seed, domain_.resolution(), control_.stop))
-        return tl::unexpected(*error);
-    mesh.trim();
-    iterate(mesh, border.corner);
-    collect(mesh, border);
-    return std::move(result_);
+    return Triangulation(options_.sites, *scaffold);
 }
 
-void Run::measure(const Triangulation& mesh) {
+/// First sites among which long waves are gone; none where nothing is to be gained.
+std::vector<Point> Run::even_start(const StartSites& start) {
+    std::vector<Point> first;
+    if (!polish_ || capacity_.is_uniform() || !domain_.is_box()) return first;
+    first.reserve(options_.sites);
+    for (std::size_t site = 0; site < options_.sites; ++site) first.push_back(start.draw(site, 0));
+    polish_->even_out(first, control_.stop);
+    return first;
+}
+
+/// @returns  the capacity variation
+double Run::measure(const Triangulation& mesh) {
     capacity_.of_triangles(mesh, capacities_);
-    result_.trace.push_back(set_goals(mesh, capacity_, capacities_, goals_));
+    return set_goals(mesh, capacity_, capacities_, goals_);
+}
+
+/// Exact passes cost more, and matter once the sites are near their places.
+bool Run::is_exact(int iteration) const {
+    constexpr int kFirst = 4;
+    return !capacity_.is_uniform() && (iteration >= kFirst || iteration + 1 == options_.iterations);
 }
 
 void Run::iterate(Triangulation& mesh, std::vector<bool> corners) {
-    measure(mesh);
+    constexpr double kPolishedSpring = 0.03;  // rounder triangles, whose areas may vary a little more
+    result_.trace.push_back(measure(mesh));
     report();
     RelaxationOptions settings;
+    if (polish_ && capacity_.is_uniform()) settings.spring = kPolishedSpring;
     settings.least_height = std::max(settings.least_height, domain_.resolution());
     Relaxation relaxation(mesh, std::move(corners), capacity_.is_uniform(), settings);
     while (result_.iterations < options_.iterations) {
-        if (options_.tolerance && result_.variation() < *options_.tolerance) return;
+        if (options_.tolerance && result_.trace.back() < *options_.tolerance) break;
         relaxation.prepare(goals_);
         for (int pass = 0; pass < options_.passes && !result_.stopped; ++pass) {
             result_.stopped = stopping();
-            if (!result_.stopped) relaxation.pass();
+            if (result_.stopped) break;
+            if (is_exact(result_.iterations)) {
+                relaxation.exact_pass(capacity_);
+            } else {
+                relaxation.pass();
+            }
         }
         mesh.restore_delaunay();
-        if (result_.stopped) return;
-        measure(mesh);
+        if (result_.stopped) break;
+        result_.trace.push_back(measure(mesh));
         ++result_.iterations;
         report();
     }
 }
 
+/// Measured on sets and pictures: what more rounds, or a longer reach, would gain is oscillation of the spectrum.
+PolishOptions Run::polish_options() const {
+    const bool best = options_.quality == Quality::Best;
+    PolishOptions settings;
+    if (!capacity_.is_uniform()) {
+        if (best) {
+            settings.rounds = 20;
+            settings.even_rounds = 10;
+        }
+        return settings;
+    }
+    settings.nearest = 0.84;
+    settings.near_rounds = 4;
+    settings.rounds = best ? 40 : 5;
+    settings.even_rounds = best ? 4 : 1;
+    if (best) {
+        settings.reach = 0.87;
+        settings.push = 0.5;
+    }
+    return settings;
+}
+
+void Run::refine(Triangulation& mesh) {
+    polish_->refine(mesh, polish_options(), control_.stop);
+    result_.stopped = stopping();
+    mesh.restore_delaunay();
+}
+
 void Run::report() const {
-    if (control_.progress) control_.progress({result_.iterations, options_.iterations, result_.variation()});
+    if (control_.progress) control_.progress({result_.iterations, options_.iterations, result_.trace.back()});
+}
+
+Point Run::to_user(Point p) const {
+    if (!domain_.is_torus()) return domain_.to_user(p);
+    const Point sides = domain_.unit_bounds().max;
+    p = domain_.to_user({p.x - std::floor(p.x / sides.x) * sides.x, p.y - std::floor(p.y / sides.y) * sides.y});
+    const Point end = domain_.bounds().max;
+    return {p.x < end.x ? p.x : 0, p.y < end.y ? p.y : 0};
 }
 
 void Run::collect(const Triangulation& mesh, const Border& border) {
-    const auto user = [&](Point p) { return domain_.to_user(p); };
+    const auto user = [&](Point p) { return to_user(p); };
     result_.points.resize(options_.sites);
     std::transform(mesh.points().begin(), mesh.points().begin() + static_cast<std::ptrdiff_t>(options_.sites),
                    result_.points.begin(), user);

@@ -21,6 +21,13 @@ enum class Start {
     Random,      ///< independently by the density, as in the paper
 };
 
+/// What is done for the pattern.
+enum class Quality {
+    Draft,     ///< triangles of equal capacity, as in the paper
+    Standard,  ///< then near neighbours are pushed apart and long waves evened out
+    Best,      ///< the same for longer: a few times the time
+};
+
 struct Options {
     std::size_t sites = 0;            ///< >= 1
     std::uint64_t seed = 0;           ///< [0, 2^53)
@@ -28,6 +35,7 @@ struct Options {
     int passes = 5;                   ///< geometry passes per iteration, 1 to 100
     std::optional<double> tolerance;  ///< > 0; ends the run once the capacity variation is below it
     Start start = Start::Stratified;
+    Quality quality = Quality::Standard;
     bool keep_mesh = false;  ///< fill Distribution::mesh
 };
 
@@ -43,7 +51,8 @@ struct Control {
     std::function<void(const Progress&)> progress;  ///< called after the start and after each iteration; may be empty
 };
 
-/// The triangulation behind a distribution, in the caller's coordinates.
+/// The triangulation behind a distribution, in the caller's coordinates. Around a torus a triangle's corners may be
+/// those of neighbouring copies.
 struct TriangleMesh {
     std::vector<Point> vertices;                          ///< the sites, then vertices on the border
     std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise
@@ -51,22 +60,26 @@ struct TriangleMesh {
 };
 
 struct Distribution {
-    std::vector<Point> points;  ///< [sites], strictly inside the domain, in its coordinates
-    int iterations = 0;         ///< done
-    std::vector<double> trace;  ///< capacity variation after each iteration [iterations + 1]; [0] is the start's
-    bool stopped = false;       ///< ended early by the stop token
+    std::vector<Point>
+        points;          ///< [sites], strictly inside the domain, in its coordinates; a torus has its lower sides
+    int iterations = 0;  ///< done
+    std::vector<double> trace;       ///< capacity variation after each iteration [iterations + 1]; [0] is the start's
+    std::optional<double> polished;  ///< capacity variation after the polish, if there was one
+    bool stopped = false;            ///< ended early by the stop token
     std::optional<TriangleMesh> mesh;
 
-    double variation() const { return trace.back(); }
+    /// Capacity variation of the points.
+    double variation() const { return polished.value_or(trace.back()); }
 };
 
-/// Distributes sites so that all triangles of their Delaunay triangulation hold nearly the same capacity.
+/// Distributes sites so that all triangles of their Delaunay triangulation hold nearly the same capacity, and then,
+/// unless it is a draft or of no iterations, polishes what equal triangles leave undone.
 ///
-/// @param density  stretched over the domain's bounding box; zero outside the domain
+/// @param density  stretched over the domain's bounding box; zero outside the domain, repeated around a torus
 /// @param control  a stop returns the sites as they stand, is no error; stopped during the start: Error Stopped
 /// Errors: Malformed for an option out of range; Unusable if the density is zero all over the domain.
 /// Same input, same bytes, on any number of threads (it uses one). O(n) per pass.
-/// Source: Xu, Liu, Gotsman, Gortler 2011, section 3.
+/// Source: Xu, Liu, Gotsman, Gortler 2011, section 3. The polish is not theirs.
 Result<Distribution> distribute(const Domain& domain, const Density& density, const Options& options,
                                 const Control& control = {});
 

@@ -9,7 +9,7 @@ namespace ccdt {
 
 double set_goals(const Triangulation& mesh, const Capacity& capacity, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals) {
-    constexpr double kEdgeShare = 0.525, kCornerShare = 0.5;
+    constexpr double kEdgeShare = 0.5, kCornerShare = 0.61;
     constexpr double kLeastTarget = 1e-9;  // less is rounding
     const double unit = 2 * static_cast<double>(mesh.site_count()) / capacity.total();
     const double largest_weight = unit * capacity.densest();

@@ -39,8 +39,8 @@ private:
 
 }  // namespace
 
-std::optional<Error> place_sites(Triangulation& mesh, const StartSites& start, std::uint64_t seed, double margin,
-                                 const std::stop_token& stop) {
+std::optional<Error> place_sites(Triangulation& mesh, std::span<const Point> first, const StartSites& start,
+                                 std::uint64_t seed, double margin, const std::stop_token& stop) {
     constexpr int kAttempts = 16;
     constexpr int kLastAttempts = 1000;
     constexpr std::size_t kStopStride = 4096;
@@ -50,7 +50,8 @@ std::optional<Error> place_sites(Triangulation& mesh, const StartSites& start, s
     const auto place = [&](std::size_t site) {
         const auto vertex = static_cast<std::uint32_t>(site);
         for (int attempt = 0; attempt < kAttempts; ++attempt) {
-            if (mesh.insert(vertex, start.draw(site, attempt), margin)) return true;
+            if (mesh.insert(vertex, attempt == 0 && !first.empty() ? first[site] : start.draw(site, attempt), margin))
+                return true;
         }
         // Next to nothing of the site's cell lies in the domain.
         if (!anywhere) anywhere.emplace(mesh.inside_triangles());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <stop_token>
 
 #include "core/ccdt/start.h"
@@ -9,13 +10,14 @@
 
 namespace ccdt {
 
-/// Inserts all sites of a mesh where `start` draws them, or, where next to nothing of a site's cell lies in the domain,
-/// anywhere in it.
+/// Inserts all sites of a mesh: where `first` has them; where no site can be there, as `start` draws them; where next
+/// to nothing of a site's cell lies in the domain, anywhere in it.
 ///
+/// @param first   [sites], or empty: all as `start` draws them
 /// @param margin  least distance of a site from the border
 /// @param stop    asked now and then
 /// @returns       nothing when all are placed; Stopped; Unusable if the domain is too thin for points strictly inside
-std::optional<Error> place_sites(Triangulation& mesh, const StartSites& start, std::uint64_t seed, double margin,
-                                 const std::stop_token& stop);
+std::optional<Error> place_sites(Triangulation& mesh, std::span<const Point> first, const StartSites& start,
+                                 std::uint64_t seed, double margin, const std::stop_token& stop);
 
 }  // namespace ccdt

@@ -35,15 +35,18 @@ struct Relaxation::System {
     /// A triangle (vertex, from, to), and its half of the springs along the two edges at the vertex.
     void add(Point from, Point to, const TriangleGoal& goal, double spring) {
         // Twice the area is cross(from, to) = a x + b y + c in the vertex's coordinates.
-        const double a = goal.weight * (from.y - to.y);
-        const double b = goal.weight * (to.x - from.x);
-        const double residual = goal.weight * cross(from, to) - goal.target;
-        const double stiffness = spring * goal.weight;
-        xx += a * a + stiffness;
-        xy += a * b;
-        yy += b * b + stiffness;
-        gradient.x += residual * a - 0.5 * stiffness * (from.x + to.x);
-        gradient.y += residual * b - 0.5 * stiffness * (from.y + to.y);
+        const Point growth{goal.weight * (from.y - to.y), goal.weight * (to.x - from.x)};
+        add(growth, goal.weight * cross(from, to) - goal.target);
+        add_spring(from, 0.5 * spring * goal.weight);
+        add_spring(to, 0.5 * spring * goal.weight);
+    }
+
+    /// A triangle whose capacity is off its target by `residual` and grows by this much per unit of the move.
+    void add(Point growth, double residual) {
+        xx += growth.x * growth.x;
+        xy += growth.x * growth.y;
+        yy += growth.y * growth.y;
+        gradient = gradient + residual * growth;
     }
 
     void add_spring(Point spoke, double stiffness) {
@@ -60,7 +63,11 @@ struct Relaxation::System {
 };
 
 Relaxation::Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool uniform, const RelaxationOptions& options)
-    : mesh_(mesh), fixed_(std::move(fixed)), uniform_(uniform), options_(options) {}
+    : mesh_(mesh),
+      fixed_(std::move(fixed)),
+      uniform_(uniform),
+      options_(options),
+      magic_(mesh.is_torus() ? kSnapping : 0) {}
 
 void Relaxation::prepare(std::span<const TriangleGoal> goals) {
     const bool first_time = kinds_.empty();
@@ -73,6 +80,7 @@ void Relaxation::prepare(std::span<const TriangleGoal> goals) {
     site_fans_.clear();
     border_fans_.clear();
     fan_vertices_.clear();
+    fan_lifts_.clear();
     fan_triangles_.clear();
 
     // Most sites have kept their neighbours: their records are taken over, in the same order.
@@ -120,7 +128,7 @@ bool Relaxation::add_to_batch(std::uint32_t site) {
     const std::uint32_t first = mesh_.edge_of(site);
     std::uint32_t h = first;
     do {
-        if (count == kMost) return false;
+        if (count == kMost || mesh_.crosses_seam(Triangulation::triangle_of(h))) return false;
         largest = std::max(largest, around[count] = mesh_.target(h));
         triangles[count++] = Triangulation::triangle_of(h);
         h = mesh_.twin(Triangulation::previous(h));
@@ -145,12 +153,14 @@ void Relaxation::add_fan(std::uint32_t vertex, std::vector<Fan>& fans) {
     std::uint32_t h = first;
     do {
         fan_vertices_.push_back(mesh_.target(h));
+        fan_lifts_.push_back(mesh_.distance(mesh_.shift(h)));
         fan_triangles_.push_back(Triangulation::triangle_of(h));
         ++fan.triangles;
         const std::uint32_t last = Triangulation::previous(h);
         h = mesh_.twin(last);
         if (h != Triangulation::kNone) continue;
         fan_vertices_.push_back(mesh_.origin(last));
+        fan_lifts_.push_back({});
         fan_triangles_.push_back(Triangulation::kNone);
     } while (h != Triangulation::kNone && h != first);
     fan.neighbours = static_cast<std::uint32_t>(fan_vertices_.size()) - fan.first;
@@ -261,29 +271,37 @@ void Relaxation::move_few(const std::uint32_t* record) {
         fits &= (area[i] == Pair{}) | ((moved >= kKeptArea * area[i]) & (moved >= small));
     }
     if ((fits[0] & fits[1]) != 0) {
-        points[vertex] = points[vertex] + by;
+        points[vertex] = rounded(points[vertex] + by);
     } else {
-        move(vertex, by, {around, 2 * kPairs}, 2 * kPairs);
+        move(vertex, by, {{around, 2 * kPairs}, nullptr}, 2 * kPairs);
     }
+}
+
+Relaxation::Ring Relaxation::ring_of(const Fan& fan) const {
+    return {{&fan_vertices_[fan.first], fan.neighbours}, &fan_lifts_[fan.first]};
+}
+
+Point Relaxation::place(const Ring& ring, std::size_t i) const {
+    const std::size_t at = i < ring.vertices.size() ? i : 0;
+    const Point p = mesh_.point(ring.vertices[at]);
+    return ring.lifts == nullptr ? p : p + ring.lifts[at];
 }
 
 /// Normal equations from the triangles around a vertex.
 Relaxation::System Relaxation::system_of(const Fan& fan) const {
-    const std::uint32_t* around = &fan_vertices_[fan.first];
+    const Ring ring = ring_of(fan);
     const Point v = mesh_.point(fan.vertex);
     System system;
     for (std::uint32_t i = 0; i < fan.triangles; ++i) {
-        const std::uint32_t next = i + 1 < fan.neighbours ? i + 1 : 0;
-        system.add(mesh_.point(around[i]) - v, mesh_.point(around[next]) - v, goals_[fan_triangles_[fan.first + i]],
-                   options_.spring);
+        system.add(place(ring, i) - v, place(ring, i + 1) - v, goals_[fan_triangles_[fan.first + i]], options_.spring);
     }
     return system;
 }
 
 void Relaxation::move_site(const Fan& fan) {
     const System system = system_of(fan);
-    move(fan.vertex, options_.relaxation * minimum(system.xx, system.xy, system.yy, system.gradient),
-         {&fan_vertices_[fan.first], fan.neighbours}, fan.triangles);
+    move(fan.vertex, options_.relaxation * minimum(system.xx, system.xy, system.yy, system.gradient), ring_of(fan),
+         fan.triangles);
 }
 
 void Relaxation::slide(const Fan& fan) {
@@ -295,17 +313,18 @@ void Relaxation::slide(const Fan& fan) {
     system.add_spring(mesh_.point(around.back()) - v,
                       options_.border_spring * goals_[triangles[fan.triangles - 1]].weight);
     const Point along = mesh_.point(around.front()) - mesh_.point(around.back());
-    move(fan.vertex, options_.relaxation * system.minimum_along(along) * along, around, fan.triangles);
+    move(fan.vertex, options_.relaxation * system.minimum_along(along) * along, ring_of(fan), fan.triangles);
 }
 
 /// Moves a vertex as far as leaves the first so many triangles around it enough of their area.
-void Relaxation::move(std::uint32_t vertex, Point by, std::span<const std::uint32_t> around, std::size_t triangles) {
+void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::size_t triangles) {
     if (!std::isfinite(by.x) || !std::isfinite(by.y)) return;
+    // Around a torus with few sites one may be its own neighbour, and the triangles would move along.
+    if (std::ranges::find(ring.vertices, vertex) != ring.vertices.end()) return;
     const Point v = mesh_.point(vertex);
-    const auto spoke = [&](std::size_t i) { return mesh_.point(around[i < around.size() ? i : 0]) - v; };
     double share = 1;
     for (std::size_t i = 0; i < triangles; ++i) {
-        const Point from = spoke(i), to = spoke(i + 1);
+        const Point from = place(ring, i) - v, to = place(ring, i + 1) - v;
         const double area = cross(from, to);
         const double change = (from.y - to.y) * by.x + (to.x - from.x) * by.y;
         const double longest = std::max({dot(from, from), dot(to, to), dot(to - from, to - from)});
@@ -314,13 +333,52 @@ void Relaxation::move(std::uint32_t vertex, Point by, std::span<const std::uint3
         if (area + share * change < kept) share = std::max(0.0, (kept - area) / change);
     }
     // Next to flat triangles rounding could still turn one over.
-    const Point moved = v + share * by;
+    const Point moved = rounded(v + share * by);
     for (std::size_t i = 0; i < triangles; ++i) {
-        const std::size_t next = i + 1 < around.size() ? i + 1 : 0;
-        if (around[i] == around[next]) continue;
-        if (orientation(moved, mesh_.point(around[i]), mesh_.point(around[next])) <= 0) return;
+        const Point from = place(ring, i), to = place(ring, i + 1);
+        if (from != to && orientation(moved, from, to) <= 0) return;
     }
     mesh_.points()[vertex] = moved;
+}
+
+void Relaxation::exact_pass(const Capacity& capacity) {
+    capacity.of_edges(mesh_, capacities_, sweeps_);
+    const double unit = 2 * static_cast<double>(mesh_.site_count()) / capacity.total();
+    for (std::uint32_t site = 0; site < mesh_.site_count(); ++site) move_exactly(site, unit);
+    for (const Fan& fan : border_fans_) slide(fan);
+}
+
+/// A triangle (v, from, to) gains what its edge v-from sweeps on its right, and loses what v-to sweeps.
+void Relaxation::move_exactly(std::uint32_t site, double unit) {
+    ring_vertices_.clear();
+    ring_lifts_.clear();
+    ring_gradients_.clear();
+    System system;
+    const std::uint32_t first = mesh_.edge_of(site);
+    std::uint32_t h = first;
+    do {
+        const std::uint32_t triangle = Triangulation::triangle_of(h);
+        const std::uint32_t after = mesh_.twin(Triangulation::previous(h));
+        const Point from = mesh_.along(h), to = mesh_.along(after);
+        const Point gradient{unit * (sweeps_[h] * from.y - sweeps_[after] * to.y),
+                             unit * (sweeps_[after] * to.x - sweeps_[h] * from.x)};
+        const TriangleGoal& goal = goals_[triangle];
+        system.add(gradient, unit * capacities_[triangle] - goal.target);
+        system.add_spring(from, 0.5 * options_.spring * goal.weight);
+        system.add_spring(to, 0.5 * options_.spring * goal.weight);
+        ring_vertices_.push_back(mesh_.target(h));
+        ring_lifts_.push_back(mesh_.distance(mesh_.shift(h)));
+        ring_gradients_.push_back(gradient);
+        h = after;
+    } while (h != first);
+    const Point before = mesh_.point(site);
+    move(site, minimum(system.xx, system.xy, system.yy, system.gradient), {ring_vertices_, ring_lifts_.data()},
+         ring_vertices_.size());
+    const Point by = mesh_.point(site) - before;
+    for (const Point gradient : ring_gradients_) {
+        capacities_[Triangulation::triangle_of(h)] += dot(gradient, by) / unit;
+        h = mesh_.twin(Triangulation::previous(h));
+    }
 }
 
 double Relaxation::energy() const {
@@ -330,7 +388,7 @@ double Relaxation::energy() const {
         energy += residual * residual;
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t h = Triangulation::edge(t, i);
-            const Point length = mesh_.point(mesh_.target(h)) - mesh_.point(mesh_.origin(h));
+            const Point length = mesh_.along(h);
             const bool border = mesh_.twin(h) == Triangulation::kNone;
             const double spring = 0.5 * options_.spring + (border ? options_.border_spring : 0);
             energy += spring * goals_[t].weight * dot(length, length);

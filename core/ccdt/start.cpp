@@ -112,31 +112,11 @@ void StartSites::make_grid(const Domain& domain) {
     sums_.assign((width + 1) * (height + 1), 0);
     std::vector<double> row_mass(width, 1);
     for (std::size_t row = 0; row < height; ++row) {
-        if (!density_.is_uniform()) mass_of_row(static_cast<int>(row), row_mass);
+        if (!density_.is_uniform()) density_.resample_row(columns_, rows_, static_cast<int>(row), row_mass);
         double from_left = 0;
         for (std::size_t column = 0; column < width; ++column) {
             from_left += row_mass[column] * (share.empty() ? 1 : share[row * width + column]);
             sums_[(row + 1) * (width + 1) + column + 1] = sums_[row * (width + 1) + column + 1] + from_left;
-        }
-    }
-}
-
-/// The density's integral over each cell of a row.
-void StartSites::mass_of_row(int row, std::vector<double>& mass) const {
-    const double cell_width = static_cast<double>(density_.width()) / columns_;
-    const double cell_height = static_cast<double>(density_.height()) / rows_;
-    const double low = row * cell_height, high = (row + 1) * cell_height;
-    std::fill(mass.begin(), mass.end(), 0.0);
-    for (int j = static_cast<int>(low); j < density_.height() && j < high; ++j) {
-        const double overlap = std::min(high, j + 1.0) - std::max(low, static_cast<double>(j));
-        const auto sums = density_.row_sums(j);
-        double before = 0;
-        for (std::size_t column = 0; column < mass.size(); ++column) {
-            const double x = static_cast<double>(column + 1) * cell_width;
-            const auto i = static_cast<std::size_t>(std::min(static_cast<int>(x), density_.width() - 1));
-            const double upto = sums[i] + (x - static_cast<double>(i)) * (sums[i + 1] - sums[i]);
-            mass[column] += std::max(0.0, upto - before) * overlap;
-            before = upto;
         }
     }
 }

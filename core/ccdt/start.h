@@ -32,7 +32,6 @@ private:
     };
 
     void make_grid(const Domain& domain);
-    void mass_of_row(int row, std::vector<double>& mass) const;
     void divide(const Rectangle& box, std::size_t sites);
     double sum(double x, double y) const;
     double cut_across_x(const Rectangle& box, double share) const;

@@ -47,15 +47,28 @@ Result<Density> Density::grid(int width, int height, std::span<const float> valu
     return make(width, height, values);
 }
 
-double Density::value(int column, int row) const {
-    const auto sums = row_sums(row);
-    const auto i = static_cast<std::size_t>(column);
-    return sums[i + 1] - sums[i];
-}
-
 std::span<const double> Density::row_sums(int row) const {
     const auto stride = static_cast<std::size_t>(width_) + 1;
     return std::span(row_sums_).subspan(static_cast<std::size_t>(row) * stride, stride);
+}
+
+void Density::resample_row(int columns, int rows, int row, std::span<double> masses) const {
+    const double cell_width = static_cast<double>(width_) / columns;
+    const double cell_height = static_cast<double>(height_) / rows;
+    const double low = row * cell_height, high = (row + 1) * cell_height;
+    std::fill(masses.begin(), masses.end(), 0.0);
+    for (int j = static_cast<int>(low); j < height_ && j < high; ++j) {
+        const double overlap = std::min(high, j + 1.0) - std::max(low, static_cast<double>(j));
+        const auto sums = row_sums(j);
+        double before = 0;
+        for (std::size_t column = 0; column < masses.size(); ++column) {
+            const double x = static_cast<double>(column + 1) * cell_width;
+            const auto i = static_cast<std::size_t>(std::min(static_cast<int>(x), width_ - 1));
+            const double upto = sums[i] + (x - static_cast<double>(i)) * (sums[i + 1] - sums[i]);
+            masses[column] += std::max(0.0, upto - before) * overlap;
+            before = upto;
+        }
+    }
 }
 
 }  // namespace ccdt

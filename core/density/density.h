@@ -25,10 +25,18 @@ public:
     int height() const { return height_; }  ///< cells; 0 if uniform
 
     /// Value of a cell.
-    double value(int column, int row) const;
+    double value(int column, int row) const {
+        const double* sums = row_sums_.data() + static_cast<std::size_t>(row) * (static_cast<std::size_t>(width_) + 1) +
+                             static_cast<std::size_t>(column);
+        return sums[1] - sums[0];
+    }
 
     /// Sum of the values in a row left of column x; `row_sums(row)[x]`, x in [0, width].
     std::span<const double> row_sums(int row) const;
+
+    /// Integral over each cell of one row of another grid, of `columns` x `rows` cells over the same box, in units of
+    /// this grid's cells [columns]. Not for uniform densities.
+    void resample_row(int columns, int rows, int row, std::span<double> masses) const;
 
     /// Sum of all values.
     double total() const { return total_; }

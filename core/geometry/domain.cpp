@@ -301,6 +301,23 @@ Result<Domain> Domain::rectangle(double width, double height) {
     return create({PolygonPart{{{0, 0}, {width, 0}, {width, height}, {0, height}}, {}}});
 }
 
+Result<Domain> Domain::torus(double width, double height) {
+    constexpr double kMostStretched = 1000;
+    constexpr double kGrid = 0x1p50;
+    const double longer = std::max(width, height), shorter = std::min(width, height);
+    if (!(shorter > 0) || !(longer <= kMostStretched * shorter)) {
+        return failure(ErrorCode::Unusable, "a torus needs positive sides, one at most 1000 times the other");
+    }
+    auto torus = rectangle(width, height);
+    if (!torus) return torus;
+    torus->rings_.clear();
+    torus->is_torus_ = true;
+    Point& sides = torus->unit_size_;
+    sides = {std::round(kGrid * sides.x) / kGrid, std::round(kGrid * sides.y) / kGrid};
+    torus->unit_area_ = sides.x * sides.y;
+    return torus;
+}
+
 double Domain::area() const {
     return unit_area_ * scale_ * scale_;
 }

@@ -17,7 +17,7 @@ struct PolygonPart {
     std::vector<Ring> holes;
 };
 
-/// A bounded region of the plane: disjoint simple polygons with holes. Valid by construction.
+/// A bounded region of the plane, disjoint simple polygons with holes, or a torus. Valid by construction.
 ///
 /// Kept normalised: `rings()` are in the unit frame, where the longer side of the bounding box is 1 and its
 /// lower left corner the origin; repeated corners are dropped, outer rings run counter-clockwise, holes
@@ -34,7 +34,11 @@ public:
     /// [0, width] x [0, height].
     static Result<Domain> rectangle(double width, double height);
 
-    /// Outer rings and holes in the unit frame.
+    /// [0, width) x [0, height), opposite sides joined: a set of points on it tiles the plane.
+    /// Errors (Unusable): a side that is not finite and positive, sides further apart than 1 to 1000.
+    static Result<Domain> torus(double width, double height);
+
+    /// Outer rings and holes in the unit frame; none of a torus, which has no border.
     const std::vector<Ring>& rings() const { return rings_; }
 
     /// Bounding box in the unit frame; its min is the origin.
@@ -51,8 +55,11 @@ public:
 
     std::size_t corner_count() const;
 
-    /// The domain is its own bounding box.
+    /// The domain is its own bounding box. So is a torus.
     bool is_box() const { return is_box_; }
+
+    /// Opposite sides of the bounding box are joined. Its unit frame's sides are multiples of 2^-50.
+    bool is_torus() const { return is_torus_; }
 
     Point to_user(Point unit) const;
 
@@ -68,6 +75,7 @@ private:
     double scale_ = 1;  ///< caller's units per unit of the unit frame
     double unit_area_ = 0;
     bool is_box_ = false;
+    bool is_torus_ = false;
 };
 
 }  // namespace ccdt

@@ -19,6 +19,19 @@ inline double dot(Point a, Point b) {
     return a.x * b.x + a.y * b.y;
 }
 
+/// Added and taken away again, it rounds numbers in [-2, 2) to multiples of 2^-50; their sums are then exact.
+inline constexpr double kSnapping = 6;
+
+inline Point snapped(Point p) {
+    return {(p.x + kSnapping) - kSnapping, (p.y + kSnapping) - kSnapping};
+}
+
+/// Whole periods below v; |v| < 2^31.
+inline double whole(double v) {
+    const int truncated = static_cast<int>(v);
+    return truncated > v ? truncated - 1 : truncated;
+}
+
 /// An axis-parallel box, closed.
 struct Box {
     Point min;

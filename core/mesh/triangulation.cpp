@@ -14,8 +14,8 @@ Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& borde
     triangles_.reserve(border.triangles.size() + 2 * sites);
     for (const auto& given : border.triangles) {
         Triangle& triangle = triangles_.emplace_back();
-        triangle.constrained = given.constrained;
-        for (std::size_t i = 0; i < 3; ++i) {
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            triangle.set_constrained(i, given.constrained[i]);
             triangle.corners[i] = static_cast<std::uint32_t>(sites + given.corners[i]);
             const std::uint32_t neighbour = given.neighbours[i];
             if (neighbour == ConstrainedDelaunay::kNone) continue;
@@ -28,6 +28,10 @@ Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& borde
     mark_inside();
 }
 
+Triangulation::Triangulation(std::size_t sites, Point period) : sites_(sites), period_(period), points_(sites) {
+    triangles_.reserve(2 * sites);
+}
+
 /// Crossing a segment changes sides: fills inwards from the box, whose triangles are outside.
 void Triangulation::mark_inside() {
     std::vector<bool> seen(triangle_count(), false);
@@ -38,15 +42,15 @@ void Triangulation::mark_inside() {
     const auto first = std::find_if(triangles_.begin(), triangles_.end(), at_box) - triangles_.begin();
     stack.push_back(static_cast<std::uint32_t>(first));
     seen[stack.front()] = true;
-    triangles_[stack.front()].inside = false;
+    triangles_[stack.front()].flags |= kOutside;
     while (!stack.empty()) {
         const Triangle& triangle = triangles_[stack.back()];
         stack.pop_back();
-        for (std::size_t i = 0; i < 3; ++i) {
+        for (std::uint32_t i = 0; i < 3; ++i) {
             if (triangle.twins[i] == kNone || seen[triangle_of(triangle.twins[i])]) continue;
             const std::uint32_t other = triangle_of(triangle.twins[i]);
             seen[other] = true;
-            triangles_[other].inside = triangle.inside != triangle.constrained[i];
+            if (triangle.is_inside() == triangle.is_constrained(i)) triangles_[other].flags |= kOutside;
             stack.push_back(other);
         }
     }
@@ -54,18 +58,23 @@ void Triangulation::mark_inside() {
 
 /// Walks towards p across edges that have it on their right. The first edge looked at changes from step to step, so
 /// that the walk cannot circle for ever where the triangulation is not Delaunay.
-std::uint32_t Triangulation::locate(Point p) const {
-    std::uint32_t t = last_, entered = kNone;
+Triangulation::Location Triangulation::locate(Point p) const {
+    Location at{last_, p, {}};
+    std::uint32_t entered = kNone;
     for (std::uint32_t step = 0;; ++step) {
-        std::uint32_t h = edge(t, (step * 0x9e3779b9u >> 16) % 3);
+        std::uint32_t h = edge(at.triangle, (step * 0x9e3779b9u >> 16) % 3);
+        const auto places = this->places(at.triangle);
         std::uint32_t crossed = kNone;
         for (int i = 0; i < 3 && crossed == kNone; ++i, h = next(h)) {
             if (h == entered || twin(h) == kNone) continue;
-            if (orientation(points_[origin(h)], points_[target(h)], p) < 0) crossed = h;
+            if (orientation(places[h % 4], places[next(h) % 4], at.point) < 0) crossed = h;
         }
-        if (crossed == kNone) return t;
+        if (crossed == kNone) return at;
         entered = twin(crossed);
-        t = triangle_of(entered);
+        at.triangle = triangle_of(entered);
+        if (!is_torus()) continue;
+        at.shift = at.shift + lift(entered) - lift(next(crossed));
+        at.point = p + distance(at.shift);
     }
 }
 
@@ -80,16 +89,31 @@ void Triangulation::join(std::uint32_t edge, std::uint32_t twin) {
     if (twin != kNone) set_twin(twin, edge);
 }
 
+/// The two triangles that a single vertex and its copies make.
+bool Triangulation::insert_first(std::uint32_t site, Point p) {
+    points_[site] = p;
+    const std::uint32_t below = add_triangle(site, site, site), above = add_triangle(site, site, site);
+    triangles_[below].set_shifts({1, 0}, {0, 1}, {-1, -1});
+    triangles_[above].set_shifts({1, 1}, {-1, 0}, {0, -1});
+    join(edge(below, 0), edge(above, 1));
+    join(edge(below, 1), edge(above, 2));
+    join(edge(below, 2), edge(above, 0));
+    return true;
+}
+
 bool Triangulation::insert(std::uint32_t site, Point p, double margin) {
-    const std::uint32_t t = locate(p);
-    last_ = t;
+    if (is_torus()) p = snapped(p);
+    if (triangles_.empty()) return insert_first(site, p);
+    const Location at = locate(p);
+    const std::uint32_t t = last_ = at.triangle;
     const Triangle split = triangles_[t];
-    if (!split.inside) return false;
+    if (!split.is_inside()) return false;
     const auto& c = split.corners;
-    for (std::size_t i = 0; i < 3; ++i) {
-        if (points_[c[i]] == p) return false;
-        if (!split.constrained[i]) continue;
-        const Point a = points_[c[i]], b = points_[c[(i + 1) % 3]];
+    const auto places = this->places(t);
+    for (std::uint32_t i = 0; i < 3; ++i) {
+        if (places[i] == at.point) return false;
+        if (!split.is_constrained(i)) continue;
+        const Point a = places[i], b = places[(i + 1) % 3];
         if (orientation(a, b, p) <= 0 || cross(b - a, p - a) < margin * std::sqrt(dot(b - a, b - a))) return false;
     }
 
@@ -98,10 +122,17 @@ bool Triangulation::insert(std::uint32_t site, Point p, double margin) {
     points_[site] = p;
     const std::uint32_t u = add_triangle(c[1], c[2], site);
     const std::uint32_t v = add_triangle(c[2], c[0], site);
+    if (is_torus()) {
+        const Shift first = at.shift, second = at.shift - lift(edge(t, 1)), third = at.shift - lift(edge(t, 2));
+        triangles_[u].set_shifts(split.shifts[1], third, Shift{} - second);
+        triangles_[v].set_shifts(split.shifts[2], first, Shift{} - third);
+        triangles_[t].set_shifts(split.shifts[0], second, Shift{} - first);
+    }
     triangles_[t].corners[2] = site;
-    triangles_[u].constrained[0] = split.constrained[1];
-    triangles_[v].constrained[0] = split.constrained[2];
-    triangles_[t].constrained[1] = triangles_[t].constrained[2] = false;
+    triangles_[u].set_constrained(0, split.is_constrained(1));
+    triangles_[v].set_constrained(0, split.is_constrained(2));
+    triangles_[t].set_constrained(1, false);
+    triangles_[t].set_constrained(2, false);
     join(edge(u, 0), split.twins[1]);
     join(edge(v, 0), split.twins[2]);
     join(edge(t, 1), edge(u, 2));
@@ -113,13 +144,20 @@ bool Triangulation::insert(std::uint32_t site, Point p, double margin) {
 }
 
 bool Triangulation::wants_flip(std::uint32_t edge) const {
-    const auto& c = triangles_[triangle_of(edge)].corners;
-    return in_circle(points_[c[0]], points_[c[1]], points_[c[2]], points_[origin(previous(twin(edge)))]);
+    const std::uint32_t twin = this->twin(edge);
+    const Point beyond = points_[origin(previous(twin))];
+    const auto [a, b, c] = places(triangle_of(edge));
+    if (!crosses_seam(triangle_of(edge)) && !crosses_seam(triangle_of(twin))) return in_circle(a, b, c, beyond);
+    return in_circle(a, b, c, beyond + distance(lift(edge) + shift(next(twin))));
 }
 
 /// Whether two edges are both Delaunay beyond doubt; what in_circle() computes first, for both at once.
 bool Triangulation::is_certain(std::uint32_t edge, std::uint32_t other) const {
     if (twin(edge) == kNone || twin(other) == kNone) return false;
+    if (is_torus() && (crosses_seam(triangle_of(edge)) || crosses_seam(triangle_of(other)) ||
+                       crosses_seam(triangle_of(twin(edge))) || crosses_seam(triangle_of(twin(other))))) {
+        return false;
+    }
     const auto& p = triangles_[triangle_of(edge)].corners;
     const auto& q = triangles_[triangle_of(other)].corners;
     const Pair p3 = load(points_[origin(previous(twin(edge)))]), q3 = load(points_[origin(previous(twin(other)))]);
@@ -148,11 +186,32 @@ void Triangulation::flip(std::uint32_t edge) {
     if (!changed_.empty()) {
         for (const std::uint32_t vertex : {origin(edge), origin(twin), c, d}) changed_[vertex] = 1;
     }
-    join(edge, this->twin(twin_next));
-    join(twin, this->twin(edge_next));
+    if (is_torus()) flip_shifts(edge);
+    if (this->twin(twin_next) == edge_next) {
+        join(edge, twin);  // a parallelogram whose sides are joined, around the torus
+    } else {
+        join(edge, this->twin(twin_next));
+        join(twin, this->twin(edge_next));
+    }
     join(edge_next, twin_next);
     triangles_[triangle_of(edge)].corners[edge_next % 4] = d;
     triangles_[triangle_of(twin)].corners[twin_next % 4] = c;
+}
+
+void Triangulation::flip_shifts(std::uint32_t edge) {
+    const std::uint32_t twin = this->twin(edge);
+    const auto shift_of = [&](std::uint32_t h) { return shift(h); };
+    const Shift ad = shift_of(next(twin)), bc = shift_of(next(edge));
+    const Shift ca = shift_of(previous(edge)), db = shift_of(previous(twin));
+    const auto set = [&](std::uint32_t h, Shift first, Shift second, Shift third) {
+        std::array<Shift, 3> shifts;
+        shifts[h % 4] = first;
+        shifts[next(h) % 4] = second;
+        shifts[previous(h) % 4] = third;
+        triangles_[triangle_of(h)].set_shifts(shifts[0], shifts[1], shifts[2]);
+    };
+    set(edge, ad, Shift{} - ca - ad, ca);  // (a, d, c)
+    set(twin, bc, ca + ad, db);            // (b, c, d)
 }
 
 std::size_t Triangulation::legalise() {
@@ -169,6 +228,31 @@ std::size_t Triangulation::legalise() {
     return flips;
 }
 
+void Triangulation::wrap() {
+    constexpr double kMargin = 0.25;  // periods; sites at the seam shall not go to and fro
+    const auto periods = [](double place, double period) {
+        const double share = place / period;
+        return static_cast<std::int8_t>(share < -kMargin || share >= 1 + kMargin ? whole(share) : 0);
+    };
+    std::vector<Shift> left(points_.size());
+    bool any = false;
+    for (std::size_t v = 0; v < points_.size(); ++v) {
+        left[v] = {periods(points_[v].x, period_.x), periods(points_[v].y, period_.y)};
+        if (left[v] == Shift{}) continue;
+        points_[v] = points_[v] - distance(left[v]);
+        any = true;
+    }
+    if (!any) return;
+    for (Triangle& triangle : triangles_) {
+        const auto& [a, b, c] = triangle.corners;
+        const auto shifts = triangle.shifts;
+        triangle.set_shifts(shifts[0] + left[b] - left[a], shifts[1] + left[c] - left[b],
+                            shifts[2] + left[a] - left[c]);
+        if (triangle.shifts == shifts) continue;
+        for (const std::uint32_t corner : triangle.corners) changed_[corner] = 1;
+    }
+}
+
 std::size_t Triangulation::restore_delaunay() {
     // Both halves of an edge are one edge: keep those with the smaller number, without branches that cannot be
     // foretold.
@@ -183,6 +267,7 @@ std::size_t Triangulation::restore_delaunay() {
     }
     // An edge whose surroundings a flip has changed since is looked at again by that flip.
     changed_.assign(points_.size(), 0);
+    if (is_torus()) wrap();
     if (count % 2 != 0) sweep_[count++] = sweep_[0];
     std::size_t flips = 0;
     for (std::size_t i = 0; i < count; i += 2) {
@@ -198,20 +283,20 @@ std::size_t Triangulation::restore_delaunay() {
 
 std::vector<std::array<Point, 3>> Triangulation::inside_triangles() const {
     std::vector<std::array<Point, 3>> inside;
-    for (const Triangle& t : triangles_) {
-        if (t.inside) inside.push_back({points_[t.corners[0]], points_[t.corners[1]], points_[t.corners[2]]});
+    for (std::uint32_t t = 0; t < triangle_count(); ++t) {
+        if (triangles_[t].is_inside()) inside.push_back(places(t));
     }
     return inside;
 }
 
 void Triangulation::trim() {
     for (Triangle& triangle : triangles_) {
-        for (std::size_t i = 0; i < 3; ++i) {
-            if (triangle.constrained[i]) triangle.twins[i] = kNone;
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            if (triangle.is_constrained(i)) triangle.twins[i] = kNone;
         }
-        triangle.constrained = {};
+        triangle.flags &= static_cast<std::uint8_t>(~kConstrained);
     }
-    points_.resize(points_.size() - 4);  // the box
+    if (!is_torus()) points_.resize(points_.size() - 4);  // the box
     number_along_sites();
     changed_.assign(points_.size(), 0);
     find_edges();
@@ -221,7 +306,7 @@ void Triangulation::trim() {
 void Triangulation::number_along_sites() {
     edge_of_.assign(points_.size(), kNone);
     for (std::uint32_t t = 0; t < triangle_count(); ++t) {
-        if (!triangles_[t].inside) continue;
+        if (!triangles_[t].is_inside()) continue;
         for (std::uint32_t i = 0; i < 3; ++i) edge_of_[triangles_[t].corners[i]] = edge(t, i);
     }
     std::vector<std::uint32_t> number(triangle_count(), kNone);
@@ -240,7 +325,7 @@ void Triangulation::number_along_sites() {
         } while (h != edge_of_[v]);
     }
     for (std::uint32_t t = 0; t < triangle_count(); ++t) {
-        if (triangles_[t].inside) visit(t);
+        if (triangles_[t].is_inside()) visit(t);
     }
     std::vector<Triangle> sorted;
     sorted.reserve(order.size());

@@ -10,11 +10,29 @@
 
 namespace ccdt {
 
+/// Whole periods of a torus.
+struct Shift {
+    std::int8_t x = 0;
+    std::int8_t y = 0;
+
+    friend bool operator==(Shift, Shift) = default;
+    friend Shift operator+(Shift a, Shift b) {
+        return {static_cast<std::int8_t>(a.x + b.x), static_cast<std::int8_t>(a.y + b.y)};
+    }
+    friend Shift operator-(Shift a, Shift b) {
+        return {static_cast<std::int8_t>(a.x - b.x), static_cast<std::int8_t>(a.y - b.y)};
+    }
+};
+
 /// A triangulation of a domain in flat arrays, kept alive by insertions, moves and flips.
 ///
 /// Half-edge h is edge h % 4 (0, 1 or 2) of triangle h / 4, whose edges run counter-clockwise. Vertices [0, sites) are
 /// sites, the rest lie on the border. While it is built, triangles outside the domain are part of it; trim() drops
 /// them, and from then on an edge of the border is one without a twin.
+///
+/// On a torus every edge knows by how many periods its far end is shifted against the place that is stored for that
+/// vertex, so that vertices may leave the box and however few of them, even one, have a triangulation. All places are
+/// multiples of 2^-50, which makes shifted ones exact.
 class Triangulation {
 public:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
@@ -22,6 +40,13 @@ public:
     /// @param sites   how many will be inserted; they are numbered first, the points of the border after them
     /// @param border  triangulation of the border's vertices, its segments the border itself
     Triangulation(std::size_t sites, const ConstrainedDelaunay& border);
+
+    /// Of a torus.
+    /// @param period  its sides, multiples of 2^-50, at most 1
+    Triangulation(std::size_t sites, Point period);
+
+    bool is_torus() const { return period_.x > 0; }
+    Point period() const { return period_; }
 
     std::size_t site_count() const { return sites_; }
     std::size_t vertex_count() const { return points_.size(); }
@@ -41,6 +66,34 @@ public:
     std::uint32_t target(std::uint32_t edge) const { return origin(next(edge)); }
     std::uint32_t twin(std::uint32_t edge) const { return triangles_[edge / 4].twins[edge % 4]; }
 
+    /// Whether a corner of the triangle is shifted against the others; on a torus only.
+    bool crosses_seam(std::uint32_t triangle) const { return (triangles_[triangle].flags & kSeam) != 0; }
+
+    /// How far the edge's far end is shifted if its near end is not.
+    Shift shift(std::uint32_t edge) const { return triangles_[edge / 4].shifts[edge % 4]; }
+
+    /// How far the edge's near end is shifted if the triangle's first corner is not.
+    Shift lift(std::uint32_t edge) const {
+        const auto& shifts = triangles_[edge / 4].shifts;
+        return edge % 4 == 0 ? Shift{} : edge % 4 == 1 ? shifts[0] : Shift{} - shifts[2];
+    }
+
+    /// So many periods.
+    Point distance(Shift shift) const { return {shift.x * period_.x, shift.y * period_.y}; }
+
+    /// From the edge's near end to its far end.
+    Point along(std::uint32_t edge) const {
+        return points_[target(edge)] + distance(shift(edge)) - points_[origin(edge)];
+    }
+
+    /// The corners' places, the first one where it is stored.
+    std::array<Point, 3> places(std::uint32_t triangle) const {
+        const Triangle& t = triangles_[triangle];
+        const auto& c = t.corners;
+        if ((t.flags & kSeam) == 0) return {points_[c[0]], points_[c[1]], points_[c[2]]};
+        return {points_[c[0]], points_[c[1]] + distance(t.shifts[0]), points_[c[2]] - distance(t.shifts[2])};
+    }
+
     /// A half-edge that leaves the vertex; on the border the one that has the domain on its left and the border on
     /// its right, so that turning counter-clockwise meets all others. Valid after trim().
     std::uint32_t edge_of(std::uint32_t vertex) const { return edge_of_[vertex]; }
@@ -52,13 +105,14 @@ public:
 
     /// Twice the area, > 0 always.
     double doubled_area(std::uint32_t triangle) const {
-        const auto& c = triangles_[triangle].corners;
-        return cross(points_[c[1]] - points_[c[0]], points_[c[2]] - points_[c[0]]);
+        const auto [a, b, c] = places(triangle);
+        return cross(b - a, c - a);
     }
 
     /// Inserts a site and restores the constrained Delaunay property around it.
     /// Sites are best inserted near the one inserted last.
     /// @param margin  least distance from the edges of the border
+    /// @param p       on a torus, rounded to what is exact there
     /// @returns  false, and nothing changes, where `p` is not strictly inside the domain, too close to its border, or
     ///           coincides with a vertex
     bool insert(std::uint32_t site, Point p, double margin = 0);
@@ -69,6 +123,9 @@ public:
     /// Drops what lies outside the domain and renumbers the triangles in the order of the sites.
     void trim();
 
+    /// On a torus, stores sites that have left the box, by a quarter of a period or more, where they are within it.
+    void wrap();
+
     /// Flips edges until all but those on the border are locally Delaunay, by exact predicates.
     /// Needs every triangle counter-clockwise. @returns the number of flips
     std::size_t restore_delaunay();
@@ -77,19 +134,44 @@ public:
     bool has_changed(std::uint32_t vertex) const { return changed_[vertex] != 0; }
 
 private:
+    // Edge i of a triangle is constrained: 1 << i.
+    static constexpr std::uint8_t kConstrained = 7;  ///< while it is built
+    static constexpr std::uint8_t kOutside = 8;      ///< the domain; while it is built
+    static constexpr std::uint8_t kSeam = 16;        ///< some shift is not zero
+
     struct Triangle {
         std::array<std::uint32_t, 3> corners{};
-        bool inside = true;                 ///< the domain; while it is built
-        std::array<bool, 3> constrained{};  ///< while it is built
         std::array<std::uint32_t, 3> twins{kNone, kNone, kNone};
+        std::array<Shift, 3> shifts{};  ///< of the edges
+        std::uint8_t flags = 0;
+
+        bool is_inside() const { return (flags & kOutside) == 0; }
+        bool is_constrained(std::uint32_t number) const { return (flags >> number & 1) != 0; }
+        void set_constrained(std::uint32_t number, bool on) {
+            flags = static_cast<std::uint8_t>((flags & ~(1u << number)) | (on ? 1u << number : 0u));
+        }
+        void set_shifts(Shift first, Shift second, Shift third) {
+            shifts = {first, second, third};
+            const bool seam = shifts != std::array<Shift, 3>{};
+            flags = static_cast<std::uint8_t>((flags & ~kSeam) | (seam ? kSeam : 0));
+        }
     };
 
-    std::uint32_t locate(Point p) const;
+    /// A triangle, and a point as seen from its first corner's place.
+    struct Location {
+        std::uint32_t triangle;
+        Point point;
+        Shift shift;  ///< of the point against where it was given
+    };
+
+    bool insert_first(std::uint32_t site, Point p);
+    Location locate(Point p) const;
     std::uint32_t add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
     void join(std::uint32_t edge, std::uint32_t twin);
-    bool is_constrained(std::uint32_t edge) const { return triangles_[edge / 4].constrained[edge % 4]; }
+    bool is_constrained(std::uint32_t edge) const { return triangles_[edge / 4].is_constrained(edge % 4); }
     void set_twin(std::uint32_t edge, std::uint32_t twin) { triangles_[edge / 4].twins[edge % 4] = twin; }
-    void set_constrained(std::uint32_t edge, bool on) { triangles_[edge / 4].constrained[edge % 4] = on; }
+    void set_constrained(std::uint32_t edge, bool on) { triangles_[edge / 4].set_constrained(edge % 4, on); }
+    void flip_shifts(std::uint32_t edge);
     bool wants_flip(std::uint32_t edge) const;
     bool is_certain(std::uint32_t edge, std::uint32_t other) const;
     void flip(std::uint32_t edge);
@@ -99,6 +181,7 @@ private:
     void find_edges();
 
     std::size_t sites_;
+    Point period_;  ///< 0 unless a torus
     std::vector<Point> points_;
     std::vector<Triangle> triangles_;
     std::vector<std::uint32_t> edge_of_;  ///< [vertices]

@@ -12,21 +12,28 @@ const Domain& square() {
     return domain;
 }
 
+const Domain& torus() {
+    static const Domain domain = *Domain::torus(1, 1);
+    return domain;
+}
+
 Options options_for(std::int64_t sites) {
     Options options;
     options.sites = static_cast<std::size_t>(sites);
     return options;
 }
 
-/// Uniform CCDT on the square, 5 iterations of 5 passes; `over_delaunay` is its time over that of one CGAL Delaunay
-/// triangulation of the same points, medians of the same run.
-void Uniform(benchmark::State& state) {
-    const Options options = options_for(state.range(0));
+/// Uniform sites, 5 iterations of 5 passes; `over_delaunay` is the time over that of one CGAL Delaunay triangulation of
+/// the same points, medians of the same run.
+/// Arguments: number of sites, quality (0 draft, 1 standard, 2 best).
+void distribute_uniformly(benchmark::State& state, const Domain& domain) {
+    Options options = options_for(state.range(0));
+    options.quality = static_cast<Quality>(state.range(1));
     std::vector<double> ours, yardstick;
     double variation = 0;
     for (auto _ : state) {
         Clock clock;
-        const auto result = distribute(square(), Density::uniform(), options);
+        const auto result = distribute(domain, Density::uniform(), options);
         ours.push_back(clock.lap());
         yardstick.push_back(delaunay_ms(result->points));
         state.SetIterationTime(ours.back() / 1000);
@@ -38,7 +45,15 @@ void Uniform(benchmark::State& state) {
     state.counters["variation"] = variation;
 }
 
-/// The same, its parts in milliseconds.
+void Square(benchmark::State& state) {
+    distribute_uniformly(state, square());
+}
+
+void Torus(benchmark::State& state) {
+    distribute_uniformly(state, torus());
+}
+
+/// Parts of a draft on the square in milliseconds.
 void UniformStages(benchmark::State& state) {
     const Options options = options_for(state.range(0));
     std::vector<Stages> runs;
@@ -55,13 +70,12 @@ void UniformStages(benchmark::State& state) {
     report("5_flips", &Stages::flips);
 }
 
-void sizes(benchmark::internal::Benchmark* benchmark) {
-    for (const int sites : {1024, 16384, 131072, 1048576}) benchmark->Arg(sites);
-    benchmark->Unit(benchmark::kMillisecond);
-}
+const std::vector<std::int64_t> kSites = {1024, 16384, 131072, 1048576};
+const std::vector<std::int64_t> kQualities = {0, 1, 2};
 
-BENCHMARK(Uniform)->Apply(sizes)->UseManualTime()->MinTime(2);
-BENCHMARK(UniformStages)->Apply(sizes);
+BENCHMARK(Square)->ArgsProduct({kSites, kQualities})->Unit(benchmark::kMillisecond)->UseManualTime()->MinTime(2);
+BENCHMARK(Torus)->ArgsProduct({kSites, kQualities})->Unit(benchmark::kMillisecond)->UseManualTime()->MinTime(2);
+BENCHMARK(UniformStages)->ArgsProduct({kSites})->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace ccdt::bench

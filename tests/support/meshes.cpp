@@ -9,6 +9,15 @@
 
 namespace ccdt::test {
 
+namespace {
+
+Triangulation empty_mesh(const Domain& domain, const Border& border, std::size_t sites) {
+    if (domain.is_torus()) return {sites, domain.unit_bounds().max};
+    return {sites, triangulate(border).value()};
+}
+
+}  // namespace
+
 Domain domain_of(const Parts& parts) {
     return Domain::create(parts).value();
 }
@@ -17,10 +26,10 @@ StartMesh::StartMesh(Domain of, Density by, const Options& options)
     : domain(std::move(of)),
       density(std::move(by)),
       capacity(domain, density),
-      border(make_border(domain, capacity, options.sites)),
-      mesh(options.sites, triangulate(border).value()) {
+      border(domain.is_torus() ? Border() : make_border(domain, capacity, options.sites)),
+      mesh(empty_mesh(domain, border, options.sites)) {
     const StartSites start(domain, density, options);
-    if (place_sites(mesh, start, options.seed, 0, {})) throw std::runtime_error("sites cannot be placed");
+    if (place_sites(mesh, {}, start, options.seed, 0, {})) throw std::runtime_error("sites cannot be placed");
     mesh.trim();
 }
 
@@ -32,8 +41,8 @@ double StartMesh::measure() {
 std::size_t count_inverted(const Triangulation& mesh) {
     std::size_t inverted = 0;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        const auto [a, b, c] = mesh.corners(t);
-        if (exact_orientation(mesh.point(a), mesh.point(b), mesh.point(c)) <= 0) ++inverted;
+        const auto [a, b, c] = mesh.places(t);
+        if (exact_orientation(a, b, c) <= 0) ++inverted;
     }
     return inverted;
 }
@@ -41,12 +50,13 @@ std::size_t count_inverted(const Triangulation& mesh) {
 std::size_t count_not_delaunay(const Triangulation& mesh) {
     std::size_t bad = 0;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        const auto [a, b, c] = mesh.corners(t);
+        const auto [a, b, c] = mesh.places(t);
         for (std::uint32_t i = 0; i < 3; ++i) {
-            const std::uint32_t twin = mesh.twin(Triangulation::edge(t, i));
+            const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
             if (twin == Triangulation::kNone) continue;
-            const Point opposite = mesh.point(mesh.origin(Triangulation::previous(twin)));
-            if (exact_in_circle(mesh.point(a), mesh.point(b), mesh.point(c), opposite) > 0) ++bad;
+            const std::uint32_t beyond = Triangulation::next(twin);  // leaves the near end of h
+            const Point opposite = mesh.point(mesh.target(beyond)) + mesh.distance(mesh.lift(h) + mesh.shift(beyond));
+            if (exact_in_circle(a, b, c, opposite) > 0) ++bad;
         }
     }
     return bad;
@@ -64,7 +74,10 @@ std::size_t count_bad_links(const Triangulation& mesh) {
             if (mesh.twin(twin) != h || mesh.origin(twin) != mesh.target(h) || mesh.target(twin) != mesh.origin(h)) {
                 ++bad;
             }
+            if (mesh.shift(h) + mesh.shift(twin) != Shift{}) ++bad;
         }
+        const std::uint32_t h = Triangulation::edge(t, 0);
+        if (mesh.shift(h) + mesh.shift(h + 1) + mesh.shift(h + 2) != Shift{}) ++bad;
     }
     for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
         const std::uint32_t h = mesh.edge_of(v);

@@ -44,7 +44,7 @@ struct StartMesh {
     std::vector<TriangleGoal> goals;
 };
 
-/// Invariants of a trimmed triangulation, each one counting what breaks it.
+/// Invariants of a trimmed triangulation, each one counting what breaks it. Around a torus links have shifts, too.
 std::size_t count_inverted(const Triangulation& mesh);
 std::size_t count_not_delaunay(const Triangulation& mesh);
 std::size_t count_bad_links(const Triangulation& mesh);

@@ -187,5 +187,40 @@ TEST(Capacity, AddsUpWhereVerticesLieOnCellLines) {
     }
 }
 
+/// A triangle's capacity changes with a small move of a corner as the sweeps of its edges there say, to first order.
+TEST(Capacity, ChangesByWhatEdgesSweep) {
+    Random random(11, 0);
+    const Density density = grid_of(24, 16, [&](int, int) { return random.uniform() < 0.3 ? 0.0 : random.uniform(); });
+    for (const Domain& domain : {Domain::rectangle(3, 2).value(), Domain::torus(3, 2).value()}) {
+        StartMesh start(domain, density, {.sites = 40, .seed = 12});
+        Triangulation& mesh = start.mesh;
+        std::vector<double> before, sweeps;
+        start.capacity.of_edges(mesh, before, sweeps);
+        const auto measured = capacities_of(start.capacity, mesh);
+        ASSERT_EQ(before.size(), measured.size());
+        for (std::size_t t = 0; t < before.size(); ++t) EXPECT_NEAR(before[t], measured[t], 1e-12 * density.total());
+        for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
+            for (const Point by : {Point{0x1p-30, 0}, Point{0, 0x1p-30}}) {
+                const Point here = mesh.point(v);
+                mesh.points()[v] = here + by;
+                const auto forth = capacities_of(start.capacity, mesh);
+                mesh.points()[v] = here - by;
+                const auto back = capacities_of(start.capacity, mesh);
+                mesh.points()[v] = here;
+                std::uint32_t h = mesh.edge_of(v);
+                do {
+                    const std::uint32_t t = Triangulation::triangle_of(h);
+                    const std::uint32_t after = mesh.twin(Triangulation::previous(h));
+                    // The first edge sweeps into the triangle, the second one out of it.
+                    const double wanted =
+                        sweeps[h] * -cross(mesh.along(h), by) + sweeps[after] * cross(mesh.along(after), by);
+                    EXPECT_NEAR((forth[t] - back[t]) / 2, wanted, 1e-4 * density.total() * 0x1p-30) << v;
+                    h = after;
+                } while (h != mesh.edge_of(v));
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace ccdt

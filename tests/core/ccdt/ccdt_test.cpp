@@ -12,6 +12,7 @@
 #include "core/geometry/delaunay.h"
 #include "core/random.h"
 #include "tests/support/meshes.h"
+#include "tests/support/pictures.h"
 
 namespace ccdt {
 namespace {
@@ -300,12 +301,36 @@ TEST(Distribute, KeepsNoMeshUnlessAsked) {
 
 TEST(Distribute, LowersTheVariation) {
     const Parts large{{test::box(0, 0, 5, 5), {}}};
-    const auto result = run(large, Density::uniform(), {.sites = 16384, .seed = 1});
-    EXPECT_GT(result.trace.front(), 0.55);
-    EXPECT_LT(result.variation(), 0.06);
-    EXPECT_LT(result.trace[1], result.trace[0]);
-    const auto picture = run(kSquare, portrait(), {.sites = 4096, .seed = 1});
-    EXPECT_LT(picture.variation(), 0.08);
+    const auto draft = run(large, Density::uniform(), {.sites = 16384, .seed = 1, .quality = Quality::Draft});
+    EXPECT_GT(draft.trace.front(), 0.55);
+    EXPECT_LT(draft.variation(), 0.06);
+    EXPECT_LT(draft.trace[1], draft.trace[0]);
+    EXPECT_LT(run(kSquare, portrait(), {.sites = 4096, .seed = 1, .quality = Quality::Draft}).variation(), 0.08);
+    // Polishing trades a little of it for distance and for long waves.
+    EXPECT_LT(run(large, Density::uniform(), {.sites = 16384, .seed = 1}).variation(), 0.08);
+    EXPECT_LT(run(kSquare, portrait(), {.sites = 4096, .seed = 1}).variation(), 0.085);
+}
+
+TEST(Distribute, DoesNotStallNextToWhite) {
+    for (std::uint64_t seed = 0; seed < 3; ++seed) {
+        const auto draft = run(kSquare, test::pear(), {.sites = 3000, .seed = seed, .quality = Quality::Draft});
+        EXPECT_GT(draft.trace[4], 0.13) << "before the exact passes";
+        EXPECT_LT(draft.variation(), 0.1);
+    }
+}
+
+TEST(Distribute, TellsTheVariationOfThePolishedPoints) {
+    const Options options{.sites = 1000, .seed = 2, .quality = Quality::Draft};
+    const auto draft = run(kSquare, portrait(), options);
+    EXPECT_FALSE(draft.polished);
+    EXPECT_EQ(draft.variation(), draft.trace.back());
+    const auto start = run(kSquare, portrait(), {.sites = 1000, .seed = 2, .iterations = 0});
+    EXPECT_FALSE(start.polished) << "the start is returned as it is";
+    const auto standard = run(kSquare, portrait(), {.sites = 1000, .seed = 2});
+    ASSERT_TRUE(standard.polished);
+    EXPECT_EQ(standard.variation(), *standard.polished);
+    EXPECT_NE(standard.variation(), standard.trace.back());
+    EXPECT_EQ(standard.trace.size(), 6u);
 }
 
 TEST(Distribute, EndsAtTheTolerance) {

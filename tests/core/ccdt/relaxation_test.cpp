@@ -7,6 +7,7 @@
 
 #include "core/random.h"
 #include "tests/support/meshes.h"
+#include "tests/support/pictures.h"
 
 namespace ccdt {
 namespace {
@@ -26,15 +27,14 @@ Density portrait() {
 }
 
 struct Run {
-    Parts parts;
+    Domain domain;
     Density density;
     Options options;
 };
 
 /// Runs iterations by hand, checking what must hold after each pass and after each iteration.
 void expect_descent(const Run& run) {
-    const Domain domain = domain_of(run.parts);
-    StartMesh start(domain, run.density, run.options);
+    StartMesh start(run.domain, run.density, run.options);
     Relaxation relaxation(start.mesh, start.border.corner, run.density.is_uniform(), {});
     for (int iteration = 0; iteration < run.options.iterations; ++iteration) {
         start.measure();
@@ -57,38 +57,101 @@ void expect_descent(const Run& run) {
 }
 
 TEST(Relaxation, DescendsOnASquare) {
-    expect_descent({kSquare, Density::uniform(), {.sites = 2000, .seed = 1}});
+    expect_descent({domain_of(kSquare), Density::uniform(), {.sites = 2000, .seed = 1}});
 }
 
 TEST(Relaxation, DescendsFromARandomStart) {
-    expect_descent({kSquare, Density::uniform(), {.sites = 2000, .seed = 2, .start = Start::Random}});
+    expect_descent({domain_of(kSquare), Density::uniform(), {.sites = 2000, .seed = 2, .start = Start::Random}});
 }
 
 TEST(Relaxation, DescendsOnAPicture) {
-    expect_descent({kSquare, portrait(), {.sites = 2000, .seed = 3, .iterations = 8}});
+    expect_descent({domain_of(kSquare), portrait(), {.sites = 2000, .seed = 3, .iterations = 8}});
 }
 
 TEST(Relaxation, DescendsWithWhiteAreas) {
     const Density half = grid_of(64, 64, [](int i, int) { return i < 32 ? 0.0 : 1.0; });
-    expect_descent({kSquare, half, {.sites = 1000, .seed = 4}});
+    expect_descent({domain_of(kSquare), half, {.sites = 1000, .seed = 4}});
 }
 
 TEST(Relaxation, DescendsInCountries) {
     for (const char* name : {"Italy-110m.geojson", "South-Africa-50m.geojson", "Switzerland-10m.geojson"}) {
         SCOPED_TRACE(name);
-        expect_descent({test::read_geojson(name), Density::uniform(), {.sites = 1000, .seed = 5}});
+        expect_descent({domain_of(test::read_geojson(name)), Density::uniform(), {.sites = 1000, .seed = 5}});
     }
 }
 
 TEST(Relaxation, DescendsBetweenHoles) {
-    expect_descent({{test::sieve(6)}, Density::uniform(), {.sites = 1000, .seed = 6}});
+    expect_descent({domain_of({test::sieve(6)}), Density::uniform(), {.sites = 1000, .seed = 6}});
 }
 
 TEST(Relaxation, DescendsWithFewSites) {
     for (const std::size_t sites : {1, 2, 3, 10}) {
         SCOPED_TRACE(sites);
-        expect_descent({kSquare, Density::uniform(), {.sites = sites, .seed = sites, .iterations = 10}});
-        expect_descent({{{test::l_shape(), {}}}, Density::uniform(), {.sites = sites, .seed = sites}});
+        expect_descent({domain_of(kSquare), Density::uniform(), {.sites = sites, .seed = sites, .iterations = 10}});
+        expect_descent({domain_of({{test::l_shape(), {}}}), Density::uniform(), {.sites = sites, .seed = sites}});
+    }
+}
+
+TEST(Relaxation, DescendsAroundATorus) {
+    for (const std::size_t sites : {1, 2, 3, 7, 2000}) {
+        SCOPED_TRACE(sites);
+        expect_descent({Domain::torus(1, 1).value(), Density::uniform(), {.sites = sites, .seed = 7}});
+        expect_descent({Domain::torus(3, 4).value(), portrait(), {.sites = sites, .seed = 8, .iterations = 8}});
+    }
+}
+
+/// The variation after 12 iterations, of which the last 8 are exact or, as all others, hold the triangles' mean
+/// densities fixed.
+double reached(const Domain& domain, const Density& density, bool exact) {
+    StartMesh start(domain, density, {.sites = 2000, .seed = 3});
+    Relaxation relaxation(start.mesh, start.border.corner, false, {});
+    for (int iteration = 0; iteration < 12; ++iteration) {
+        start.measure();
+        relaxation.prepare(start.goals);
+        for (int pass = 0; pass < 5; ++pass) {
+            if (exact && iteration >= 4) {
+                relaxation.exact_pass(start.capacity);
+            } else {
+                relaxation.pass();
+            }
+            EXPECT_EQ(test::count_inverted(start.mesh), 0u) << "iteration " << iteration;
+        }
+        start.mesh.restore_delaunay();
+        EXPECT_EQ(test::count_inverted(start.mesh), 0u) << "iteration " << iteration;
+        EXPECT_EQ(test::count_not_delaunay(start.mesh), 0u) << "iteration " << iteration;
+        EXPECT_EQ(test::count_bad_links(start.mesh), 0u) << "iteration " << iteration;
+    }
+    return start.measure();
+}
+
+TEST(Relaxation, GetsPastWhiteByExactPasses) {
+    for (const Domain& domain : {domain_of(kSquare), Domain::torus(1, 1).value()}) {
+        SCOPED_TRACE(domain.is_torus() ? "torus" : "box");
+        EXPECT_LT(reached(domain, test::pear(), true), 0.07);
+        EXPECT_GT(reached(domain, test::pear(), false), 0.1);
+    }
+}
+
+TEST(Relaxation, KeepsExactPassesInsideTheBorder) {
+    // The density ends in a body that the border cuts.
+    const Density cut = grid_of(80, 80, [](int i, int j) { return std::hypot(i, j - 40) < 30 ? 1.0 : 0.0; });
+    EXPECT_LT(reached(domain_of(kSquare), cut, true), 0.06);
+    EXPECT_GT(reached(domain_of(kSquare), cut, false), 0.1);
+}
+
+TEST(Relaxation, RestsWhereExactPassesHaveNothingToGain) {
+    // A uniform density written as a grid: an exact pass is a plain one that moves no further than the minimum.
+    const Density one = grid_of(20, 20, [](int, int) { return 1.0; });
+    StartMesh start(domain_of(kSquare), one, {.sites = 120, .seed = 10});
+    start.measure();
+    Relaxation relaxation(start.mesh, start.border.corner, false, {});
+    relaxation.prepare(start.goals);
+    for (int pass = 0; pass < 20'000; ++pass) relaxation.pass();
+    const auto rest = start.mesh.points();
+    relaxation.exact_pass(start.capacity);
+    for (std::size_t v = 0; v < rest.size(); ++v) {
+        EXPECT_NEAR(start.mesh.points()[v].x, rest[v].x, 1e-9);
+        EXPECT_NEAR(start.mesh.points()[v].y, rest[v].y, 1e-9);
     }
 }
 

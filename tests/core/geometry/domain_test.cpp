@@ -54,6 +54,36 @@ TEST(Domain, RefusesRectanglesWithoutSize) {
     }
 }
 
+TEST(Domain, JoinsTheSidesOfATorus) {
+    const auto domain = Domain::torus(3, 2);
+    ASSERT_TRUE(domain);
+    EXPECT_TRUE(domain->is_torus());
+    EXPECT_TRUE(domain->is_box());
+    EXPECT_TRUE(domain->rings().empty());
+    EXPECT_EQ(domain->corner_count(), 0u);
+    EXPECT_EQ(domain->bounds().max, (Point{3, 2}));
+    EXPECT_NEAR(domain->area(), 6, 1e-14);
+    const Point sides = domain->unit_bounds().max;
+    EXPECT_EQ(sides.x, 1);
+    EXPECT_NEAR(sides.y, 2.0 / 3, 0x1p-50);
+    EXPECT_EQ(sides, snapped(sides)) << "multiples of 2^-50";
+    EXPECT_FALSE(Domain::rectangle(3, 2)->is_torus());
+}
+
+TEST(Domain, RefusesToriThatAreNone) {
+    EXPECT_TRUE(Domain::torus(1, 1000));
+    EXPECT_TRUE(Domain::torus(1000, 1));
+    const double infinity = std::numeric_limits<double>::infinity();
+    const std::vector<Point> bad{{1, 1000.01},  {1000.01, 1},      {0, 1},           {1, 0},
+                                 {-1, 1},       {1, -1},           {infinity, 1},    {infinity, infinity},
+                                 {1, infinity}, {std::nan(""), 1}, {1, std::nan("")}};
+    for (const auto& [width, height] : bad) {
+        const auto domain = Domain::torus(width, height);
+        ASSERT_FALSE(domain) << width << " x " << height;
+        EXPECT_EQ(domain.error().code, ErrorCode::Unusable);
+    }
+}
+
 TEST(Domain, SubtractsHolesAndAddsParts) {
     const auto domain = Domain::create({{box(0, 0, 4, 4), {box(1, 1, 2, 2)}}, {box(6, 0, 2, 3), {}}});
     ASSERT_TRUE(domain);

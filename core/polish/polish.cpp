@@ -1,0 +1,210 @@
+#include "core/polish/polish.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/ccdt/border.h"
+#include "core/geometry/predicates.h"
+
+namespace ccdt {
+
+namespace {
+
+constexpr double kLongestPush = 0.2;  ///< in spacings
+constexpr double kKeptArea = 0.1;     ///< least share of its area that a triangle keeps
+
+}  // namespace
+
+Ink::Ink(const Domain& domain, const Density& density) : density_(density) {
+    const Point sides = domain.unit_bounds().max;
+    to_grid_ = {density.width() / sides.x, density.height() / sides.y};
+}
+
+Point Ink::nearest(Point p, double reach) const {
+    const Point g{p.x * to_grid_.x, p.y * to_grid_.y};
+    const int column = std::clamp(static_cast<int>(g.x), 0, density_.width() - 1);
+    const int row = std::clamp(static_cast<int>(g.y), 0, density_.height() - 1);
+    if (density_.value(column, row) > 0) {
+        // On the side of a cell rounding would decide what it stands in.
+        constexpr double kSide = 1e-6;
+        const Point q{std::clamp(g.x, column + kSide, column + 1 - kSide),
+                      std::clamp(g.y, row + kSide, row + 1 - kSide)};
+        return q == g ? p : Point{q.x / to_grid_.x, q.y / to_grid_.y};
+    }
+    const double most = reach * std::max(to_grid_.x, to_grid_.y);
+    for (int around = 2;; around *= 2) {
+        if (const auto found = nearest_within(g, column, row, around))
+            return {found->x / to_grid_.x, found->y / to_grid_.y};
+        if (around > most || around > std::max(density_.width(), density_.height())) return p;
+    }
+}
+
+/// The nearest point with density that lies in cells so many columns and rows around; g and it in cells.
+std::optional<Point> Ink::nearest_within(Point g, int column, int row, int around) const {
+    constexpr double kInset = 0.05;  // of a cell, from its sides
+    double least = std::numeric_limits<double>::infinity();
+    std::optional<Point> best;
+    for (int j = std::max(0, row - around); j <= std::min(density_.height() - 1, row + around); ++j) {
+        for (int i = std::max(0, column - around); i <= std::min(density_.width() - 1, column + around); ++i) {
+            if (!(density_.value(i, j) > 0)) continue;
+            const Point q{std::clamp(g.x, i + kInset, i + 1 - kInset), std::clamp(g.y, j + kInset, j + 1 - kInset)};
+            const double distance = dot(q - g, q - g);
+            if (distance >= least) continue;
+            least = distance;
+            best = q;
+        }
+    }
+    return best;
+}
+
+Polish::Polish(const Domain& domain, const Density& density, std::size_t sites)
+    : domain_(domain), density_(density), ink_(domain, density), moves_(sites), before_(sites), spacings_(sites) {
+    if (domain.is_box()) transport_.emplace(domain, density, sites);
+}
+
+double Polish::spacing(Point p) const {
+    if (transport_) return transport_->spacing(p);
+    return std::sqrt(domain_.unit_area() / static_cast<double>(moves_.size()));
+}
+
+/// The nearest place in the domain's box; on a torus the same place, rounded to what is exact there.
+Point Polish::inside(Point p) const {
+    constexpr double kInside = 1e-9;
+    const Point sides = domain_.unit_bounds().max;
+    if (domain_.is_torus()) return snapped(p);
+    return {std::clamp(p.x, kInside * sides.x, (1 - kInside) * sides.x),
+            std::clamp(p.y, kInside * sides.y, (1 - kInside) * sides.y)};
+}
+
+/// Where a site may stand that wants to stand at p.
+Point Polish::allowed(Point p, double spacing) const {
+    constexpr double kReach = 2;  // spacings
+    p = inside(p);
+    if (density_.is_uniform()) return p;
+    const Point sides = domain_.unit_bounds().max;
+    const Point corner{whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
+    return inside(corner + ink_.nearest(p - corner, kReach * spacing));
+}
+
+void Polish::even_out(std::span<Point> sites, const std::stop_token& stop) {
+    constexpr int kRounds = 5;
+    constexpr int kFreeRounds = 3;     // that let sites stand where there is no density
+    constexpr double kMomentum = 0.5;  // of the free rounds
+    if (density_.is_uniform() || !transport_) return;
+    std::vector<Point> last(sites.size());
+    for (int round = 0; round < kRounds && !stop.stop_requested(); ++round) {
+        transport_->displacements(sites, moves_);
+        const bool free = round < kFreeRounds;
+        for (std::size_t i = 0; i < sites.size(); ++i) {
+            last[i] = moves_[i] + (free ? kMomentum : 0) * last[i];
+            const Point moved = sites[i] + last[i];
+            sites[i] = free ? inside(moved) : allowed(moved, spacing(sites[i]));
+        }
+    }
+    if (!domain_.is_torus()) return;
+    const Point sides = domain_.unit_bounds().max;
+    for (Point& p : sites) p = p - Point{whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
+}
+
+bool Polish::clear_gaps(std::span<Point> sites) const {
+    if (density_.is_uniform()) return false;
+    constexpr double kAnywhere = 1;  // the longer side
+    bool moved = false;
+    for (Point& site : sites) {
+        const Point to = allowed(site, kAnywhere);
+        moved = moved || !(to == site);
+        site = to;
+    }
+    return moved;
+}
+
+void Polish::refine(Triangulation& mesh, const PolishOptions& options, const std::stop_token& stop) {
+    edges_.clear();
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
+            if (twin == Triangulation::kNone || twin < h) continue;
+            if (mesh.is_site(mesh.origin(h)) && mesh.is_site(mesh.target(h))) edges_.push_back(h);
+        }
+    }
+    areas_.resize(mesh.triangle_count());
+    moved_areas_.resize(mesh.triangle_count());
+    for (std::uint32_t t = 0; t < areas_.size(); ++t) areas_[t] = mesh.doubled_area(t);
+    const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
+    const auto even_out = [&] {
+        if (!transport_) return;
+        transport_->displacements(sites, moves_);
+        apply(mesh);
+    };
+    for (int round = 0; round < options.rounds && !stop.stop_requested(); ++round) {
+        push_apart(mesh, options.reach, options.push);
+        even_out();
+    }
+    for (int round = 0; round < options.even_rounds && !stop.stop_requested(); ++round) even_out();
+    for (int round = 0; round < options.near_rounds && !stop.stop_requested(); ++round) {
+        push_apart(mesh, options.nearest, 0.5);
+    }
+}
+
+/// Neighbours closer than they should be share out what is missing.
+void Polish::push_apart(Triangulation& mesh, double reach, double push) {
+    const double half_reach = 0.5 * reach * hexagonal_spacing(1);
+    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) spacings_[v] = spacing(mesh.point(v));
+    std::fill(moves_.begin(), moves_.end(), Point{});
+    for (const std::uint32_t h : edges_) {
+        const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
+        const Point along = mesh.along(h);
+        const double least = half_reach * (spacings_[a] + spacings_[b]);
+        const double squared = dot(along, along);
+        if (squared >= least * least) continue;
+        const Point by = push * (least / std::sqrt(squared) - 1) * along;
+        moves_[a] = moves_[a] - by;
+        moves_[b] = moves_[b] + by;
+    }
+    for (std::size_t v = 0; v < moves_.size(); ++v) {
+        const double longest = kLongestPush * spacings_[v], length = std::sqrt(dot(moves_[v], moves_[v]));
+        if (length > longest) moves_[v] = (longest / length) * moves_[v];
+    }
+    apply(mesh);
+}
+
+void Polish::apply(Triangulation& mesh) {
+    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
+        const Point here = before_[v] = mesh.point(v);
+        mesh.points()[v] = density_.is_uniform() ? inside(here + moves_[v]) : allowed(here + moves_[v], spacing(here));
+    }
+    take_back(mesh);
+    areas_.swap(moved_areas_);
+    if (mesh.is_torus()) mesh.wrap();
+}
+
+/// Whether a triangle has kept enough of its area, and is no needle unless it was one.
+bool Polish::is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const {
+    constexpr double kSmall = 0.05;       // of the mean area; larger triangles are no needles
+    constexpr double kLeastShape = 1e-5;  // doubled area over the longest edge squared
+    if (area < kKeptArea * areas_[triangle]) return false;
+    if (area >= kSmall * domain_.unit_area() / static_cast<double>(mesh.site_count())) return true;
+    const auto [a, b, c] = mesh.places(triangle);
+    const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
+    const double least = std::max(kLeastShape * longest, domain_.resolution() * std::sqrt(longest));
+    return area >= std::min(areas_[triangle], least) && orientation(a, b, c) > 0;
+}
+
+/// Takes back moves next to triangles that would turn over, or lose most of their area, until there is none.
+void Polish::take_back(Triangulation& mesh) {
+    for (bool found = true; found;) {
+        found = false;
+        for (std::uint32_t t = 0; t < areas_.size(); ++t) {
+            const double area = moved_areas_[t] = mesh.doubled_area(t);
+            if (is_sound(mesh, t, area)) continue;
+            for (const std::uint32_t v : mesh.corners(t)) {
+                if (!mesh.is_site(v) || mesh.point(v) == before_[v]) continue;
+                mesh.points()[v] = before_[v];
+                found = true;
+            }
+        }
+    }
+}
+
+}  // namespace ccdt

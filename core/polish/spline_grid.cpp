@@ -1,0 +1,178 @@
+#include "core/polish/spline_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ccdt {
+
+namespace {
+
+constexpr std::size_t kTaps = 6;
+constexpr std::size_t kMargin = 3;  ///< cells that taps reach beyond the grid
+
+using Taps = std::array<Pair, kTaps>;
+
+/// The quintic B-spline at the six grid points around, for x and y together.
+inline Taps weights_at(Pair f) {
+    const auto outer = [](Pair d) {  // at distance 2 + d
+        const Pair g = 1.0 - d, g2 = g * g;
+        return g2 * g2 * g * (1.0 / 120);
+    };
+    const auto inner = [](Pair d) {  // at distance 1 + d
+        const Pair x = 1.0 + d;
+        return 17.0 / 40 + x * (5.0 / 8 + x * (-7.0 / 4 + x * (5.0 / 4 + x * (-3.0 / 8 + x * (1.0 / 24)))));
+    };
+    const auto middle = [](Pair d) {  // at distance d
+        const Pair d2 = d * d;
+        return 11.0 / 20 + d2 * (-0.5 + d2 * (0.25 - d * (1.0 / 12)));
+    };
+    const Pair g = 1.0 - f;
+    return {outer(f), inner(f), middle(f), middle(g), inner(g), outer(g)};
+}
+
+/// Their slopes.
+inline Taps slopes_at(Pair f) {
+    const auto outer = [](Pair d) {
+        const Pair g = 1.0 - d, g2 = g * g;
+        return g2 * g2 * (-1.0 / 24);
+    };
+    const auto inner = [](Pair d) {
+        const Pair x = 1.0 + d;
+        return 5.0 / 8 + x * (-7.0 / 2 + x * (15.0 / 4 + x * (-3.0 / 2 + x * (5.0 / 24))));
+    };
+    const auto middle = [](Pair d) { return d * (-1.0 + d * d * (1.0 - d * (5.0 / 12))); };
+    const Pair g = 1.0 - f;
+    return {outer(f), inner(f), middle(f), -middle(g), -inner(g), -outer(g)};
+}
+
+double sinc(double cycles) {
+    const double x = 3.141592653589793 * cycles;
+    return x == 0 ? 1 : std::sin(x) / x;
+}
+
+std::variant<RealTransform, CosineTransform> make_transform(bool torus, int columns, int rows) {
+    if (torus) return RealTransform(columns, rows);
+    return CosineTransform(columns, rows);
+}
+
+}  // namespace
+
+SplineGrid::SplineGrid(bool torus, Point sides, int columns, int rows)
+    : torus_(torus),
+      sides_(sides),
+      columns_(columns),
+      rows_(rows),
+      kept_(torus ? columns / 2 + 1 : columns),
+      stride_(static_cast<std::size_t>(columns) + 2 * kMargin),
+      padded_(stride_ * (static_cast<std::size_t>(rows) + 2 * kMargin)),
+      transform_(make_transform(torus, columns, rows)) {
+    const double waves = torus ? 1 : 0.5;
+    const auto windows = [&](int count, int cells) {
+        std::vector<double> values;
+        for (int i = 0; i < count; ++i) values.push_back(std::pow(sinc(waves * i / cells), static_cast<int>(kTaps)));
+        return values;
+    };
+    column_windows_ = windows(kept_, columns);
+    row_windows_ = windows(rows, rows);
+}
+
+/// Grid points are cells' corners on a torus, as Fourier's transform has them, and cells' middles in a box.
+inline SplineGrid::Place SplineGrid::place(Point p) const {
+    Point share{p.x / sides_.x, p.y / sides_.y};
+    if (torus_) {
+        share = {share.x - whole(share.x), share.y - whole(share.y)};
+    } else {
+        share = {std::clamp(share.x, 0.0, 1.0) - 0.5 / columns_, std::clamp(share.y, 0.0, 1.0) - 0.5 / rows_};
+    }
+    const double x = share.x * columns_, y = share.y * rows_;
+    // Rounding may make a share 1, which then counts to the last cell.
+    const double i = std::min(whole(x), columns_ - 1.0), j = std::min(whole(y), rows_ - 1.0);
+    return {static_cast<std::size_t>(j + 1) * stride_ + static_cast<std::size_t>(i + 1), Pair{x - i, y - j}};
+}
+
+void SplineGrid::clear() {
+    std::fill(padded_.begin(), padded_.end(), 0.0);
+}
+
+void SplineGrid::spread(Point p, double value) {
+    const auto [first, fraction] = place(p);
+    const Taps weights = weights_at(fraction);
+    std::array<double, kTaps> across;
+    for (std::size_t i = 0; i < kTaps; ++i) across[i] = value * weights[i][0];
+    for (std::size_t j = 0; j < kTaps; ++j) {
+        double* row = &padded_[first + j * stride_];
+        const double weight = weights[j][1];
+        for (std::size_t i = 0; i < kTaps; ++i) row[i] += weight * across[i];
+    }
+}
+
+Point SplineGrid::gradient(Point p) const {
+    const auto [first, fraction] = place(p);
+    const Taps weights = weights_at(fraction), slopes = slopes_at(fraction);
+    std::array<double, kTaps> along_y{}, slope_y{};  // the columns, summed
+    for (std::size_t j = 0; j < kTaps; ++j) {
+        const double* row = &padded_[first + j * stride_];
+        const double weight = weights[j][1], slope = slopes[j][1];
+        for (std::size_t i = 0; i < kTaps; ++i) {
+            along_y[i] += weight * row[i];
+            slope_y[i] += slope * row[i];
+        }
+    }
+    Point sum;
+    for (std::size_t i = 0; i < kTaps; ++i) {
+        sum.x += along_y[i] * slopes[i][0];
+        sum.y += slope_y[i] * weights[i][0];
+    }
+    const Point cell = this->cell();
+    return {sum.x / cell.x, sum.y / cell.y};
+}
+
+/// Adds what was spread beyond the grid to where it belongs.
+void SplineGrid::transform() {
+    const std::span<double> cells = grid();
+    std::fill(cells.begin(), cells.end(), 0.0);
+    for_padded([&](double& padded, std::size_t cell) { cells[cell] += padded; });
+    forward();
+}
+
+void SplineGrid::transform_back() {
+    backward();
+    const std::span<double> cells = grid();
+    for_padded([&](double& padded, std::size_t cell) { padded = cells[cell]; });
+}
+
+std::span<double> SplineGrid::grid() {
+    return std::visit([](auto& transform) { return transform.grid(); }, transform_);
+}
+
+void SplineGrid::forward() {
+    std::visit([](auto& transform) { transform.forward(); }, transform_);
+}
+
+void SplineGrid::backward() {
+    std::visit([](auto& transform) { transform.backward(); }, transform_);
+}
+
+/// Index within a row or column of the grid of one with margins.
+std::size_t SplineGrid::folded(std::size_t padded, int cells) const {
+    const int i = static_cast<int>(padded) - static_cast<int>(kMargin);
+    const int period = torus_ ? cells : 2 * cells;
+    const int k = ((i % period) + period) % period;
+    return static_cast<std::size_t>(k < cells ? k : period - 1 - k);
+}
+
+template <class Visit>
+void SplineGrid::for_padded(Visit&& visit) {
+    const auto columns = static_cast<std::size_t>(columns_), rows = static_cast<std::size_t>(rows_);
+    for (std::size_t j = 0; j < rows + 2 * kMargin; ++j) {
+        const std::size_t start = folded(j, rows_) * columns;
+        double* row = &padded_[j * stride_];
+        for (std::size_t i = 0; i < kMargin; ++i) {
+            visit(row[i], start + folded(i, columns_));
+            visit(row[kMargin + columns + i], start + folded(kMargin + columns + i, columns_));
+        }
+        for (std::size_t i = 0; i < columns; ++i) visit(row[kMargin + i], start + i);
+    }
+}
+
+}  // namespace ccdt

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdlib>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "core/fourier/fft.h"
+#include "core/geometry/pair.h"
+#include "core/geometry/point.h"
+
+namespace ccdt {
+
+/// A grid over a box or a torus that points are spread on and read from with quintic B-splines, and its transform:
+/// Fourier's on a torus, the cosine one in a box, as if mirrored at its sides. Together a non-uniform transform: the
+/// splines' own spectrum, window(), divides out; for frequencies up to a fifth of a cycle a cell its error is below
+/// 3e-4 of what lies beyond.
+/// Source: Beylkin, On the fast Fourier transform of functions with singularities, 1995.
+class SplineGrid {
+public:
+    /// @param sides  of the box
+    SplineGrid(bool torus, Point sides, int columns, int rows);
+
+    int columns() const { return columns_; }
+    int rows() const { return rows_; }
+    Point cell() const { return {sides_.x / columns_, sides_.y / rows_}; }
+
+    /// To be called before the first spread().
+    void clear();
+    /// @param p  inside the box; on a torus anywhere
+    void spread(Point p, double value);
+    /// From what was spread to its coefficients.
+    void transform();
+
+    /// From coefficients to what gradient() reads.
+    void transform_back();
+    /// Of the function whose coefficients were those over window(), in its units per unit of length.
+    Point gradient(Point p) const;
+
+    /// Values of the cells [rows * columns], for plain transforms: forward() and backward(), which multiply by cells()
+    /// together.
+    std::span<double> grid();
+    void forward();
+    void backward();
+    double cells() const { return copies() * columns_ * rows_; }
+
+    /// Calls visit(coefficients), a span of double in a box and of std::complex<double> on a torus, numbered as by
+    /// for_frequencies().
+    template <class Visit>
+    void with_coefficients(Visit&& visit) {
+        if (auto* fourier = std::get_if<RealTransform>(&transform_)) {
+            visit(fourier->spectrum());
+        } else {
+            visit(std::get<CosineTransform>(transform_).grid());
+        }
+    }
+
+    /// Calls visit(number of the coefficient, column, row) for all; rows may be negative. Those that alias are left
+    /// out.
+    template <class Visit>
+    void for_frequencies(Visit&& visit) const {
+        std::size_t number = 0;
+        for (int row = 0; row < rows_; ++row) {
+            const int j = torus_ && 2 * row > rows_ ? row - rows_ : row;
+            for (int i = 0; i < kept_; ++i, ++number) {
+                if (!torus_ || (2 * i != columns_ && 2 * row != rows_)) visit(number, i, j);
+            }
+        }
+    }
+
+    std::size_t coefficient_count() const { return static_cast<std::size_t>(kept_) * static_cast<std::size_t>(rows_); }
+    std::size_t number(int column, int row) const {
+        return static_cast<std::size_t>(row < 0 ? row + rows_ : row) * static_cast<std::size_t>(kept_) +
+               static_cast<std::size_t>(column);
+    }
+
+    /// Cycles per unit of length.
+    Point frequency(int column, int row) const {
+        const double waves = torus_ ? 1 : 0.5;
+        return {waves * column / sides_.x, waves * row / sides_.y};
+    }
+
+    /// What spreading multiplies a coefficient by.
+    double window(int column, int row) const {
+        return column_windows_[static_cast<std::size_t>(column)] *
+               row_windows_[static_cast<std::size_t>(std::abs(row))];
+    }
+
+    /// A coefficient over the integral that it stands for.
+    double copies() const { return torus_ ? 1 : 4; }
+
+private:
+    /// The padded grid point three columns and rows before a point, and how far behind the third one it lies.
+    struct Place {
+        std::size_t first;
+        Pair fraction;
+    };
+    Place place(Point p) const;
+    template <class Visit>
+    void for_padded(Visit&& visit);
+    std::size_t folded(std::size_t padded, int cells) const;
+
+    bool torus_;
+    Point sides_;
+    int columns_;
+    int rows_;
+    int kept_;  ///< columns of coefficients
+    std::size_t stride_;
+    std::vector<double> column_windows_, row_windows_;
+    std::vector<double> padded_;  ///< the grid, and around it the room that taps reach
+    std::variant<RealTransform, CosineTransform> transform_;
+};
+
+}  // namespace ccdt

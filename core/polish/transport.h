@@ -1,0 +1,72 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/density/density.h"
+#include "core/geometry/domain.h"
+#include "core/geometry/point.h"
+#include "core/polish/spline_grid.h"
+
+namespace ccdt {
+
+/// Evens out long waves: finds how far the sites' density, smoothed over a few of them, is off the wanted one, and
+/// small displacements of all sites that undo it.
+///
+/// Displacements u change the sites' density by -div(density u). Of all that undo an error E = sites - density the one
+/// is taken for which density u is a gradient, grad phi: Laplace phi = E, which a Fourier transform solves on a torus,
+/// and a cosine transform in a box that no site leaves. Waves shorter than about two spacings are the pattern itself,
+/// not an error, and are left alone. Where the density varies, sites and density are split among octaves of spacing
+/// alike, each with its own limit. To first order a round undoes E; what is left is of second order, and of ridges so
+/// thin that the gradient cannot follow them.
+///
+/// Departs from a plain blur in that what is called an error ends sharply: no wave below is left, none above is harmed.
+class Transport {
+public:
+    /// @param domain  a box or a torus
+    /// @param sites   >= 1
+    /// O(density's cells + sites log sites).
+    Transport(const Domain& domain, const Density& density, std::size_t sites);
+
+    /// @param sites  [sites] in the unit frame; inside, on a torus anywhere
+    /// @param moves  out [sites], none longer than a quarter of the spacing there
+    /// O(sites log sites).
+    void displacements(std::span<const Point> sites, std::span<Point> moves);
+
+    /// 1 / sqrt(density of sites) around a point, the density smoothed over a spacing; in the unit frame.
+    double spacing(Point p) const;
+
+private:
+    /// Sites whose spacing is about 2^octave times the finest.
+    struct Octave {
+        SplineGrid grid;
+        std::vector<double> factors;  ///< [coefficients] share of a wave's error that a round undoes, over the window
+    };
+
+    void add_octave();
+    double octave_spacing(std::size_t octave) const;
+    std::vector<double> masses(const Density& density) const;
+    std::vector<double> smoothed(const std::vector<double>& masses, double sigma);
+    void assign_octaves(const std::vector<double>& masses);
+    void set_targets(const std::vector<double>& masses);
+    std::size_t cell_of(Point p) const;
+    double part(std::size_t cell, std::size_t octave) const;
+    void spread(std::span<const Point> sites);
+    template <class Coefficient>
+    void solve(std::span<Coefficient> total);
+
+    bool torus_;
+    bool uniform_;
+    Point sides_;
+    double sites_;
+    double finest_ = 0;  ///< spacing of octave 0
+    std::vector<Octave> octaves_;
+    std::vector<double> to_potential_;           ///< [coefficients of octave 0]
+    std::vector<std::complex<double>> targets_;  ///< [coefficients of octave 0] of the density, if not uniform
+    std::vector<float> levels_;                  ///< [cells of octave 0] octave that sites there belong to
+    std::vector<float> spacings_;                ///< [cells of octave 0]
+};
+
+}  // namespace ccdt

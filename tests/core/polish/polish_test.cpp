@@ -1,0 +1,256 @@
+#include "core/polish/polish.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/analysis/analysis.h"
+#include "core/ccdt/ccdt.h"
+#include "core/random.h"
+#include "tests/support/meshes.h"
+#include "tests/support/pictures.h"
+
+namespace ccdt {
+namespace {
+
+using test::count_inverted;
+using test::count_on_white;
+using test::domain_of;
+using test::grid_of;
+using test::Parts;
+using test::StartMesh;
+
+const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
+
+Density portrait() {
+    return grid_of(48, 64, [](int i, int j) {
+        const double x = i / 48.0 - 0.5, y = j / 64.0 - 0.5;
+        return 0.02 + std::exp(-20 * (x * x + y * y)) + (i > 30 && j > 40 ? 1.0 : 0.0);
+    });
+}
+
+/// Distance from a point of the grid to the nearest cell with density, in cells.
+double distance_to_ink(const Density& density, Point g) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (int j = 0; j < density.height(); ++j) {
+        for (int i = 0; i < density.width(); ++i) {
+            if (!(density.value(i, j) > 0)) continue;
+            const Point q{std::clamp(g.x, i + 0.0, i + 1.0), std::clamp(g.y, j + 0.0, j + 1.0)};
+            nearest = std::min(nearest, std::sqrt(dot(q - g, q - g)));
+        }
+    }
+    return nearest;
+}
+
+TEST(Ink, FindsDensityInReach) {
+    constexpr double kReach = 0.2;
+    const Domain domain = Domain::rectangle(2, 1).value();  // in the unit frame 1 x 0.5
+    Random random(1, 0);
+    int far = 0;
+    for (const double share : {0.5, 0.02, 0.001}) {
+        const Density density =
+            grid_of(60, 30, [&](int i, int j) { return random.uniform() < share || i + j == 0 ? 1.0 : 0.0; });
+        const Ink ink(domain, density);
+        for (int k = 0; k < 2000; ++k) {
+            const Point p{random.uniform(), 0.5 * random.uniform()}, g = 60 * p;
+            const double distance = distance_to_ink(density, g);
+            const Point found = ink.nearest(p, kReach), q = 60 * found;
+            if (distance > kReach * 60) {
+                ++far;
+                if (found == p) continue;
+            }
+            ASSERT_EQ(count_on_white(domain, density, {2 * found}), 0u) << p.x << ' ' << p.y;
+            // Cells are looked at in squares, whose corners lie further away than their sides.
+            ASSERT_LE(std::sqrt(dot(q - g, q - g)), std::sqrt(2.0) * distance + 0.2) << p.x << ' ' << p.y;
+        }
+    }
+    EXPECT_GT(far, 0) << "some are out of reach";
+}
+
+TEST(Ink, LeavesPointsWithDensityWhereTheyAre) {
+    const Domain domain = domain_of(kSquare);
+    const Density density = grid_of(10, 10, [](int i, int) { return i < 5 ? 1.0 : 0.0; });
+    const Ink ink(domain, density);
+    EXPECT_EQ(ink.nearest({0.25, 0.75}, 1), (Point{0.25, 0.75}));
+    EXPECT_EQ(ink.nearest({0.33, 0.05}, 1), (Point{0.33, 0.05}));
+}
+
+TEST(Ink, GivesUpWhereThereIsNone) {
+    const Density corner = grid_of(1000, 1000, [](int i, int j) { return i + j == 0 ? 1.0 : 0.0; });
+    const Ink ink(domain_of(kSquare), corner);
+    EXPECT_EQ(ink.nearest({0.9, 0.9}, 0.01), (Point{0.9, 0.9}));
+    const Point found = ink.nearest({0.9, 0.9}, 2);
+    EXPECT_TRUE(found.x > 0 && found.x < 0.001 && found.y > 0 && found.y < 0.001) << found.x << ' ' << found.y;
+}
+
+/// The domain in its unit frame; the first ring is an outer one, and for what is inside the others' kinds do not
+/// matter.
+Parts unit_parts(const Domain& domain) {
+    const auto& rings = domain.rings();
+    return {{rings[0], {rings.begin() + 1, rings.end()}}};
+}
+
+void expect_sound(const Domain& domain, const Density& density, std::size_t sites, const PolishOptions& options) {
+    StartMesh start(domain, density, {.sites = sites, .seed = sites});
+    Triangulation& mesh = start.mesh;
+    Polish polish(domain, density, sites);
+    for (int round = 0; round < 4; ++round) {
+        const auto before = mesh.points();
+        polish.refine(mesh, options, {});
+        ASSERT_EQ(count_inverted(mesh), 0u) << "round " << round;
+        for (std::size_t v = sites; v < before.size(); ++v) ASSERT_EQ(mesh.points()[v], before[v]) << "border";
+        EXPECT_TRUE(sites < 1000 || before != mesh.points()) << "nothing has moved";
+        const std::vector<Point> at(mesh.points().begin(), mesh.points().begin() + static_cast<std::ptrdiff_t>(sites));
+        if (domain.is_torus()) {
+            for (const Point p : at) ASSERT_EQ(p, snapped(p));
+        } else {
+            EXPECT_EQ(test::count_outside(unit_parts(domain), at), 0u);
+        }
+        mesh.restore_delaunay();
+        ASSERT_EQ(count_inverted(mesh), 0u) << "round " << round;
+        ASSERT_EQ(test::count_not_delaunay(mesh), 0u) << "round " << round;
+        ASSERT_EQ(test::count_bad_links(mesh), 0u) << "round " << round;
+    }
+}
+
+TEST(Polish, KeepsTrianglesAndSitesInside) {
+    const std::vector<std::pair<const char*, Domain>> domains{
+        {"square", domain_of(kSquare)},
+        {"strip", domain_of({{test::box(0, 0, 50, 1), {}}})},
+        {"sieve", domain_of({test::sieve(5)})},
+        {"needles", domain_of({{test::star({0, 0}, 1, 0.05, 24), {}}})},
+        {"South Africa", domain_of(test::read_geojson("South-Africa-50m.geojson"))},
+        {"Switzerland", domain_of(test::read_geojson("Switzerland-10m.geojson"))},
+        {"torus", Domain::torus(1, 1).value()},
+        {"long torus", Domain::torus(1, 40).value()}};
+    const PolishOptions strong{.rounds = 20, .reach = 1, .push = 0.5};
+    for (const auto& [name, domain] : domains) {
+        for (const std::size_t sites : {1, 2, 5, 50, 1000}) {
+            SCOPED_TRACE(std::string(name) + ", " + std::to_string(sites));
+            expect_sound(domain, Density::uniform(), sites, strong);
+            expect_sound(domain, portrait(), sites, strong);
+            expect_sound(domain, test::pear(), sites, {});
+        }
+    }
+}
+
+/// Shifted places are exact only while none lies far from the box: few sites on a steep density wander, together.
+TEST(Polish, KeepsPlacesNearTheBoxOfATorus) {
+    const Domain torus = Domain::torus(1, 1).value();
+    for (std::uint64_t seed = 3300; seed < 3340; ++seed) {
+        Random random(seed, 0);
+        const int width = 1 + static_cast<int>(6 * random.uniform()),
+                  height = 1 + static_cast<int>(6 * random.uniform());
+        const Density steep =
+            grid_of(width, height, [&](int, int) { return std::pow(10.0, 12 * random.uniform() - 6); });
+        StartMesh start(torus, steep, {.sites = 2 + seed % 4, .seed = seed});
+        Polish polish(torus, steep, start.mesh.site_count());
+        polish.refine(start.mesh, {.rounds = 20}, {});
+        for (const Point p : start.mesh.points()) {
+            EXPECT_TRUE(std::abs(p.x) < 2 && std::abs(p.y) < 2) << "seed " << seed << ": " << p.x << ' ' << p.y;
+        }
+    }
+}
+
+/// Density in one corner alone, which is as far away as can be in a domain of any proportions.
+TEST(Polish, ClearsGapsOfAnyProportions) {
+    const Density corner = grid_of(10, 100, [](int i, int j) { return i + j == 0 ? 1.0 : 0.0; });
+    for (const auto& [width, height] : {std::pair{20.0, 1.0}, {1.0, 1.0}, {1.0, 20.0}}) {
+        for (const Domain& domain : {Domain::rectangle(width, height).value(), Domain::torus(width, height).value()}) {
+            const Point sides = domain.unit_bounds().max;
+            std::vector<Point> sites{{0.9 * sides.x, 0.5 * sides.y}, {0.05 * sides.x, 0.9 * sides.y}};
+            const Polish polish(domain, corner, sites.size());
+            EXPECT_TRUE(polish.clear_gaps(sites));
+            for (Point& p : sites) p = domain.to_user(p);
+            EXPECT_EQ(count_on_white(domain, corner, sites), 0u) << width << " x " << height;
+        }
+    }
+}
+
+TEST(Polish, MovesNothingOnceStopped) {
+    std::stop_source source;
+    source.request_stop();
+    StartMesh start(domain_of(kSquare), portrait(), {.sites = 200, .seed = 1});
+    const auto before = start.mesh.points();
+    Polish polish(start.domain, start.density, 200);
+    polish.refine(start.mesh, {}, source.get_token());
+    EXPECT_EQ(start.mesh.points(), before);
+    std::vector<Point> sites(before.begin(), before.begin() + 200);
+    const auto drawn = sites;
+    polish.even_out(sites, source.get_token());
+    EXPECT_EQ(sites, drawn);
+}
+
+Distribution run(const Domain& domain, const Density& density, const Options& options) {
+    return distribute(domain, density, options).value();
+}
+
+TEST(Polish, LeavesNoSiteOnWhite) {
+    struct Picture {
+        const char* name;
+        Density density;
+        Domain domain;
+    };
+    const std::vector<Picture> pictures{{"pear", test::pear(), domain_of(kSquare)},
+                                        {"lines", test::thin_lines(), domain_of(kSquare)},
+                                        {"strokes", test::strokes(), Domain::rectangle(240, 120).value()},
+                                        {"pear around a torus", test::pear(), Domain::torus(3, 3).value()}};
+    for (const auto& [name, density, domain] : pictures) {
+        std::size_t draft = 0;
+        for (std::uint64_t seed = 0; seed < 3; ++seed) {
+            for (const std::size_t sites : {1, 30, 3000}) {
+                for (const Quality quality : {Quality::Standard, Quality::Best}) {
+                    const auto points = run(domain, density, {.sites = sites, .seed = seed, .quality = quality}).points;
+                    EXPECT_EQ(count_on_white(domain, density, points), 0u) << name << ", " << sites;
+                    EXPECT_EQ(test::count_distinct(points), sites) << name;
+                }
+                draft += count_on_white(
+                    domain, density,
+                    run(domain, density, {.sites = sites, .seed = seed, .quality = Quality::Draft}).points);
+            }
+        }
+        EXPECT_GT(draft, 0u) << name << ": equal triangles alone would do";
+    }
+}
+
+struct Pattern {
+    double long_waves = 0;    ///< power below half the principal frequency
+    double min_distance = 0;  ///< over that of the densest packing
+};
+
+Pattern pattern_of(const Domain& domain, Quality quality) {
+    std::vector<std::vector<Point>> sets;
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+        sets.push_back(run(domain, Density::uniform(), {.sites = 4096, .seed = seed, .quality = quality}).points);
+    }
+    const auto analysis = analyse(sets, domain, {.max_frequency = 1}).value();
+    return {analysis.low_frequency_power.value(), analysis.min_distance};
+}
+
+TEST(Polish, LowersLongWavesAndKeepsNeighboursApart) {
+    for (const Domain& domain : {Domain::torus(1, 1).value(), Domain::rectangle(1, 1).value()}) {
+        const Pattern draft = pattern_of(domain, Quality::Draft), standard = pattern_of(domain, Quality::Standard),
+                      best = pattern_of(domain, Quality::Best);
+        SCOPED_TRACE(domain.is_torus() ? "torus" : "box");
+        EXPECT_LT(standard.long_waves, 0.35 * draft.long_waves);
+        EXPECT_LT(best.long_waves, 0.1 * draft.long_waves);
+        EXPECT_GT(standard.min_distance, 1.12 * draft.min_distance);
+        EXPECT_GT(best.min_distance, 1.12 * draft.min_distance);
+    }
+}
+
+TEST(Polish, GivesTheSameBytesAgain) {
+    for (const Domain& domain : {Domain::torus(2, 1).value(), Domain::rectangle(2, 1).value()}) {
+        for (const Quality quality : {Quality::Draft, Quality::Standard, Quality::Best}) {
+            for (const Density& density : {Density::uniform(), test::pear()}) {
+                const Options options{.sites = 1000, .seed = 6, .quality = quality};
+                EXPECT_EQ(run(domain, density, options).points, run(domain, density, options).points);
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace ccdt

@@ -1,0 +1,149 @@
+#include "core/polish/spline_grid.h"
+
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+
+namespace ccdt {
+namespace {
+
+constexpr double kTau = 6.283185307179586;
+constexpr double kError = 3e-4;            // what the header promises
+constexpr double kHighestFrequency = 0.2;  // that it promises it for, in cycles a cell
+
+struct Weighted {
+    Point place;
+    double value;
+};
+
+std::vector<Weighted> random_points(Point sides, std::size_t count) {
+    Random random(1, count);
+    std::vector<Weighted> points(count);
+    for (Weighted& p : points) {
+        p = {{sides.x * random.uniform(), sides.y * random.uniform()}, 2 * random.uniform() - 0.5};
+    }
+    return points;
+}
+
+/// Sum over points of value e^(-i 2 pi f.p), in a box of value cos(2 pi f_x x) cos(2 pi f_y y) and its four copies.
+std::complex<double> direct_sum(const SplineGrid& grid, bool torus, const std::vector<Weighted>& points, Point f) {
+    std::complex<double> sum;
+    for (const auto& [p, value] : points) {
+        if (torus) {
+            sum += value * std::polar(1.0, -kTau * dot(f, p));
+        } else {
+            sum += grid.copies() * value * std::cos(kTau * f.x * p.x) * std::cos(kTau * f.y * p.y);
+        }
+    }
+    return sum;
+}
+
+/// Largest error of the frequencies that are promised, over the sum of the values' magnitudes.
+double largest_error(SplineGrid& grid, bool torus, const std::vector<Weighted>& points) {
+    grid.clear();
+    double magnitude = 0;
+    for (const auto& [place, value] : points) {
+        grid.spread(place, value);
+        magnitude += grid.copies() * std::abs(value);
+    }
+    grid.transform();
+    double largest = 0;
+    std::size_t compared = 0;
+    grid.with_coefficients([&](auto coefficients) {
+        grid.for_frequencies([&](std::size_t number, int i, int j) {
+            const Point f = grid.frequency(i, j);
+            if (std::hypot(f.x * grid.cell().x, f.y * grid.cell().y) > kHighestFrequency) return;
+            ++compared;
+            const std::complex<double> found = coefficients[number] / grid.window(i, j);
+            largest = std::max(largest, std::abs(found - direct_sum(grid, torus, points, f)) / magnitude);
+        });
+    });
+    EXPECT_GT(compared, 20u);
+    return largest;
+}
+
+TEST(SplineGrid, SumsWavesOnATorus) {
+    for (const Point sides : {Point{1, 1}, Point{1, 0.375}}) {
+        SplineGrid grid(true, sides, 32, 24);
+        EXPECT_LT(largest_error(grid, true, random_points(sides, 1)), kError);
+        EXPECT_LT(largest_error(grid, true, random_points(sides, 50)), kError);
+    }
+}
+
+TEST(SplineGrid, SumsWavesInABox) {
+    for (const Point sides : {Point{1, 1}, Point{0.375, 1}}) {
+        SplineGrid grid(false, sides, 32, 24);
+        EXPECT_LT(largest_error(grid, false, random_points(sides, 1)), kError);
+        EXPECT_LT(largest_error(grid, false, random_points(sides, 50)), kError);
+    }
+}
+
+TEST(SplineGrid, SumsWavesOfPointsOnItsSides) {
+    const Point sides{1, 0.75};
+    const double below = std::nextafter(0.75, 0.0), most = std::nextafter(1.0, 0.0);
+    const std::vector<Weighted> points{{{0, 0}, 1},     {{1, 0.75}, 1},     {{0, 0.75}, 2},      {{1, 0.3}, 0.5},
+                                       {{0.2, 0}, 1.5}, {{most, below}, 1}, {{1e-300, below}, 1}};
+    for (const bool torus : {true, false}) {
+        SplineGrid grid(torus, sides, 32, 24);
+        EXPECT_LT(largest_error(grid, torus, points), kError) << torus;
+        for (const Weighted& point : points) EXPECT_LT(largest_error(grid, torus, {point}), kError) << torus;
+    }
+}
+
+TEST(SplineGrid, TakesPointsAnywhereAroundATorus) {
+    // The last one is so little below 0 that its share of the period rounds to 1.
+    const std::vector<Weighted> around{{{-0.25, 1.5}, 1}, {{1.75, -0.875}, 1}, {{-1, 2}, 1}, {{-1e-18, -1e-18}, 1}};
+    SplineGrid grid(true, {1, 1}, 30, 30);
+    EXPECT_LT(largest_error(grid, true, around), kError);
+}
+
+TEST(SplineGrid, KeepsWhatWasSpread) {
+    for (const bool torus : {true, false}) {
+        SplineGrid grid(torus, {1, 0.5}, 16, 8);
+        const auto points = random_points({1, 0.5}, 100);
+        double total = 0;
+        grid.clear();
+        for (const auto& [place, value] : points) {
+            grid.spread(place, value);
+            total += value;
+        }
+        grid.transform();
+        grid.with_coefficients(
+            [&](auto coefficients) { EXPECT_NEAR(std::abs(coefficients[0]), grid.copies() * total, 1e-12 * total); });
+    }
+}
+
+TEST(SplineGrid, HasTheGradientOfAWave) {
+    const Point sides{1, 0.75};
+    for (const bool torus : {true, false}) {
+        for (const auto& [i, j] : {std::pair{1, 1}, {3, 2}, {5, 1}}) {
+            SplineGrid grid(torus, sides, 32, 24);
+            grid.with_coefficients([&, i = i, j = j](auto coefficients) {
+                for (auto& coefficient : coefficients) coefficient = 0;
+                coefficients[grid.number(i, j)] = 1 / grid.window(i, j);
+            });
+            grid.transform_back();
+            const Point f = kTau * grid.frequency(i, j);
+            auto points = random_points(sides, 100);
+            for (const Point p : {Point{0, 0}, Point{1, 0.75}, Point{0, 0.75}, Point{1, 0}}) points.push_back({p, 1});
+            for (const auto& [p, value] : points) {
+                // A coefficient of 1 stands for 2 cos(f.p) on a torus and for 4 cos(f_x x) cos(f_y y) in a box.
+                const Point along = -2 * std::sin(dot(f, p)) * f;
+                const Point mirrored{-4 * f.x * std::sin(f.x * p.x) * std::cos(f.y * p.y),
+                                     -4 * f.y * std::cos(f.x * p.x) * std::sin(f.y * p.y)};
+                const Point wanted = torus ? along : mirrored, found = grid.gradient(p);
+                const double steepest = 4 * std::sqrt(dot(f, f));
+                EXPECT_NEAR(found.x, wanted.x, 1e-3 * steepest) << torus << ' ' << i << ' ' << j;
+                EXPECT_NEAR(found.y, wanted.y, 1e-3 * steepest) << torus << ' ' << i << ' ' << j;
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace ccdt

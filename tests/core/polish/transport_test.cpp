@@ -1,0 +1,142 @@
+#include "core/polish/transport.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include <gtest/gtest.h>
+
+#include "core/ccdt/ccdt.h"
+#include "core/random.h"
+#include "tests/support/meshes.h"
+
+namespace ccdt {
+namespace {
+
+using test::grid_of;
+
+constexpr double kPi = 3.141592653589793;
+constexpr std::size_t kSites = 3600;
+
+Density waves() {
+    return grid_of(90, 90, [](int i, int j) {
+        return 1 + 0.5 * std::sin(2 * kPi * (i + 0.5) / 90) * std::cos(2 * kPi * (j + 0.5) / 90);
+    });
+}
+
+/// How much of the wave cos(pi x column) there is in sites, and would be if they stood as the density wants.
+double amplitude(const std::vector<Point>& sites, int column) {
+    double sum = 0;
+    for (const Point p : sites) sum += std::cos(kPi * column * p.x);
+    return sum / static_cast<double>(sites.size());
+}
+
+double amplitude(const Density& density, int column) {
+    if (density.is_uniform()) return 0;
+    double sum = 0;
+    for (int j = 0; j < density.height(); ++j) {
+        for (int i = 0; i < density.width(); ++i) {
+            sum += density.value(i, j) * std::cos(kPi * column * (i + 0.5) / density.width());
+        }
+    }
+    return sum / density.total();
+}
+
+/// Share of a long wave's error that is left after a round.
+double left_of_wave(const Domain& domain, const Density& density, int column) {
+    auto sites = distribute(domain, density, {.sites = kSites, .seed = 3})->points;
+    // To first order these moves, shorter than a round may make, add pi column longest cos(pi column x) to a uniform
+    // density.
+    const double longest = 0.15 / std::sqrt(static_cast<double>(kSites));
+    for (Point& p : sites) p.x -= longest * std::sin(kPi * column * p.x);
+    const double wanted = amplitude(density, column), before = amplitude(sites, column) - wanted;
+    EXPECT_GT(before, 0.4 * kPi * column * longest);
+    Transport transport(domain, density, kSites);
+    std::vector<Point> moves(kSites);
+    transport.displacements(sites, moves);
+    for (std::size_t i = 0; i < kSites; ++i) sites[i] = sites[i] + moves[i];
+    return std::abs(amplitude(sites, column) - wanted) / before;
+}
+
+TEST(Transport, RemovesALongWave) {
+    const Domain box = Domain::rectangle(1, 1).value(), torus = Domain::torus(1, 1).value();
+    for (const int column : {2, 4, 8, 14}) {
+        SCOPED_TRACE(column);
+        EXPECT_LT(left_of_wave(box, Density::uniform(), column), 0.05);
+        EXPECT_LT(left_of_wave(torus, Density::uniform(), column), 0.05);
+        EXPECT_LT(left_of_wave(box, waves(), column), 0.1);
+        EXPECT_LT(left_of_wave(torus, waves(), column), 0.1);
+    }
+    // A box has waves of which only half fits.
+    EXPECT_LT(left_of_wave(box, Density::uniform(), 3), 0.05);
+    EXPECT_LT(left_of_wave(box, waves(), 5), 0.1);
+}
+
+TEST(Transport, LeavesALatticeWhereItIs) {
+    constexpr int kSide = 60;
+    std::vector<Point> sites;
+    for (int j = 0; j < kSide; ++j) {
+        for (int i = 0; i < kSide; ++i) sites.push_back({(i + 0.5) / kSide, (j + 0.5) / kSide});
+    }
+    std::vector<Point> moves(sites.size());
+    for (const Domain& domain : {Domain::rectangle(1, 1).value(), Domain::torus(1, 1).value()}) {
+        Transport transport(domain, Density::uniform(), sites.size());
+        transport.displacements(sites, moves);
+        for (const Point move : moves) ASSERT_LT(std::sqrt(dot(move, move)), 1e-3 / kSide);
+    }
+}
+
+TEST(Transport, MovesNoSiteFurtherThanAQuarterOfItsSpacing) {
+    Random random(4, 0);
+    const Density noise = grid_of(40, 40, [&](int, int) { return std::pow(10.0, -4 * random.uniform()); });
+    std::vector<Point> sites(kSites), moves(kSites);
+    for (Point& p : sites) p = {random.uniform() * random.uniform(), random.uniform()};
+    for (const Domain& domain : {Domain::rectangle(1, 1).value(), Domain::torus(1, 1).value()}) {
+        for (const Density& density : {Density::uniform(), noise}) {
+            Transport transport(domain, density, kSites);
+            transport.displacements(sites, moves);
+            double longest = 0;
+            for (std::size_t i = 0; i < kSites; ++i) {
+                longest = std::max(longest, std::sqrt(dot(moves[i], moves[i])) / transport.spacing(sites[i]));
+            }
+            EXPECT_LE(longest, 0.25 * (1 + 1e-12));
+            EXPECT_GT(longest, 0.2) << "half of the sites are where a quarter of them should be";
+        }
+    }
+}
+
+TEST(Transport, KnowsTheSpacing) {
+    const Domain box = Domain::rectangle(2, 1).value();
+    EXPECT_DOUBLE_EQ(Transport(box, Density::uniform(), 200).spacing({0.3, 0.2}), 0.05);
+    const Density halves = grid_of(2, 1, [](int i, int) { return i == 0 ? 1.0 : 4.0; });
+    const Transport transport(box, halves, 10'000);
+    EXPECT_NEAR(transport.spacing({0.25, 0.25}), std::sqrt(0.25 / 2000), 1e-3 * std::sqrt(0.25 / 2000));
+    EXPECT_NEAR(transport.spacing({0.75, 0.25}), std::sqrt(0.25 / 8000), 1e-3 * std::sqrt(0.25 / 8000));
+}
+
+/// What a site's move is does not depend on where a torus is cut.
+TEST(Transport, HasNoSeam) {
+    const Domain torus = Domain::torus(1, 1).value();
+    Random random(5, 0);
+    std::vector<Point> sites(500), moves(500), moved_moves(500);
+    for (Point& p : sites) p = {random.uniform(), random.uniform()};
+    // By whole cells of any grid that is a multiple of 2 on a side: the spline's own error is the same.
+    std::vector<Point> moved = sites;
+    for (Point& p : moved) p = p + Point{0.5, -0.5};
+    for (const bool uniform : {true, false}) {
+        const auto value = [](int i, int j) { return 1 + 0.5 * std::sin(0.3 * i) + (j > 20 ? 1 : 0); };
+        const Density density = uniform ? Density::uniform() : grid_of(40, 40, value);
+        const Density shifted =
+            uniform ? Density::uniform()
+                    : grid_of(40, 40, [&](int i, int j) { return value((i + 20) % 40, (j + 20) % 40); });
+        Transport(torus, density, 500).displacements(sites, moves);
+        Transport(torus, shifted, 500).displacements(moved, moved_moves);
+        for (std::size_t i = 0; i < sites.size(); ++i) {
+            EXPECT_NEAR(moves[i].x, moved_moves[i].x, 1e-9);
+            EXPECT_NEAR(moves[i].y, moved_moves[i].y, 1e-9);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace ccdt
