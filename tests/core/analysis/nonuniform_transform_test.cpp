@@ -1,0 +1,108 @@
+#include "core/analysis/nonuniform_transform.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+
+namespace ccdt {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kError = 1e-10;        // of the sum of |weights|
+constexpr double kErrorOfNoise = 1e-9;  // of its root
+
+std::vector<WeightedPoint> noise(std::size_t count) {
+    Random random(7, 0);
+    std::vector<WeightedPoint> points(count);
+    for (auto& point : points) point = {{random.uniform(), random.uniform()}, 1};
+    return points;
+}
+
+/// The sum itself, point by point.
+Complex direct_sum(const std::vector<WeightedPoint>& points, int i, int j) {
+    Complex sum;
+    for (const auto& [position, weight] : points) {
+        sum += std::polar(weight, -2 * std::numbers::pi * (i * position.x + j * position.y));
+    }
+    return sum;
+}
+
+/// The largest difference from the sums over all frequencies.
+double largest_error(const std::vector<WeightedPoint>& points, int highest_x, int highest_y) {
+    NonuniformTransform transform(highest_x, highest_y);
+    transform.run(points, {});
+    double largest = 0;
+    for (int i = 0; i <= highest_x; ++i) {
+        for (int j = -highest_y; j <= highest_y; ++j) {
+            largest = std::max(largest, std::abs(transform.value(i, j) - direct_sum(points, i, j)));
+        }
+    }
+    return largest;
+}
+
+TEST(NonuniformTransform, IsTheSumOverPointsWithoutStructure) {
+    const auto points = noise(400);
+    EXPECT_LT(largest_error(points, 40, 40), kErrorOfNoise * std::sqrt(400));
+}
+
+TEST(NonuniformTransform, IsTheSumUnderAnyWeights) {
+    auto points = noise(300);
+    double sum = 0;
+    Random random(8, 0);
+    for (auto& point : points) {
+        point.weight = 2 * random.uniform() - 1;
+        sum += std::abs(point.weight);
+    }
+    EXPECT_LT(largest_error(points, 30, 30), kError * sum);
+}
+
+TEST(NonuniformTransform, IsTheSumOnGridsOfAnyShape) {
+    const auto points = noise(100);
+    EXPECT_LT(largest_error(points, 0, 0), kError * 100);
+    EXPECT_LT(largest_error(points, 200, 0), kError * 100);
+    EXPECT_LT(largest_error(points, 1, 150), kError * 100);
+    EXPECT_LT(largest_error(points, 31, 47), kError * 100);
+}
+
+TEST(NonuniformTransform, IsTheSumAtTheBorder) {
+    std::vector<WeightedPoint> points;
+    for (const double x : {0.0, 0x1p-60, 0.5, 1 - 0x1p-53, 1.0}) {
+        for (const double y : {0.0, 0.25, 1.0}) points.push_back({{x, y}, 1});
+    }
+    EXPECT_LT(largest_error(points, 25, 25), kError * static_cast<double>(points.size()));
+}
+
+TEST(NonuniformTransform, IsTheSumOverALattice) {
+    // All terms agree at some frequencies, beyond the highest one too: the most that can be folded back.
+    std::vector<WeightedPoint> points;
+    for (int r = 0; r < 16; ++r) {
+        for (int c = 0; c < 16; ++c) points.push_back({{c / 16.0, r / 16.0}, 1});
+    }
+    EXPECT_LT(largest_error(points, 40, 40), kError * 256);
+}
+
+TEST(NonuniformTransform, ForgetsTheRunBefore) {
+    const auto points = noise(50);
+    NonuniformTransform fresh(10, 10), used(10, 10);
+    used.run(noise(80), {});
+    used.run(points, {});
+    fresh.run(points, {});
+    for (int i = 0; i <= 10; ++i) {
+        for (int j = -10; j <= 10; ++j) EXPECT_EQ(used.value(i, j), fresh.value(i, j));
+    }
+}
+
+TEST(NonuniformTransform, TellsItsSizeBeforehand) {
+    EXPECT_EQ(NonuniformTransform::cells(100, 50), 400 * 200);
+    EXPECT_EQ(NonuniformTransform::cells(0, 0), 24 * 24);
+    EXPECT_GT(NonuniformTransform::cells(1e200, 1), 1e200);
+}
+
+}  // namespace
+}  // namespace ccdt
