@@ -1,0 +1,44 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "core/density/density.h"
+#include "core/geometry/domain.h"
+#include "core/geometry/point.h"
+#include "core/mesh/triangulation.h"
+
+namespace ccdt {
+
+/// A triangle of a domain, counter-clockwise, and what each edge adds to its mass by Green's theorem.
+struct Part {
+    std::array<Point, 3> corners;
+    std::array<double, 3> flows;  ///< along the edge after each corner
+
+    double mass() const { return std::max(0.0, flows[0] + flows[1] + flows[2]); }
+};
+
+/// Cuts a domain into ever smaller triangles of known mass, the exact integral of a density over them.
+class Bisection {
+public:
+    /// @param density  must outlive this
+    Bisection(const Domain& domain, const Density& density);
+
+    /// The triangles to begin with: a box cut in two, or else those of the mesh.
+    std::vector<Part> parts_of(const Domain& domain, const Triangulation& mesh) const;
+
+    /// A triangle cut in two across its longest edge. O(cells of the density crossed).
+    std::array<Part, 2> halves(const Part& part) const;
+
+    /// Density per unit of area.
+    double at(Point p) const;
+
+private:
+    double flow(Point a, Point b) const;
+
+    const Density& density_;
+    Point to_grid_{1, 1};  ///< cells per unit
+};
+
+}  // namespace ccdt

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "core/geometry/domain.h"
+#include "core/geometry/point.h"
+
+namespace ccdt {
+
+/// The copies of a point around a torus. In other domains there is the point alone.
+class Images {
+public:
+    explicit Images(const Domain& domain) {
+        if (!domain.is_torus()) return;
+        period_ = domain.unit_bounds().max;
+        half_ = 0.5 * period_;
+    }
+
+    bool is_torus() const { return period_.x > 0; }
+
+    /// How far apart they are; {0, 0} if there is the point alone.
+    Point period() const { return period_; }
+
+    /// The shortest of the ways between copies of two points, given any that is less than one and a half periods long.
+    Point shortest(Point way) const {
+        return {shortest(way.x, period_.x, half_.x), shortest(way.y, period_.y, half_.y)};
+    }
+
+    /// The copy in the box [0, period).
+    Point in_box(Point p) const { return is_torus() ? Point{in_box(p.x, period_.x), in_box(p.y, period_.y)} : p; }
+
+private:
+    static double shortest(double way, double period, double half) {
+        way -= way > half ? period : 0;
+        return way + (way < -half ? period : 0);
+    }
+
+    static double in_box(double x, double period) {
+        const double inside = x - std::floor(x / period) * period;
+        return inside < period ? inside : 0;
+    }
+
+    Point period_{0, 0};
+    Point half_{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+};
+
+}  // namespace ccdt

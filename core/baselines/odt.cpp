@@ -1,0 +1,142 @@
+#include "core/baselines/odt.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "core/baselines/site_mesh.h"
+
+namespace ccdt {
+
+namespace {
+
+/// One pass over all sites after the other.
+class Circumcentres {
+public:
+    Circumcentres(SiteMesh& sites, const std::stop_token& stop)
+        : sites_(sites), mesh_(sites.mesh()), stop_(stop), least_height_(std::max(1e-9, sites.domain().resolution())) {}
+
+    /// @returns  false if no site moves
+    bool step();
+
+private:
+    /// A triangle at the site: the ways to its other corners, counter-clockwise, and what its area counts for.
+    struct Corner {
+        Point from, to;
+        double weight;
+    };
+
+    void weigh();
+    bool touches_border(std::uint32_t triangle) const;
+    void look_around(std::uint32_t site);
+    Point way_to_mean() const;
+    bool fits(Point by) const;
+    bool move(std::uint32_t site);
+
+    SiteMesh& sites_;
+    Triangulation& mesh_;
+    const std::stop_token& stop_;
+    double least_height_;
+    std::vector<double> capacities_;  ///< [triangles]
+    std::vector<double> weights_;     ///< [triangles]
+    std::vector<Corner> around_;
+    bool is_alone_ = false;  ///< around a torus with few sites one may be its own neighbour
+};
+
+bool Circumcentres::step() {
+    constexpr std::uint32_t kStopStride = 65536;
+    weigh();
+    bool moves = false;
+    for (std::uint32_t site = 0; site < mesh_.site_count(); ++site) {
+        if (site % kStopStride == 0 && stop_.stop_requested()) break;
+        moves |= move(site);
+    }
+    mesh_.restore_delaunay();
+    return moves;
+}
+
+void Circumcentres::weigh() {
+    // Measured: what brings the density along the border closest to the wanted one.
+    constexpr double kBorderWeight = 2;
+    const Capacity& capacity = sites_.capacity();
+    if (!capacity.is_uniform()) capacity.of_triangles(mesh_, capacities_);
+    weights_.assign(mesh_.triangle_count(), 1);
+    for (std::uint32_t t = 0; t < weights_.size(); ++t) {
+        if (!capacity.is_uniform()) {
+            const double mean = std::max(0.0, capacities_[t]) / (0.5 * mesh_.doubled_area(t) * capacity.densest());
+            weights_[t] = mean * std::sqrt(mean);
+        }
+        if (touches_border(t)) weights_[t] *= kBorderWeight;
+    }
+}
+
+bool Circumcentres::touches_border(std::uint32_t triangle) const {
+    return std::ranges::any_of(mesh_.corners(triangle), [this](std::uint32_t v) { return !mesh_.is_site(v); });
+}
+
+void Circumcentres::look_around(std::uint32_t site) {
+    around_.clear();
+    is_alone_ = false;
+    const std::uint32_t first = mesh_.edge_of(site);
+    std::uint32_t h = first;
+    do {
+        const std::uint32_t last = Triangulation::previous(h);
+        is_alone_ |= mesh_.target(h) == site;
+        around_.push_back({mesh_.along(h), Point{} - mesh_.along(last), weights_[Triangulation::triangle_of(h)]});
+        h = mesh_.twin(last);
+    } while (h != first);
+}
+
+/// Circumcentres times areas need no division: they are quadratic forms of the corners.
+Point Circumcentres::way_to_mean() const {
+    double area = 0;
+    Point moment;
+    for (const auto& [p, q, weight] : around_) {
+        const double pp = dot(p, p), qq = dot(q, q);
+        area += weight * 2 * cross(p, q);
+        moment = moment + weight * Point{q.y * pp - p.y * qq, p.x * qq - q.x * pp};
+    }
+    return area > 0 ? 1 / area * moment : Point{};
+}
+
+/// Whether no triangle loses more than 90 % of its area, or its height, on the way.
+bool Circumcentres::fits(Point by) const {
+    constexpr double kKeptArea = 0.1;
+    constexpr double kLeastShape = 1e-5;  // doubled area over the longest edge squared
+    return std::ranges::all_of(around_, [&](const Corner& corner) {
+        const Point from = corner.from - by, to = corner.to - by;
+        const double longest = std::max({dot(from, from), dot(to, to), dot(to - from, to - from)});
+        const double least = std::max(kLeastShape * longest, least_height_ * std::sqrt(longest));
+        const double before = cross(corner.from, corner.to);
+        return cross(from, to) >= std::max(kKeptArea * before, std::min(least, before));
+    });
+}
+
+bool Circumcentres::move(std::uint32_t site) {
+    constexpr int kHalvings = 8;
+    constexpr double kRest = 1e-12;  // in the unit frame; less is rounding
+    look_around(site);
+    if (is_alone_) return false;
+    Point by = way_to_mean();
+    for (int i = 0; i < kHalvings; ++i, by = 0.5 * by) {
+        const Point from = mesh_.point(site);
+        const Point to = mesh_.is_torus() ? snapped(from + by) : from + by;
+        if (dot(to - from, to - from) < kRest * kRest) return false;
+        if (!fits(to - from)) continue;
+        mesh_.points()[site] = to;
+        return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+Result<Distribution> odt(const Domain& domain, const Density& density, const Options& options, const Control& control) {
+    auto sites = SiteMesh::create(domain, density, options, control.stop);
+    if (!sites) return tl::unexpected(sites.error());
+    Circumcentres circumcentres(*sites, control.stop);
+    return sites->iterate(options, control, [&] { return circumcentres.step(); });
+}
+
+}  // namespace ccdt

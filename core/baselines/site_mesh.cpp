@@ -1,0 +1,190 @@
+#include "core/baselines/site_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/baselines/images.h"
+#include "core/ccdt/placement.h"
+#include "core/ccdt/start.h"
+#include "core/geometry/delaunay.h"
+
+namespace ccdt {
+
+namespace {
+
+std::optional<Error> check(const Options& options) {
+    constexpr std::size_t kMaxSites = std::size_t{1} << 28;  // half-edges are numbered in 32 bits
+    if (options.sites < 1 || options.sites > kMaxSites) {
+        return Error{ErrorCode::Malformed, "sites must lie between 1 and " + std::to_string(kMaxSites), "sites"};
+    }
+    if (options.iterations < 0) return Error{ErrorCode::Malformed, "iterations must not be negative", "iterations"};
+    if (options.tolerance && !(*options.tolerance > 0)) {
+        return Error{ErrorCode::Malformed, "tolerance must be positive", "tolerance"};
+    }
+    return std::nullopt;
+}
+
+/// @param border  out: what lies around it
+Result<Triangulation> empty_mesh(const Domain& domain, const Capacity& capacity, std::size_t sites, Border& border) {
+    if (domain.is_torus()) return Triangulation(sites, domain.unit_bounds().max);
+    border = make_border(domain, capacity, sites);
+    auto scaffold = triangulate(border);
+    if (!scaffold) {
+        // Vertices set on the edges round off them; where two edges almost touch, that can make them cross.
+        border = bare_border(domain);
+        scaffold = triangulate(border);
+    }
+    if (!scaffold) return failure(ErrorCode::Internal, "the domain cannot be triangulated");
+    return Triangulation(sites, *scaffold);
+}
+
+}  // namespace
+
+SiteMesh::SiteMesh(const Domain& domain, const Density& density, Border border, Triangulation empty)
+    : domain_(&domain),
+      density_(&density),
+      capacity_(domain, density),
+      border_(std::move(border)),
+      empty_(std::move(empty)),
+      mesh_(empty_) {}
+
+Result<SiteMesh> SiteMesh::create(const Domain& domain, const Density& density, const Options& options,
+                                  const std::stop_token& stop) {
+    if (auto error = check(options)) return tl::unexpected(*error);
+    const Capacity capacity(domain, density);
+    if (!(capacity.total() > 0)) {
+        return failure(ErrorCode::Unusable, "the density is zero all over the domain", "density");
+    }
+    Border border;
+    auto empty = empty_mesh(domain, capacity, options.sites, border);
+    if (!empty) return tl::unexpected(empty.error());
+    SiteMesh sites(domain, density, std::move(border), *std::move(empty));
+    const StartSites start(domain, density, options);
+    if (auto error = place_sites(sites.mesh_, {}, start, options.seed, domain.resolution(), stop)) {
+        return tl::unexpected(*error);
+    }
+    sites.mesh_.trim();
+    return sites;
+}
+
+bool SiteMesh::move(std::span<const Point> wanted) {
+    const Triangulation before = mesh_;
+    const std::span<const Point> from{before.points().data(), wanted.size()};
+    for (std::size_t i = 0; i < wanted.size(); ++i) mesh_.points()[i] = end_of_way(from[i], wanted[i]);
+    if (is_sound()) {
+        mesh_.restore_delaunay();
+        if (keeps_margin()) return true;
+    }
+    if (insert_all(from, wanted)) return true;
+    mesh_ = before;
+    return false;
+}
+
+/// Around a torus the shorter way is taken.
+Point SiteMesh::end_of_way(Point from, Point to) const {
+    if (!mesh_.is_torus()) return to;
+    const Images images(*domain_);
+    return snapped(from + images.shortest(images.in_box(to) - images.in_box(from)));
+}
+
+/// Whether no triangle is turned over, flat, or out of the range where a torus' places are exact.
+bool SiteMesh::is_sound() const {
+    constexpr double kLeastShape = 1e-6;  // doubled area over the longest edge squared
+    constexpr double kFarthest = 1.25;
+    for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
+        const auto [a, b, c] = mesh_.places(t);
+        const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
+        if (!(cross(b - a, c - a) > kLeastShape * longest)) return false;
+    }
+    const auto far = [](Point p) { return std::max(std::abs(p.x), std::abs(p.y)) > kFarthest; };
+    return std::ranges::none_of(sites(), far);
+}
+
+/// Whether the sites nearest to the border are far enough from it: in a Delaunay triangulation they face its edges.
+bool SiteMesh::keeps_margin() const {
+    const double margin = domain_->resolution();
+    for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            if (mesh_.twin(Triangulation::edge(t, i)) != Triangulation::kNone) continue;
+            const Point edge = mesh_.along(Triangulation::edge(t, i));
+            if (mesh_.doubled_area(t) < margin * std::sqrt(dot(edge, edge))) return false;
+        }
+    }
+    return true;
+}
+
+/// A new triangulation, coarse to fine as place_sites() has it.
+bool SiteMesh::insert_all(std::span<const Point> from, std::span<const Point> to) {
+    Triangulation mesh = empty_;
+    for (std::size_t stride = 64, coarser = 0; stride >= 1; coarser = stride, stride /= 4) {
+        for (std::size_t site = 0; site < to.size(); site += stride) {
+            if (coarser != 0 && site % coarser == 0) continue;
+            if (!insert(mesh, static_cast<std::uint32_t>(site), from[site], to[site])) return false;
+        }
+    }
+    mesh.trim();
+    mesh_ = std::move(mesh);
+    return true;
+}
+
+bool SiteMesh::insert(Triangulation& mesh, std::uint32_t site, Point from, Point to) const {
+    constexpr int kHalvings = 60;
+    const Images images(*domain_);
+    const Point way = end_of_way(from, to) - from;
+    double share = 1;
+    for (int i = 0; i < kHalvings; ++i, share /= 2) {
+        if (mesh.insert(site, images.in_box(from + share * way), domain_->resolution())) return true;
+    }
+    return false;
+}
+
+double SiteMesh::measure() {
+    capacity_.of_triangles(mesh_, capacities_);
+    return set_goals(mesh_, capacity_, capacities_, goals_);
+}
+
+Distribution SiteMesh::iterate(const Options& options, const Control& control, const std::function<bool()>& step) {
+    Distribution result;
+    const auto measured = [&] {
+        result.trace.push_back(measure());
+        if (control.progress) control.progress({result.iterations, options.iterations, result.variation()});
+    };
+    measured();
+    while (result.iterations < options.iterations) {
+        if (options.tolerance && result.variation() < *options.tolerance) break;
+        result.stopped = control.stop.stop_requested();
+        if (result.stopped || !step()) break;
+        result.stopped = control.stop.stop_requested();
+        if (result.stopped) break;
+        ++result.iterations;
+        measured();
+    }
+    result.points.resize(mesh_.site_count());
+    std::ranges::transform(sites(), result.points.begin(), [this](Point p) { return to_user(p); });
+    if (options.keep_mesh) result.mesh = copy_mesh();
+    return result;
+}
+
+Point SiteMesh::to_user(Point p) const {
+    if (!domain_->is_torus()) return domain_->to_user(p);
+    p = domain_->to_user(Images(*domain_).in_box(p));
+    const Point end = domain_->bounds().max;
+    return {p.x < end.x ? p.x : 0, p.y < end.y ? p.y : 0};
+}
+
+TriangleMesh SiteMesh::copy_mesh() const {
+    TriangleMesh copy;
+    for (const Point& p : mesh_.points()) copy.vertices.push_back(to_user(p));
+    for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) copy.triangles.push_back(mesh_.corners(t));
+    auto vertex = static_cast<std::uint32_t>(mesh_.site_count());
+    for (const auto& loop : border_.loops) {
+        auto& indices = copy.boundary.emplace_back(loop.size());
+        for (std::uint32_t& index : indices) index = vertex++;
+    }
+    return copy;
+}
+
+}  // namespace ccdt

@@ -1,0 +1,104 @@
+#include "core/baselines/site_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+
+namespace ccdt {
+namespace {
+
+struct Setting {
+    std::string name;
+    Images images;
+    Point sides;
+};
+
+std::vector<Setting> settings() {
+    return {{"plane", Images(Domain::rectangle(1, 0.5).value()), {1, 0.5}},
+            {"torus", Images(Domain::torus(1, 0.5).value()), {1, 0.5}},
+            {"thin torus", Images(Domain::torus(0.125, 1).value()), {0.125, 1}}};
+}
+
+/// Half of them crowd into a corner.
+std::vector<Point> sites_in(Point sides, std::size_t count) {
+    Random random(3, count);
+    std::vector<Point> sites;
+    for (std::size_t i = 0; i < count; ++i) {
+        const double size = i % 2 == 0 ? 1 : 1e-3;
+        const double x = size * random.uniform();
+        sites.push_back({x * sides.x, size * random.uniform() * sides.y});
+    }
+    return sites;
+}
+
+double distance(const Images& images, Point a, Point b) {
+    const Point way = images.shortest(a - b);
+    return std::sqrt(dot(way, way));
+}
+
+TEST(SiteTree, FindsTheNearestSiteLeft) {
+    for (const auto& [name, images, sides] : settings()) {
+        for (const std::size_t count : {1, 2, 7, 100}) {
+            const auto sites = sites_in(sides, count);
+            SiteTree tree(sites, images);
+            std::set<std::uint32_t> left;
+            for (std::uint32_t i = 0; i < count; ++i) left.insert(i);
+            Random random(1, 0);
+            while (!left.empty()) {
+                const double x = random.uniform() * sides.x;
+                const Point place{x, random.uniform() * sides.y};
+                const auto found = tree.nearest(place);
+                ASSERT_TRUE(found) << name;
+                EXPECT_TRUE(left.contains(found->site)) << name;
+                double least = 2;
+                for (const std::uint32_t i : left) least = std::min(least, distance(images, sites[i], place));
+                const Point way = found->place - place;
+                EXPECT_NEAR(std::sqrt(dot(way, way)), least, 1e-15) << name;
+                EXPECT_NEAR(distance(images, sites[found->site], found->place), 0, 1e-15) << name;
+                left.erase(found->site);
+                tree.take_away(found->site);
+            }
+            EXPECT_FALSE(tree.nearest({0, 0})) << name;
+        }
+    }
+}
+
+TEST(SiteTree, FindsAllSitesWithinADistance) {
+    for (const auto& [name, images, sides] : settings()) {
+        const auto sites = sites_in(sides, 200);
+        SiteTree tree(sites, images);
+        tree.take_away(5);
+        Random random(2, 0);
+        std::vector<SiteTree::Found> found;
+        for (int i = 0; i < 100; ++i) {
+            const double x = random.uniform() * sides.x;
+            const Point place{x, random.uniform() * sides.y};
+            const double reach = 0.3 * random.uniform();
+            tree.within(place, reach, found);
+            std::set<std::uint32_t> sites_found, expected;
+            for (const auto& [site, copy] : found) {
+                const Point way = copy - place;
+                EXPECT_LE(dot(way, way), reach * reach) << name;
+                EXPECT_NEAR(distance(images, sites[site], copy), 0, 1e-15) << name;
+                sites_found.insert(site);
+            }
+            for (std::uint32_t s = 0; s < sites.size(); ++s) {
+                if (distance(images, sites[s], place) < reach) expected.insert(s);
+            }
+            EXPECT_EQ(sites_found, expected) << name;
+        }
+    }
+}
+
+TEST(SiteTree, TakesSitesBeyondTheSeam) {
+    const Images images(Domain::torus(1, 1).value());
+    const std::vector<Point> sites{{-0.1, 1.2}, {0.4, 0.6}};
+    EXPECT_EQ(SiteTree(sites, images).nearest({0.9, 0.2})->site, 0u);
+}
+
+}  // namespace
+}  // namespace ccdt
