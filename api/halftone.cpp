@@ -50,11 +50,12 @@ struct Draft {
     std::optional<std::size_t> format;  ///< index into kFormats
 };
 
-constexpr std::array<OptionRule<Draft>, 12> kRules = {{
+constexpr std::array<OptionRule<Draft>, 13> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
     {"passes", [](const Input& i, const Limits&, Draft& d) { return read_passes(i, d.request.run); }},
+    {"quality", [](const Input& i, const Limits&, Draft& d) { return read_quality(i, d.request.run); }},
     {"scale", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.scale, read_number(i, kScales)); }},
     {"dot", [](const Input& i, const Limits&, Draft& d) { return read_dot(i, d.request.dot); }},
     {"antialias", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.antialias, read_boolean(i)); }},

@@ -3,12 +3,14 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <string_view>
 
 namespace ccdt::api {
 namespace {
 
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  ///< becomes null
 constexpr std::size_t kLongestNumber = 24;
 constexpr std::size_t kUsualPoint = 41;  ///< `[x,y],` with 17 digits each
 
@@ -82,6 +84,18 @@ void append_trace(std::string& out, std::span<const double> trace) {
     });
 }
 
+void append_numbers(std::string& out, std::span<const double> numbers) {
+    append_array(out, numbers, [](std::string& to, double number) { append_number(to, number); });
+}
+
+void append_spectrum(std::string& out, const Spectrum& spectrum) {
+    out += ",\"spectrum\":{\"values\":";
+    append_numbers(out, spectrum.values);
+    append_member(out, "width", static_cast<std::uint64_t>(spectrum.width));
+    append_member(out, "height", static_cast<std::uint64_t>(spectrum.height));
+    out += '}';
+}
+
 double rounded_to_microseconds(double milliseconds) {
     return std::round(milliseconds * 1000) / 1000;
 }
@@ -93,7 +107,7 @@ std::string write_distribution(const Distribution& distribution, const Report& r
     append_points(out, distribution.points);
     append_member(out, "sites", std::uint64_t{distribution.points.size()});
     append_member(out, "seed", report.seed);
-    out += ",\"method\":\"ccdt\"";
+    out.append(",\"method\":\"").append(report.method).append("\"");
     append_member(out, "iterations", static_cast<std::uint64_t>(distribution.iterations));
     append_member(out, "variation", distribution.variation());
     out += ",\"trace\":";
@@ -104,6 +118,22 @@ std::string write_distribution(const Distribution& distribution, const Report& r
         append_member(out, "height", static_cast<std::uint64_t>(report.picture->height));
     }
     if (distribution.mesh) append_mesh(out, *distribution.mesh);
+    out += "}\n";
+    return out;
+}
+
+std::string write_analysis(const Analysis& analysis, bool with_spectrum) {
+    std::string out = "{\"frequency\":";
+    append_numbers(out, analysis.frequency);
+    out += ",\"power\":";
+    append_numbers(out, analysis.power);
+    out += ",\"anisotropy_db\":";
+    append_numbers(out, analysis.anisotropy_db);
+    append_member(out, "min_distance", analysis.min_distance);
+    append_member(out, "mean_distance", analysis.mean_distance);
+    append_member(out, "low_frequency_power", analysis.low_frequency_power.value_or(kUnknown));
+    append_member(out, "sets", std::uint64_t{analysis.sets});
+    if (with_spectrum) append_spectrum(out, analysis.spectrum);
     out += "}\n";
     return out;
 }

@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
+#include "core/analysis/analysis.h"
 #include "core/ccdt/ccdt.h"
 
 namespace ccdt::api {
@@ -19,10 +21,14 @@ struct Report {
     std::uint64_t seed = 0;
     double elapsed_ms = 0;
     std::optional<PictureSize> picture;
+    std::string_view method = "ccdt";
 };
 
 /// Writes the JSON answer of /sample and /halftone; also the mesh, if there is one. Numbers are the shortest that
 /// read back to the same double. Same input, same bytes. About 0.1 microseconds a number.
 std::string write_distribution(const Distribution& distribution, const Report& report);
+
+/// Writes the JSON answer of /analyze, the spectrum only if it is asked for. Same input, same bytes.
+std::string write_analysis(const Analysis& analysis, bool with_spectrum);
 
 }  // namespace ccdt::api

@@ -24,9 +24,18 @@ Result<void> read_passes(const Input& input, Options& options) {
     return assign(options.passes, read_integer(input, 1, kMaxPasses));
 }
 
+Result<void> read_quality(const Input& input, Options& options) {
+    static constexpr std::string_view kWords[] = {"draft", "standard", "best"};
+    static constexpr Quality kQualities[] = {Quality::Draft, Quality::Standard, Quality::Best};
+    const auto index = read_choice(input, kWords);
+    if (!index) return tl::make_unexpected(index.error());
+    options.quality = kQualities[*index];
+    return {};
+}
+
 Result<Distribution> distribute_all(const Domain& domain, const Density& density, const Options& options,
-                                    const Control& control) {
-    auto distribution = distribute(domain, density, options, control);
+                                    const Control& control, Method method) {
+    auto distribution = distribute_by(method, domain, density, options, control);
     if (distribution && distribution->stopped) return stopped();
     return distribution;
 }

@@ -35,39 +35,18 @@ struct Draft {
     std::optional<PolygonInput> geometry;
     std::optional<Rectangle> rectangle;
     std::optional<std::size_t> format;
+    GivenOptions given;
 };
 
-/// A value that there is only one of; others are refused by name.
-Result<void> read_only_choice(const Input& input, std::string_view word) {
-    std::size_t index = 0;
-    return assign(index, read_choice(input, {&word, 1}));
+/// Reads an option that not every method has, and takes note of it.
+template <Result<void> (*kRead)(const Input&, Options&), bool GivenOptions::*kGiven>
+Result<void> read_given(const Input& input, const Limits&, Draft& draft) {
+    draft.given.*kGiven = true;
+    return kRead(input, draft.request.run);
 }
 
-Result<void> read_rectangle(const Input& input, const Limits& limits, Draft& draft) {
-    struct Members {
-        bool typed = false;
-        Rectangle sides;
-    };
-    static constexpr std::array<OptionRule<Members>, 3> kRules = {{
-        {"/domain/type",
-         [](const Input& i, const Limits&, Members& m) {
-             m.typed = true;
-             return read_only_choice(i, "rectangle");
-         }},
-        {"/domain/width",
-         [](const Input& i, const Limits&, Members& m) { return assign(m.sides.width, read_number(i, kPositive)); }},
-        {"/domain/height",
-         [](const Input& i, const Limits&, Members& m) { return assign(m.sides.height, read_number(i, kPositive)); }},
-    }};
-    const auto inputs = inputs_of(std::get<JsonValue>(input.value), input.field);
-    if (!inputs) return tl::make_unexpected(inputs.error());
-    Members members;
-    if (auto read = read_options<Members>(kRules, *inputs, limits, members); !read) return read;
-    if (!members.typed || members.sides.width == 0 || members.sides.height == 0) {
-        return malformed(input, "must have the members type, width and height");
-    }
-    draft.rectangle = members.sides;
-    return {};
+Result<void> read_tolerance(const Input& input, Options& options) {
+    return assign(options.tolerance, read_number(input, kPositive));
 }
 
 Result<std::vector<double>> read_values(const Input& input) {
@@ -124,19 +103,19 @@ Result<void> read_density(const Input& input, const Limits& limits, Draft& draft
     return settle_density(input, std::move(density), draft.request);
 }
 
-constexpr std::array<OptionRule<Draft>, 13> kRules = {{
+constexpr std::array<OptionRule<Draft>, 14> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.run.sites, read_sites(i, l)); }},
     {"polygon", [](const Input& i, const Limits&, Draft& d) { return assign(d.polygon, read_ring(i)); }},
     {"holes", [](const Input& i, const Limits&, Draft& d) { return assign(d.holes, read_rings(i)); }},
     {"geometry", [](const Input& i, const Limits&, Draft& d) { return assign(d.geometry, read_geometry(i)); }},
-    {"domain", read_rectangle},
+    {"domain", [](const Input& i, const Limits&, Draft& d) { return assign(d.rectangle, read_rectangle(i)); }},
     {"density", read_density},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
-    {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
-    {"passes", [](const Input& i, const Limits&, Draft& d) { return read_passes(i, d.request.run); }},
-    {"tolerance", [](const Input& i, const Limits&,
-                     Draft& d) { return assign(d.request.run.tolerance, read_number(i, kPositive)); }},
-    {"method", [](const Input& i, const Limits&, Draft&) { return read_only_choice(i, "ccdt"); }},
+    {"iterations", read_given<read_iterations, &GivenOptions::iterations>},
+    {"passes", read_given<read_passes, &GivenOptions::passes>},
+    {"quality", read_given<read_quality, &GivenOptions::quality>},
+    {"tolerance", read_given<read_tolerance, &GivenOptions::tolerance>},
+    {"method", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.method, read_method(i)); }},
     {"mesh", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.run.keep_mesh, read_boolean(i)); }},
     {"format", [](const Input& i, const Limits&, Draft& d) { return assign(d.format, read_format(i, kFormats)); }},
 }};
@@ -161,11 +140,7 @@ Result<void> settle_domain(Draft& draft) {
 }
 
 Result<Domain> make_domain(const SampleRequest& request) {
-    if (const auto* rectangle = std::get_if<Rectangle>(&request.domain)) {
-        auto domain = Domain::rectangle(rectangle->width, rectangle->height);
-        if (!domain) domain.error().field = "/domain";
-        return domain;
-    }
+    if (const auto* rectangle = std::get_if<Rectangle>(&request.domain)) return make_domain(*rectangle);
     const auto& polygon = std::get<PolygonInput>(request.domain);
     auto domain = Domain::create(polygon.parts);
     if (!domain) domain.error().field = polygon.locate(domain.error().field);
@@ -209,7 +184,7 @@ Result<Density> make_density(const SampleRequest& request, const Limits& limits)
 Result<Distribution> place_points(const SampleRequest& request, const Domain& domain, const Density& density,
                                   const Control& control) {
     if (auto going = check_stop(control); !going) return tl::make_unexpected(going.error());
-    auto distribution = distribute_all(domain, density, request.run, control);
+    auto distribution = distribute_all(domain, density, request.run, control, request.method);
     if (!distribution && !distribution.error().field.empty()) distribution.error().field.insert(0, "/");
     return distribution;
 }
@@ -226,6 +201,9 @@ Result<SampleRequest> parse_sample(std::string_view body, std::string_view accep
         return tl::make_unexpected(read.error());
     }
     if (draft.request.run.sites == 0) return failure(ErrorCode::Malformed, "sites is missing", "/sites");
+    if (auto settled = settle_method(draft.request.method, draft.given, draft.request.run); !settled) {
+        return tl::make_unexpected(settled.error());
+    }
     if (auto settled = settle_domain(draft); !settled) return tl::make_unexpected(settled.error());
     if (!draft.format) {
         if (auto chosen = negotiate(accept, kFormats); !chosen) return tl::make_unexpected(chosen.error());
@@ -247,7 +225,8 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     if (!distribution) return tl::make_unexpected(distribution.error());
 
     Answer answer{std::string(kFormats[0].media_type), {}};
-    answer.body = write_distribution(*distribution, {request.run.seed, timings.decode + timings.optimise, {}});
+    const double elapsed = timings.decode + timings.optimise;
+    answer.body = write_distribution(*distribution, {request.run.seed, elapsed, {}, name_of(request.method)});
     timings.encode = watch.lap();
     return answer;
 }

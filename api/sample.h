@@ -5,18 +5,14 @@
 #include <variant>
 #include <vector>
 
+#include "api/domain_reader.h"
+#include "api/method.h"
 #include "api/options.h"
 #include "api/polygon_reader.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 
 namespace ccdt::api {
-
-/// [0, width] x [0, height].
-struct Rectangle {
-    double width = 0;
-    double height = 0;
-};
 
 /// A grid stretched over the bounding box, the first row at the smallest y.
 struct DensityGrid {
@@ -34,6 +30,7 @@ struct SampleRequest {
     std::variant<PolygonInput, Rectangle> domain;
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
     Options run;
+    Method method = Method::Ccdt;
 };
 
 /// Reads a request: a JSON object.

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "api/analyze.h"
 #include "api/halftone.h"
 #include "api/problem.h"
 #include "api/sample.h"
@@ -133,6 +134,7 @@ int http_status(ErrorCode code) {
 constexpr Routes::Route Routes::kRoutes[] = {
     {"/halftone", "POST", "POST, OPTIONS", &Routes::halftone},
     {"/sample", "POST", "POST, OPTIONS", &Routes::sample},
+    {"/analyze", "POST", "POST, OPTIONS", &Routes::analyze},
     {"/health", "GET", "GET, HEAD, OPTIONS", &Routes::live},
     {"/health/live", "GET", "GET, HEAD, OPTIONS", &Routes::live},
     {"/health/ready", "GET", "GET, HEAD, OPTIONS", &Routes::ready},
@@ -207,18 +209,35 @@ Routes::Outcome Routes::halftone(const Request& request, Connection& connection)
 }
 
 Routes::Outcome Routes::sample(const Request& request, Connection& connection) {
+    return compute_json(
+        [this](const std::string& body, std::string_view accept, const Control& control, api::Timings& timings) {
+            return api::parse_sample(body, accept, config_.limits).and_then([&](const auto& parsed) {
+                return api::run_sample(parsed, config_.limits, control, timings);
+            });
+        },
+        request, connection);
+}
+
+Routes::Outcome Routes::analyze(const Request& request, Connection& connection) {
+    return compute_json(
+        [this](const std::string& body, std::string_view accept, const Control& control, api::Timings& timings) {
+            return api::parse_analyze(body, accept, config_.limits).and_then([&](const auto& parsed) {
+                return api::run_analyze(parsed, control, timings);
+            });
+        },
+        request, connection);
+}
+
+/// For paths whose options are members of a JSON body.
+Routes::Outcome Routes::compute_json(JsonWork work, const Request& request, Connection& connection) {
     const std::string type = media_type(request.header("Content-Type"));
     if (!may_hold_json(type)) return problem(415, "the body must be application/json, not " + type);
     if (!request.query.empty()) return problem(400, "the options of this path are members of the JSON body");
     auto body = read_body(request, connection);
     if (!body) return tl::unexpected(std::move(body.error()));
-    Work work = [this, body = std::move(*body), accept = std::string(request.header("Accept"))](const Control& control,
-                                                                                                api::Timings& timings) {
-        return api::parse_sample(body, accept, config_.limits).and_then([&](const auto& parsed) {
-            return api::run_sample(parsed, config_.limits, control, timings);
-        });
-    };
-    return compute(std::move(work), connection);
+    return compute([work = std::move(work), body = std::move(*body), accept = std::string(request.header("Accept"))](
+                       const Control& control, api::Timings& timings) { return work(body, accept, control, timings); },
+                   connection);
 }
 
 /// The picture of a form; its other fields are added to the options.

@@ -56,12 +56,17 @@ private:
     /// What a worker does for a request.
     using Work = std::function<Result<api::Answer>(const Control&, api::Timings&)>;
 
+    /// The same, from a JSON body and what the client accepts.
+    using JsonWork =
+        std::function<Result<api::Answer>(const std::string&, std::string_view, const Control&, api::Timings&)>;
+
     static tl::unexpected<Problem> problem(int status, std::string message, std::string field = {});
     static tl::unexpected<Problem> problem(Error error);
 
     Outcome dispatch(const Request& request, Connection& connection);
     Outcome halftone(const Request& request, Connection& connection);
     Outcome sample(const Request& request, Connection& connection);
+    Outcome analyze(const Request& request, Connection& connection);
     Outcome live(const Request& request, Connection& connection);
     Outcome ready(const Request& request, Connection& connection);
 
@@ -71,6 +76,7 @@ private:
     static tl::expected<std::string, Problem> read_form(std::string body, std::string_view content_type,
                                                         std::vector<api::TextOption>& options);
     Outcome compute(Work work, Connection& connection);
+    Outcome compute_json(JsonWork work, const Request& request, Connection& connection);
 
     std::string request_id(const Request& request);
     Response describe(Problem problem, const std::string& id) const;

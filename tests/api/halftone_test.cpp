@@ -55,6 +55,7 @@ TEST(HalftoneOptions, HaveTheirDefaults) {
     EXPECT_EQ(request->run.seed, 0U);
     EXPECT_EQ(request->run.iterations, 5);
     EXPECT_EQ(request->run.passes, 5);
+    EXPECT_EQ(request->run.quality, Quality::Standard);
 }
 
 TEST(HalftoneOptions, AreAllRead) {
@@ -62,6 +63,7 @@ TEST(HalftoneOptions, AreAllRead) {
                                 {"seed", "9007199254740991"},
                                 {"iterations", "0"},
                                 {"passes", "100"},
+                                {"quality", "best"},
                                 {"scale", "0.1"},
                                 {"dot", "1.5"},
                                 {"antialias", "true"},
@@ -73,6 +75,7 @@ TEST(HalftoneOptions, AreAllRead) {
     ASSERT_TRUE(request) << request.error().message;
     EXPECT_EQ(request->sites, 20000U);
     EXPECT_EQ(request->run.seed, 9007199254740991U);
+    EXPECT_EQ(request->run.quality, Quality::Best);
     EXPECT_EQ(request->run.iterations, 0);
     EXPECT_EQ(request->run.passes, 100);
     EXPECT_EQ(request->scale, 0.1);
@@ -86,13 +89,28 @@ TEST(HalftoneOptions, AreAllRead) {
 }
 
 TEST(HalftoneOptions, AreRefusedByName) {
-    const Options wrong = {{"sites", "0"},     {"sites", "12abc"},     {"seed", "9007199254740992"},
-                           {"seed", "-1"},     {"iterations", "1001"}, {"passes", "0"},
-                           {"passes", "101"},  {"scale", "0.05"},      {"scale", "17"},
-                           {"scale", "nan"},   {"dot", "0"},           {"dot", "big"},
-                           {"antialias", "2"}, {"tone", "loud"},       {"foreground", "transparent"},
-                           {"background", ""}, {"format", "svg"},      {"format", "webp"},
-                           {"sights", "10"},   {"image", "aGVsbG8="},  {"method", "ccdt"}};
+    const Options wrong = {{"sites", "0"},
+                           {"sites", "12abc"},
+                           {"seed", "9007199254740992"},
+                           {"seed", "-1"},
+                           {"iterations", "1001"},
+                           {"passes", "0"},
+                           {"passes", "101"},
+                           {"scale", "0.05"},
+                           {"scale", "17"},
+                           {"scale", "nan"},
+                           {"dot", "0"},
+                           {"dot", "big"},
+                           {"antialias", "2"},
+                           {"quality", "good"},
+                           {"tone", "loud"},
+                           {"foreground", "transparent"},
+                           {"background", ""},
+                           {"format", "svg"},
+                           {"format", "webp"},
+                           {"sights", "10"},
+                           {"image", "aGVsbG8="},
+                           {"method", "ccdt"}};
     for (const auto& option : wrong) {
         const auto request = parse({option});
         ASSERT_FALSE(request) << option.name << '=' << option.value;

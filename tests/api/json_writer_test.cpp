@@ -30,6 +30,14 @@ TEST(JsonWriter, WritesEveryMember) {
     EXPECT_EQ(json.size(), 8U);
 }
 
+TEST(JsonWriter, TellsTheVariationOfThePolishedPoints) {
+    Distribution distribution = example();
+    distribution.polished = 0.375;
+    const auto json = nlohmann::json::parse(write_distribution(distribution, {}));
+    EXPECT_EQ(json.at("variation"), 0.375);
+    EXPECT_EQ(json.at("trace").size(), 2U);
+}
+
 TEST(JsonWriter, WritesNumbersThatReadBackTheSame) {
     const Distribution distribution = example();
     const auto json = nlohmann::json::parse(write_distribution(distribution, {}));

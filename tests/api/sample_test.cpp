@@ -38,6 +38,7 @@ TEST(SampleRequest, HasItsDefaults) {
     EXPECT_EQ(request->run.seed, 0U);
     EXPECT_EQ(request->run.iterations, 5);
     EXPECT_EQ(request->run.passes, 5);
+    EXPECT_EQ(request->run.quality, Quality::Standard);
     EXPECT_FALSE(request->run.tolerance);
     EXPECT_FALSE(request->run.keep_mesh);
     EXPECT_TRUE(std::holds_alternative<std::monostate>(request->density));
@@ -58,6 +59,25 @@ TEST(SampleRequest, ReadsEveryMember) {
     EXPECT_EQ(polygon.parts[0].outer.size(), 4U);
     EXPECT_EQ(polygon.parts[0].holes.size(), 1U);
     EXPECT_EQ(std::get<DensityGrid>(request->density).values, (std::vector<double>{1, 2.5}));
+}
+
+TEST(SampleRequest, ReadsTheQuality) {
+    const std::vector<std::pair<std::string, Quality>> words = {
+        {"draft", Quality::Draft}, {"standard", Quality::Standard}, {"best", Quality::Best}};
+    for (const auto& [word, quality] : words) {
+        const auto request = parse('{' + kSquare + R"(,"sites":10,"quality":")" + word + "\"}");
+        ASSERT_TRUE(request) << request.error().message;
+        EXPECT_EQ(request->run.quality, quality);
+    }
+}
+
+TEST(SampleRequest, ReadsATorus) {
+    const auto request = parse(R"({"sites":10,"domain":{"type":"torus","width":3,"height":2}})");
+    ASSERT_TRUE(request) << request.error().message;
+    const auto& rectangle = std::get<Rectangle>(request->domain);
+    EXPECT_TRUE(rectangle.periodic);
+    EXPECT_EQ(rectangle.width, 3);
+    EXPECT_EQ(rectangle.height, 2);
 }
 
 TEST(SampleRequest, ReadsGeoJson) {
@@ -86,8 +106,10 @@ TEST(SampleRequest, PointsAtWhatIsWrong) {
         {kSquare + R"(,"sites":2.5)", "/sites"},
         {kSquare + sites + R"(,"seed":-1)", "/seed"},
         {kSquare + sites + R"(,"tolerance":0)", "/tolerance"},
+        {kSquare + sites + R"(,"quality":"good")", "/quality"},
+        {kSquare + sites + R"(,"quality":2)", "/quality"},
         {kSquare + sites + R"(,"mesh":1)", "/mesh"},
-        {kSquare + sites + R"(,"method":"cvt")", "/method"},
+        {kSquare + sites + R"(,"method":"lloyd")", "/method"},
         {kSquare + sites + R"(,"format":"png")", "/format"},
         {kSquare + sites + R"(,"x":1)", "/x"},
         {R"("polygon":7)" + sites, "/polygon"},
@@ -96,7 +118,7 @@ TEST(SampleRequest, PointsAtWhatIsWrong) {
         {R"("polygon":[[0,0],[1,0],[1,"2"]])" + sites, "/polygon/2"},
         {kSquare + R"(,"holes":[[[1,1],[2,1],[2,2]],[[0,null]]])" + sites, "/holes/1/0"},
         {R"("holes":[],"domain":{"type":"rectangle","width":1,"height":1})" + sites, "/holes"},
-        {R"("domain":{"type":"torus","width":1,"height":1})" + sites, "/domain/type"},
+        {R"("domain":{"type":"sphere","width":1,"height":1})" + sites, "/domain/type"},
         {R"("domain":{"type":"rectangle","width":0,"height":1})" + sites, "/domain/width"},
         {R"("domain":{"type":"rectangle","width":1})" + sites, "/domain"},
         {R"("domain":{"type":"rectangle","width":1,"height":1,"depth":1})" + sites, "/domain/depth"},
@@ -229,6 +251,36 @@ TEST(Sample, PointsIntoTheRequestWhenThePolygonIsNotSimple) {
         EXPECT_EQ(result.error().code, ErrorCode::Unusable) << members;
         EXPECT_TRUE(result.error().field.starts_with(field)) << result.error().field << " for " << members;
     }
+}
+
+TEST(Sample, PolishesUnlessItIsADraft) {
+    const std::string body = '{' + kSquare + R"(,"sites":300,"seed":2)";
+    const auto draft = sample(body + R"(,"quality":"draft"})"), standard = sample(body + '}');
+    EXPECT_EQ(standard.at("points"), sample(body + R"(,"quality":"standard"})").at("points"));
+    EXPECT_NE(standard.at("points"), draft.at("points"));
+    EXPECT_NE(sample(body + R"(,"quality":"best"})").at("points"), standard.at("points"));
+    EXPECT_EQ(draft.at("variation"), draft.at("trace").back().at("variation"));
+    EXPECT_NE(standard.at("variation"), standard.at("trace").back().at("variation"));
+}
+
+TEST(Sample, FillsATorus) {
+    const auto json = sample(R"({"sites":200,"domain":{"type":"torus","width":3,"height":2},"mesh":true})");
+    ASSERT_EQ(json.at("points").size(), 200U);
+    for (const auto& point : json.at("points")) {
+        const double x = point[0];
+        const double y = point[1];
+        EXPECT_TRUE(x >= 0 && x < 3 && y >= 0 && y < 2) << x << ' ' << y;
+    }
+    EXPECT_EQ(json.at("vertices"), json.at("points"));
+    EXPECT_EQ(json.at("triangles").size(), 400U);
+    EXPECT_TRUE(json.at("boundary").empty());
+}
+
+TEST(Sample, RefusesATorusThatIsTooLong) {
+    const auto result = answer(R"({"sites":10,"domain":{"type":"torus","width":1001,"height":1}})");
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::Unusable);
+    EXPECT_EQ(result.error().field, "/domain");
 }
 
 TEST(Sample, RefusesADensityOfZero) {

@@ -106,7 +106,10 @@ class Formats(ServerCase):
                 self.assertEqual(points.shape, (700, 2))
                 self.assertTrue((points > 0).all() and (points < (451, 300)).all())
                 self.assertEqual(len(result["trace"]), result["iterations"] + 1)
-                self.assertEqual(result["trace"][-1]["variation"], result["variation"])
+                # That of the polished points: the trace ends before.
+                self.assertNotEqual(result["trace"][-1]["variation"], result["variation"])
+                draft = self.halftone(CHELSEA, "?sites=700&format=json&quality=draft").json()
+                self.assertEqual(draft["trace"][-1]["variation"], draft["variation"])
 
     def test_format_wins_over_accept(self):
         answer = self.ask("/halftone?sites=10&format=png", "--header", "Accept: application/json", data=CAMERA)
@@ -167,6 +170,12 @@ class Options(ServerCase):
         bodies = {self.halftone(CAMERA, f"?sites=300&{query}").body
                   for query in ("iterations=0", "iterations=1", "iterations=1&passes=1", "iterations=9")}
         self.assertEqual(len(bodies), 4)
+
+    def test_quality(self):
+        bodies = [self.halftone(CAMERA, f"?sites=300{query}").body
+                  for query in ("", "&quality=standard", "&quality=draft", "&quality=best")]
+        self.assertEqual(bodies[0], bodies[1])
+        self.assertEqual(len(set(bodies)), 3)
 
     def test_no_iterations_return_the_start(self):
         result = self.halftone(CAMERA, "?sites=300&iterations=0&format=json").json()

@@ -75,6 +75,35 @@ class Domains(ServerCase):
         result = self.check([SQUARE], 200, polygon=SQUARE, tolerance=100, iterations=50)
         self.assertLess(result["iterations"], 50)
 
+    def test_torus(self):
+        domain = {"type": "torus", "width": 3, "height": 2}
+        for density in ({}, {"density": {"width": 2, "height": 1, "values": [1, 3]}}):
+            with self.subTest(density=density):
+                result = self.sample(sites=600, domain=domain, mesh=True, **density)
+                points, triangles = numpy.array(result["points"]), numpy.array(result["triangles"])
+                self.assertEqual(len(numpy.unique(points, axis=0)), 600)
+                self.assertTrue((points >= 0).all() and (points < (3, 2)).all())
+                self.assertEqual(result["vertices"], result["points"])
+                self.assertEqual(result["boundary"], [])
+                self.assertEqual(triangles.shape, (1200, 3))
+                # Every edge is used once in each direction, and the triangles' nearest copies fill the torus.
+                edges = {(t[i], t[i - 2]) for t in result["triangles"] for i in range(3)}
+                self.assertEqual(edges, {(q, p) for p, q in edges})
+                a, b, c = (points[triangles[:, i]] for i in range(3))
+                b, c = (a + (p - a + (1.5, 1)) % (3, 2) - (1.5, 1) for p in (b, c))
+                areas = 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+                self.assertTrue((areas > 0).all())
+                self.assertAlmostEqual(areas.sum(), 6, delta=1e-9)
+
+    def test_quality(self):
+        drafts, standards, bests = ([self.check([SQUARE], 500, polygon=SQUARE, **quality) for _ in range(2)]
+                                    for quality in ({"quality": "draft"}, {}, {"quality": "best"}))
+        for one, other in (drafts, standards, bests):
+            self.assertEqual(one["points"], other["points"])
+        self.assertNotEqual(drafts[0]["points"], standards[0]["points"])
+        self.assertNotEqual(bests[0]["points"], standards[0]["points"])
+        self.assertEqual(drafts[0]["variation"], drafts[0]["trace"][-1]["variation"])
+
     def test_variation_falls(self):
         result = self.check([SQUARE], 1000, polygon=SQUARE)
         self.assertLess(result["variation"], 0.5 * result["trace"][0]["variation"])

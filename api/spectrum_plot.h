@@ -1,0 +1,23 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "core/analysis/analysis.h"
+#include "core/geometry/domain.h"
+#include "core/geometry/point.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Draws an analysis as SVG, in the manner of Xu et al. 2011, figure 4: points, spectrum, radially averaged power and
+/// anisotropy.
+///
+/// @param points         of the first set; of very many, only those in the middle of the domain are shown
+/// @param domain         the one that was analysed
+/// @param max_frequency  where the axes end
+/// Same input, same bytes. Errors: Internal if memory runs out.
+Result<std::string> plot_spectrum(const Analysis& analysis, std::span<const Point> points, const Domain& domain,
+                                  double max_frequency);
+
+}  // namespace ccdt::api

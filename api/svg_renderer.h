@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Draws an SVG document of our own as a PNG file, by librsvg and cairo.
+///
+/// @param scale  pixels per user unit
+/// Same input, same bytes, with the same fonts installed. Errors: Internal if it is no SVG or memory runs out.
+Result<std::string> render_svg(std::string_view svg, double scale);
+
+}  // namespace ccdt::api

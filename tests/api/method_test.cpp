@@ -1,0 +1,114 @@
+#include "api/method.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "api/sample.h"
+
+namespace ccdt::api {
+namespace {
+
+const std::vector<Method> kMethods = {Method::Ccdt, Method::Cvt, Method::Odt, Method::Ccvt, Method::Random};
+const std::string kTorus = R"({"domain":{"type":"torus","width":1,"height":1})";
+
+Result<SampleRequest> parse(const std::string& members) {
+    return parse_sample(kTorus + members + '}', "", {});
+}
+
+TEST(Method, IsReadByItsName) {
+    for (const Method method : kMethods) {
+        const auto read = read_method({"method", "/method", name_of(method)});
+        ASSERT_TRUE(read) << name_of(method);
+        EXPECT_EQ(*read, method);
+    }
+    for (const std::string_view other : {"", "CVT", "lloyd", "ccdt "}) {
+        const auto read = read_method({"method", "/method", other});
+        ASSERT_FALSE(read) << other;
+        EXPECT_EQ(read.error().code, ErrorCode::Malformed);
+        EXPECT_EQ(read.error().field, "/method");
+        EXPECT_NE(read.error().message.find("'ccvt'"), std::string::npos) << read.error().message;
+    }
+}
+
+TEST(Method, HasAsManyIterationsAsItNeedsUnlessTold) {
+    EXPECT_EQ(parse(R"(,"sites":10)")->run.iterations, Options{}.iterations);
+    EXPECT_EQ(parse(R"(,"sites":10,"method":"ccdt")")->run.iterations, Options{}.iterations);
+    for (const auto* name : {"cvt", "odt", "ccvt"}) {
+        const std::string method = R"(,"sites":10,"method":")" + std::string(name) + '"';
+        EXPECT_GE(parse(method)->run.iterations, 50) << name;
+        EXPECT_EQ(parse(R"(,"iterations":7)" + method)->run.iterations, 7) << name;
+        EXPECT_EQ(parse(method + R"(,"iterations":0)")->run.iterations, 0) << name;
+    }
+}
+
+TEST(Method, RefusesOptionsThatItDoesNotHave) {
+    const std::vector<std::pair<std::string, std::string>> options = {
+        {"iterations", "5"}, {"passes", "5"}, {"quality", R"("draft")"}, {"tolerance", "0.1"}};
+    const auto has = [](Method method, const std::string& option) {
+        if (method == Method::Ccdt) return true;
+        return method != Method::Random && (option == "iterations" || option == "tolerance");
+    };
+    for (const Method method : kMethods) {
+        for (const auto& [option, value] : options) {
+            const std::string name(name_of(method));
+            const auto request = parse(R"(,"sites":10,"method":")" + name + R"(",")" + option + R"(":)" + value);
+            EXPECT_EQ(request.has_value(), has(method, option)) << name << ", " << option;
+            if (request) continue;
+            EXPECT_EQ(request.error().code, ErrorCode::Malformed);
+            EXPECT_EQ(request.error().field, '/' + option);
+            EXPECT_NE(request.error().message.find(name), std::string::npos) << request.error().message;
+        }
+    }
+}
+
+TEST(Method, LimitsItsSites) {
+    for (const auto& [name, most] : {std::pair{"cvt", 25'000}, {"odt", 500'000}, {"ccvt", 20'000}}) {
+        const std::string method = R"(,"method":")" + std::string(name) + R"(","sites":)";
+        EXPECT_TRUE(parse(method + std::to_string(most))) << name;
+        const auto request = parse(method + std::to_string(most + 1));
+        ASSERT_FALSE(request) << name;
+        EXPECT_EQ(request.error().code, ErrorCode::LimitExceeded);
+        EXPECT_EQ(request.error().field, "/sites");
+        for (const std::string& word : {std::string(name), std::to_string(most)}) {
+            EXPECT_NE(request.error().message.find(word), std::string::npos) << request.error().message;
+        }
+    }
+    for (const auto* name : {"ccdt", "random"}) {
+        EXPECT_TRUE(parse(R"(,"sites":2000000,"method":")" + std::string(name) + '"')) << name;
+    }
+}
+
+TEST(Method, IsNamedInTheAnswerAndMakesItsOwnPoints) {
+    std::vector<nlohmann::json> points;
+    for (const Method method : kMethods) {
+        const auto request = parse(R"(,"sites":50,"mesh":true,"method":")" + std::string(name_of(method)) + '"');
+        ASSERT_TRUE(request);
+        Timings timings;
+        const auto json = nlohmann::json::parse(run_sample(*request, {}, {}, timings)->body);
+        EXPECT_EQ(json.at("method"), name_of(method));
+        EXPECT_EQ(json.at("points").size(), 50U);
+        EXPECT_EQ(json.at("triangles").size(), 100U);
+        EXPECT_EQ(json.at("trace").size(), json.at("iterations").get<std::size_t>() + 1);
+        EXPECT_EQ(std::ranges::count(points, json.at("points")), 0);
+        points.push_back(json.at("points"));
+    }
+}
+
+TEST(Method, StopsWhenAsked) {
+    for (const Method method : {Method::Cvt, Method::Odt, Method::Ccvt}) {
+        std::stop_source stop;
+        const auto request = parse(R"(,"sites":100,"method":")" + std::string(name_of(method)) + '"');
+        Timings timings;
+        const Control control{stop.get_token(), [&](const Progress&) { stop.request_stop(); }};
+        const auto result = run_sample(*request, {}, control, timings);
+        ASSERT_FALSE(result);
+        EXPECT_EQ(result.error().code, ErrorCode::Stopped);
+    }
+}
+
+}  // namespace
+}  // namespace ccdt::api
