@@ -28,7 +28,7 @@ constexpr GivenOptions kIterative = {.iterations = true, .passes = false, .quali
 /// In the order of Method.
 constexpr std::array<Traits, 5> kTraits = {{
     {"ccdt", distribute, kNoLimit, Options{}.iterations, kAll},
-    {"cvt", cvt, 25'000, kCvtIterations, kIterative},
+    {"cvt", cvt, 50'000, kCvtIterations, kIterative},
     {"odt", odt, 500'000, kOdtIterations, kIterative},
     {"ccvt", ccvt, 20'000, kCcvtIterations, kIterative},
     {"random", random_sites, kNoLimit, 0, {}},

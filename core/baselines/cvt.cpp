@@ -11,7 +11,7 @@ namespace {
 
 /// Moves all sites to the centroids of their cells.
 /// @returns  false if none moves
-bool move_to_centroids(SiteMesh& sites, VoronoiCells& voronoi, const std::stop_token& stop) {
+bool move_to_centroids(SiteMesh& sites, const VoronoiCells& voronoi, const std::stop_token& stop) {
     constexpr double kRest = 1e-12;      // in the unit frame; less is rounding
     constexpr double kCancelled = 1e-9;  // a mass that rounding may have made
     const auto cells = voronoi.integrate(sites.sites(), stop);
@@ -32,7 +32,7 @@ bool move_to_centroids(SiteMesh& sites, VoronoiCells& voronoi, const std::stop_t
 Result<Distribution> cvt(const Domain& domain, const Density& density, const Options& options, const Control& control) {
     auto sites = SiteMesh::create(domain, density, options, control.stop);
     if (!sites) return tl::unexpected(sites.error());
-    VoronoiCells voronoi(domain, sites->mesh(), density);
+    const VoronoiCells voronoi(domain, sites->mesh(), density);
     return sites->iterate(options, control, [&] { return move_to_centroids(*sites, voronoi, control.stop); });
 }
 

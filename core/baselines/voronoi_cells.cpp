@@ -1,9 +1,11 @@
 #include "core/baselines/voronoi_cells.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstddef>
 #include <utility>
+
+#include "core/baselines/site_tree.h"
 
 namespace ccdt {
 
@@ -31,38 +33,61 @@ void clip_at_bisector(std::span<const Point> polygon, Point site, Point other, s
 
 }  // namespace
 
-VoronoiCells::VoronoiCells(const Domain& domain, const Triangulation& mesh, const Density& density)
-    : images_(domain),
-      bisection_(domain, density),
-      weight_(domain, density),
-      parts_(bisection_.parts_of(domain, mesh)) {
-    for (const Part& part : parts_) total_ += part.mass();
-}
+/// For one set of sites.
+class VoronoiCells::Integration {
+public:
+    Integration(const VoronoiCells& domain, std::span<const Point> sites, const std::stop_token& stop)
+        : domain_(domain),
+          tree_(sites, domain.images_),
+          stop_(stop),
+          tiny_(kTinyShare * domain.total_ / static_cast<double>(sites.size())),
+          cells_(sites.size()) {}
 
-std::vector<Moments> VoronoiCells::integrate(std::span<const Point> sites, const std::stop_token& stop) {
-    constexpr double kTinyShare = 1e-3;  // of what one site stands for
-    cells_.assign(sites.size(), {});
-    tiny_ = kTinyShare * total_ / static_cast<double>(sites.size());
-    const SiteTree tree(sites, images_);
-    for (const Part& part : parts_) {
-        if (stop.stop_requested()) break;
-        const Point centre = centre_of(part);
-        double radius = 0;
-        for (const Point& corner : part.corners) {
-            radius = std::max(radius, std::sqrt(squared_distance(centre, corner)));
-        }
-        const double nearest = std::sqrt(squared_distance(tree.nearest(centre)->place, centre));
-        tree.within(centre, (1 + 1e-9) * (nearest + 2 * radius), near_);
+    std::vector<Moments> run();
+
+private:
+    static constexpr double kTinyShare = 1e-3;  // of what one site stands for
+
+    void find_near(const Part& part);
+    void divide(const Part& part, std::size_t begin, int depth);
+    void narrow_down(const Part& part, std::size_t begin);
+    void clip(const Part& part, std::size_t begin);
+
+    const VoronoiCells& domain_;
+    SiteTree tree_;
+    const std::stop_token& stop_;
+    double tiny_;  ///< mass that is not divided
+    std::vector<Moments> cells_;
+
+    /// Sites that may be nearest to some place in a part, then those of them that may be in its half, and so on.
+    std::vector<SiteTree::Found> near_;
+    std::vector<Point> polygon_, clipped_;
+    std::size_t clips_ = 0;
+    bool stopped_ = false;
+};
+
+std::vector<Moments> VoronoiCells::Integration::run() {
+    for (const Part& part : domain_.parts_) {
+        find_near(part);
         divide(part, 0, 0);
     }
     return std::move(cells_);
 }
 
-/// @param begin  the part's sites are those in near_ from there on
-void VoronoiCells::divide(const Part& part, std::size_t begin, int depth) {
+void VoronoiCells::Integration::find_near(const Part& part) {
+    constexpr double kRounding = 1e-9;
+    const Point centre = centre_of(part);
+    double radius = 0;
+    for (const Point& corner : part.corners) radius = std::max(radius, squared_distance(centre, corner));
+    const double nearest = std::sqrt(squared_distance(tree_.nearest(centre)->place, centre));
+    tree_.within(centre, (1 + kRounding) * (nearest + 2 * std::sqrt(radius)), near_);
+}
+
+/// @param begin  near_ holds the sites near the part from there on
+void VoronoiCells::Integration::divide(const Part& part, std::size_t begin, int depth) {
     constexpr std::size_t kFew = 6;
     constexpr int kDeepest = 60;
-    if (!(part.mass() > 0)) return;
+    if (stopped_ || !(part.mass() > 0)) return;
     const std::size_t end = near_.size();
     narrow_down(part, begin);
     const bool is_tiny = part.mass() < tiny_ || depth == kDeepest;
@@ -70,19 +95,22 @@ void VoronoiCells::divide(const Part& part, std::size_t begin, int depth) {
     if (near_.size() - end <= kFew) {
         clip(part, end);
     } else {
-        for (const Part& half : bisection_.halves(part)) divide(half, end, depth + 1);
+        for (const Part& half : domain_.bisection_.halves(part)) divide(half, end, depth + 1);
     }
     near_.resize(end);
 }
 
-/// Appends, of the sites in near_ from `begin` on, those that are somewhere in the part nearer than the one nearest to
-/// its centre, which comes first.
-void VoronoiCells::narrow_down(const Part& part, std::size_t begin) {
+/// Appends, of the sites in near_ from `begin` on, those that are nearer to some place in the part than the site
+/// nearest to its centre, which comes first.
+void VoronoiCells::Integration::narrow_down(const Part& part, std::size_t begin) {
     const std::size_t end = near_.size();
     const Point centre = centre_of(part);
     std::size_t nearest = begin;
+    double least = squared_distance(near_[begin].place, centre);
     for (std::size_t i = begin; i < end; ++i) {
-        if (squared_distance(near_[i].place, centre) < squared_distance(near_[nearest].place, centre)) nearest = i;
+        const double squared = squared_distance(near_[i].place, centre);
+        nearest = squared < least ? i : nearest;
+        least = std::min(squared, least);
     }
     const SiteTree::Found first = near_[nearest];
     near_.push_back(first);
@@ -94,7 +122,9 @@ void VoronoiCells::narrow_down(const Part& part, std::size_t begin) {
     }
 }
 
-void VoronoiCells::clip(const Part& part, std::size_t begin) {
+void VoronoiCells::Integration::clip(const Part& part, std::size_t begin) {
+    constexpr std::size_t kStopStride = 4096;
+    if (++clips_ % kStopStride == 0) stopped_ = stop_.stop_requested();
     for (std::size_t i = begin; i < near_.size(); ++i) {
         polygon_.assign(part.corners.begin(), part.corners.end());
         for (std::size_t j = begin; j < near_.size() && !polygon_.empty(); ++j) {
@@ -102,8 +132,20 @@ void VoronoiCells::clip(const Part& part, std::size_t begin) {
             clip_at_bisector(polygon_, near_[i].place, near_[j].place, clipped_);
             polygon_.swap(clipped_);
         }
-        cells_[near_[i].site].add(weight_.over(polygon_, near_[i].place));
+        cells_[near_[i].site].add(domain_.weight_.over(polygon_, near_[i].place));
     }
+}
+
+VoronoiCells::VoronoiCells(const Domain& domain, const Triangulation& mesh, const Density& density)
+    : images_(domain),
+      bisection_(domain, density),
+      weight_(domain, density),
+      parts_(bisection_.parts_of(domain, mesh)) {
+    for (const Part& part : parts_) total_ += part.mass();
+}
+
+std::vector<Moments> VoronoiCells::integrate(std::span<const Point> sites, const std::stop_token& stop) const {
+    return Integration(*this, sites, stop).run();
 }
 
 }  // namespace ccdt

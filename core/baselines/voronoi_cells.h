@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -8,7 +7,6 @@
 #include "core/baselines/bisection.h"
 #include "core/baselines/images.h"
 #include "core/baselines/polygon_moments.h"
-#include "core/baselines/site_tree.h"
 
 namespace ccdt {
 
@@ -27,24 +25,16 @@ public:
     /// @param stop   asked now and then
     /// @returns      [n] first moments are seen from the site; unfinished if stopped
     /// Exact but for rounding and those triangles. O(n log n), and cells of the density that edges cross.
-    std::vector<Moments> integrate(std::span<const Point> sites, const std::stop_token& stop);
+    std::vector<Moments> integrate(std::span<const Point> sites, const std::stop_token& stop) const;
 
 private:
-    void divide(const Part& part, std::size_t begin, int depth);
-    void narrow_down(const Part& part, std::size_t begin);
-    void clip(const Part& part, std::size_t begin);
+    class Integration;
 
     Images images_;
     Bisection bisection_;
     SquaredDensity weight_;
     std::vector<Part> parts_;
     double total_ = 0;  ///< mass
-
-    // Of the integration at hand.
-    std::vector<Moments> cells_;
-    std::vector<SiteTree::Found> near_;  ///< sites that may be nearest somewhere: in a part, in its half, in that one's
-    double tiny_ = 0;                    ///< mass that is not divided
-    std::vector<Point> polygon_, clipped_;
 };
 
 }  // namespace ccdt
