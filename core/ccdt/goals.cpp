@@ -7,38 +7,76 @@
 
 namespace ccdt {
 
+namespace {
+
+constexpr std::uint32_t kNone = Triangulation::kNone;
+
+/// The edge of the border that a triangle with a site lies on; there can be no second one, as the others end in it.
+std::uint32_t border_edge(const Triangulation& mesh, std::uint32_t triangle) {
+    for (std::uint32_t i = 0; i < 3; ++i) {
+        const std::uint32_t h = Triangulation::edge(triangle, i);
+        if (mesh.twin(h) == kNone) return h;
+    }
+    return kNone;
+}
+
+/// The site that faces an edge of the border; kNone if another vertex of the border does.
+std::uint32_t facing_site(const Triangulation& mesh, std::uint32_t edge) {
+    const std::uint32_t apex = mesh.origin(Triangulation::previous(edge));
+    return mesh.is_site(apex) ? apex : kNone;
+}
+
+/// Length of an edge in units of the spacing of sites.
+double length(const Triangulation& mesh, std::uint32_t edge, double weight) {
+    const Point along = mesh.along(edge);
+    return weight > 0 ? std::sqrt(dot(along, along)) / hexagonal_spacing(weight) : 0;
+}
+
+/// What a triangle with a site aims at, and as how much of a triangle it counts. Sets both.
+/// @param faced  [sites] lengths of the edges of the border that each faces, together
+void aim(const Triangulation& mesh, std::uint32_t triangle, const std::vector<double>& faced, TriangleGoal& goal) {
+    constexpr double kEdgeShare = 0.5, kCornerShare = 0.61;
+    constexpr double kLeastShare = 1e-3;  // keeps the terms of one vertex comparable
+    const auto corners = mesh.corners(triangle);
+    const bool touches_border = !std::ranges::all_of(corners, [&](std::uint32_t v) { return mesh.is_site(v); });
+    const std::uint32_t edge = touches_border ? border_edge(mesh, triangle) : kNone;
+    goal.share = 1;
+    if (edge == kNone) {
+        goal.target = touches_border ? kCornerShare : 1;
+        return;
+    }
+    const double own = length(mesh, edge, goal.weight), all = std::min(1.0, faced[facing_site(mesh, edge)]);
+    goal.target = kEdgeShare * own;
+    if (own < all) goal.share = std::max(kLeastShare, own / all);
+}
+
+}  // namespace
+
 double set_goals(const Triangulation& mesh, const Capacity& capacity, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals) {
-    constexpr double kEdgeShare = 0.5, kCornerShare = 0.61;
     constexpr double kLeastTarget = 1e-9;  // less is rounding
     const double unit = 2 * static_cast<double>(mesh.site_count()) / capacity.total();
     const double largest_weight = unit * capacity.densest();
+    const auto reached_by = [&](std::uint32_t t) { return unit * std::max(0.0, capacities[t]); };
+    std::vector<double> faced(mesh.site_count(), 0);
     goals.resize(mesh.triangle_count());
+    for (std::uint32_t t = 0; t < goals.size(); ++t) {
+        const double area = mesh.doubled_area(t);
+        goals[t].weight = area > 0 ? std::min(reached_by(t) / area, largest_weight) : largest_weight;
+        const std::uint32_t edge = border_edge(mesh, t), site = edge == kNone ? kNone : facing_site(mesh, edge);
+        if (site != kNone) faced[site] += length(mesh, edge, goals[t].weight);
+    }
+
     double targets = 0, sum = 0, squares = 0;
     for (std::uint32_t t = 0; t < goals.size(); ++t) {
-        const double reached = unit * std::max(0.0, capacities[t]);
+        const double reached = reached_by(t);
         TriangleGoal& goal = goals[t];
-        const double area = mesh.doubled_area(t);
-        goal.weight = area > 0 ? std::min(reached / area, largest_weight) : largest_weight;
-        int sites = 0;
-        double border = 0;
-        for (std::uint32_t i = 0; i < 3; ++i) {
-            const std::uint32_t h = Triangulation::edge(t, i);
-            if (mesh.is_site(mesh.origin(h))) ++sites;
-            if (mesh.twin(h) != Triangulation::kNone) continue;
-            const Point edge = mesh.point(mesh.target(h)) - mesh.point(mesh.origin(h));
-            border += std::sqrt(dot(edge, edge));
+        if (std::ranges::none_of(mesh.corners(t), [&](std::uint32_t v) { return mesh.is_site(v); })) {
+            goal = {.weight = goal.weight, .target = reached};  // nothing there can move it
+            continue;
         }
-        if (sites == 3) {
-            goal.target = 1;
-        } else if (sites == 0) {
-            goal.target = reached;  // nothing there can move it
-        } else if (border > 0) {
-            goal.target = goal.weight > 0 ? kEdgeShare * border / hexagonal_spacing(goal.weight) : 0;
-        } else {
-            goal.target = kCornerShare;
-        }
-        if (goal.target < kLeastTarget || sites == 0) continue;
+        aim(mesh, t, faced, goal);
+        if (goal.target < kLeastTarget) continue;
         targets += goal.target;
         sum += reached;
         squares += reached * reached / goal.target;

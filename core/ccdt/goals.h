@@ -14,8 +14,9 @@ namespace ccdt {
 /// belongs half a row away from it, and so a triangle on an edge of the border aims at what the strip of half a row's
 /// height over that edge leaves it: half the strip, the other half going to the triangles that touch the border
 /// with one corner. The edge counts with its length, so that short edges of a coastline claim no more than their
-/// share. Measured: a fifth more than half for those that touch with a corner keeps the number of sites near the
-/// border closest to their share.
+/// share, and the many edges that one site may face there count as one triangle together: each by itself would pull
+/// as hard as a whole one. Measured: a fifth more than half for those that touch with a corner keeps the number of
+/// sites near the border closest to their share.
 ///
 /// @param capacity    of the mesh's domain
 /// @param capacities  [triangles]

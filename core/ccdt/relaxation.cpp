@@ -33,12 +33,11 @@ struct Relaxation::System {
     Point gradient;
 
     /// A triangle (vertex, from, to), and its half of the springs along the two edges at the vertex.
-    void add(Point from, Point to, const TriangleGoal& goal, double spring) {
+    void add(Point from, Point to, const Term& term, double spring) {
         // Twice the area is cross(from, to) = a x + b y + c in the vertex's coordinates.
-        const Point growth{goal.weight * (from.y - to.y), goal.weight * (to.x - from.x)};
-        add(growth, goal.weight * cross(from, to) - goal.target);
-        add_spring(from, 0.5 * spring * goal.weight);
-        add_spring(to, 0.5 * spring * goal.weight);
+        const Point growth{term.weight * (from.y - to.y), term.weight * (to.x - from.x)};
+        add(growth, term.weight * cross(from, to) - term.target);
+        add_springs(from, to, spring * term.spring);
     }
 
     /// A triangle whose capacity is off its target by `residual` and grows by this much per unit of the move.
@@ -47,6 +46,12 @@ struct Relaxation::System {
         xy += growth.x * growth.y;
         yy += growth.y * growth.y;
         gradient = gradient + residual * growth;
+    }
+
+    /// Its half of the springs along a triangle's two edges at the vertex.
+    void add_springs(Point from, Point to, double stiffness) {
+        add_spring(from, 0.5 * stiffness);
+        add_spring(to, 0.5 * stiffness);
     }
 
     void add_spring(Point spoke, double stiffness) {
@@ -71,8 +76,13 @@ Relaxation::Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool unifor
 
 void Relaxation::prepare(std::span<const TriangleGoal> goals) {
     const bool first_time = kinds_.empty();
-    goals_.assign(goals.begin(), goals.end());
-    goals_.push_back({0, 0});
+    plain_weight_ = goals[0].weight;
+    terms_.clear();
+    for (const TriangleGoal& goal : goals) {
+        const double scale = goal.share == 1 ? 1 : 1 / std::sqrt(goal.share);
+        terms_.push_back({scale * goal.weight, scale * goal.target, goal.share * goal.weight, scale});
+    }
+    terms_.emplace_back();
     if (first_time) small_ = kSmall * mean_doubled_area();
     old_batches_.swap(batches_);
     for (Batch& batch : batches_) batch.clear();
@@ -142,7 +152,7 @@ bool Relaxation::add_to_batch(std::uint32_t site) {
     Batch& batch = batches_[kinds_[site]];
     batch.insert(batch.end(), record.begin(), record.begin() + 2 + 2 * static_cast<std::ptrdiff_t>(pairs));
     if (plain) return true;
-    for (std::size_t i = count; i < 2 * pairs; ++i) triangles[i] = static_cast<std::uint32_t>(goals_.size() - 1);
+    for (std::size_t i = count; i < 2 * pairs; ++i) triangles[i] = static_cast<std::uint32_t>(terms_.size() - 1);
     batch.insert(batch.end(), triangles.begin(), triangles.begin() + 2 * static_cast<std::ptrdiff_t>(pairs));
     return true;
 }
@@ -217,7 +227,7 @@ void Relaxation::move_few(const std::uint32_t* record) {
     x[kPairs] = x[0];
     y[kPairs] = y[0];
 
-    Pair xx{}, xy{}, yy{}, gx{}, gy{}, spring_x{}, spring_y{}, weights{};
+    Pair xx{}, xy{}, yy{}, gx{}, gy{}, spring_x{}, spring_y{}, springs{};
     std::array<Pair, kPairs> area, a, b;
     for (std::size_t i = 0; i < kPairs; ++i) {
         const Pair to_x = shifted(x[i], x[i + 1]), to_y = shifted(y[i], y[i + 1]);
@@ -233,8 +243,9 @@ void Relaxation::move_few(const std::uint32_t* record) {
             spring_x += x[i];
             spring_y += y[i];
         } else {
-            const TriangleGoal &even = goals_[triangles[2 * i]], &odd = goals_[triangles[2 * i + 1]];
+            const Term &even = terms_[triangles[2 * i]], &odd = terms_[triangles[2 * i + 1]];
             const Pair weight{even.weight, odd.weight}, target{even.target, odd.target};
+            const Pair spring{even.spring, odd.spring};
             const Pair wa = weight * a[i], wb = weight * b[i];
             const Pair residual = weight * area[i] - target;
             xx += wa * wa;
@@ -242,21 +253,21 @@ void Relaxation::move_few(const std::uint32_t* record) {
             yy += wb * wb;
             gx += residual * wa;
             gy += residual * wb;
-            spring_x += weight * (x[i] + to_x);
-            spring_y += weight * (y[i] + to_y);
-            weights += weight;
+            spring_x += spring * (x[i] + to_x);
+            spring_y += spring * (y[i] + to_y);
+            springs += spring;
         }
     }
     double stiffness = 0;  // of all springs together
     Point pull;            // of all springs together
     if constexpr (kPlain) {
         // All terms are over the squared weight. A repetition of the first neighbour must not pull.
-        const double spring = options_.spring / goals_[0].weight;
+        const double spring = options_.spring / plain_weight_;
         const double repeated = around[2 * kPairs - 1] == around[0] ? 1 : 0;
         stiffness = spring * (2 * kPairs - repeated);
         pull = {spring * (sum(spring_x) - repeated * x[0][0]), spring * (sum(spring_y) - repeated * y[0][0])};
     } else {
-        stiffness = options_.spring * sum(weights);
+        stiffness = options_.spring * sum(springs);
         pull = {0.5 * options_.spring * sum(spring_x), 0.5 * options_.spring * sum(spring_y)};
     }
     const Point gradient{sum(gx) - pull.x, sum(gy) - pull.y};
@@ -293,7 +304,7 @@ Relaxation::System Relaxation::system_of(const Fan& fan) const {
     const Point v = mesh_.point(fan.vertex);
     System system;
     for (std::uint32_t i = 0; i < fan.triangles; ++i) {
-        system.add(place(ring, i) - v, place(ring, i + 1) - v, goals_[fan_triangles_[fan.first + i]], options_.spring);
+        system.add(place(ring, i) - v, place(ring, i + 1) - v, terms_[fan_triangles_[fan.first + i]], options_.spring);
     }
     return system;
 }
@@ -309,9 +320,9 @@ void Relaxation::slide(const Fan& fan) {
     const std::uint32_t* triangles = &fan_triangles_[fan.first];
     const Point v = mesh_.point(fan.vertex);
     System system = system_of(fan);
-    system.add_spring(mesh_.point(around.front()) - v, options_.border_spring * goals_[triangles[0]].weight);
+    system.add_spring(mesh_.point(around.front()) - v, options_.border_spring * terms_[triangles[0]].spring);
     system.add_spring(mesh_.point(around.back()) - v,
-                      options_.border_spring * goals_[triangles[fan.triangles - 1]].weight);
+                      options_.border_spring * terms_[triangles[fan.triangles - 1]].spring);
     const Point along = mesh_.point(around.front()) - mesh_.point(around.back());
     move(fan.vertex, options_.relaxation * system.minimum_along(along) * along, ring_of(fan), fan.triangles);
 }
@@ -362,10 +373,9 @@ void Relaxation::move_exactly(std::uint32_t site, double unit) {
         const Point from = mesh_.along(h), to = mesh_.along(after);
         const Point gradient{unit * (sweeps_[h] * from.y - sweeps_[after] * to.y),
                              unit * (sweeps_[after] * to.x - sweeps_[h] * from.x)};
-        const TriangleGoal& goal = goals_[triangle];
-        system.add(gradient, unit * capacities_[triangle] - goal.target);
-        system.add_spring(from, 0.5 * options_.spring * goal.weight);
-        system.add_spring(to, 0.5 * options_.spring * goal.weight);
+        const Term& term = terms_[triangle];
+        system.add(term.scale * gradient, term.scale * unit * capacities_[triangle] - term.target);
+        system.add_springs(from, to, options_.spring * term.spring);
         ring_vertices_.push_back(mesh_.target(h));
         ring_lifts_.push_back(mesh_.distance(mesh_.shift(h)));
         ring_gradients_.push_back(gradient);
@@ -384,14 +394,14 @@ void Relaxation::move_exactly(std::uint32_t site, double unit) {
 double Relaxation::energy() const {
     double energy = 0;
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
-        const double residual = goals_[t].weight * mesh_.doubled_area(t) - goals_[t].target;
+        const double residual = terms_[t].weight * mesh_.doubled_area(t) - terms_[t].target;
         energy += residual * residual;
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t h = Triangulation::edge(t, i);
             const Point length = mesh_.along(h);
             const bool border = mesh_.twin(h) == Triangulation::kNone;
             const double spring = 0.5 * options_.spring + (border ? options_.border_spring : 0);
-            energy += spring * goals_[t].weight * dot(length, length);
+            energy += spring * terms_[t].spring * dot(length, length);
         }
     }
     return energy;

@@ -17,6 +17,7 @@ namespace ccdt {
 struct TriangleGoal {
     double weight = 0;  ///< capacity per doubled area, held fixed while vertices move
     double target = 1;
+    double share = 1;  ///< of a triangle of common size that it is, > 0: less than 1 for one of many in a narrow fan
 };
 
 struct RelaxationOptions {
@@ -27,8 +28,9 @@ struct RelaxationOptions {
 };
 
 /// Moves vertices, one at a time, to where the capacities of the triangles around them come closest to their targets:
-/// coordinate descent on the sum of (weight * doubled area - target)^2 over triangles and of
-/// spring * mean weight * length^2 over edges, those of the border stiffer.
+/// coordinate descent on the sum of (weight * doubled area - target)^2 / share over triangles and of
+/// spring * mean weight * share * length^2 over edges, those of the border stiffer. So a fan of k triangles that takes
+/// the place of one, each with 1/k of the share, counts as much as that one does.
 ///
 /// Sites move freely, vertices on straight parts of the border along them, corners never. A move is cut short where a
 /// triangle would lose more than 90 % of its area, or become a needle: all stay counter-clockwise, for however long.
@@ -61,6 +63,14 @@ public:
 
 private:
     struct System;
+
+    /// What a triangle adds to the systems of its corners.
+    struct Term {
+        double weight = 0;  ///< this and the target: over the square root of the share
+        double target = 0;
+        double spring = 0;  ///< weight * share
+        double scale = 0;   ///< 1 over the square root of the share
+    };
 
     /// Sites of one kind, laid out for the fast path. Per site: itself; its neighbours counter-clockwise, the first one
     /// repeated until there are 2 * pairs + 1 of them; unless it is plain, the 2 * pairs triangles between them.
@@ -114,9 +124,10 @@ private:
     std::vector<bool> fixed_;
     bool uniform_;
     RelaxationOptions options_;
-    double magic_ = 0;                 ///< rounds places to what is exact on a torus; else 0
-    double small_ = 0;                 ///< doubled area below which the fast path leaves a triangle to the general one
-    std::vector<TriangleGoal> goals_;  ///< [triangles + 1], the last one for triangles that are none
+    double magic_ = 0;         ///< rounds places to what is exact on a torus; else 0
+    double small_ = 0;         ///< doubled area below which the fast path leaves a triangle to the general one
+    double plain_weight_ = 0;  ///< of the triangles around plain sites
+    std::vector<Term> terms_;  ///< [triangles + 1], the last one for triangles that are none
 
     std::vector<std::uint8_t> kinds_;  ///< [sites]
     std::array<Batch, kKinds> batches_;

@@ -460,5 +460,11 @@ TEST(Distribute, CrowdsNoSitesAtTheBorderOfACountry) {
     }
 }
 
+/// Every site of the first row faces dozens of edges.
+TEST(Distribute, CrowdsNoSitesAtABorderOfVeryShortEdges) {
+    const Parts circle = {{test::circle({0, 0}, 1, 5000), {}}};
+    for (const double ratio : crowding(circle, 1024, {1, 1.5, 2, 4}, 4)) EXPECT_NEAR(ratio, 1, 0.15);
+}
+
 }  // namespace
 }  // namespace ccdt

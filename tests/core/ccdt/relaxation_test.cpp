@@ -189,6 +189,38 @@ TEST(Relaxation, DividesASquareByItsTargets) {
     EXPECT_NEAR(relaxation.energy(), 0, 1e-15);
 }
 
+/// Height of a site that the upper edge of a square, in one piece, wants at 0.4, and the lower one, in pieces, at 0.2.
+double height_above_pieces(std::size_t pieces) {
+    Ring ring;
+    for (std::size_t i = 0; i < pieces; ++i) ring.push_back({static_cast<double>(i) / static_cast<double>(pieces), 0});
+    ring.insert(ring.end(), {{1, 0}, {1, 1}, {0, 1}});
+    const Domain domain = domain_of({{ring, {}}});
+    Triangulation mesh(1, triangulate(bare_border(domain)).value());
+    EXPECT_TRUE(mesh.insert(0, {0.5, 0.5}));
+    mesh.trim();
+    std::vector<TriangleGoal> goals(mesh.triangle_count());
+    for (std::uint32_t t = 0; t < goals.size(); ++t) {
+        double width = 0;
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t h = Triangulation::edge(t, i);
+            if (mesh.twin(h) == Triangulation::kNone) width = mesh.along(h).x;
+        }
+        const double height = width > 0 ? 0.2 : 0.6, share = std::abs(width);
+        goals[t] = share > 0 ? TriangleGoal{1, height * share, share} : TriangleGoal{0, 0};  // sides have no say
+    }
+    Relaxation relaxation(mesh, std::vector<bool>(ring.size(), true), false, {.border_spring = 0});
+    relaxation.prepare(goals);
+    for (int pass = 0; pass < 100; ++pass) relaxation.pass();
+    return mesh.point(0).y;
+}
+
+TEST(Relaxation, CountsAFanAsOneTriangle) {
+    const double whole = height_above_pieces(1);
+    EXPECT_NEAR(whole, 0.3, 0.02);
+    EXPECT_NEAR(height_above_pieces(3), whole, 0.02);
+    EXPECT_NEAR(height_above_pieces(40), whole, 0.02);
+}
+
 TEST(Relaxation, KeepsTheBorderWhereItIs) {
     const Domain domain = domain_of(kSquare);
     StartMesh start(domain, Density::uniform(), {.sites = 500, .seed = 8});
