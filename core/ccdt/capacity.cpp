@@ -45,6 +45,8 @@ namespace {
 /// Copies of a torus' grid on each side of it; more than places and shifts come to.
 constexpr int kRepeats = 8;
 
+constexpr std::uint32_t kStopStride = 16384;  ///< triangles between two looks at the stop token
+
 bool is_in(Point p, Point sides) {
     return p.x >= 0 && p.y >= 0 && p.x <= sides.x && p.y <= sides.y;
 }
@@ -105,13 +107,15 @@ void Capacity::add_flow(const Triangulation& mesh, std::uint32_t edge, double fl
     capacities[Triangulation::triangle_of(twin)] -= flow + (mesh.lift(twin) - mesh.shift(edge)).x * rise;
 }
 
-void Capacity::of_triangles(const Triangulation& mesh, std::vector<double>& capacities) const {
+void Capacity::of_triangles(const Triangulation& mesh, std::vector<double>& capacities,
+                            const std::stop_token& stop) const {
     capacities.assign(mesh.triangle_count(), 0);
     if (is_uniform()) {
         for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) capacities[t] = mesh.doubled_area(t) / 2;
         return;
     }
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        if (t % kStopStride == 0 && stop.stop_requested()) return;
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
             if (twin < h) continue;  // kNone is the largest number
@@ -127,10 +131,12 @@ void Capacity::of_triangles(const Triangulation& mesh, std::vector<double>& capa
     }
 }
 
-void Capacity::of_edges(const Triangulation& mesh, std::vector<double>& capacities, std::vector<double>& sweeps) const {
+void Capacity::of_edges(const Triangulation& mesh, std::vector<double>& capacities, std::vector<double>& sweeps,
+                        const std::stop_token& stop) const {
     capacities.assign(mesh.triangle_count(), 0);
     sweeps.resize(4 * mesh.triangle_count());
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        if (t % kStopStride == 0 && stop.stop_requested()) return;
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
             if (twin < h) continue;  // kNone is the largest number

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "core/density/density.h"
@@ -25,12 +26,15 @@ public:
     double total() const { return total_; }
 
     /// Capacity of each triangle [triangles]. O(half-edges), and their length in cells.
-    void of_triangles(const Triangulation& mesh, std::vector<double>& capacities) const;
+    /// @param stop  asked now and then; leaves capacities of no use
+    void of_triangles(const Triangulation& mesh, std::vector<double>& capacities,
+                      const std::stop_token& stop = {}) const;
 
     /// Capacity of each triangle [triangles], and of each half-edge [4 * triangles] what it sweeps when its near end
     /// moves to its right, over the length of the move and its own: the density's integral over it, weighing 1 at the
     /// near end and 0 at the far one. Not for uniform densities.
-    void of_edges(const Triangulation& mesh, std::vector<double>& capacities, std::vector<double>& sweeps) const;
+    void of_edges(const Triangulation& mesh, std::vector<double>& capacities, std::vector<double>& sweeps,
+                  const std::stop_token& stop = {}) const;
 
     /// Density at a point of the unit frame, in units of capacity per area of the unit frame.
     double at(Point p) const;

@@ -37,6 +37,10 @@ std::optional<Error> check(const Options& options) {
     return std::nullopt;
 }
 
+tl::unexpected<Error> stopped_at_start() {
+    return failure(ErrorCode::Stopped, "stopped before there was a result");
+}
+
 /// One computation of distribute().
 class Run {
 public:
@@ -54,7 +58,7 @@ private:
     void iterate(Triangulation& mesh, std::vector<bool> corners);
     bool is_exact(int iteration) const;
     PolishOptions polish_options() const;
-    void refine(Triangulation& mesh);
+    Result<void> refine(Triangulation& mesh, const StartSites& start, Border& border);
     void report() const;
     Point to_user(Point p) const;
     void collect(const Triangulation& mesh, const Border& border);
@@ -76,20 +80,19 @@ Result<Distribution> Run::execute() {
     }
     const StartSites start(domain_, density_, options_);
     if (options_.quality != Quality::Draft && options_.iterations > 0) {
-        polish_.emplace(domain_, density_, options_.sites);
+        polish_.emplace(domain_, density_, options_.sites, control_.stop);
     }
+    if (stopping()) return stopped_at_start();
     Border border;
     auto mesh = triangulate_sites(even_start(start), start, border);
     if (!mesh) return tl::unexpected(mesh.error());
+    result_.trace.push_back(measure(*mesh));
+    if (stopping()) return stopped_at_start();
+    report();
     iterate(*mesh, border.corner);
-    if (polish_ && !result_.stopped) {
-        refine(*mesh);
-        std::vector<Point> sites(mesh->points().begin(),
-                                 mesh->points().begin() + static_cast<std::ptrdiff_t>(options_.sites));
-        // Where other sites were in the way of one that had to leave white, all are triangulated anew.
-        if (polish_->clear_gaps(sites)) mesh = triangulate_sites(sites, start, border);
-        if (!mesh) return tl::unexpected(mesh.error());
-        result_.polished = measure(*mesh);
+    if (polish_ && !stopping()) {
+        auto polished = refine(*mesh, start, border);
+        if (!polished) return tl::unexpected(polished.error());
     }
     collect(*mesh, border);
     return std::move(result_);
@@ -103,6 +106,7 @@ Result<Triangulation> Run::triangulate_sites(const std::vector<Point>& first, co
     if (auto error = place_sites(*mesh, first, start, options_.seed, domain_.resolution(), control_.stop)) {
         return tl::unexpected(*error);
     }
+    if (stopping()) return stopped_at_start();
     mesh->trim();
     return mesh;
 }
@@ -131,9 +135,10 @@ std::vector<Point> Run::even_start(const StartSites& start) {
     return first;
 }
 
-/// @returns  the capacity variation
+/// @returns  the capacity variation; of no use once a stop is asked for
 double Run::measure(const Triangulation& mesh) {
-    capacity_.of_triangles(mesh, capacities_);
+    capacity_.of_triangles(mesh, capacities_, control_.stop);
+    if (stopping()) return 0;
     return set_goals(mesh, capacity_, capacities_, goals_);
 }
 
@@ -145,27 +150,24 @@ bool Run::is_exact(int iteration) const {
 
 void Run::iterate(Triangulation& mesh, std::vector<bool> corners) {
     constexpr double kPolishedSpring = 0.03;  // rounder triangles, whose areas may vary a little more
-    result_.trace.push_back(measure(mesh));
-    report();
     RelaxationOptions settings;
     if (polish_ && capacity_.is_uniform()) settings.spring = kPolishedSpring;
     settings.least_height = std::max(settings.least_height, domain_.resolution());
     Relaxation relaxation(mesh, std::move(corners), capacity_.is_uniform(), settings);
     while (result_.iterations < options_.iterations) {
         if (options_.tolerance && result_.trace.back() < *options_.tolerance) break;
-        relaxation.prepare(goals_);
-        for (int pass = 0; pass < options_.passes && !result_.stopped; ++pass) {
-            result_.stopped = stopping();
-            if (result_.stopped) break;
+        relaxation.prepare(goals_, control_.stop);
+        for (int pass = 0; pass < options_.passes && !stopping(); ++pass) {
             if (is_exact(result_.iterations)) {
-                relaxation.exact_pass(capacity_);
+                relaxation.exact_pass(capacity_, control_.stop);
             } else {
                 relaxation.pass();
             }
         }
-        mesh.restore_delaunay();
-        if (result_.stopped) break;
-        result_.trace.push_back(measure(mesh));
+        if (!stopping()) mesh.restore_delaunay(control_.stop);
+        const double variation = measure(mesh);
+        if (stopping()) break;
+        result_.trace.push_back(variation);
         ++result_.iterations;
         report();
     }
@@ -193,10 +195,23 @@ PolishOptions Run::polish_options() const {
     return settings;
 }
 
-void Run::refine(Triangulation& mesh) {
+/// @param border  of the mesh
+Result<void> Run::refine(Triangulation& mesh, const StartSites& start, Border& border) {
     polish_->refine(mesh, polish_options(), control_.stop);
-    result_.stopped = stopping();
-    mesh.restore_delaunay();
+    if (stopping()) return {};
+    mesh.restore_delaunay(control_.stop);
+    std::vector<Point> sites(mesh.points().begin(),
+                             mesh.points().begin() + static_cast<std::ptrdiff_t>(options_.sites));
+    // Where other sites were in the way of one that had to leave white, all are triangulated anew.
+    if (polish_->clear_gaps(sites)) {
+        auto again = triangulate_sites(sites, start, border);
+        if (stopping()) return {};
+        if (!again) return tl::unexpected(again.error());
+        mesh = *std::move(again);
+    }
+    const double variation = measure(mesh);
+    if (!stopping()) result_.polished = variation;
+    return {};
 }
 
 void Run::report() const {
@@ -213,6 +228,7 @@ Point Run::to_user(Point p) const {
 
 void Run::collect(const Triangulation& mesh, const Border& border) {
     const auto user = [&](Point p) { return to_user(p); };
+    result_.stopped = stopping();
     result_.points.resize(options_.sites);
     std::transform(mesh.points().begin(), mesh.points().begin() + static_cast<std::ptrdiff_t>(options_.sites),
                    result_.points.begin(), user);

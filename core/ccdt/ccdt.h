@@ -65,7 +65,8 @@ struct Distribution {
     int iterations = 0;  ///< done
     std::vector<double> trace;       ///< capacity variation after each iteration [iterations + 1]; [0] is the start's
     std::optional<double> polished;  ///< capacity variation after the polish, if there was one
-    bool stopped = false;            ///< ended early by the stop token
+    bool stopped = false;  ///< ended early by the stop token: iterations and polish may be missing, and the mesh
+                           ///< not be Delaunay
     std::optional<TriangleMesh> mesh;
 
     /// Capacity variation of the points.

@@ -74,7 +74,7 @@ Relaxation::Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool unifor
       options_(options),
       magic_(mesh.is_torus() ? kSnapping : 0) {}
 
-void Relaxation::prepare(std::span<const TriangleGoal> goals) {
+void Relaxation::prepare(std::span<const TriangleGoal> goals, const std::stop_token& stop) {
     const bool first_time = kinds_.empty();
     plain_weight_ = goals[0].weight;
     terms_.clear();
@@ -99,6 +99,7 @@ void Relaxation::prepare(std::span<const TriangleGoal> goals) {
     std::array<std::size_t, kKinds> taken{};
     for (std::uint32_t v = 0; v < sites; ++v) {
         if (v % kBlock == 0) {
+            if (stop.stop_requested()) return;
             for (std::size_t kind = 0; kind < kKinds; ++kind) block_starts_[kind].push_back(batches_[kind].size());
         }
         const std::uint8_t kind = kinds_[v];
@@ -352,8 +353,9 @@ void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::siz
     mesh_.points()[vertex] = moved;
 }
 
-void Relaxation::exact_pass(const Capacity& capacity) {
-    capacity.of_edges(mesh_, capacities_, sweeps_);
+void Relaxation::exact_pass(const Capacity& capacity, const std::stop_token& stop) {
+    capacity.of_edges(mesh_, capacities_, sweeps_, stop);
+    if (stop.stop_requested()) return;
     const double unit = 2 * static_cast<double>(mesh_.site_count()) / capacity.total();
     for (std::uint32_t site = 0; site < mesh_.site_count(); ++site) move_exactly(site, unit);
     for (const Fan& fan : border_fans_) slide(fan);

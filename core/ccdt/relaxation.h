@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "core/ccdt/capacity.h"
@@ -44,7 +45,8 @@ public:
 
     /// Takes note of the mesh's edges and of new goals [triangles]. To be called before the first pass and after every
     /// restore_delaunay(). O(vertices).
-    void prepare(std::span<const TriangleGoal> goals);
+    /// @param stop  asked now and then; no pass must follow
+    void prepare(std::span<const TriangleGoal> goals, const std::stop_token& stop = {});
 
     /// Moves every vertex once. O(vertices).
     void pass();
@@ -55,8 +57,9 @@ public:
     ///
     /// Where the density is steep, next to white areas above all, pass() stalls and this one does not; it costs about
     /// five times as much. O(vertices), and the edges' length in cells of the density.
+    /// @param stop  asked now and then; moves nothing, then
     /// Source: Gauss and Newton's method; Reynolds' transport theorem.
-    void exact_pass(const Capacity& capacity);
+    void exact_pass(const Capacity& capacity, const std::stop_token& stop = {});
 
     /// What the passes minimise; no pass makes it larger.
     double energy() const;

@@ -253,7 +253,8 @@ void Triangulation::wrap() {
     }
 }
 
-std::size_t Triangulation::restore_delaunay() {
+std::size_t Triangulation::restore_delaunay(const std::stop_token& stop) {
+    constexpr std::size_t kStopStride = 65536;
     // Both halves of an edge are one edge: keep those with the smaller number, without branches that cannot be
     // foretold.
     sweep_.resize(3 * triangle_count() + 1);
@@ -271,6 +272,7 @@ std::size_t Triangulation::restore_delaunay() {
     if (count % 2 != 0) sweep_[count++] = sweep_[0];
     std::size_t flips = 0;
     for (std::size_t i = 0; i < count; i += 2) {
+        if (i % kStopStride == 0 && stop.stop_requested()) break;
         if (is_certain(sweep_[i], sweep_[i + 1])) continue;
         for (const std::uint32_t h : {sweep_[i], sweep_[i + 1]}) {
             stack_.push_back(h);

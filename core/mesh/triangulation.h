@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "core/geometry/delaunay.h"
@@ -127,8 +128,10 @@ public:
     void wrap();
 
     /// Flips edges until all but those on the border are locally Delaunay, by exact predicates.
-    /// Needs every triangle counter-clockwise. @returns the number of flips
-    std::size_t restore_delaunay();
+    /// Needs every triangle counter-clockwise.
+    /// @param stop  asked now and then; leaves the triangulation sound, but not Delaunay everywhere
+    /// @returns     the number of flips
+    std::size_t restore_delaunay(const std::stop_token& stop = {});
 
     /// Whether the last restore_delaunay() has changed anything around the vertex.
     bool has_changed(std::uint32_t vertex) const { return changed_[vertex] != 0; }

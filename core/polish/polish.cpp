@@ -58,9 +58,9 @@ std::optional<Point> Ink::nearest_within(Point g, int column, int row, int aroun
     return best;
 }
 
-Polish::Polish(const Domain& domain, const Density& density, std::size_t sites)
+Polish::Polish(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop)
     : domain_(domain), density_(density), ink_(domain, density), moves_(sites), before_(sites), spacings_(sites) {
-    if (domain.is_box()) transport_.emplace(domain, density, sites);
+    if (domain.is_box()) transport_.emplace(domain, density, sites, stop);
 }
 
 double Polish::spacing(Point p) const {
@@ -93,8 +93,8 @@ void Polish::even_out(std::span<Point> sites, const std::stop_token& stop) {
     constexpr double kMomentum = 0.5;  // of the free rounds
     if (density_.is_uniform() || !transport_) return;
     std::vector<Point> last(sites.size());
-    for (int round = 0; round < kRounds && !stop.stop_requested(); ++round) {
-        transport_->displacements(sites, moves_);
+    for (int round = 0; round < kRounds; ++round) {
+        if (!transport_->displacements(sites, moves_, stop)) break;
         const bool free = round < kFreeRounds;
         for (std::size_t i = 0; i < sites.size(); ++i) {
             last[i] = moves_[i] + (free ? kMomentum : 0) * last[i];
@@ -119,7 +119,8 @@ bool Polish::clear_gaps(std::span<Point> sites) const {
     return moved;
 }
 
-void Polish::refine(Triangulation& mesh, const PolishOptions& options, const std::stop_token& stop) {
+/// Those between sites, and what triangles are like before the first move.
+void Polish::list_edges(const Triangulation& mesh) {
     edges_.clear();
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         for (std::uint32_t i = 0; i < 3; ++i) {
@@ -131,24 +132,26 @@ void Polish::refine(Triangulation& mesh, const PolishOptions& options, const std
     areas_.resize(mesh.triangle_count());
     moved_areas_.resize(mesh.triangle_count());
     for (std::uint32_t t = 0; t < areas_.size(); ++t) areas_[t] = mesh.doubled_area(t);
+}
+
+void Polish::refine(Triangulation& mesh, const PolishOptions& options, const std::stop_token& stop) {
+    list_edges(mesh);
     const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
     const auto even_out = [&] {
-        if (!transport_) return;
-        transport_->displacements(sites, moves_);
-        apply(mesh);
+        if (transport_ && transport_->displacements(sites, moves_, stop)) apply(mesh);
     };
     for (int round = 0; round < options.rounds && !stop.stop_requested(); ++round) {
-        push_apart(mesh, options.reach, options.push);
+        push_apart(mesh, options.reach, options.push, stop);
         even_out();
     }
     for (int round = 0; round < options.even_rounds && !stop.stop_requested(); ++round) even_out();
     for (int round = 0; round < options.near_rounds && !stop.stop_requested(); ++round) {
-        push_apart(mesh, options.nearest, 0.5);
+        push_apart(mesh, options.nearest, 0.5, stop);
     }
 }
 
 /// Neighbours closer than they should be share out what is missing.
-void Polish::push_apart(Triangulation& mesh, double reach, double push) {
+void Polish::push_apart(Triangulation& mesh, double reach, double push, const std::stop_token& stop) {
     const double half_reach = 0.5 * reach * hexagonal_spacing(1);
     for (std::uint32_t v = 0; v < mesh.site_count(); ++v) spacings_[v] = spacing(mesh.point(v));
     std::fill(moves_.begin(), moves_.end(), Point{});
@@ -166,7 +169,7 @@ void Polish::push_apart(Triangulation& mesh, double reach, double push) {
         const double longest = kLongestPush * spacings_[v], length = std::sqrt(dot(moves_[v], moves_[v]));
         if (length > longest) moves_[v] = (longest / length) * moves_[v];
     }
-    apply(mesh);
+    if (!stop.stop_requested()) apply(mesh);
 }
 
 void Polish::apply(Triangulation& mesh) {

@@ -46,14 +46,15 @@ private:
 class Polish {
 public:
     /// All must outlive this. Long waves are evened out in boxes and on tori only.
-    Polish(const Domain& domain, const Density& density, std::size_t sites);
+    /// @param stop  asked now and then; leaves what is of no use
+    Polish(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {});
 
     /// Evens out first sites, which no triangulation binds yet: they may cross gaps in the density.
     /// Nothing happens for a uniform density.
     void even_out(std::span<Point> sites, const std::stop_token& stop);
 
     /// Moves the sites of a triangulation. All triangles stay counter-clockwise; the Delaunay property is lost.
-    /// @param stop  asked once per round
+    /// @param stop  asked several times a round
     void refine(Triangulation& mesh, const PolishOptions& options, const std::stop_token& stop);
 
     /// Takes sites where there is no density to the nearest place with some.
@@ -61,7 +62,8 @@ public:
     bool clear_gaps(std::span<Point> sites) const;
 
 private:
-    void push_apart(Triangulation& mesh, double reach, double push);
+    void list_edges(const Triangulation& mesh);
+    void push_apart(Triangulation& mesh, double reach, double push, const std::stop_token& stop);
     void apply(Triangulation& mesh);
     void take_back(Triangulation& mesh);
     bool is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const;

@@ -10,6 +10,7 @@ namespace ccdt {
 
 namespace {
 
+constexpr std::size_t kStopStride = 65536;  ///< sites between two looks at the stop token
 constexpr double kPi = 3.141592653589793;
 constexpr double kCellsPerSpacing = 2;
 constexpr double kShortest = 0.95;     ///< highest frequency that is looked at, in cycles a spacing
@@ -51,7 +52,7 @@ double contrast(const Density& density) {
 
 }  // namespace
 
-Transport::Transport(const Domain& domain, const Density& density, std::size_t sites)
+Transport::Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop)
     : torus_(domain.is_torus()),
       uniform_(density.is_uniform()),
       sides_(domain.unit_bounds().max),
@@ -61,6 +62,7 @@ Transport::Transport(const Domain& domain, const Density& density, std::size_t s
     finest_ = std::sqrt(area / (sites_ * denser));
     octaves_.reserve(kMostOctaves);
     add_octave();
+    if (stop.stop_requested()) return;
     const SplineGrid& grid = octaves_[0].grid;
     to_potential_.resize(grid.coefficient_count());
     grid.for_frequencies([&](std::size_t number, int i, int j) {
@@ -68,10 +70,11 @@ Transport::Transport(const Domain& domain, const Density& density, std::size_t s
         if (i == 0 && j == 0) return;
         to_potential_[number] = -1 / (4 * kPi * kPi * dot(f, f) * grid.window(i, j) * grid.copies() * area);
     });
-    if (uniform_) return;
+    if (uniform_ || stop.stop_requested()) return;
     const std::vector<double> mass = masses(density);
+    if (stop.stop_requested()) return;
     assign_octaves(mass);
-    set_targets(mass);
+    set_targets(mass, stop);
 }
 
 double Transport::octave_spacing(std::size_t octave) const {
@@ -158,12 +161,12 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
 }
 
 /// The density's coefficients, as sites spread by it would have them.
-void Transport::set_targets(const std::vector<double>& masses) {
+void Transport::set_targets(const std::vector<double>& masses, const std::stop_token& stop) {
     SplineGrid& grid = octaves_[0].grid;
     const Point cell = grid.cell();
     const auto [across, up] = along_axes(grid, [](double f, double side) { return 1 / sinc(f * side); });
     targets_.assign(grid.coefficient_count(), 0);
-    for (std::size_t octave = 0; octave < octaves_.size(); ++octave) {
+    for (std::size_t octave = 0; octave < octaves_.size() && !stop.stop_requested(); ++octave) {
         for (std::size_t i = 0; i < masses.size(); ++i) grid.grid()[i] = masses[i] * part(i, octave);
         grid.forward();
         const double highest = std::pow(kShortest / octave_spacing(octave), 2);
@@ -202,9 +205,12 @@ double Transport::spacing(Point p) const {
     return spacings_.empty() ? finest_ : static_cast<double>(spacings_[cell_of(p)]);
 }
 
-void Transport::spread(std::span<const Point> sites) {
+/// @returns  false if it was stopped
+bool Transport::spread(std::span<const Point> sites, const std::stop_token& stop) {
     for (Octave& octave : octaves_) octave.grid.clear();
-    for (const Point p : sites) {
+    for (std::size_t i = 0; i < sites.size(); ++i) {
+        if (i % kStopStride == 0 && stop.stop_requested()) return false;
+        const Point p = sites[i];
         if (levels_.empty()) {
             octaves_[0].grid.spread(p, 1);
             continue;
@@ -217,7 +223,11 @@ void Transport::spread(std::span<const Point> sites) {
             if (share > 0) grid.spread(p, share);
         }
     }
-    for (Octave& octave : octaves_) octave.grid.transform();
+    for (Octave& octave : octaves_) {
+        if (stop.stop_requested()) return false;
+        octave.grid.transform();
+    }
+    return true;
 }
 
 /// @param total  coefficients of octave 0; from its sites' to the potential's
@@ -247,17 +257,20 @@ void Transport::solve(std::span<Coefficient> total) {
     }
 }
 
-void Transport::displacements(std::span<const Point> sites, std::span<Point> moves) {
-    spread(sites);
+bool Transport::displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop) {
+    if (!spread(sites, stop) || stop.stop_requested()) return false;
     SplineGrid& finest = octaves_[0].grid;
     finest.with_coefficients([&](auto total) { solve(total); });
+    if (stop.stop_requested()) return false;
     finest.transform_back();
     for (std::size_t i = 0; i < sites.size(); ++i) {
+        if (i % kStopStride == 0 && stop.stop_requested()) return false;
         const double spacing = this->spacing(sites[i]);
         const Point move = (spacing * spacing) * finest.gradient(sites[i]);
         const double longest = kLongestMove * spacing, distance = length(move);
         moves[i] = distance > longest ? (longest / distance) * move : move;
     }
+    return true;
 }
 
 }  // namespace ccdt

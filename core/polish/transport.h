@@ -3,6 +3,7 @@
 #include <complex>
 #include <cstddef>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "core/density/density.h"
@@ -27,13 +28,16 @@ class Transport {
 public:
     /// @param domain  a box or a torus
     /// @param sites   >= 1
+    /// @param stop   asked now and then; leaves what is of no use
     /// O(density's cells + sites log sites).
-    Transport(const Domain& domain, const Density& density, std::size_t sites);
+    Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {});
 
     /// @param sites  [sites] in the unit frame; inside, on a torus anywhere
     /// @param moves  out [sites], none longer than a quarter of the spacing there
+    /// @param stop   asked now and then
+    /// @returns      false if it was stopped: the moves are of no use
     /// O(sites log sites).
-    void displacements(std::span<const Point> sites, std::span<Point> moves);
+    bool displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop = {});
 
     /// 1 / sqrt(density of sites) around a point, the density smoothed over a spacing; in the unit frame.
     double spacing(Point p) const;
@@ -50,10 +54,10 @@ private:
     std::vector<double> masses(const Density& density) const;
     std::vector<double> smoothed(const std::vector<double>& masses, double sigma);
     void assign_octaves(const std::vector<double>& masses);
-    void set_targets(const std::vector<double>& masses);
+    void set_targets(const std::vector<double>& masses, const std::stop_token& stop);
     std::size_t cell_of(Point p) const;
     double part(std::size_t cell, std::size_t octave) const;
-    void spread(std::span<const Point> sites);
+    bool spread(std::span<const Point> sites, const std::stop_token& stop);
     template <class Coefficient>
     void solve(std::span<Coefficient> total);
 

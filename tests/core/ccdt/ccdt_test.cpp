@@ -404,6 +404,25 @@ TEST(Distribute, StopsOnTheWay) {
     EXPECT_EQ(test::count_distinct(result->points), 1000u);
 }
 
+TEST(Distribute, StopsInThePolish) {
+    std::stop_source source;
+    Control control{.stop = source.get_token(), .progress = {}};
+    control.progress = [&](const Progress& progress) {
+        if (progress.iteration == progress.iterations) source.request_stop();
+    };
+    const Options options{.sites = 1000, .keep_mesh = true};
+    const auto result = distribute(domain_of(kSquare), Density::uniform(), options, control);
+    ASSERT_TRUE(result);
+    EXPECT_TRUE(result->stopped);
+    EXPECT_EQ(result->iterations, options.iterations);
+    EXPECT_FALSE(result->polished);
+    EXPECT_EQ(result->variation(), result->trace.back());
+    Options draft = options;
+    draft.quality = Quality::Draft;
+    EXPECT_EQ(test::count_outside(kSquare, result->points), 0u);
+    EXPECT_EQ(result->mesh->triangles.size(), run(kSquare, Density::uniform(), draft).mesh->triangles.size());
+}
+
 /// Sites within a distance of the border, over the share of the area that lies there.
 std::vector<double> crowding(const Parts& parts, std::size_t sites, const std::vector<double>& spacings, int seeds) {
     const Domain domain = domain_of(parts);

@@ -132,6 +132,22 @@ TEST(Triangulation, FlipsBackAfterMoves) {
     EXPECT_EQ(mesh.restore_delaunay(), 0u);
 }
 
+TEST(Triangulation, StaysSoundWhenFlippingIsStopped) {
+    Triangulation mesh = empty_mesh(kSquare, 2);
+    ASSERT_TRUE(mesh.insert(0, {0.5, 0.4}));
+    ASSERT_TRUE(mesh.insert(1, {0.5, 0.6}));
+    mesh.trim();
+    mesh.points()[0] = {0.1, 0.45};
+    mesh.points()[1] = {0.9, 0.55};
+    ASSERT_GT(count_not_delaunay(mesh), 0u);
+    std::stop_source source;
+    source.request_stop();
+    EXPECT_EQ(mesh.restore_delaunay(source.get_token()), 0u);
+    EXPECT_EQ(count_bad_links(mesh), 0u);
+    EXPECT_GT(mesh.restore_delaunay(), 0u);
+    expect_valid(mesh, 1, 0);
+}
+
 TEST(Triangulation, TellsWhatFlipsHaveChanged) {
     Triangulation mesh = empty_mesh(kSquare, 4);
     ASSERT_TRUE(mesh.insert(0, {0.5, 0.3}));

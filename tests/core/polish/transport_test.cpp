@@ -72,6 +72,17 @@ TEST(Transport, RemovesALongWave) {
     EXPECT_LT(left_of_wave(box, waves(), 5), 0.1);
 }
 
+TEST(Transport, TellsThatItWasStopped) {
+    const Domain domain = Domain::rectangle(1, 1).value();
+    const auto sites = distribute(domain, Density::uniform(), {.sites = 100, .iterations = 0})->points;
+    std::vector<Point> moves(sites.size());
+    Transport transport(domain, Density::uniform(), sites.size());
+    std::stop_source source;
+    EXPECT_TRUE(transport.displacements(sites, moves, source.get_token()));
+    source.request_stop();
+    EXPECT_FALSE(transport.displacements(sites, moves, source.get_token()));
+}
+
 TEST(Transport, LeavesALatticeWhereItIs) {
     constexpr int kSide = 60;
     std::vector<Point> sites;
