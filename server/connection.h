@@ -53,6 +53,9 @@ public:
     /// Address and port of the client, for the log.
     const std::string& client() const { return client_; }
 
+    /// Without the port.
+    std::string client_address() const { return client_.substr(0, client_.rfind(':')); }
+
     std::uint64_t bytes_in() const { return bytes_in_; }  ///< of the current request
     std::uint64_t bytes_out() const { return bytes_out_; }
 

@@ -268,7 +268,7 @@ tl::expected<std::string, Routes::Problem> Routes::read_body(const Request& requ
     if (!encoding.empty() && !equals_ignoring_case(encoding, "identity"))
         return problem(415, "a Content-Encoding is not understood; send the body as it is");
     if (draining_) return busy(503, "the server is shutting down");
-    if (pool_.is_full()) return busy(429, "too many requests are waiting");
+    if (pool_.is_full(connection.client_address())) return busy(429, "too many requests are waiting");
     auto body = connection.read_body(request, config_.max_body);
     if (!body) return problem(body.error().status, body.error().detail);
     return std::move(*body);
@@ -278,7 +278,7 @@ tl::expected<std::string, Routes::Problem> Routes::read_body(const Request& requ
 Routes::Outcome Routes::compute(Work work, Connection& connection) {
     const auto deadline = Clock::now() + config_.timeout;
     const auto ticket = std::make_shared<Ticket>();
-    const auto job = pool_.submit([ticket, work = std::move(work)](std::stop_token stop) {
+    const auto job = pool_.submit(connection.client_address(), [ticket, work = std::move(work)](std::stop_token stop) {
         ticket->begin();
         api::Timings timings;
         try {

@@ -32,10 +32,10 @@ WorkerPool::~WorkerPool() {
     for (auto& [id, job] : running_) job.stop.request_stop();
 }
 
-std::optional<WorkerPool::JobId> WorkerPool::submit(Job job) {
+std::optional<WorkerPool::JobId> WorkerPool::submit(const std::string& client, Job job) {
     const std::lock_guard lock(mutex_);
-    if (is_full_locked()) return std::nullopt;
-    waiting_.push_back({++last_id_, std::move(job)});
+    if (is_full_locked(client)) return std::nullopt;
+    waiting_.push_back({++last_id_, client, next_turn_locked(client), std::move(job)});
     job_waits_.notify_one();
     return last_id_;
 }
@@ -55,9 +55,9 @@ WorkerPool::Cancelled WorkerPool::cancel(JobId id) {
     return Cancelled::Queued;
 }
 
-bool WorkerPool::is_full() const {
+bool WorkerPool::is_full(std::string_view client) const {
     const std::lock_guard lock(mutex_);
-    return is_full_locked();
+    return is_full_locked(client);
 }
 
 void WorkerPool::drain() {
@@ -76,8 +76,7 @@ std::chrono::seconds WorkerPool::backlog() const {
 void WorkerPool::work(const std::stop_token& closing) {
     std::unique_lock lock(mutex_);
     while (job_waits_.wait(lock, closing, [this] { return !waiting_.empty(); }) && !closing.stop_requested()) {
-        Waiting next = std::move(waiting_.front());
-        waiting_.pop_front();
+        Waiting next = take_next_locked();
         const JobId id = next.id;
         const Running& running = running_.emplace(id, Running{{}, Clock::now()}).first->second;
         const auto started = running.started;
@@ -103,9 +102,29 @@ void WorkerPool::run(const Job& job, const std::stop_token& stop) {
     }
 }
 
-bool WorkerPool::is_full_locked() const {
+bool WorkerPool::is_full_locked(std::string_view client) const {
     const std::size_t idle_workers = worker_count_ - running_.size();
-    return waiting_.size() >= capacity_ + idle_workers;
+    if (waiting_.size() < capacity_ + idle_workers) return false;
+    return waiting_.size() >= 2 * capacity_ + idle_workers ||
+           std::ranges::find(waiting_, client, &Waiting::client) != waiting_.end();
+}
+
+/// The one after the client's last waiting job, and never one that is past.
+std::uint64_t WorkerPool::next_turn_locked(std::string_view client) const {
+    std::uint64_t turn = turn_;
+    for (const Waiting& job : waiting_) {
+        if (job.client == client) turn = std::max(turn, job.turn + 1);
+    }
+    return turn;
+}
+
+/// Of those whose turn is first, the one that came first.
+WorkerPool::Waiting WorkerPool::take_next_locked() {
+    const auto next = std::ranges::min_element(waiting_, {}, &Waiting::turn);
+    Waiting taken = std::move(*next);
+    waiting_.erase(next);
+    turn_ = taken.turn;
+    return taken;
 }
 
 double WorkerPool::expected_seconds_locked() const {

@@ -10,6 +10,8 @@
 #include <mutex>
 #include <optional>
 #include <stop_token>
+#include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -17,7 +19,12 @@ namespace ccdt::server {
 
 /// A fixed number of threads that do all computing, behind a queue that can say no.
 ///
+/// Clients take turns: each one's first waiting job goes before any one's second, whenever they came, and a client
+/// without a waiting job is let in even where others have filled the queue, until it is twice as long. So a hundred
+/// jobs of one client keep another's only one waiting no longer than those that run.
+///
 /// All members may be called from any thread, jobs included.
+/// Source: Goyal, Vin, Cheng 1996, Start-time fair queuing, every job costing the same.
 class WorkerPool {
 public:
     /// Whoever submits a job keeps its result; a job that throws is dropped.
@@ -38,14 +45,15 @@ public:
     WorkerPool(const WorkerPool&) = delete;
     WorkerPool& operator=(const WorkerPool&) = delete;
 
-    /// None: the queue is full.
-    std::optional<JobId> submit(Job job);
+    /// @param client  whose turn it takes; any name
+    /// @returns       none: the queue is full
+    std::optional<JobId> submit(const std::string& client, Job job);
 
     /// A waiting job is forgotten, a running one has its stop token set; any other id does nothing.
     Cancelled cancel(JobId id);
 
-    /// A job submitted now would be refused.
-    bool is_full() const;
+    /// A job that the client submits now would be refused.
+    bool is_full(std::string_view client) const;
 
     /// Returns once every job that was submitted is done.
     void drain();
@@ -56,6 +64,8 @@ public:
 private:
     struct Waiting {
         JobId id = 0;
+        std::string client;
+        std::uint64_t turn = 0;
         Job job;
     };
     struct Running {
@@ -65,7 +75,9 @@ private:
 
     void work(const std::stop_token& closing);
     static void run(const Job& job, const std::stop_token& stop);
-    bool is_full_locked() const;
+    bool is_full_locked(std::string_view client) const;
+    std::uint64_t next_turn_locked(std::string_view client) const;
+    Waiting take_next_locked();
     double expected_seconds_locked() const;
 
     const std::size_t worker_count_;
@@ -74,7 +86,8 @@ private:
     mutable std::mutex mutex_;  ///< guards the members from here to `average_seconds_`
     std::condition_variable_any job_waits_;
     std::condition_variable idle_;
-    std::deque<Waiting> waiting_;
+    std::deque<Waiting> waiting_;  ///< in the order in which they came
+    std::uint64_t turn_ = 0;       ///< of the job that began last
     std::map<JobId, Running> running_;
     JobId last_id_ = 0;
     double average_seconds_ = 0;  ///< of a job, the last ones weighing most; 0 before the first

@@ -93,6 +93,19 @@ class Deadline(unittest.TestCase):
             self.assertEqual(answer.status, 200)
 
 
+class Fairness(unittest.TestCase):
+    def test_one_client_s_requests_do_not_hold_up_another_s(self):
+        with Server("--workers=1", "--queue=6", "--timeout=300") as server:
+            calls = start(server, SHORT, 7)
+            wait_until(server, 429)
+            other = Call(server.url("/halftone?sites=10&scale=1"), "--interface", "127.0.0.2", data=file_of(flat(9)))
+            self.assertEqual(other.answer().status, 200)
+            waiting = sum(call.process.poll() is None for call in calls)
+            self.assertGreaterEqual(waiting, 5)
+            for call in calls:
+                call.abandon()
+
+
 class Stopping(unittest.TestCase):
     def test_everything_accepted_is_answered(self):
         for number in (signal.SIGTERM, signal.SIGINT):

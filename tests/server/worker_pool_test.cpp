@@ -11,6 +11,8 @@
 namespace ccdt::server {
 namespace {
 
+const std::string kClient = "client";
+
 /// A job that runs until it is let go.
 class Gate {
 public:
@@ -32,7 +34,7 @@ private:
 TEST(WorkerPool, DoesEveryJob) {
     std::atomic<int> done = 0;
     WorkerPool pool(3, 100);
-    for (int i = 0; i < 100; ++i) ASSERT_TRUE(pool.submit([&](const std::stop_token&) { ++done; }));
+    for (int i = 0; i < 100; ++i) ASSERT_TRUE(pool.submit(kClient, [&](const std::stop_token&) { ++done; }));
     pool.drain();
     EXPECT_EQ(done, 100);
 }
@@ -40,7 +42,8 @@ TEST(WorkerPool, DoesEveryJob) {
 TEST(WorkerPool, RunsAsManyJobsAtOnceAsItHasWorkers) {
     std::latch all(3);
     WorkerPool pool(3, 0);
-    for (int i = 0; i < 3; ++i) ASSERT_TRUE(pool.submit([&](const std::stop_token&) { all.arrive_and_wait(); }));
+    for (int i = 0; i < 3; ++i)
+        ASSERT_TRUE(pool.submit(kClient, [&](const std::stop_token&) { all.arrive_and_wait(); }));
     pool.drain();
 }
 
@@ -49,17 +52,17 @@ TEST(WorkerPool, RefusesWhatItsQueueCannotHold) {
     std::atomic<int> done = 0;
     const auto count = [&](const std::stop_token&) { ++done; };
     WorkerPool pool(1, 2);
-    ASSERT_TRUE(pool.submit(gate.job()));
+    ASSERT_TRUE(pool.submit(kClient, gate.job()));
     gate.wait_until_started();
-    EXPECT_FALSE(pool.is_full());
-    EXPECT_TRUE(pool.submit(count));
-    EXPECT_TRUE(pool.submit(count));
-    EXPECT_TRUE(pool.is_full());
-    EXPECT_FALSE(pool.submit(count));
+    EXPECT_FALSE(pool.is_full(kClient));
+    EXPECT_TRUE(pool.submit(kClient, count));
+    EXPECT_TRUE(pool.submit(kClient, count));
+    EXPECT_TRUE(pool.is_full(kClient));
+    EXPECT_FALSE(pool.submit(kClient, count));
     gate.open();
     pool.drain();
     EXPECT_EQ(done, 2);
-    EXPECT_TRUE(pool.submit(count));
+    EXPECT_TRUE(pool.submit(kClient, count));
     pool.drain();
     EXPECT_EQ(done, 3);
 }
@@ -68,9 +71,9 @@ TEST(WorkerPool, KeepsTheOrderOfTheQueue) {
     Gate gate;
     std::string order;
     WorkerPool pool(1, 10);
-    ASSERT_TRUE(pool.submit(gate.job()));
+    ASSERT_TRUE(pool.submit(kClient, gate.job()));
     for (const char letter : std::string("abcde"))
-        ASSERT_TRUE(pool.submit([&order, letter](const std::stop_token&) { order += letter; }));
+        ASSERT_TRUE(pool.submit(kClient, [&order, letter](const std::stop_token&) { order += letter; }));
     gate.open();
     pool.drain();
     EXPECT_EQ(order, "abcde");
@@ -79,7 +82,7 @@ TEST(WorkerPool, KeepsTheOrderOfTheQueue) {
 TEST(WorkerPool, StopsARunningJob) {
     std::promise<void> started;
     WorkerPool pool(1, 0);
-    const auto id = pool.submit([&](const std::stop_token& stop) {
+    const auto id = pool.submit(kClient, [&](const std::stop_token& stop) {
         started.set_value();
         while (!stop.stop_requested()) std::this_thread::yield();
     });
@@ -94,13 +97,13 @@ TEST(WorkerPool, ForgetsAWaitingJob) {
     Gate gate;
     bool ran = false;
     WorkerPool pool(1, 1);
-    ASSERT_TRUE(pool.submit(gate.job()));
+    ASSERT_TRUE(pool.submit(kClient, gate.job()));
     gate.wait_until_started();
-    const auto id = pool.submit([&](const std::stop_token&) { ran = true; });
+    const auto id = pool.submit(kClient, [&](const std::stop_token&) { ran = true; });
     ASSERT_TRUE(id);
-    EXPECT_TRUE(pool.is_full());
+    EXPECT_TRUE(pool.is_full(kClient));
     EXPECT_EQ(pool.cancel(*id), WorkerPool::Cancelled::Queued);
-    EXPECT_FALSE(pool.is_full());
+    EXPECT_FALSE(pool.is_full(kClient));
     gate.open();
     pool.drain();
     EXPECT_FALSE(ran);
@@ -109,8 +112,8 @@ TEST(WorkerPool, ForgetsAWaitingJob) {
 TEST(WorkerPool, OutlivesJobsThatThrow) {
     bool ran = false;
     WorkerPool pool(1, 2);
-    ASSERT_TRUE(pool.submit([](const std::stop_token&) { throw std::runtime_error("x"); }));
-    ASSERT_TRUE(pool.submit([&](const std::stop_token&) { ran = true; }));
+    ASSERT_TRUE(pool.submit(kClient, [](const std::stop_token&) { throw std::runtime_error("x"); }));
+    ASSERT_TRUE(pool.submit(kClient, [&](const std::stop_token&) { ran = true; }));
     pool.drain();
     EXPECT_TRUE(ran);
 }
@@ -120,13 +123,13 @@ TEST(WorkerPool, StopsItsJobsWhenDestroyed) {
     bool stopped = false;
     {
         WorkerPool pool(1, 1);
-        ASSERT_TRUE(pool.submit([&](const std::stop_token& stop) {
+        ASSERT_TRUE(pool.submit(kClient, [&](const std::stop_token& stop) {
             started.set_value();
             while (!stop.stop_requested()) std::this_thread::yield();
             stopped = true;
         }));
         started.get_future().wait();
-        ASSERT_TRUE(pool.submit([](const std::stop_token&) { ADD_FAILURE() << "a dropped job ran"; }));
+        ASSERT_TRUE(pool.submit(kClient, [](const std::stop_token&) { ADD_FAILURE() << "a dropped job ran"; }));
     }
     EXPECT_TRUE(stopped);
 }
@@ -136,15 +139,72 @@ TEST(WorkerPool, EstimatesItsBacklog) {
     WorkerPool pool(1, 100);
     EXPECT_EQ(pool.backlog(), std::chrono::seconds(1)) << "nothing is known, nothing waits";
     // One job that takes at least 30 ms, by the clock it is measured with.
-    ASSERT_TRUE(pool.submit([](const std::stop_token&) {
+    ASSERT_TRUE(pool.submit(kClient, [](const std::stop_token&) {
         const auto end = WorkerPool::Clock::now() + std::chrono::milliseconds(30);
         while (WorkerPool::Clock::now() < end) std::this_thread::yield();
     }));
     pool.drain();
-    ASSERT_TRUE(pool.submit(gate.job()));
+    ASSERT_TRUE(pool.submit(kClient, gate.job()));
     gate.wait_until_started();
-    for (int i = 0; i < 99; ++i) ASSERT_TRUE(pool.submit([](const std::stop_token&) {}));
+    for (int i = 0; i < 99; ++i) ASSERT_TRUE(pool.submit(kClient, [](const std::stop_token&) {}));
     EXPECT_GE(pool.backlog(), std::chrono::seconds(3));
+    gate.open();
+    pool.drain();
+}
+
+/// Order in which jobs that wait behind another are done, by their clients.
+std::string order_of(const std::vector<std::string>& clients) {
+    Gate gate;
+    std::string order;
+    WorkerPool pool(1, 10);
+    EXPECT_TRUE(pool.submit("first", gate.job()));
+    gate.wait_until_started();
+    for (const std::string& client : clients) {
+        EXPECT_TRUE(pool.submit(client, [&order, client](const std::stop_token&) { order += client; }));
+    }
+    gate.open();
+    pool.drain();
+    return order;
+}
+
+TEST(WorkerPool, LetsClientsTakeTurns) {
+    EXPECT_EQ(order_of({"a", "a", "a", "b", "c", "b"}), "abcaba");
+    EXPECT_EQ(order_of({"a", "b", "b", "a"}), "abba");
+    EXPECT_EQ(order_of({"a", "a", "a"}), "aaa");
+}
+
+TEST(WorkerPool, GivesNoCreditForTurnsThatWereNotTaken) {
+    Gate first;
+    std::string order;
+    const auto note = [&order](const std::string& client) {
+        return [&order, client](const std::stop_token&) { order += client; };
+    };
+    WorkerPool pool(1, 10);
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(pool.submit("a", note("a")));
+    ASSERT_TRUE(pool.submit("a", first.job()));
+    first.wait_until_started();
+    for (int i = 0; i < 2; ++i) ASSERT_TRUE(pool.submit("b", note("b")));
+    for (int i = 0; i < 2; ++i) ASSERT_TRUE(pool.submit("a", note("a")));
+    first.open();
+    pool.drain();
+    EXPECT_EQ(order, "aaababa");
+}
+
+TEST(WorkerPool, LetsNewcomersIntoAFullQueue) {
+    Gate gate;
+    const auto nothing = [](const std::stop_token&) {};
+    WorkerPool pool(1, 2);
+    ASSERT_TRUE(pool.submit("a", gate.job()));
+    gate.wait_until_started();
+    EXPECT_TRUE(pool.submit("a", nothing));
+    EXPECT_TRUE(pool.submit("a", nothing));
+    EXPECT_TRUE(pool.is_full("a"));
+    EXPECT_FALSE(pool.submit("a", nothing));
+    EXPECT_FALSE(pool.is_full("b"));
+    EXPECT_TRUE(pool.submit("b", nothing));
+    EXPECT_FALSE(pool.submit("b", nothing));
+    EXPECT_TRUE(pool.submit("c", nothing));
+    EXPECT_FALSE(pool.submit("d", nothing));
     gate.open();
     pool.drain();
 }
