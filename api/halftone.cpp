@@ -50,12 +50,13 @@ struct Draft {
     std::optional<std::size_t> format;  ///< index into kFormats
 };
 
-constexpr std::array<OptionRule<Draft>, 13> kRules = {{
+constexpr std::array<OptionRule<Draft>, 14> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
     {"passes", [](const Input& i, const Limits&, Draft& d) { return read_passes(i, d.request.run); }},
     {"quality", [](const Input& i, const Limits&, Draft& d) { return read_quality(i, d.request.run); }},
+    {"on_deadline", [](const Input& i, const Limits&, Draft& d) { return read_on_deadline(i, d.request.on_deadline); }},
     {"scale", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.scale, read_number(i, kScales)); }},
     {"dot", [](const Input& i, const Limits&, Draft& d) { return read_dot(i, d.request.dot); }},
     {"antialias", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.antialias, read_boolean(i)); }},
@@ -159,7 +160,7 @@ Result<Distribution> place_dots(const HalftoneRequest& request, Plan& plan, cons
     if (!domain) return tl::make_unexpected(domain.error());
     Options options = request.run;
     options.sites = plan.sites;
-    auto distribution = distribute_all(*domain, density, options, control);
+    auto distribution = distribute_all(*domain, density, options, control, request.on_deadline);
     if (!distribution) return failure(distribution.error().code, distribution.error().message, request.image_field);
     return distribution;
 }
@@ -217,7 +218,7 @@ Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits
     timings.optimise = watch.lap();
     if (!distribution) return tl::make_unexpected(distribution.error());
 
-    Answer answer{std::string(media_type(request.format)), {}};
+    Answer answer{std::string(media_type(request.format)), {}, distribution->stopped};
     if (request.format == HalftoneFormat::Json) {
         answer.body =
             write_distribution(*distribution, {request.run.seed, timings.decode + timings.optimise, plan->picture});

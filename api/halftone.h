@@ -8,6 +8,7 @@
 
 #include "api/colour.h"
 #include "api/options.h"
+#include "api/run_options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/halftone/tone.h"
 #include "core/result.h"
@@ -29,6 +30,7 @@ struct HalftoneRequest {
     std::optional<Colour> foreground;  ///< none: black, inverted white
     std::optional<Colour> background;  ///< none: white, inverted black
     HalftoneFormat format = HalftoneFormat::Png;
+    OnStop on_deadline = OnStop::Error;
 };
 
 /// Reads a request whose image is the body, or a part of a form; options come as text.
@@ -51,7 +53,7 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
 
 /// Decodes, distributes, draws, encodes.
 ///
-/// @param control  a stop ends it within a pass, with nothing to show for it
+/// @param control  a stop ends it within a pass, with nothing to show for it unless its part is asked for
 /// @param timings  filled as far as it came
 /// @returns        a PNG file, or the points as JSON
 /// Errors: those of decode_image; Unusable for a picture without ink; LimitExceeded if the output would have more

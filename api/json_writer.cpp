@@ -112,6 +112,7 @@ std::string write_distribution(const Distribution& distribution, const Report& r
     append_member(out, "variation", distribution.variation());
     out += ",\"trace\":";
     append_trace(out, distribution.trace);
+    if (distribution.stopped) out += ",\"partial\":true";
     append_member(out, "elapsed_ms", rounded_to_microseconds(report.elapsed_ms));
     if (report.picture) {
         append_member(out, "width", static_cast<std::uint64_t>(report.picture->width));

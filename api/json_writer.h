@@ -24,8 +24,8 @@ struct Report {
     std::string_view method = "ccdt";
 };
 
-/// Writes the JSON answer of /sample and /halftone; also the mesh, if there is one. Numbers are the shortest that
-/// read back to the same double. Same input, same bytes. About 0.1 microseconds a number.
+/// Writes the JSON answer of /sample and /halftone; also the mesh, if there is one, and that a run was stopped. Numbers
+/// are the shortest that read back to the same double. Same input, same bytes. About 0.1 microseconds a number.
 std::string write_distribution(const Distribution& distribution, const Report& report);
 
 /// Writes the JSON answer of /analyze, the spectrum only if it is asked for. Same input, same bytes.

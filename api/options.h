@@ -30,6 +30,7 @@ struct Timings {
 struct Answer {
     std::string media_type;
     std::string body;
+    bool partial = false;  ///< of a run that was stopped, which the request allows
 };
 
 }  // namespace ccdt::api

@@ -33,10 +33,18 @@ Result<void> read_quality(const Input& input, Options& options) {
     return {};
 }
 
+Result<void> read_on_deadline(const Input& input, OnStop& on_stop) {
+    static constexpr std::string_view kWords[] = {"error", "partial"};
+    const auto index = read_choice(input, kWords);
+    if (!index) return tl::make_unexpected(index.error());
+    on_stop = *index == 0 ? OnStop::Error : OnStop::Partial;
+    return {};
+}
+
 Result<Distribution> distribute_all(const Domain& domain, const Density& density, const Options& options,
-                                    const Control& control, Method method) {
+                                    const Control& control, OnStop on_stop, Method method) {
     auto distribution = distribute_by(method, domain, density, options, control);
-    if (distribution && distribution->stopped) return stopped();
+    if (distribution && distribution->stopped && on_stop == OnStop::Error) return stopped();
     return distribution;
 }
 

@@ -103,7 +103,7 @@ Result<void> read_density(const Input& input, const Limits& limits, Draft& draft
     return settle_density(input, std::move(density), draft.request);
 }
 
-constexpr std::array<OptionRule<Draft>, 14> kRules = {{
+constexpr std::array<OptionRule<Draft>, 15> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.run.sites, read_sites(i, l)); }},
     {"polygon", [](const Input& i, const Limits&, Draft& d) { return assign(d.polygon, read_ring(i)); }},
     {"holes", [](const Input& i, const Limits&, Draft& d) { return assign(d.holes, read_rings(i)); }},
@@ -114,6 +114,7 @@ constexpr std::array<OptionRule<Draft>, 14> kRules = {{
     {"iterations", read_given<read_iterations, &GivenOptions::iterations>},
     {"passes", read_given<read_passes, &GivenOptions::passes>},
     {"quality", read_given<read_quality, &GivenOptions::quality>},
+    {"on_deadline", [](const Input& i, const Limits&, Draft& d) { return read_on_deadline(i, d.request.on_deadline); }},
     {"tolerance", read_given<read_tolerance, &GivenOptions::tolerance>},
     {"method", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.method, read_method(i)); }},
     {"mesh", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.run.keep_mesh, read_boolean(i)); }},
@@ -184,7 +185,7 @@ Result<Density> make_density(const SampleRequest& request, const Limits& limits)
 Result<Distribution> place_points(const SampleRequest& request, const Domain& domain, const Density& density,
                                   const Control& control) {
     if (auto going = check_stop(control); !going) return tl::make_unexpected(going.error());
-    auto distribution = distribute_all(domain, density, request.run, control, request.method);
+    auto distribution = distribute_all(domain, density, request.run, control, request.on_deadline, request.method);
     if (!distribution && !distribution.error().field.empty()) distribution.error().field.insert(0, "/");
     return distribution;
 }
@@ -224,7 +225,7 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     timings.optimise = watch.lap();
     if (!distribution) return tl::make_unexpected(distribution.error());
 
-    Answer answer{std::string(kFormats[0].media_type), {}};
+    Answer answer{std::string(kFormats[0].media_type), {}, distribution->stopped};
     const double elapsed = timings.decode + timings.optimise;
     answer.body = write_distribution(*distribution, {request.run.seed, elapsed, {}, name_of(request.method)});
     timings.encode = watch.lap();

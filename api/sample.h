@@ -9,6 +9,7 @@
 #include "api/method.h"
 #include "api/options.h"
 #include "api/polygon_reader.h"
+#include "api/run_options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 
@@ -31,6 +32,7 @@ struct SampleRequest {
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
     Options run;
     Method method = Method::Ccdt;
+    OnStop on_deadline = OnStop::Error;
 };
 
 /// Reads a request: a JSON object.
@@ -44,7 +46,7 @@ Result<SampleRequest> parse_sample(std::string_view body, std::string_view accep
 
 /// Builds the domain and the density, distributes, writes JSON.
 ///
-/// @param control  a stop ends it within a pass, with nothing to show for it
+/// @param control  a stop ends it within a pass, with nothing to show for it unless its part is asked for
 /// @param timings  filled as far as it came
 /// Errors: Unusable for a polygon that is not simple or a density of zero; those of decode_image; Stopped. The
 /// field is a JSON Pointer. Same request, same bytes, but for `elapsed_ms`.

@@ -30,6 +30,9 @@ constexpr std::size_t kLongestId = 64;
 /// How often a connection looks whether its client still waits.
 constexpr std::chrono::milliseconds kPeek{20};
 
+/// How long after its deadline a job may take to stop, and to write down what it has.
+constexpr std::chrono::seconds kGrace{2};
+
 /// A result on its way from a worker to the connection that waits for it, which may leave before it comes.
 class Ticket {
 public:
@@ -301,17 +304,18 @@ Routes::Outcome Routes::compute(Work work, Connection& connection) {
             return give_up(std::move(gone));
         }
         if (Clock::now() < deadline) continue;
-        const auto cancelled = pool_.cancel(*job);
-        if (cancelled == WorkerPool::Cancelled::Queued) return give_up(busy(503, "no worker was free in time"));
-        if (cancelled == WorkerPool::Cancelled::Running)
-            return give_up(problem(504, "the computation took longer than the timeout of " +
-                                            std::to_string(config_.timeout.count()) + " ms (timeout)"));
+        if (pool_.cancel(*job) == WorkerPool::Cancelled::Queued)
+            return give_up(busy(503, "no worker was free in time"));
+        if (ticket->wait_until(deadline + kGrace)) break;
+        return give_up(too_slow());
     }
     auto result = ticket->take_result();
+    if (!result && result.error().code == ErrorCode::Stopped) return give_up(too_slow());
     if (!result) return give_up(problem(std::move(result.error())));
     Response response;
     response.media_type = std::move(result->media_type);
     response.body = std::move(result->body);
+    if (result->partial) response.headers.push_back({"X-Partial", "deadline"});
     response.stages = ticket->stages();
     return response;
 }
@@ -346,6 +350,11 @@ tl::unexpected<Routes::Problem> Routes::busy(int status, std::string message) co
     return refused;
 }
 
+tl::unexpected<Routes::Problem> Routes::too_slow() const {
+    return problem(504, "the computation took longer than the timeout of " + std::to_string(config_.timeout.count()) +
+                            " ms (timeout)");
+}
+
 std::string Routes::request_id(const Request& request) {
     const auto given = request.header("X-Request-ID");
     if (is_request_id(given)) return std::string(given);
@@ -374,7 +383,8 @@ void Routes::add_common_headers(Response& response) const {
     response.headers.push_back({"Server-Timing", server_timing(response.stages)});
     if (config_.cors_origin.empty()) return;
     response.headers.push_back({"Access-Control-Allow-Origin", config_.cors_origin});
-    response.headers.push_back({"Access-Control-Expose-Headers", "Retry-After, Server-Timing, X-Request-ID"});
+    response.headers.push_back(
+        {"Access-Control-Expose-Headers", "Retry-After, Server-Timing, X-Partial, X-Request-ID"});
     if (config_.cors_origin != "*") response.headers.push_back({"Vary", "Origin"});
 }
 

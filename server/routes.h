@@ -72,6 +72,7 @@ private:
 
     Response preflight(const Route& route, const Request& request) const;
     tl::unexpected<Problem> busy(int status, std::string message) const;
+    tl::unexpected<Problem> too_slow() const;
     tl::expected<std::string, Problem> read_body(const Request& request, Connection& connection) const;
     static tl::expected<std::string, Problem> read_form(std::string body, std::string_view content_type,
                                                         std::vector<api::TextOption>& options);

@@ -300,5 +300,24 @@ TEST(Sample, StopsWhenAsked) {
     EXPECT_EQ(result.error().code, ErrorCode::Stopped);
 }
 
+TEST(Sample, AnswersWithItsPartIfThatIsAskedFor) {
+    for (const bool stopped : {false, true}) {
+        std::stop_source stop;
+        const auto request = parse('{' + kSquare + R"(,"sites":100,"on_deadline":"partial"})");
+        Timings timings;
+        const Control control{stop.get_token(), [&](const Progress& progress) {
+                                  if (stopped && progress.iteration == 2) stop.request_stop();
+                              }};
+        const auto result = run_sample(*request, {}, control, timings);
+        ASSERT_TRUE(result);
+        EXPECT_EQ(result->partial, stopped);
+        const auto answer = nlohmann::json::parse(result->body);
+        EXPECT_EQ(answer.value("partial", false), stopped);
+        EXPECT_EQ(answer["iterations"], stopped ? 2 : 5);
+        EXPECT_EQ(answer["points"].size(), 100);
+    }
+    EXPECT_FALSE(parse('{' + kSquare + R"(,"sites":100,"on_deadline":"best"})"));
+}
+
 }  // namespace
 }  // namespace ccdt::api
