@@ -57,13 +57,13 @@ std::string set_bytes(std::size_t& target, std::string_view text) {
     return {};
 }
 
-std::string set_timeout(Draft& draft, std::string_view text) {
+std::string set_seconds(std::chrono::milliseconds& target, std::string_view text) {
     constexpr double kMostSeconds = 86'400;
     double seconds = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
     const bool whole = error == std::errc() && end == text.data() + text.size();
     if (!whole || !(seconds >= 0.001) || seconds > kMostSeconds) return "a number of seconds from 0.001 to 86400";
-    draft.config.timeout = std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
+    target = std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
     return {};
 }
 
@@ -111,7 +111,10 @@ constexpr auto kSettings = std::to_array<Setting>({
      [](Draft& draft, std::string_view text) {
          return set_whole(draft.config.limits.max_sites, text, 1, 100'000'000);
      }},
-    {"--timeout", "CCDT_TIMEOUT", "SECONDS", "longest wait for an answer (60)", set_timeout},
+    {"--timeout", "CCDT_TIMEOUT", "SECONDS", "longest wait for an answer (60)",
+     [](Draft& draft, std::string_view text) { return set_seconds(draft.config.timeout, text); }},
+    {"--drain-timeout", "CCDT_DRAIN_TIMEOUT", "SECONDS", "longest time from SIGTERM to the end (70)",
+     [](Draft& draft, std::string_view text) { return set_seconds(draft.config.drain_timeout, text); }},
     {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGIN", "origin whose pages may call, * for all (none)", set_cors_origin},
     {"--log-format", "CCDT_LOG_FORMAT", "FORMAT", "text or json (text)", set_log_format},
 });

@@ -21,8 +21,9 @@ struct Config {
     std::size_t queue = 16;                        ///< requests that may wait for a worker
     std::size_t max_body = std::size_t{64} << 20;  ///< bytes
     api::Limits limits;
-    std::chrono::milliseconds timeout{60'000};  ///< from a request's last byte to its answer
-    std::string cors_origin;                    ///< `*` or one origin; empty: no CORS headers
+    std::chrono::milliseconds timeout{60'000};        ///< from a request's last byte to its answer
+    std::chrono::milliseconds drain_timeout{70'000};  ///< from the signal to end to the end
+    std::string cors_origin;                          ///< `*` or one origin; empty: no CORS headers
     LogFormat log_format = LogFormat::Text;
 };
 

@@ -1,10 +1,14 @@
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <csignal>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <mutex>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <thread>
 
@@ -42,6 +46,33 @@ void wait_for_signal(const sigset_t& signals) {
     pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
+/// Ends the program in time even if a request does not: first nothing is waited for any more, then it is over.
+class Reaper {
+public:
+    Reaper(std::chrono::milliseconds timeout, Routes& routes, const Log& log)
+        : thread_([=, &routes, &log](const std::stop_token& done) {
+              constexpr std::chrono::milliseconds kLastWords{1'000};  // for telling those who wait
+              const auto last_words = std::min(kLastWords, timeout / 2);
+              if (ended_within(timeout - last_words, done)) return;
+              log.info("the time to shut down is nearly over: requests that are not done are given up");
+              routes.abandon();
+              if (ended_within(last_words, done)) return;
+              log.error("the time to shut down is over: answers that clients do not take are dropped");
+              std::_Exit(EXIT_SUCCESS);
+          }) {}
+
+private:
+    static bool ended_within(std::chrono::milliseconds time, const std::stop_token& done) {
+        std::mutex mutex;
+        std::unique_lock lock(mutex);
+        std::condition_variable_any never;
+        never.wait_for(lock, done, time, [] { return false; });
+        return done.stop_requested();
+    }
+
+    std::jthread thread_;
+};
+
 std::string url(const std::string& address, int port) {
     const bool has_colon = address.find(':') != std::string::npos;
     return "http://" + (has_colon ? "[" + address + "]" : address) + ":" + std::to_string(port);
@@ -77,6 +108,7 @@ int serve(const Config& config) {
         kill(getpid(), SIGTERM);
     });
     wait_for_signal(signals);
+    const Reaper reaper(config.drain_timeout, routes, log);
     routes.drain();
     server.drain();
     log.info("shutting down: no new requests, those accepted are answered");

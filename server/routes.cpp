@@ -303,6 +303,10 @@ Routes::Outcome Routes::compute(Work work, Connection& connection) {
             gone.value().deliver = false;
             return give_up(std::move(gone));
         }
+        if (abandoned_) {
+            pool_.cancel(*job);
+            return give_up(busy(503, "the server is shutting down"));
+        }
         if (Clock::now() < deadline) continue;
         if (pool_.cancel(*job) == WorkerPool::Cancelled::Queued)
             return give_up(busy(503, "no worker was free in time"));

@@ -33,6 +33,9 @@ public:
     /// From now on nothing new is computed.
     void drain() { draining_ = true; }
 
+    /// From now on nothing is waited for: whoever waits for a result is told that the server shuts down.
+    void abandon() { abandoned_ = true; }
+
 private:
     /// Why a request is not answered as it wished.
     struct Problem {
@@ -86,6 +89,7 @@ private:
     const Config config_;
     WorkerPool& pool_;
     std::atomic<bool> draining_ = false;
+    std::atomic<bool> abandoned_ = false;
     std::atomic<std::uint64_t> requests_ = 0;
     const std::string id_prefix_;  ///< differs between processes
 };

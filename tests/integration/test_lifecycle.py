@@ -4,6 +4,7 @@ import http.client
 import json
 import os
 import signal
+import socket
 import subprocess
 import unittest
 
@@ -190,6 +191,25 @@ class Stopping(unittest.TestCase):
             server.signal()
             self.assertEqual(server.wait(), 128 + signal.SIGTERM)
             calls[0].abandon()
+
+
+    def test_it_ends_in_time_whatever_is_not_done(self):
+        with Server("--workers=1", "--queue=1", "--timeout=300", "--drain-timeout=3") as server:
+            calls = start(server, ENDLESS, 2)
+            wait_until(server, 429)
+            server.signal()
+            for call in calls:
+                answer = call.answer()
+                self.assertEqual((answer.status, answer.type), (503, "application/problem+json"))
+            self.assertEqual(server.wait(), 0)
+
+    def test_it_ends_in_time_though_an_answer_is_not_taken(self):
+        body = json.dumps({"sites": 1_000_000, "iterations": 0, "domain": RECTANGLE}).encode()
+        with Server("--drain-timeout=3") as server, socket.create_connection(("127.0.0.1", server.port)) as client:
+            client.sendall(b"POST /sample HTTP/1.1\r\nHost: h\r\nContent-Length: %d\r\n\r\n%s" % (len(body), body))
+            self.assertEqual(client.recv(12), b"HTTP/1.1 200")
+            server.signal()
+            self.assertEqual(server.wait(), 0)
 
 
 class Starting(unittest.TestCase):
