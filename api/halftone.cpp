@@ -218,7 +218,11 @@ Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits
     timings.optimise = watch.lap();
     if (!distribution) return tl::make_unexpected(distribution.error());
 
-    Answer answer{std::string(media_type(request.format)), {}, distribution->stopped};
+    Answer answer;
+    answer.media_type = media_type(request.format);
+    answer.sites = plan->sites;
+    answer.pixels = static_cast<std::size_t>(plan->picture.width) * static_cast<std::size_t>(plan->picture.height);
+    answer.partial = distribution->stopped;
     if (request.format == HalftoneFormat::Json) {
         answer.body =
             write_distribution(*distribution, {request.run.seed, timings.decode + timings.optimise, plan->picture});

@@ -30,7 +30,9 @@ struct Timings {
 struct Answer {
     std::string media_type;
     std::string body;
-    bool partial = false;  ///< of a run that was stopped, which the request allows
+    std::size_t sites = 0;   ///< placed for it
+    std::size_t pixels = 0;  ///< of a picture decoded for it
+    bool partial = false;    ///< of a run that was stopped, which the request allows
 };
 
 }  // namespace ccdt::api

@@ -225,7 +225,10 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     timings.optimise = watch.lap();
     if (!distribution) return tl::make_unexpected(distribution.error());
 
-    Answer answer{std::string(kFormats[0].media_type), {}, distribution->stopped};
+    Answer answer;
+    answer.media_type = kFormats[0].media_type;
+    answer.sites = request.run.sites;
+    answer.partial = distribution->stopped;
     const double elapsed = timings.decode + timings.optimise;
     answer.body = write_distribution(*distribution, {request.run.seed, elapsed, {}, name_of(request.method)});
     timings.encode = watch.lap();

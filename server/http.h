@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -42,6 +43,12 @@ struct Stages {
     api::Timings work;
 };
 
+/// How much was computed for an answer.
+struct Computed {
+    std::size_t sites = 0;
+    std::size_t pixels = 0;
+};
+
 struct Response {
     int status = 200;
     std::string media_type;
@@ -50,6 +57,9 @@ struct Response {
     std::string request_id;
     std::string cause;  ///< of a failure of ours; for the log only
     Stages stages;
+    std::string_view route;      ///< the path of what answered; empty: nothing did
+    std::string_view cancelled;  ///< why a computation was given up: client_gone, deadline or shutdown
+    std::optional<Computed> computed;
     bool deliver = true;  ///< false: the client has left
 };
 

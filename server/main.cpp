@@ -17,6 +17,7 @@
 #include "server/config.h"
 #include "server/http_server.h"
 #include "server/log.h"
+#include "server/metrics.h"
 #include "server/routes.h"
 #include "server/worker_pool.h"
 
@@ -85,13 +86,17 @@ int serve(const Config& config) {
 
     const Log log(config.log_format);
     WorkerPool pool(config.workers, config.queue);
-    Routes routes(config, pool);
+    Metrics metrics(CCDT_VERSION);
+    Routes routes(config, pool, metrics);
     HttpServer server(
         config.workers + config.queue + kSpareConnections,
         [&](const auto& request, const auto& fault, auto& connection) {
             return routes.answer(request, fault, connection);
         },
-        [&](const Exchange& exchange) { log.exchange(exchange); });
+        [&](const Exchange& exchange) {
+            metrics.add(exchange);
+            log.exchange(exchange);
+        });
 
     const auto port = server.bind(config.bind, config.port);
     if (!port) {

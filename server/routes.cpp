@@ -30,6 +30,9 @@ constexpr std::size_t kLongestId = 64;
 /// How often a connection looks whether its client still waits.
 constexpr std::chrono::milliseconds kPeek{20};
 
+/// Seconds after which a worker that goes on though its job was cancelled is taken for stuck.
+constexpr double kLongestOverdue = 10;
+
 /// How long after its deadline a job may take to stop, and to write down what it has.
 constexpr std::chrono::seconds kGrace{2};
 
@@ -141,10 +144,11 @@ constexpr Routes::Route Routes::kRoutes[] = {
     {"/health", "GET", "GET, HEAD, OPTIONS", &Routes::live},
     {"/health/live", "GET", "GET, HEAD, OPTIONS", &Routes::live},
     {"/health/ready", "GET", "GET, HEAD, OPTIONS", &Routes::ready},
+    {"/metrics", "GET", "GET, HEAD, OPTIONS", &Routes::metrics},
 };
 
-Routes::Routes(const Config& config, WorkerPool& pool)
-    : config_(config), pool_(pool), id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
+Routes::Routes(const Config& config, WorkerPool& pool, const Metrics& metrics)
+    : config_(config), pool_(pool), metrics_(metrics), id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
 
 Response Routes::answer(const Request& request, const std::optional<Fault>& fault, Connection& connection) {
     const std::string id = request_id(request);
@@ -156,8 +160,14 @@ Response Routes::answer(const Request& request, const std::optional<Fault>& faul
         response = describe(problem(500, exception.what()).value(), id);
     }
     response.request_id = id;
+    response.route = route_of(request);
     add_common_headers(response);
     return response;
+}
+
+std::string_view Routes::route_of(const Request& request) {
+    const auto* route = std::ranges::find(kRoutes, std::string_view(request.path), &Route::path);
+    return route == std::end(kRoutes) ? std::string_view() : route->path;
 }
 
 Routes::Outcome Routes::dispatch(const Request& request, Connection& connection) {
@@ -179,7 +189,18 @@ Routes::Outcome Routes::live(const Request&, Connection&) {
 
 Routes::Outcome Routes::ready(const Request&, Connection&) {
     if (draining_) return busy(503, "the server is shutting down");
+    const WorkerPool::Load load = pool_.load();
+    if (load.overdue_seconds > kLongestOverdue) return busy(503, "a worker does not stop when it is told to");
+    if (load.backlog_seconds > std::chrono::duration<double>(config_.timeout).count())
+        return busy(503, "what waits takes longer than the timeout");
     return json_response(R"({"status":"ready"})");
+}
+
+Routes::Outcome Routes::metrics(const Request&, Connection&) {
+    Response response;
+    response.media_type = "text/plain; version=0.0.4; charset=utf-8";
+    response.body = metrics_.text(pool_.load());
+    return response;
 }
 
 Routes::Outcome Routes::halftone(const Request& request, Connection& connection) {
@@ -301,15 +322,21 @@ Routes::Outcome Routes::compute(Work work, Connection& connection) {
             pool_.cancel(*job);
             auto gone = problem(499, "the client went away");
             gone.value().deliver = false;
+            gone.value().cancelled = "client_gone";
             return give_up(std::move(gone));
         }
         if (abandoned_) {
             pool_.cancel(*job);
-            return give_up(busy(503, "the server is shutting down"));
+            auto refused = busy(503, "the server is shutting down");
+            refused.value().cancelled = "shutdown";
+            return give_up(std::move(refused));
         }
         if (Clock::now() < deadline) continue;
-        if (pool_.cancel(*job) == WorkerPool::Cancelled::Queued)
-            return give_up(busy(503, "no worker was free in time"));
+        if (pool_.cancel(*job) == WorkerPool::Cancelled::Queued) {
+            auto refused = busy(503, "no worker was free in time");
+            refused.value().cancelled = "deadline";
+            return give_up(std::move(refused));
+        }
         if (ticket->wait_until(deadline + kGrace)) break;
         return give_up(too_slow());
     }
@@ -319,7 +346,11 @@ Routes::Outcome Routes::compute(Work work, Connection& connection) {
     Response response;
     response.media_type = std::move(result->media_type);
     response.body = std::move(result->body);
-    if (result->partial) response.headers.push_back({"X-Partial", "deadline"});
+    response.computed = Computed{result->sites, result->pixels};
+    if (result->partial) {
+        response.headers.push_back({"X-Partial", "deadline"});
+        response.cancelled = "deadline";
+    }
     response.stages = ticket->stages();
     return response;
 }
@@ -355,8 +386,10 @@ tl::unexpected<Routes::Problem> Routes::busy(int status, std::string message) co
 }
 
 tl::unexpected<Routes::Problem> Routes::too_slow() const {
-    return problem(504, "the computation took longer than the timeout of " + std::to_string(config_.timeout.count()) +
-                            " ms (timeout)");
+    auto late = problem(504, "the computation took longer than the timeout of " +
+                                 std::to_string(config_.timeout.count()) + " ms (timeout)");
+    late.value().cancelled = "deadline";
+    return late;
 }
 
 std::string Routes::request_id(const Request& request) {
@@ -379,6 +412,7 @@ Response Routes::describe(Problem problem, const std::string& id) const {
     response.headers = std::move(problem.headers);
     response.stages = problem.stages;
     response.deliver = problem.deliver;
+    response.cancelled = problem.cancelled;
     return response;
 }
 

@@ -14,6 +14,7 @@
 #include "server/config.h"
 #include "server/connection.h"
 #include "server/http.h"
+#include "server/metrics.h"
 #include "server/worker_pool.h"
 
 namespace ccdt::server {
@@ -24,8 +25,8 @@ int http_status(ErrorCode code);
 /// Maps paths and methods to what answers them. May be used from any thread.
 class Routes {
 public:
-    /// The pool must outlive the routes.
-    Routes(const Config& config, WorkerPool& pool);
+    /// The pool and the metrics must outlive the routes.
+    Routes(const Config& config, WorkerPool& pool, const Metrics& metrics);
 
     /// Answers anything that came over a connection; a fault is answered as what it says.
     Response answer(const Request& request, const std::optional<Fault>& fault, Connection& connection);
@@ -44,6 +45,7 @@ private:
         std::vector<Header> headers;
         Stages stages;
         bool deliver = true;
+        std::string_view cancelled = {};
     };
     using Outcome = tl::expected<Response, Problem>;
     using Handler = Outcome (Routes::*)(const Request&, Connection&);
@@ -66,12 +68,14 @@ private:
     static tl::unexpected<Problem> problem(int status, std::string message, std::string field = {});
     static tl::unexpected<Problem> problem(Error error);
 
+    static std::string_view route_of(const Request& request);
     Outcome dispatch(const Request& request, Connection& connection);
     Outcome halftone(const Request& request, Connection& connection);
     Outcome sample(const Request& request, Connection& connection);
     Outcome analyze(const Request& request, Connection& connection);
     Outcome live(const Request& request, Connection& connection);
     Outcome ready(const Request& request, Connection& connection);
+    Outcome metrics(const Request& request, Connection& connection);
 
     Response preflight(const Route& route, const Request& request) const;
     tl::unexpected<Problem> busy(int status, std::string message) const;
@@ -88,6 +92,7 @@ private:
 
     const Config config_;
     WorkerPool& pool_;
+    const Metrics& metrics_;
     std::atomic<bool> draining_ = false;
     std::atomic<bool> abandoned_ = false;
     std::atomic<std::uint64_t> requests_ = 0;

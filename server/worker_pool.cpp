@@ -35,7 +35,7 @@ WorkerPool::~WorkerPool() {
 std::optional<WorkerPool::JobId> WorkerPool::submit(const std::string& client, Job job) {
     const std::lock_guard lock(mutex_);
     if (is_full_locked(client)) return std::nullopt;
-    waiting_.push_back({++last_id_, client, next_turn_locked(client), std::move(job)});
+    waiting_.push_back({++last_id_, client, next_turn_locked(client), Clock::now(), std::move(job)});
     job_waits_.notify_one();
     return last_id_;
 }
@@ -45,6 +45,7 @@ WorkerPool::Cancelled WorkerPool::cancel(JobId id) {
     const std::lock_guard lock(mutex_);
     if (const auto job = running_.find(id); job != running_.end()) {
         job->second.stop.request_stop();
+        if (!job->second.cancelled) job->second.cancelled = Clock::now();
         return Cancelled::Running;
     }
     const auto job = std::ranges::find(waiting_, id, &Waiting::id);
@@ -71,6 +72,20 @@ std::chrono::seconds WorkerPool::backlog() const {
     const double jobs = static_cast<double>(waiting_.size() + 1);
     const double seconds = jobs * expected_seconds_locked() / static_cast<double>(worker_count_);
     return std::chrono::seconds(static_cast<std::int64_t>(std::ceil(std::clamp(seconds, 1.0, kLongestBacklog))));
+}
+
+WorkerPool::Load WorkerPool::load() const {
+    const std::lock_guard lock(mutex_);
+    Load load{.workers = worker_count_, .busy = running_.size(), .waiting = waiting_.size(), .capacity = capacity_};
+    if (!waiting_.empty()) {
+        load.oldest_seconds = seconds_since(waiting_.front().came);
+        load.backlog_seconds =
+            static_cast<double>(waiting_.size()) * expected_seconds_locked() / static_cast<double>(worker_count_);
+    }
+    for (const auto& [id, job] : running_) {
+        if (job.cancelled) load.overdue_seconds = std::max(load.overdue_seconds, seconds_since(*job.cancelled));
+    }
+    return load;
 }
 
 void WorkerPool::work(const std::stop_token& closing) {

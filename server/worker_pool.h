@@ -35,6 +35,16 @@ public:
     /// What became of a job that was cancelled.
     enum class Cancelled { Queued, Running, Unknown };
 
+    struct Load {
+        std::size_t workers = 0;
+        std::size_t busy = 0;        ///< of them
+        std::size_t waiting = 0;     ///< jobs
+        std::size_t capacity = 0;    ///< jobs that may wait
+        double oldest_seconds = 0;   ///< that a job has waited
+        double backlog_seconds = 0;  ///< until those that wait are done, at the pace of late; 0 if none waits
+        double overdue_seconds = 0;  ///< that a job has gone on after it was cancelled
+    };
+
     /// @param workers   >= 1
     /// @param capacity  jobs that may wait while all workers are busy
     WorkerPool(std::size_t workers, std::size_t capacity);
@@ -58,6 +68,8 @@ public:
     /// Returns once every job that was submitted is done.
     void drain();
 
+    Load load() const;
+
     /// How long the jobs now waiting will keep the workers busy, at the pace of late; at least a second.
     std::chrono::seconds backlog() const;
 
@@ -66,11 +78,13 @@ private:
         JobId id = 0;
         std::string client;
         std::uint64_t turn = 0;
+        Clock::time_point came;
         Job job;
     };
     struct Running {
         std::stop_source stop;
         Clock::time_point started;
+        std::optional<Clock::time_point> cancelled = {};
     };
 
     void work(const std::stop_token& closing);

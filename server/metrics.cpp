@@ -1,0 +1,123 @@
+#include "server/metrics.h"
+
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+
+#include <utility>
+
+#include "server/process.h"
+
+namespace ccdt::server {
+namespace {
+
+using prometheus::Counter;
+using prometheus::Family;
+using prometheus::Gauge;
+using prometheus::Histogram;
+
+/// From a small request's time to the longest timeout that makes sense.
+const Histogram::BucketBoundaries kSeconds = {0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25,
+                                              0.5,   1,      2.5,   5,    10,    30,   60};
+
+Gauge& make_gauge(prometheus::Registry& registry, const char* name, const char* help) {
+    return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add({});
+}
+
+Counter& make_counter(prometheus::Registry& registry, const char* name, const char* help) {
+    return prometheus::BuildCounter().Name(name).Help(help).Register(registry).Add({});
+}
+
+std::string label(std::string_view value) {
+    return value.empty() ? "other" : std::string(value);
+}
+
+}  // namespace
+
+struct Metrics::Families {
+    prometheus::Registry registry;
+    Family<Counter>& requests = prometheus::BuildCounter()
+                                    .Name("ccdt_http_requests_total")
+                                    .Help("Requests by route and status; 499 is a client that went away.")
+                                    .Register(registry);
+    Family<Histogram>& durations = prometheus::BuildHistogram()
+                                       .Name("ccdt_http_request_duration_seconds")
+                                       .Help("From a request's first byte to its answer's last.")
+                                       .Register(registry);
+    Family<Histogram>& stages = prometheus::BuildHistogram()
+                                    .Name("ccdt_stage_duration_seconds")
+                                    .Help("Where the time of computed requests goes.")
+                                    .Register(registry);
+    Family<Counter>& cancellations = prometheus::BuildCounter()
+                                         .Name("ccdt_cancellations_total")
+                                         .Help("Computations and waits that were given up, by cause.")
+                                         .Register(registry);
+    Counter& sites = make_counter(registry, "ccdt_sites_total", "Sites of the answers computed.");
+    Counter& pixels = make_counter(registry, "ccdt_pixels_total", "Pixels of the pictures decoded for answers.");
+    Counter& received = make_counter(registry, "ccdt_http_received_bytes_total", "Bytes of requests.");
+    Counter& sent = make_counter(registry, "ccdt_http_sent_bytes_total", "Bytes of answers.");
+    Gauge& waiting = make_gauge(registry, "ccdt_queue_requests", "Requests that wait for a worker.");
+    Gauge& capacity = make_gauge(registry, "ccdt_queue_capacity_requests", "Requests that may wait for a worker.");
+    Gauge& oldest = make_gauge(registry, "ccdt_queue_oldest_seconds", "How long the oldest of them has waited.");
+    Gauge& backlog = make_gauge(registry, "ccdt_queue_backlog_seconds", "How long they will keep the workers busy.");
+    Gauge& workers = make_gauge(registry, "ccdt_workers", "Threads that compute.");
+    Gauge& busy = make_gauge(registry, "ccdt_workers_busy", "Threads that compute something now.");
+    Gauge& overdue = make_gauge(registry, "ccdt_workers_overdue_seconds",
+                                "How long the slowest worker has gone on after it was told to stop.");
+    Gauge& memory = make_gauge(registry, "process_resident_memory_bytes", "Resident memory.");
+    Gauge& descriptors = make_gauge(registry, "process_open_fds", "Open file descriptors.");
+
+    Histogram& stage(const char* name) { return stages.Add({{"stage", name}}, kSeconds); }
+};
+
+Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families>()) {
+    Families& all = *families_;
+    prometheus::BuildGauge()
+        .Name("ccdt_build_info")
+        .Help("The program's version; always 1.")
+        .Register(all.registry)
+        .Add({{"version", std::string(version)}})
+        .Set(1);
+    // There from the start: a rate over what has not happened yet is 0, and not missing.
+    for (const char* cause : {"client_gone", "deadline", "shutdown"}) all.cancellations.Add({{"cause", cause}});
+    for (const char* stage : {"queue", "decode", "optimise", "encode"}) all.stage(stage);
+}
+
+Metrics::~Metrics() = default;
+
+void Metrics::add(const Exchange& exchange) {
+    constexpr double kMilliseconds = 1e-3;
+    Families& all = *families_;
+    const Response& response = exchange.response;
+    const std::string route = label(response.route);
+    all.requests.Add({{"route", route}, {"status", std::to_string(response.status)}}).Increment();
+    all.durations.Add({{"route", route}}, kSeconds).Observe(exchange.milliseconds * kMilliseconds);
+    all.received.Increment(static_cast<double>(exchange.bytes_in));
+    all.sent.Increment(static_cast<double>(exchange.bytes_out));
+    if (!response.cancelled.empty()) all.cancellations.Add({{"cause", std::string(response.cancelled)}}).Increment();
+    if (!response.computed) return;
+    const auto& [queue, work] = response.stages;
+    for (const auto& [name, spent] : {std::pair{"queue", queue}, std::pair{"decode", work.decode},
+                                      std::pair{"optimise", work.optimise}, std::pair{"encode", work.encode}})
+        all.stage(name).Observe(spent * kMilliseconds);
+    all.sites.Increment(static_cast<double>(response.computed->sites));
+    all.pixels.Increment(static_cast<double>(response.computed->pixels));
+}
+
+std::string Metrics::text(const WorkerPool::Load& load) const {
+    Families& all = *families_;
+    all.waiting.Set(static_cast<double>(load.waiting));
+    all.capacity.Set(static_cast<double>(load.capacity));
+    all.oldest.Set(load.oldest_seconds);
+    all.backlog.Set(load.backlog_seconds);
+    all.workers.Set(static_cast<double>(load.workers));
+    all.busy.Set(static_cast<double>(load.busy));
+    all.overdue.Set(load.overdue_seconds);
+    all.memory.Set(static_cast<double>(resident_bytes()));
+    all.descriptors.Set(static_cast<double>(open_descriptors()));
+    return prometheus::TextSerializer().Serialize(all.registry.Collect());
+}
+
+}  // namespace ccdt::server

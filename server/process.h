@@ -1,0 +1,11 @@
+#pragma once
+
+#include <cstddef>
+
+namespace ccdt::server {
+
+/// What the system says of this process; 0 where it does not tell.
+std::size_t resident_bytes();
+std::size_t open_descriptors();
+
+}  // namespace ccdt::server

@@ -1,0 +1,101 @@
+"""What monitoring sees: figures of the running server, and whether it is ready."""
+
+import json
+import shutil
+import subprocess
+import unittest
+
+from prometheus_client.parser import text_string_to_metric_families
+
+from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, flat, post_json
+
+ENDLESS = json.dumps({"sites": 100_000, "iterations": 1000, "domain": {"type": "rectangle", "width": 2, "height": 1}})
+
+
+def figures(server):
+    """Samples by name and labels."""
+    answer = ask(server, "/metrics")
+    assert answer.status == 200, answer
+    return {(sample.name, *sorted(sample.labels.items())): sample.value
+            for family in text_string_to_metric_families(answer.body.decode()) for sample in family.samples}
+
+
+def wait_for(server, name, value):
+    found = figures(server)[(name,)]
+    while found != value:
+        found = figures(server)[(name,)]
+
+
+class Metrics(ServerCase):
+    def test_follow_what_is_done(self):
+        before = figures(self.server)
+        self.halftone(file_of(flat(100, 40, 30)), "?sites=50")
+        self.sample(sites=70, domain={"type": "torus", "width": 1, "height": 1})
+        self.assertEqual(post_json(self.server, "/sample", {"sites": 0}).status, 400)
+        self.assertEqual(self.ask("/no/such/path").status, 404)
+        after = figures(self.server)
+
+        def grown(name, **labels):
+            key = (name, *sorted(labels.items()))
+            return after[key] - before.get(key, 0)
+
+        self.assertEqual(grown("ccdt_http_requests_total", route="/halftone", status="200"), 1)
+        self.assertEqual(grown("ccdt_http_requests_total", route="/sample", status="200"), 1)
+        self.assertEqual(grown("ccdt_http_requests_total", route="/sample", status="400"), 1)
+        self.assertEqual(grown("ccdt_http_requests_total", route="other", status="404"), 1)
+        self.assertEqual(grown("ccdt_stage_duration_seconds_count", stage="optimise"), 2)
+        self.assertGreater(grown("ccdt_stage_duration_seconds_sum", stage="optimise"), 0)
+        self.assertEqual(grown("ccdt_sites_total"), 120)
+        self.assertEqual(grown("ccdt_pixels_total"), 1200)
+        self.assertEqual(after[("ccdt_workers_busy",)], 0)
+
+    def test_keep_to_prometheus_rules(self):
+        answer = self.ask("/metrics")
+        self.assertTrue(answer.type.startswith("text/plain; version=0.0.4"))
+        for family in text_string_to_metric_families(answer.body.decode()):
+            self.assertRegex(family.name, r"^(ccdt|process)(_[a-z]+)+$")
+            self.assertTrue(family.documentation.endswith("."), family.name)
+            self.assertTrue(family.samples or family.type in ("counter", "histogram"), family.name)
+            if family.type == "counter":
+                self.assertTrue(all(sample.name.endswith("_total") for sample in family.samples), family.name)
+
+    @unittest.skipUnless(shutil.which("promtool"), "promtool is not installed")
+    def test_please_promtool(self):
+        self.halftone(file_of(flat(100)), "?sites=50")
+        checked = subprocess.run(["promtool", "check", "metrics"], input=self.ask("/metrics").body,
+                                 capture_output=True, timeout=PATIENCE, check=False)
+        self.assertEqual((checked.returncode, checked.stdout, checked.stderr), (0, b"", b""))
+
+
+class Pressure(unittest.TestCase):
+    def test_what_waits_and_runs_is_seen(self):
+        with Server("--workers=1", "--queue=4", "--timeout=300") as server:
+            calls = [Call(server.url("/sample"), data=ENDLESS) for _ in range(3)]
+            wait_for(server, "ccdt_queue_requests", 2)
+            found = figures(server)
+            self.assertEqual((found[("ccdt_workers",)], found[("ccdt_workers_busy",)]), (1, 1))
+            self.assertGreater(found[("ccdt_queue_oldest_seconds",)], 0)
+            for call in calls:
+                call.abandon()
+            wait_for(server, "ccdt_workers_busy", 0)
+            gone = ("ccdt_cancellations_total", ("cause", "client_gone"))
+            while figures(server)[gone] != 3:
+                pass
+
+    def test_not_ready_when_what_waits_takes_longer_than_the_timeout(self):
+        with Server("--workers=1", "--queue=4", "--timeout=1") as server:
+            self.assertEqual(ask(server, "/health/ready").status, 200)
+            calls = [Call(server.url("/sample"), data=ENDLESS) for _ in range(5)]
+            answers = [ask(server, "/health/ready")]
+            while answers[-1].status == 200 and any(call.process.poll() is None for call in calls):
+                answers.append(ask(server, "/health/ready"))
+            self.assertEqual((answers[-1].status, answers[-1].type), (503, "application/problem+json"))
+            self.assertEqual(ask(server, "/health/live").status, 200)
+            for call in calls:
+                call.answer()
+            while ask(server, "/health/ready").status != 200:
+                pass
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

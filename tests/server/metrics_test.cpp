@@ -1,0 +1,97 @@
+#include "server/metrics.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace ccdt::server {
+namespace {
+
+Exchange exchange(std::string_view route, int status) {
+    Exchange exchange;
+    exchange.response.route = route;
+    exchange.response.status = status;
+    exchange.milliseconds = 20;
+    exchange.bytes_in = 10;
+    exchange.bytes_out = 1000;
+    return exchange;
+}
+
+/// Value of a sample, by all of its name and labels; -1: there is none.
+double value(const std::string& text, const std::string& sample) {
+    const auto line = ("\n" + text).find("\n" + sample + " ");
+    return line == std::string::npos ? -1 : std::stod(text.substr(line + sample.size() + 1));
+}
+
+TEST(Metrics, CountsRequestsByRouteAndStatus) {
+    Metrics metrics("1.2.3");
+    for (int i = 0; i < 3; ++i) metrics.add(exchange("/sample", 200));
+    metrics.add(exchange("/sample", 400));
+    metrics.add(exchange("", 404));
+    const std::string text = metrics.text({});
+    EXPECT_EQ(value(text, R"(ccdt_build_info{version="1.2.3"})"), 1);
+    EXPECT_EQ(value(text, R"(ccdt_http_requests_total{route="/sample",status="200"})"), 3);
+    EXPECT_EQ(value(text, R"(ccdt_http_requests_total{route="/sample",status="400"})"), 1);
+    EXPECT_EQ(value(text, R"(ccdt_http_requests_total{route="other",status="404"})"), 1);
+    EXPECT_EQ(value(text, R"(ccdt_http_request_duration_seconds_count{route="/sample"})"), 4);
+    EXPECT_NEAR(value(text, R"(ccdt_http_request_duration_seconds_sum{route="/sample"})"), 0.08, 1e-9);
+    EXPECT_EQ(value(text, "ccdt_http_received_bytes_total"), 50);
+    EXPECT_EQ(value(text, "ccdt_http_sent_bytes_total"), 5000);
+}
+
+TEST(Metrics, TellsWhatWasComputedAndGivenUp) {
+    Metrics metrics("1");
+    Exchange done = exchange("/halftone", 200);
+    done.response.computed = Computed{5000, 262144};
+    done.response.stages = {.queue = 1, .work = {.decode = 30, .optimise = 200, .encode = 4}};
+    metrics.add(done);
+    Exchange late = exchange("/halftone", 504);
+    late.response.cancelled = "deadline";
+    metrics.add(late);
+    const std::string text = metrics.text({});
+    EXPECT_EQ(value(text, "ccdt_sites_total"), 5000);
+    EXPECT_EQ(value(text, "ccdt_pixels_total"), 262144);
+    EXPECT_EQ(value(text, R"(ccdt_stage_duration_seconds_bucket{stage="decode",le="0.025"})"), 0);
+    EXPECT_EQ(value(text, R"(ccdt_stage_duration_seconds_bucket{stage="decode",le="0.05"})"), 1);
+    EXPECT_EQ(value(text, R"(ccdt_stage_duration_seconds_count{stage="queue"})"), 1);
+    EXPECT_EQ(value(text, R"(ccdt_cancellations_total{cause="deadline"})"), 1);
+    EXPECT_EQ(value(text, R"(ccdt_cancellations_total{cause="client_gone"})"), 0);
+}
+
+TEST(Metrics, ShowsThePoolAndTheProcess) {
+    const Metrics metrics("1");
+    const std::string text = metrics.text({.workers = 4,
+                                           .busy = 3,
+                                           .waiting = 7,
+                                           .capacity = 64,
+                                           .oldest_seconds = 1.5,
+                                           .backlog_seconds = 2.5,
+                                           .overdue_seconds = 0.25});
+    EXPECT_EQ(value(text, "ccdt_workers"), 4);
+    EXPECT_EQ(value(text, "ccdt_workers_busy"), 3);
+    EXPECT_EQ(value(text, "ccdt_workers_overdue_seconds"), 0.25);
+    EXPECT_EQ(value(text, "ccdt_queue_requests"), 7);
+    EXPECT_EQ(value(text, "ccdt_queue_capacity_requests"), 64);
+    EXPECT_EQ(value(text, "ccdt_queue_oldest_seconds"), 1.5);
+    EXPECT_EQ(value(text, "ccdt_queue_backlog_seconds"), 2.5);
+    EXPECT_GT(value(text, "process_resident_memory_bytes"), 1e6);
+    EXPECT_GE(value(text, "process_open_fds"), 3);
+}
+
+TEST(Metrics, LosesNothingOnManyThreads) {
+    Metrics metrics("1");
+    {
+        std::vector<std::jthread> threads;
+        for (int i = 0; i < 4; ++i) {
+            threads.emplace_back([&] {
+                for (int k = 0; k < 500; ++k) metrics.add(exchange("/sample", 200 + k % 3));
+            });
+        }
+    }
+    EXPECT_EQ(value(metrics.text({}), R"(ccdt_http_request_duration_seconds_count{route="/sample"})"), 2000);
+}
+
+}  // namespace
+}  // namespace ccdt::server
