@@ -1,0 +1,18 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+namespace ccdt::server {
+
+/// Which distributed trace a request belongs to, in hexadecimal.
+struct Trace {
+    std::string_view id;
+    std::string_view parent;
+};
+
+/// Reads a `traceparent` header; none if it is not well formed. The trace refers to the header.
+/// Source: W3C Trace Context, section 3.2; versions to come may append fields, which are ignored.
+std::optional<Trace> parse_traceparent(std::string_view header);
+
+}  // namespace ccdt::server
