@@ -12,10 +12,18 @@ namespace {
 
 constexpr std::size_t kQueuePerWorker = 16;
 
-/// What a flag or variable sets; the queue's default waits for the number of workers.
+/// Connections beyond those that compute or wait to: for health checks, refusals and slow clients.
+constexpr std::size_t kSpareConnections = 512;
+
+/// Of bodies and answers on their way, at least: a large answer alone must not put the server under pressure.
+constexpr std::size_t kTransferBytes = std::size_t{256} << 20;
+constexpr std::size_t kBodiesAtOnce = 4;
+
+/// What a flag or variable sets; some defaults wait for the number of workers.
 struct Draft {
     Config config;
     std::optional<std::size_t> queue;
+    std::optional<std::size_t> connections;
 };
 
 /// @returns  what was expected instead, empty if the value was taken
@@ -80,11 +88,26 @@ std::string set_log_format(Draft& draft, std::string_view text) {
     return {};
 }
 
-/// The value ends up in a header.
-std::string set_cors_origin(Draft& draft, std::string_view text) {
-    if (text.empty() || !std::ranges::all_of(text, [](char c) { return c > ' ' && c < 0x7f && c != ','; }))
-        return "* or an origin such as https://example.org";
-    draft.config.cors_origin = text;
+/// The values end up in a header.
+std::string set_cors_origins(Draft& draft, std::string_view text) {
+    draft.config.cors_origins.clear();
+    while (true) {
+        const auto origin = text.substr(0, text.find(','));
+        if (origin.empty() || !std::ranges::all_of(origin, [](char c) { return c > ' ' && c < 0x7f; }))
+            return "* or origins such as https://example.org, separated by commas";
+        draft.config.cors_origins.emplace_back(origin);
+        if (origin.size() == text.size()) return {};
+        text.remove_prefix(origin.size() + 1);
+    }
+}
+
+std::string set_rate(Draft& draft, std::string_view text) {
+    constexpr double kMost = 1e6;
+    double rate = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), rate);
+    const bool whole = error == std::errc() && end == text.data() + text.size();
+    if (!whole || !(rate >= 0) || rate > kMost) return "a number of requests per second from 0 to 1000000";
+    draft.config.rate.per_second = rate;
     return {};
 }
 
@@ -96,7 +119,7 @@ std::string set_bind(Draft& draft, std::string_view text) {
 
 constexpr auto kSettings = std::to_array<Setting>({
     {"--port", "PORT", "N", "port to listen on, 0 for any that is free (8080)", set_port},
-    {"--bind", "BIND", "ADDRESS", "address to listen on (127.0.0.1)", set_bind},
+    {"--bind", "BIND", "ADDRESS", "address to listen on, or unix:PATH (127.0.0.1)", set_bind},
     {"--workers", "CCDT_WORKERS", "N", "threads that compute (one per core)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.workers, text, 1, 1024); }},
     {"--queue", "CCDT_QUEUE", "N", "requests that may wait for a worker (16 per worker)",
@@ -115,7 +138,27 @@ constexpr auto kSettings = std::to_array<Setting>({
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.timeout, text); }},
     {"--drain-timeout", "CCDT_DRAIN_TIMEOUT", "SECONDS", "longest time from SIGTERM to the end (70)",
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.drain_timeout, text); }},
-    {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGIN", "origin whose pages may call, * for all (none)", set_cors_origin},
+    {"--header-timeout", "CCDT_HEADER_TIMEOUT", "SECONDS", "longest wait for the head of a request (10)",
+     [](Draft& draft, std::string_view text) { return set_seconds(draft.config.patience.header, text); }},
+    {"--body-timeout", "CCDT_BODY_TIMEOUT", "SECONDS",
+     "longest pause of a client that sends a body or takes an answer (30)",
+     [](Draft& draft, std::string_view text) { return set_seconds(draft.config.patience.body, text); }},
+    {"--idle-timeout", "CCDT_IDLE_TIMEOUT", "SECONDS", "longest wait for another request on a connection (60)",
+     [](Draft& draft, std::string_view text) { return set_seconds(draft.config.patience.idle, text); }},
+    {"--max-connections", "CCDT_MAX_CONNECTIONS", "N", "most open connections (512 + workers + queue)",
+     [](Draft& draft, std::string_view text) { return set_whole(draft.connections.emplace(), text, 1, 32'768); }},
+    {"--max-connections-per-address", "CCDT_MAX_CONNECTIONS_PER_ADDRESS", "N", "of one address, 0 for no limit (64)",
+     [](Draft& draft, std::string_view text) { return set_whole(draft.config.capacity.per_address, text, 0, 32'768); }},
+    {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGINS", "whose pages may call, separated by commas; * for all (none)",
+     set_cors_origins},
+    {"--api-key-file", "CCDT_API_KEY_FILE", "FILE", "lines of name:key; whoever asks needs one, SIGHUP reads it again",
+     [](Draft& draft, std::string_view text) {
+         draft.config.api_key_file = text;
+         return std::string(text.empty() ? "a file's name" : "");
+     }},
+    {"--rate-limit", "CCDT_RATE_LIMIT", "N", "requests a second for each key or address, 0 for no limit (0)", set_rate},
+    {"--rate-burst", "CCDT_RATE_BURST", "N", "requests that may come at once when there is a limit (20)",
+     [](Draft& draft, std::string_view text) { return set_whole(draft.config.rate.burst, text, 1, 1'000'000); }},
     {"--log-format", "CCDT_LOG_FORMAT", "FORMAT", "text or json (text)", set_log_format},
 });
 
@@ -167,6 +210,9 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     if (auto read = read_environment(environment, draft); !read) return tl::unexpected(read.error());
     if (auto read = read_flags(arguments, draft); !read) return tl::unexpected(read.error());
     draft.config.queue = draft.queue.value_or(kQueuePerWorker * draft.config.workers);
+    auto& capacity = draft.config.capacity;
+    capacity.connections = draft.connections.value_or(kSpareConnections + draft.config.workers + draft.config.queue);
+    capacity.bytes = std::max(kTransferBytes, kBodiesAtOnce * draft.config.max_body);
     return CommandLine{CommandLine::Action::Serve, draft.config};
 }
 
@@ -176,14 +222,14 @@ std::string usage() {
         "Serves halftones and point sets of equal capacity over HTTP.\n\n";
     for (const Setting& setting : kSettings) {
         std::string flag = "  " + std::string(setting.flag) + ' ' + std::string(setting.value);
-        flag.resize(std::max<std::size_t>(flag.size() + 1, 25), ' ');
+        flag.resize(std::max<std::size_t>(flag.size() + 1, 35), ' ');
         std::string variable = setting.variable;
-        variable.resize(std::max<std::size_t>(variable.size() + 1, 18), ' ');
+        variable.resize(std::max<std::size_t>(variable.size() + 1, 33), ' ');
         text += flag + variable + std::string(setting.help) + '\n';
     }
     return text +
-           "  --help                                   prints this\n"
-           "  --version                                prints the version\n\n"
+           "  --help                                                            prints this\n"
+           "  --version                                                         prints the version\n\n"
            "Each option may also be given as the environment variable beside it; the flag wins.\n";
 }
 

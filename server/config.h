@@ -6,9 +6,13 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "api/options.h"
 #include "core/result.h"
+#include "server/capacity.h"
+#include "server/connection.h"
+#include "server/rate_limiter.h"
 
 namespace ccdt::server {
 
@@ -23,7 +27,11 @@ struct Config {
     api::Limits limits;
     std::chrono::milliseconds timeout{60'000};        ///< from a request's last byte to its answer
     std::chrono::milliseconds drain_timeout{70'000};  ///< from the signal to end to the end
-    std::string cors_origin;                          ///< `*` or one origin; empty: no CORS headers
+    Patience patience;                                ///< with slow clients
+    Capacity::Limits capacity;                        ///< for all clients together
+    std::vector<std::string> cors_origins;            ///< whose pages may call, `*` for all; empty: no CORS headers
+    std::string api_key_file;                         ///< empty: whoever asks is answered
+    RateLimiter::Rate rate;                           ///< of requests, for each key or address
     LogFormat log_format = LogFormat::Text;
 };
 

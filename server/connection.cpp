@@ -1,7 +1,5 @@
 #include "server/connection.h"
 
-#include <arpa/inet.h>
-#include <netdb.h>
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -18,11 +16,16 @@ using std::chrono::milliseconds;
 
 constexpr std::size_t kLargestHead = 32'768;
 constexpr std::size_t kLargestLine = 4'096;  ///< of a chunk's size or a trailer
-constexpr std::size_t kReceiveSize = 65'536;
-constexpr milliseconds kHeadTimeout{10'000};  ///< for the whole head
-constexpr milliseconds kBodyPause{30'000};    ///< longest pause within a body
+constexpr std::size_t kMostFraming = 8;      ///< bytes of it for one in chunks, beyond a first kLargestHead
+constexpr std::size_t kReceiveSize = 16'384;
+constexpr std::size_t kFreeBytes = 65'536;      ///< of a body, which are read even if memory is short
+constexpr std::size_t kTrustedBytes = 1 << 20;  ///< of a body, after which the length it announces is believed
+constexpr std::uint64_t kLeastRate = 32'768;    ///< bytes in a second
+constexpr std::uint64_t kLeastRateUnderPressure = 262'144;
+constexpr milliseconds kHeadUnderPressure{1'000};
+constexpr milliseconds kPauseUnderPressure{2'000};
 constexpr milliseconds kLinger{2'000};
-constexpr milliseconds kWaitStep{100};
+constexpr milliseconds kWaitStep{200};  ///< after which a wait looks whether its deadline has moved
 constexpr int kNoTime = 0;
 
 /// Waits for an event on the socket, at most until the deadline.
@@ -48,42 +51,35 @@ Received<std::uint64_t> parse_chunk_size(std::string_view line) {
     return size;
 }
 
-std::string peer_name(int socket) {
-    sockaddr_storage address{};
-    socklen_t size = sizeof(address);
-    std::array<char, NI_MAXHOST> host{};
-    std::array<char, NI_MAXSERV> port{};
-    auto* generic = reinterpret_cast<sockaddr*>(&address);
-    if (getpeername(socket, generic, &size) != 0 || getnameinfo(generic, size, host.data(), host.size(), port.data(),
-                                                                port.size(), NI_NUMERICHOST | NI_NUMERICSERV) != 0)
-        return "-";
-    const std::string name = host.data();
-    const bool has_colon = name.find(':') != std::string::npos;
-    return (has_colon ? "[" + name + "]" : name) + ":" + port.data();
-}
-
 }  // namespace
 
-Connection::Connection(int socket) : socket_(socket), client_(peer_name(socket)) {}
+Connection::Connection(int socket, const Patience& patience, Capacity* capacity)
+    : socket_(socket), patience_(patience), capacity_(capacity), peer_(peer_of(socket)) {}
 
 bool Connection::wait_for_request(const std::function<bool(Milliseconds waited)>& give_up) {
     bytes_in_ = 0;
     bytes_out_ = 0;
     const auto start = Clock::now();
     while (unread_.empty()) {
-        if (wait_for(socket_, POLLIN, Clock::now() + kWaitStep)) return fill(Clock::now()).has_value();
+        const auto soon = [] { return Clock::now() + kWaitStep; };
+        if (wait_for(socket_, POLLIN, soon())) return fill(soon).has_value();
         if (give_up(duration_cast<Milliseconds>(Clock::now() - start))) return false;
     }
     return true;
 }
 
 Received<Request> Connection::read_head() {
-    const auto deadline = Clock::now() + kHeadTimeout;
+    const auto start = Clock::now();
+    const auto deadline = [&] {
+        return start + (is_pressed() ? std::min(patience_.header, kHeadUnderPressure) : patience_.header);
+    };
     between_requests_ = false;
     std::size_t end = std::string::npos;
     while (true) {
         // Clients may send a line end after a body; it is no part of the next head.
-        while (unread_.starts_with("\r\n")) unread_.erase(0, 2);
+        std::size_t blank = 0;
+        while (unread_.compare(blank, 2, "\r\n") == 0) blank += 2;
+        unread_.erase(0, blank);
         end = unread_.find("\r\n\r\n");
         if (std::min(end, unread_.size()) > kLargestHead)
             return fault(431, "the head of the request is larger than " + std::to_string(kLargestHead) + " bytes");
@@ -100,6 +96,7 @@ Received<std::string> Connection::read_body(const Request& request, std::size_t 
     if (request.content_length.value_or(0) > limit) return too_large(limit);
     if (request.expects_continue && unread_.empty() && !write("HTTP/1.1 100 Continue\r\n\r\n"))
         return fault(400, "the client left");
+    body_ = {Clock::now(), Clock::now(), 0};
     auto body = request.chunked ? read_chunked(limit) : read_plain(*request.content_length);
     between_requests_ = body.has_value();
     return body;
@@ -111,25 +108,62 @@ bool Connection::client_gone() const {
 }
 
 bool Connection::write(std::string_view bytes) {
-    while (!bytes.empty()) {
-        const ssize_t sent = send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    Held held(capacity_);
+    held.resize(bytes.size());
+    Transfer answer{Clock::now(), Clock::now(), 0};
+    while (!bytes.empty() && !too_slow_) {
+        const ssize_t sent = send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
         if (sent < 0 && errno == EINTR) continue;
+        if (sent < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
+            too_slow_ = !wait(POLLOUT, [&] { return deadline(answer); });
+            continue;
+        }
         if (sent <= 0) return false;
+        answer.move(static_cast<std::size_t>(sent));
         bytes_out_ += static_cast<std::uint64_t>(sent);
         bytes.remove_prefix(static_cast<std::size_t>(sent));
     }
-    return true;
+    return bytes.empty();
 }
 
 void Connection::close_gently() {
+    if (too_slow_) {
+        const linger at_once{1, 0};
+        setsockopt(socket_, SOL_SOCKET, SO_LINGER, &at_once, sizeof(at_once));
+        return;
+    }
     shutdown(socket_, SHUT_WR);
     const auto deadline = Clock::now() + kLinger;
-    while (!between_requests_ && Clock::now() < deadline && fill(deadline)) unread_.clear();
+    while (!between_requests_ && fill([deadline] { return deadline; })) unread_.clear();
+}
+
+void Connection::Transfer::move(std::size_t more) {
+    moved = Clock::now();
+    bytes += more;
+}
+
+/// When a transfer has taken too long: after a pause, or once its rate has been too low for as long.
+Connection::Clock::time_point Connection::deadline(const Transfer& transfer) const {
+    const bool pressed = is_pressed();
+    const auto pause = pressed ? std::min(patience_.body, kPauseUnderPressure) : patience_.body;
+    const auto rate = pressed ? kLeastRateUnderPressure : kLeastRate;
+    return std::min(transfer.moved + pause, transfer.begun + pause + milliseconds(transfer.bytes * 1000 / rate));
+}
+
+/// Waits for an event on the socket. The deadline may move meanwhile; once it has passed not even an event that is
+/// there already counts, or a client that sends byte after byte would never be late.
+bool Connection::wait(short events, const Deadline& deadline) const {
+    while (true) {
+        const auto now = Clock::now();
+        const auto until = deadline();
+        if (now >= until) return false;
+        if (wait_for(socket_, events, std::min(until, now + kWaitStep))) return true;
+    }
 }
 
 /// Receives what there is, waiting for the first byte of it.
-Received<bool> Connection::fill(Clock::time_point deadline) {
-    if (!wait_for(socket_, POLLIN, deadline)) return fault(408, "the request did not arrive in time");
+Received<bool> Connection::fill(const Deadline& deadline) {
+    if (!wait(POLLIN, deadline)) return fault(408, "the request did not arrive in time");
     std::array<char, kReceiveSize> buffer;
     ssize_t received = -1;
     do received = recv(socket_, buffer.data(), buffer.size(), 0);
@@ -156,41 +190,51 @@ Received<std::string> Connection::read_line() {
             line.resize(end);
             return line;
         }
-        if (auto filled = fill(Clock::now() + kBodyPause); !filled) return tl::unexpected(filled.error());
+        if (auto filled = fill([this] { return deadline(body_); }); !filled) return tl::unexpected(filled.error());
     }
 }
 
-Received<bool> Connection::append(std::string& body, std::uint64_t size) {
+Received<bool> Connection::append(std::string& body, std::uint64_t size, Held& held) {
     while (size > 0) {
         if (unread_.empty()) {
-            if (auto filled = fill(Clock::now() + kBodyPause); !filled) return filled;
+            if (auto filled = fill([this] { return deadline(body_); }); !filled) return filled;
         }
         const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(size, unread_.size()));
         body.append(unread_, 0, part);
         unread_.erase(0, part);
         size -= part;
         bytes_in_ += part;
+        body_.move(part);
+        held.resize(body.size());
+        if (body.size() > kFreeBytes && capacity_ != nullptr && capacity_->is_out_of_memory())
+            return fault(503, "too many bodies are being sent at once", {{"Retry-After", "1"}});
+        if (body.size() > kTrustedBytes) body.reserve(body.size() + size);
     }
     return true;
 }
 
 Received<std::string> Connection::read_plain(std::uint64_t size) {
     std::string body;
-    if (auto read = append(body, size); !read) return tl::unexpected(read.error());
+    Held held(capacity_);
+    if (auto read = append(body, size, held); !read) return tl::unexpected(read.error());
     return body;
 }
 
 Received<std::string> Connection::read_chunked(std::size_t limit) {
     std::string body;
+    Held held(capacity_);
+    const auto before = bytes_in_;
     while (true) {
         const auto size = read_line().and_then(parse_chunk_size);
         if (!size) return tl::unexpected(size.error());
         if (*size == 0) break;
         if (*size > limit - body.size()) return too_large(limit);
-        if (auto read = append(body, *size); !read) return tl::unexpected(read.error());
+        if (auto read = append(body, *size, held); !read) return tl::unexpected(read.error());
         const auto end = read_line();
         if (!end) return tl::unexpected(end.error());
         if (!end->empty()) return fault(400, "a chunk is longer than its size");
+        if (bytes_in_ - before > body.size() * (1 + kMostFraming) + kLargestHead)
+            return fault(400, "the chunks are small for their framing");
     }
     if (auto skipped = skip_trailers(); !skipped) return tl::unexpected(skipped.error());
     return body;

@@ -10,6 +10,7 @@ namespace ccdt::server {
 namespace {
 
 constexpr std::string_view kLineEnd = "\r\n";
+constexpr std::size_t kLongestTarget = 8'192;
 
 char to_lower(char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -22,6 +23,12 @@ bool is_digit(char c) {
 bool is_token_character(char c) {
     return is_digit(c) || (to_lower(c) >= 'a' && to_lower(c) <= 'z') ||
            std::string_view("!#$%&'*+-.^_`|~").find(c) != std::string_view::npos;
+}
+
+/// Of a name, an address or a port. Whatever else a host may hold, nobody's does.
+bool is_host_character(char c) {
+    return is_digit(c) || (to_lower(c) >= 'a' && to_lower(c) <= 'z') ||
+           std::string_view("-._~%!$&'()*+;=:[]").find(c) != std::string_view::npos;
 }
 
 bool is_token(std::string_view text) {
@@ -83,10 +90,13 @@ Received<bool> parse_request_line(std::string_view line, Request& request) {
     const auto target = take_until(line, " ");
     if (!is_token(method) || target.empty()) return fault(400, "the request line is malformed");
     if (line != "HTTP/1.1" && line != "HTTP/1.0") return fault(400, "the protocol is not HTTP/1.1 or HTTP/1.0");
+    if (target.size() > kLongestTarget)
+        return fault(414, "the request target is longer than " + std::to_string(kLongestTarget) + " bytes");
     if (std::ranges::any_of(target, is_control)) return fault(400, "the request target holds control characters");
     request.method = method;
     request.target = target;
-    request.keep_alive = line == "HTTP/1.1";
+    request.is_http_1_0 = line == "HTTP/1.0";
+    request.keep_alive = !request.is_http_1_0;
 
     auto rest = without_authority(target);
     rest = rest.substr(0, rest.find('#'));
@@ -131,7 +141,6 @@ void read_connection(std::string_view value, Request& request) {
 }
 
 Received<bool> read_framing(Request& request) {
-    const bool old_version = !request.keep_alive;
     for (const auto& [name, value] : request.headers) {
         Received<bool> read = true;
         if (equals_ignoring_case(name, "Content-Length")) read = read_content_length(value, request);
@@ -139,9 +148,9 @@ Received<bool> read_framing(Request& request) {
         if (!read) return read;
         if (equals_ignoring_case(name, "Connection")) read_connection(value, request);
         if (equals_ignoring_case(name, "Expect"))
-            request.expects_continue = equals_ignoring_case(value, "100-continue");
+            request.expects_continue = !request.is_http_1_0 && equals_ignoring_case(value, "100-continue");
     }
-    if (request.chunked && (request.content_length || old_version))
+    if (request.chunked && (request.content_length || request.is_http_1_0))
         return fault(400, "Transfer-Encoding does not go with Content-Length or HTTP/1.0");
     return true;
 }
@@ -168,6 +177,20 @@ Received<Request> parse_head(std::string_view head) {
     if (parsed) parsed = read_framing(request);
     if (!parsed) return tl::unexpected(parsed.error());
     return request;
+}
+
+std::optional<Fault> find_fault(const Request& request) {
+    const auto has_name = [](std::string_view name) {
+        return [name](const Header& header) { return equals_ignoring_case(header.name, name); };
+    };
+    const auto hosts = std::ranges::count_if(request.headers, has_name("Host"));
+    if (hosts > 1 || (hosts == 0 && !request.is_http_1_0)) return Fault{400, "there must be one Host header", {}};
+    if (!std::ranges::all_of(request.header("Host"), is_host_character))
+        return Fault{400, "the Host header is malformed", {}};
+    const bool expects = std::ranges::any_of(request.headers, has_name("Expect"));
+    if (expects && !request.is_http_1_0 && !request.expects_continue)
+        return Fault{417, "the only Expect understood is 100-continue", {}};
+    return std::nullopt;
 }
 
 std::vector<api::TextOption> parse_query(std::string_view query) {
@@ -214,13 +237,16 @@ std::string_view status_phrase(int status) {
         {200, "OK"},
         {204, "No Content"},
         {400, "Bad Request"},
+        {401, "Unauthorized"},
         {404, "Not Found"},
         {405, "Method Not Allowed"},
         {406, "Not Acceptable"},
         {408, "Request Timeout"},
         {411, "Length Required"},
         {413, "Content Too Large"},
+        {414, "URI Too Long"},
         {415, "Unsupported Media Type"},
+        {417, "Expectation Failed"},
         {422, "Unprocessable Content"},
         {429, "Too Many Requests"},
         {431, "Request Header Fields Too Large"},

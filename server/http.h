@@ -27,6 +27,7 @@ struct Request {
     std::vector<Header> headers;  ///< in order, values as sent
     std::optional<std::uint64_t> content_length;
     bool chunked = false;
+    bool is_http_1_0 = false;
     bool keep_alive = true;  ///< the client wants to send more on this connection
     bool expects_continue = false;
 
@@ -53,8 +54,10 @@ struct Response {
     int status = 200;
     std::string media_type;
     std::string body;
+    std::string coding;  ///< in which the body is compressed; empty: not
     std::vector<Header> headers;
     std::string request_id;
+    std::string key;    ///< the name of the API key that the client showed; empty: none
     std::string cause;  ///< of a failure of ours; for the log only
     Stages stages;
     std::string_view route;      ///< the path of what answered; empty: nothing did
@@ -67,13 +70,14 @@ struct Response {
 struct Fault {
     int status = 400;
     std::string detail;
+    std::vector<Header> headers = {};
 };
 
 template <class T>
 using Received = tl::expected<T, Fault>;
 
-inline tl::unexpected<Fault> fault(int status, std::string detail) {
-    return tl::unexpected<Fault>(Fault{status, std::move(detail)});
+inline tl::unexpected<Fault> fault(int status, std::string detail, std::vector<Header> headers = {}) {
+    return tl::unexpected<Fault>(Fault{status, std::move(detail), std::move(headers)});
 }
 
 /// Reads a request's head, from the request line to the empty line, both included.
@@ -82,6 +86,10 @@ inline tl::unexpected<Fault> fault(int status, std::string detail) {
 /// lines end in CRLF, names are tokens, there is one Content-Length of digits or one `Transfer-Encoding: chunked`
 /// but not both.
 Received<Request> parse_head(std::string_view head);
+
+/// What is wrong with a request that can be read: no Host or several (400), an expectation that is not understood
+/// (417).
+std::optional<Fault> find_fault(const Request& request);
 
 /// The parameters of a query, in order and with their repetitions; `+` is a space.
 std::vector<api::TextOption> parse_query(std::string_view query);

@@ -1,25 +1,37 @@
 #include "server/http_server.h"
 
 #include <httplib.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
 #include <chrono>
-#include <cstring>
+#include <deque>
 #include <utility>
+
+#include "server/connection_threads.h"
 
 namespace ccdt::server {
 namespace {
 
 using std::chrono::milliseconds;
 
-constexpr int kBacklog = 1024;
 constexpr std::size_t kRequestsPerConnection = 10'000;
-constexpr std::time_t kKeepAliveSeconds = 60;
-constexpr std::time_t kWriteSeconds = 30;  ///< longest pause in which a client takes nothing
 
-/// A connection without a request makes room after this long if others wait for a thread or the server drains.
+/// A connection without a request makes room after this long if there is little room left or the server drains.
 constexpr milliseconds kIdleUnderPressure{500};
+
+/// How long a refused client has to read why, and how many of them at once.
+constexpr milliseconds kParting{500};
+constexpr std::size_t kMostParting = 256;
+
+/// Status in the log of an answer that its client did not take.
+constexpr int kClientLeft = 499;
+
+/// After accepting failed for want of files or memory.
+constexpr milliseconds kRecovery{10};
 
 using Clock = std::chrono::steady_clock;
 
@@ -64,23 +76,6 @@ private:
     std::string_view head_;
 };
 
-/// Knows how many connections wait for a thread.
-class ConnectionThreads : public httplib::ThreadPool {
-public:
-    ConnectionThreads(std::size_t threads, std::atomic<int>& waiting) : ThreadPool(threads), waiting_(waiting) {}
-
-    void enqueue(std::function<void()> serve) override {
-        ++waiting_;
-        ThreadPool::enqueue([this, serve = std::move(serve)] {
-            --waiting_;
-            serve();
-        });
-    }
-
-private:
-    std::atomic<int>& waiting_;
-};
-
 class Counted {
 public:
     explicit Counted(std::atomic<int>& count) : count_(count) { ++count_; }
@@ -96,22 +91,59 @@ void erase_header(httplib::Response& response, const char* name) {
     response.headers.erase(name);
 }
 
+/// Sockets of refused clients. They are closed a little later, since closing with unread bytes resets the connection,
+/// and the client might lose the answer. Nothing is read from them.
+class Parting {
+public:
+    ~Parting() {
+        while (!sockets_.empty()) close_first();
+    }
+
+    bool empty() const { return sockets_.empty(); }
+
+    void add(int socket) {
+        sockets_.push_back({socket, Clock::now()});
+        if (sockets_.size() > kMostParting) close_first();
+    }
+
+    void close_old() {
+        while (!sockets_.empty() && Clock::now() >= sockets_.front().since + kParting) close_first();
+    }
+
+private:
+    struct Entry {
+        int socket = -1;
+        Clock::time_point since;
+    };
+
+    void close_first() {
+        ::close(sockets_.front().socket);
+        sockets_.pop_front();
+    }
+
+    std::deque<Entry> sockets_;
+};
+
+Fault refusal(Capacity::Entry entry) {
+    const std::string reason = entry == Capacity::Entry::AddressFull
+                                   ? "this address has too many connections (max-connections-per-address)"
+                                   : "too many connections are open (max-connections)";
+    return {503, reason, {{"Retry-After", "1"}}};
+}
+
+bool is_fatal(int accept_error) {
+    return accept_error == EBADF || accept_error == EINVAL || accept_error == ENOTSOCK || accept_error == EOPNOTSUPP;
+}
+
 }  // namespace
 
-class HttpServer::Listener : public httplib::Server {
+class HttpServer::Reception : public httplib::Server {
 public:
-    Listener(std::size_t threads, HttpServer::Handler handler, HttpServer::Logger logger)
-        : handler_(std::move(handler)), logger_(std::move(logger)) {
-        new_task_queue = [this, threads] { return new ConnectionThreads(threads, waiting_); };
-        // Its default is SO_REUSEPORT, with which a second instance starts and takes half of the clients.
-        set_socket_options([](socket_t socket) {
-            const int yes = 1;
-            setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
-        });
-        set_tcp_nodelay(true);
+    Reception(const Patience& patience, const Capacity::Limits& limits, HttpServer::Handler handler,
+              HttpServer::Logger logger)
+        : patience_(patience), capacity_(limits), handler_(std::move(handler)), logger_(std::move(logger)) {
         set_keep_alive_max_count(kRequestsPerConnection);
-        set_keep_alive_timeout(kKeepAliveSeconds);
-        set_write_timeout(kWriteSeconds);
+        set_keep_alive_timeout(std::chrono::ceil<std::chrono::seconds>(patience.idle).count());
         set_pre_routing_handler([this](const httplib::Request&, httplib::Response& response) {
             answer(response);
             return HandlerResponse::Handled;
@@ -126,27 +158,68 @@ public:
     }
 
     Result<int> bind(const std::string& address, int port) {
-        errno = 0;
-        const int bound = port == 0 ? bind_to_any_port(address) : (bind_to_port(address, port) ? port : -1);
-        if (bound < 0 || ::listen(svr_sock_, kBacklog) != 0) {
-            const std::string reason = errno == 0 ? "the address is unknown" : std::strerror(errno);
-            return failure(ErrorCode::Unusable,
-                           "cannot listen on " + address + " port " + std::to_string(port) + ": " + reason);
-        }
-        return bound;
+        auto opened = ListeningSocket::open(address, port);
+        if (!opened) return tl::unexpected(std::move(opened.error()));
+        listener_.emplace(std::move(*opened));
+        return listener_->port();
     }
 
-    bool serve() { return listen_after_bind() || draining_; }
+    bool serve() {
+        ConnectionThreads threads;
+        Parting parting;
+        while (!draining_) {
+            wait_for_client(parting);
+            sockaddr_storage address{};
+            socklen_t size = sizeof(address);
+            const int socket =
+                accept4(listener_->descriptor(), reinterpret_cast<sockaddr*>(&address), &size, SOCK_CLOEXEC);
+            if (socket >= 0)
+                receive(socket, describe_peer(address), threads, parting);
+            else if (is_fatal(errno))
+                return draining_;
+            else if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED)
+                poll(nullptr, 0, kRecovery.count());
+        }
+        return true;
+    }
 
     void drain() {
         draining_ = true;
-        // Makes accept fail, now and later; `stop` would do nothing before the server runs.
-        ::shutdown(svr_sock_, SHUT_RDWR);
+        // Makes accept fail, now and later.
+        ::shutdown(listener_->descriptor(), SHUT_RDWR);
     }
 
+    Capacity::Counts connections() const { return capacity_.counts(); }
+
 private:
-    bool process_and_close_socket(socket_t socket) override {
-        Connection connection(socket);
+    void wait_for_client(Parting& parting) const {
+        pollfd entry{listener_->descriptor(), POLLIN, 0};
+        poll(&entry, 1, parting.empty() ? -1 : static_cast<int>(kParting.count()));
+        parting.close_old();
+    }
+
+    /// Gives a new connection its thread, or tells it that there is none.
+    void receive(int socket, const Peer& peer, ConnectionThreads& threads, Parting& parting) {
+        const int yes = 1;
+        setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
+        auto entry = capacity_.enter(peer.address);
+        if (entry == Capacity::Entry::Admitted) {
+            if (threads.run([this, socket, address = peer.address] { serve_socket(socket, address); })) return;
+            capacity_.leave(peer.address);
+            entry = Capacity::Entry::Full;
+        }
+        Connection connection(socket, patience_, &capacity_);
+        try {
+            answer_request(connection, {}, refusal(entry), true);
+        } catch (...) {
+            // As in `serve_socket`.
+        }
+        ::shutdown(socket, SHUT_WR);
+        parting.add(socket);
+    }
+
+    void serve_socket(int socket, const std::string& address) {
+        Connection connection(socket, patience_, &capacity_);
         try {
             serve_connection(connection);
         } catch (...) {
@@ -154,34 +227,36 @@ private:
         }
         connection.close_gently();
         ::close(socket);
-        return true;
+        capacity_.leave(address);
     }
 
     void serve_connection(Connection& connection) {
-        const auto give_up = [this](milliseconds waited) {
-            const bool pressed = waiting_ > 0 || (draining_ && busy_ == 0);
-            return waited >= (pressed ? kIdleUnderPressure : milliseconds(std::chrono::seconds(kKeepAliveSeconds)));
+        // Whoever connects has something to ask.
+        auto longest = patience_.header;
+        const auto give_up = [&](milliseconds waited) {
+            const bool pressed = capacity_.is_pressed() || (draining_ && busy_ == 0);
+            return waited >= (pressed ? std::min(longest, kIdleUnderPressure) : longest);
         };
         for (std::size_t left = keep_alive_max_count_; left > 0 && connection.wait_for_request(give_up); --left) {
             const Counted busy(busy_);
-            if (!serve_request(connection, left == 1)) break;
+            auto request = connection.read_head();
+            const auto fault = request ? find_fault(*request) : request.error();
+            if (!answer_request(connection, request ? std::move(*request) : Request(), fault, fault || left == 1))
+                break;
+            longest = patience_.idle;
         }
     }
 
     /// @returns  whether another request may follow
-    bool serve_request(Connection& connection, bool last) {
+    bool answer_request(Connection& connection, Request request, std::optional<Fault> fault, bool last) {
         const auto start = Clock::now();
-        Answering current{connection, {}, {}, {}, last};
-        if (auto request = connection.read_head())
-            current.request = std::move(*request);
-        else
-            current.fault = request.error();
-
+        Answering current{connection, std::move(request), std::move(fault), {}, last};
         AnswerStream stream(current);
         bool closed = false;
         answering = &current;
         const bool written = process_request(stream, false, closed, nullptr);
         answering = nullptr;
+        if (!written) current.response.status = kClientLeft;
         const std::chrono::duration<double, std::milli> elapsed = Clock::now() - start;
         logger_({std::move(current.request), std::move(current.response), connection.client(), connection.bytes_in(),
                  connection.bytes_out(), elapsed.count()});
@@ -202,33 +277,39 @@ private:
     static void correct_headers(httplib::Response& response) {
         erase_header(response, "Accept-Ranges");
         if (response.status == 204) erase_header(response, "Content-Length");
-        if (!answering->last) return;
-        erase_header(response, "Keep-Alive");
-        response.set_header("Connection", "close");
+        if (answering->last) erase_header(response, "Keep-Alive");
+        if (answering->last) response.set_header("Connection", "close");
+        if (!answering->last && answering->request.is_http_1_0) response.set_header("Connection", "keep-alive");
     }
 
+    const Patience patience_;
+    Capacity capacity_;
+    std::optional<ListeningSocket> listener_;
     const HttpServer::Handler handler_;
     const HttpServer::Logger logger_;
     std::atomic<bool> draining_ = false;
-    std::atomic<int> waiting_ = 0;  ///< connections without a thread
-    std::atomic<int> busy_ = 0;     ///< connections with a request
+    std::atomic<int> busy_ = 0;  ///< connections with a request
 };
 
-HttpServer::HttpServer(std::size_t threads, Handler handler, Logger logger)
-    : listener_(std::make_unique<Listener>(threads, std::move(handler), std::move(logger))) {}
+HttpServer::HttpServer(const Patience& patience, const Capacity::Limits& limits, Handler handler, Logger logger)
+    : reception_(std::make_unique<Reception>(patience, limits, std::move(handler), std::move(logger))) {}
 
 HttpServer::~HttpServer() = default;
 
 Result<int> HttpServer::bind(const std::string& address, int port) {
-    return listener_->bind(address, port);
+    return reception_->bind(address, port);
 }
 
 bool HttpServer::serve() {
-    return listener_->serve();
+    return reception_->serve();
 }
 
 void HttpServer::drain() {
-    listener_->drain();
+    reception_->drain();
+}
+
+Capacity::Counts HttpServer::connections() const {
+    return reception_->connections();
 }
 
 }  // namespace ccdt::server

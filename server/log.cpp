@@ -4,6 +4,8 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "server/trace.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -49,8 +51,14 @@ std::string exchange_line(const Exchange& exchange, LogFormat format) {
     std::string line = fmt::format(fmt::runtime(text ? kText : kJson), shown(response.request_id), shown(client),
                                    shown(request.method), shown(request.target), response.status, in, out, total,
                                    stages.queue, stages.work.decode, stages.work.optimise, stages.work.encode);
-    if (!response.cause.empty())
-        line += fmt::format(fmt::runtime(text ? R"( cause="{}")" : R"(,"cause":"{}")"), escape(response.cause));
+    const auto add = [&](const char* as_text, const char* as_json, std::string_view value) {
+        if (!value.empty()) line += fmt::format(fmt::runtime(text ? as_text : as_json), escape(value));
+    };
+    const auto trace = parse_traceparent(request.header("traceparent")).value_or(Trace{});
+    add(" key={}", R"(,"key":"{}")", response.key);
+    add(" trace={}", R"(,"trace":"{}")", trace.id);
+    add(" parent={}", R"(,"parent":"{}")", trace.parent);
+    add(R"( cause="{}")", R"(,"cause":"{}")", response.cause);
     return line;
 }
 

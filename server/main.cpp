@@ -11,14 +11,17 @@
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include <unistd.h>
 
 #include "server/config.h"
+#include "server/gate.h"
 #include "server/http_server.h"
 #include "server/log.h"
 #include "server/metrics.h"
 #include "server/routes.h"
+#include "server/sockets.h"
 #include "server/worker_pool.h"
 
 namespace ccdt::server {
@@ -27,22 +30,32 @@ namespace {
 constexpr int kFailed = 1;
 constexpr int kWrongUsage = 2;
 
-/// Connections beyond those that compute or wait to: for health checks, refusals and slow uploads.
-constexpr std::size_t kSpareConnections = 64;
+/// Besides those of connections: the log, libraries, pictures.
+constexpr std::size_t kOtherFiles = 256;
 
-sigset_t ending_signals() {
+/// SIGHUP only if it means something: else it ends the program, as it does when a terminal is closed.
+sigset_t awaited_signals(bool reload) {
     sigset_t signals;
     sigemptyset(&signals);
     sigaddset(&signals, SIGINT);
     sigaddset(&signals, SIGTERM);
+    if (reload) sigaddset(&signals, SIGHUP);
     return signals;
 }
 
-/// From then on another signal ends the program at once. That takes a handler: without one, the first process of a
-/// container is not ended by them.
-void wait_for_signal(const sigset_t& signals) {
+void reload_keys(Gate& gate, const Log& log) {
+    if (const auto read = gate.read_keys(); read)
+        log.info("the API keys were read again");
+    else
+        log.error("the API keys stay as they were: " + read.error().message);
+}
+
+/// Reads the keys again on SIGHUP, returns on any other signal. From then on another signal ends the program at once.
+/// That takes a handler: without one, the first process of a container is not ended by them.
+void wait_for_end(const sigset_t& signals, Gate& gate, const Log& log) {
     int number = 0;
-    sigwait(&signals, &number);
+    while (sigwait(&signals, &number) == 0 && number == SIGHUP) reload_keys(gate, log);
+    std::signal(SIGHUP, SIG_IGN);
     for (const int other : {SIGINT, SIGTERM}) std::signal(other, [](int again) { _exit(128 + again); });
     pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
@@ -75,29 +88,41 @@ private:
 };
 
 std::string url(const std::string& address, int port) {
+    if (address.starts_with("unix:")) return address;
     const bool has_colon = address.find(':') != std::string::npos;
     return "http://" + (has_colon ? "[" + address + "]" : address) + ":" + std::to_string(port);
 }
 
 int serve(const Config& config) {
     // Before any thread starts: they inherit the mask, and only this one takes the signals.
-    const sigset_t signals = ending_signals();
+    const sigset_t signals = awaited_signals(!config.api_key_file.empty());
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
     const Log log(config.log_format);
+    Gate gate(config);
+    if (const auto read = gate.read_keys(); !read) {
+        log.error(read.error().message);
+        return kFailed;
+    }
+    allow_open_files(config.capacity.connections + kOtherFiles);
     WorkerPool pool(config.workers, config.queue);
     Metrics metrics(CCDT_VERSION);
     Routes routes(config, pool, metrics);
     HttpServer server(
-        config.workers + config.queue + kSpareConnections,
+        config.patience, config.capacity,
         [&](const auto& request, const auto& fault, auto& connection) {
-            return routes.answer(request, fault, connection);
+            auto verdict = fault ? Gate::Verdict{{}, {}, fault} : gate.check(request, connection.address());
+            connection.name_client(std::move(verdict.client));
+            auto response = routes.answer(request, verdict.fault, connection);
+            response.key = std::move(verdict.key);
+            return response;
         },
         [&](const Exchange& exchange) {
             metrics.add(exchange);
             log.exchange(exchange);
         });
 
+    metrics.watch([&server] { return server.connections(); });
     const auto port = server.bind(config.bind, config.port);
     if (!port) {
         log.error(port.error().message);
@@ -112,7 +137,7 @@ int serve(const Config& config) {
         log.error("accepting connections failed");
         kill(getpid(), SIGTERM);
     });
-    wait_for_signal(signals);
+    wait_for_end(signals, gate, log);
     const Reaper reaper(config.drain_timeout, routes, log);
     routes.drain();
     server.drain();

@@ -6,6 +6,9 @@
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <mutex>
 #include <utility>
 
 #include "server/process.h"
@@ -28,6 +31,11 @@ Gauge& make_gauge(prometheus::Registry& registry, const char* name, const char* 
 
 Counter& make_counter(prometheus::Registry& registry, const char* name, const char* help) {
     return prometheus::BuildCounter().Name(name).Help(help).Register(registry).Add({});
+}
+
+/// To what is counted elsewhere; counters know no other way than up.
+void raise(Counter& counter, std::uint64_t count) {
+    counter.Increment(std::max(0.0, static_cast<double>(count) - counter.Value()));
 }
 
 std::string label(std::string_view value) {
@@ -58,6 +66,14 @@ struct Metrics::Families {
     Counter& pixels = make_counter(registry, "ccdt_pixels_total", "Pixels of the pictures decoded for answers.");
     Counter& received = make_counter(registry, "ccdt_http_received_bytes_total", "Bytes of requests.");
     Counter& sent = make_counter(registry, "ccdt_http_sent_bytes_total", "Bytes of answers.");
+    Gauge& connections = make_gauge(registry, "ccdt_connections_open", "Open connections.");
+    Family<Counter>& refusals =
+        prometheus::BuildCounter()
+            .Name("ccdt_connections_refused_total")
+            .Help("Connections that were refused, because the server or their address had enough.")
+            .Register(registry);
+    Counter& refused_full = refusals.Add({{"reason", "full"}});
+    Counter& refused_address = refusals.Add({{"reason", "address"}});
     Gauge& waiting = make_gauge(registry, "ccdt_queue_requests", "Requests that wait for a worker.");
     Gauge& capacity = make_gauge(registry, "ccdt_queue_capacity_requests", "Requests that may wait for a worker.");
     Gauge& oldest = make_gauge(registry, "ccdt_queue_oldest_seconds", "How long the oldest of them has waited.");
@@ -68,6 +84,8 @@ struct Metrics::Families {
                                 "How long the slowest worker has gone on after it was told to stop.");
     Gauge& memory = make_gauge(registry, "process_resident_memory_bytes", "Resident memory.");
     Gauge& descriptors = make_gauge(registry, "process_open_fds", "Open file descriptors.");
+
+    std::mutex mutex;  ///< guards the rise of what is counted elsewhere
 
     Histogram& stage(const char* name) { return stages.Add({{"stage", name}}, kSeconds); }
 };
@@ -106,8 +124,19 @@ void Metrics::add(const Exchange& exchange) {
     all.pixels.Increment(static_cast<double>(response.computed->pixels));
 }
 
+void Metrics::watch(std::function<Capacity::Counts()> connections) {
+    connections_ = std::move(connections);
+}
+
 std::string Metrics::text(const WorkerPool::Load& load) const {
     Families& all = *families_;
+    const Capacity::Counts counts = connections_();
+    all.connections.Set(static_cast<double>(counts.open));
+    {
+        const std::lock_guard lock(all.mutex);
+        raise(all.refused_full, counts.refused);
+        raise(all.refused_address, counts.refused_by_address);
+    }
     all.waiting.Set(static_cast<double>(load.waiting));
     all.capacity.Set(static_cast<double>(load.capacity));
     all.oldest.Set(load.oldest_seconds);

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 
+#include "server/capacity.h"
 #include "server/http_server.h"
 #include "server/worker_pool.h"
 
@@ -18,6 +20,9 @@ public:
     Metrics(const Metrics&) = delete;
     Metrics& operator=(const Metrics&) = delete;
 
+    /// Has figures of connections taken from there. To be called before any thread asks for figures.
+    void watch(std::function<Capacity::Counts()> connections);
+
     /// A request that was answered, or whose client left.
     void add(const Exchange& exchange);
 
@@ -27,6 +32,7 @@ public:
 private:
     struct Families;
     const std::unique_ptr<Families> families_;
+    std::function<Capacity::Counts()> connections_ = [] { return Capacity::Counts{}; };
 };
 
 }  // namespace ccdt::server

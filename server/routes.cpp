@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <cstdio>
 #include <exception>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <random>
@@ -15,6 +16,8 @@
 #include "api/halftone.h"
 #include "api/problem.h"
 #include "api/sample.h"
+#include "server/compression.h"
+#include "server/cors.h"
 #include "server/multipart.h"
 
 namespace ccdt::server {
@@ -26,6 +29,9 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 constexpr std::string_view kJson = "application/json";
 constexpr std::string_view kProblem = "application/problem+json";
 constexpr std::size_t kLongestId = 64;
+
+/// Longer texts are compressed by workers.
+constexpr std::size_t kQuickToCompress = 262'144;
 
 /// How often a connection looks whether its client still waits.
 constexpr std::chrono::milliseconds kPeek{20};
@@ -108,6 +114,24 @@ std::string server_timing(const Stages& stages) {
     return text;
 }
 
+using Work = std::function<Result<api::Answer>(const Control&, api::Timings&)>;
+
+/// The same work, whose answer is compressed in the end if the client wants it so.
+Work compressing(Work work, const Request& request) {
+    if (!accepts_gzip(request.header("Accept-Encoding"))) return work;
+    return [work = std::move(work)](const Control& control, api::Timings& timings) -> Result<api::Answer> {
+        auto answer = work(control, timings);
+        if (!answer || !is_worth_compressing(answer->media_type, answer->body)) return answer;
+        const auto start = Clock::now();
+        auto compressed = gzip(answer->body, control.stop);
+        if (!compressed) return failure(ErrorCode::Stopped, "stopped while the answer was compressed");
+        answer->body = std::move(*compressed);
+        answer->coding = "gzip";
+        timings.encode += Milliseconds(Clock::now() - start).count();
+        return answer;
+    };
+}
+
 Response json_response(std::string body) {
     Response response;
     response.media_type = kJson;
@@ -154,14 +178,15 @@ Response Routes::answer(const Request& request, const std::optional<Fault>& faul
     const std::string id = request_id(request);
     Response response;
     try {
-        auto outcome = fault ? Outcome(problem(fault->status, fault->detail)) : dispatch(request, connection);
+        auto outcome = fault ? Outcome(problem(*fault)) : dispatch(request, connection);
         response = outcome ? std::move(*outcome) : describe(std::move(outcome.error()), id);
+        negotiate_coding(request, response);
     } catch (const std::exception& exception) {
         response = describe(problem(500, exception.what()).value(), id);
     }
     response.request_id = id;
     response.route = route_of(request);
-    add_common_headers(response);
+    add_common_headers(request, response);
     return response;
 }
 
@@ -214,7 +239,7 @@ Routes::Outcome Routes::halftone(const Request& request, Connection& connection)
                 return api::run_halftone(parsed, config_.limits, control, timings);
             });
         };
-        return compute(std::move(work), connection);
+        return compute(compressing(std::move(work), request), connection);
     }
     auto image = std::move(*body);
     auto options = parse_query(request.query);
@@ -226,10 +251,11 @@ Routes::Outcome Routes::halftone(const Request& request, Connection& connection)
     auto parsed = api::parse_halftone(std::move(image), options, request.header("Accept"), config_.limits);
     if (!parsed) return problem(std::move(parsed.error()));
     // Shared because functions are copied, and the picture should not be.
-    return compute([this, shared = std::make_shared<const api::HalftoneRequest>(std::move(*parsed))](
-                       const Control& control,
-                       api::Timings& timings) { return api::run_halftone(*shared, config_.limits, control, timings); },
-                   connection);
+    Work work = [this, shared = std::make_shared<const api::HalftoneRequest>(std::move(*parsed))](
+                    const Control& control, api::Timings& timings) {
+        return api::run_halftone(*shared, config_.limits, control, timings);
+    };
+    return compute(compressing(std::move(work), request), connection);
 }
 
 Routes::Outcome Routes::sample(const Request& request, Connection& connection) {
@@ -259,9 +285,9 @@ Routes::Outcome Routes::compute_json(JsonWork work, const Request& request, Conn
     if (!request.query.empty()) return problem(400, "the options of this path are members of the JSON body");
     auto body = read_body(request, connection);
     if (!body) return tl::unexpected(std::move(body.error()));
-    return compute([work = std::move(work), body = std::move(*body), accept = std::string(request.header("Accept"))](
-                       const Control& control, api::Timings& timings) { return work(body, accept, control, timings); },
-                   connection);
+    Work whole = [work = std::move(work), body = std::move(*body), accept = std::string(request.header("Accept"))](
+                     const Control& control, api::Timings& timings) { return work(body, accept, control, timings); };
+    return compute(compressing(std::move(whole), request), connection);
 }
 
 /// The picture of a form; its other fields are added to the options.
@@ -292,9 +318,9 @@ tl::expected<std::string, Routes::Problem> Routes::read_body(const Request& requ
     if (!encoding.empty() && !equals_ignoring_case(encoding, "identity"))
         return problem(415, "a Content-Encoding is not understood; send the body as it is");
     if (draining_) return busy(503, "the server is shutting down");
-    if (pool_.is_full(connection.client_address())) return busy(429, "too many requests are waiting");
+    if (pool_.is_full(connection.client_name())) return busy(429, "too many requests are waiting");
     auto body = connection.read_body(request, config_.max_body);
-    if (!body) return problem(body.error().status, body.error().detail);
+    if (!body) return problem(std::move(body.error()));
     return std::move(*body);
 }
 
@@ -302,7 +328,7 @@ tl::expected<std::string, Routes::Problem> Routes::read_body(const Request& requ
 Routes::Outcome Routes::compute(Work work, Connection& connection) {
     const auto deadline = Clock::now() + config_.timeout;
     const auto ticket = std::make_shared<Ticket>();
-    const auto job = pool_.submit(connection.client_address(), [ticket, work = std::move(work)](std::stop_token stop) {
+    const auto job = pool_.submit(connection.client_name(), [ticket, work = std::move(work)](std::stop_token stop) {
         ticket->begin();
         api::Timings timings;
         try {
@@ -346,6 +372,7 @@ Routes::Outcome Routes::compute(Work work, Connection& connection) {
     Response response;
     response.media_type = std::move(result->media_type);
     response.body = std::move(result->body);
+    response.coding = std::move(result->coding);
     response.computed = Computed{result->sites, result->pixels};
     if (result->partial) {
         response.headers.push_back({"X-Partial", "deadline"});
@@ -360,11 +387,8 @@ Response Routes::preflight(const Route& route, const Request& request) const {
     Response response;
     response.status = 204;
     response.headers.push_back({"Allow", std::string(route.allow)});
-    if (!config_.cors_origin.empty() && !request.header("Access-Control-Request-Method").empty()) {
-        response.headers.push_back({"Access-Control-Allow-Methods", std::string(route.allow)});
-        response.headers.push_back({"Access-Control-Allow-Headers", "Accept, Content-Type, X-Request-ID"});
-        response.headers.push_back({"Access-Control-Max-Age", "86400"});
-    }
+    if (!config_.cors_origins.empty() && !request.header("Access-Control-Request-Method").empty())
+        std::ranges::move(preflight_headers(route.allow), std::back_inserter(response.headers));
     return response;
 }
 
@@ -376,6 +400,12 @@ tl::unexpected<Routes::Problem> Routes::problem(int status, std::string message,
 tl::unexpected<Routes::Problem> Routes::problem(Error error) {
     const int status = http_status(error.code);
     return tl::unexpected<Problem>(Problem{status, std::move(error), {}, {}, true});
+}
+
+tl::unexpected<Routes::Problem> Routes::problem(Fault fault) {
+    auto refused = problem(fault.status, std::move(fault.detail));
+    refused.value().headers = std::move(fault.headers);
+    return refused;
 }
 
 /// A refusal that may end well a little later.
@@ -416,14 +446,23 @@ Response Routes::describe(Problem problem, const std::string& id) const {
     return response;
 }
 
-void Routes::add_common_headers(Response& response) const {
+/// Compresses a text for clients that want it so, unless a worker has done it.
+void Routes::negotiate_coding(const Request& request, Response& response) {
+    const bool done = !response.coding.empty();
+    if (!done && !is_worth_compressing(response.media_type, response.body)) return;
+    response.headers.push_back({"Vary", "Accept-Encoding"});
+    if (!done && response.body.size() <= kQuickToCompress && accepts_gzip(request.header("Accept-Encoding"))) {
+        response.body = *gzip(response.body);
+        response.coding = "gzip";
+    }
+    if (!response.coding.empty()) response.headers.push_back({"Content-Encoding", response.coding});
+}
+
+void Routes::add_common_headers(const Request& request, Response& response) const {
     response.headers.push_back({"X-Request-ID", response.request_id});
     response.headers.push_back({"Server-Timing", server_timing(response.stages)});
-    if (config_.cors_origin.empty()) return;
-    response.headers.push_back({"Access-Control-Allow-Origin", config_.cors_origin});
-    response.headers.push_back(
-        {"Access-Control-Expose-Headers", "Retry-After, Server-Timing, X-Partial, X-Request-ID"});
-    if (config_.cors_origin != "*") response.headers.push_back({"Vary", "Origin"});
+    std::ranges::move(cors_headers(config_.cors_origins, request.header("Origin")),
+                      std::back_inserter(response.headers));
 }
 
 }  // namespace ccdt::server

@@ -67,6 +67,7 @@ private:
 
     static tl::unexpected<Problem> problem(int status, std::string message, std::string field = {});
     static tl::unexpected<Problem> problem(Error error);
+    static tl::unexpected<Problem> problem(Fault fault);
 
     static std::string_view route_of(const Request& request);
     Outcome dispatch(const Request& request, Connection& connection);
@@ -88,7 +89,8 @@ private:
 
     std::string request_id(const Request& request);
     Response describe(Problem problem, const std::string& id) const;
-    void add_common_headers(Response& response) const;
+    static void negotiate_coding(const Request& request, Response& response);
+    void add_common_headers(const Request& request, Response& response) const;
 
     const Config config_;
     WorkerPool& pool_;

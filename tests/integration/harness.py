@@ -37,8 +37,10 @@ class Server:
         self.news = threading.Condition()
         self.reader = threading.Thread(target=self._read_log)
         self.reader.start()
-        listening = self.wait_for_log("listening on http://")
-        self.port = int(re.search(r"listening on http://[^\"]*:(\d+)", listening).group(1))
+        listening = self.wait_for_log("listening on ")
+        port = re.search(r"listening on http://[^\"]*:(\d+)", listening)
+        self.port = int(port.group(1)) if port else None
+        self.path = None if port else re.search(r"listening on unix:([^\"\n]+)", listening).group(1)
 
     def _read_log(self):
         for line in self.process.stderr:

@@ -1,44 +1,12 @@
 """What travels over one connection: keep-alive, pipelining, bodies nobody read, malformed requests."""
 
 import http.client
-import re
-import socket
 import unittest
 
 from harness import PATIENCE, ServerCase, file_of, flat
+from raw import Raw, statuses
 
 GREY = file_of(flat(128))
-
-
-class Raw:
-    """Bytes to and from the server."""
-
-    def __init__(self, server):
-        self.socket = socket.create_connection(("127.0.0.1", server.port), timeout=PATIENCE)
-
-    def send(self, data):
-        self.socket.sendall(data)
-
-    def rest(self):
-        """All that comes until the server closes the connection."""
-        received = b""
-        try:
-            while chunk := self.socket.recv(65536):
-                received += chunk
-        except ConnectionResetError:
-            pass
-        return received
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.socket.close()
-
-
-def statuses(received):
-    """Of the answers in what was received."""
-    return [int(status) for status in re.findall(rb"HTTP/1\.1 (\d{3}) ", received)]
 
 
 class KeepAlive(ServerCase):
@@ -69,6 +37,24 @@ class KeepAlive(ServerCase):
         with Raw(self.server) as raw:
             raw.send(b"GET /health HTTP/1.0\r\n\r\n")
             self.assertEqual(statuses(raw.rest()), [200])
+
+    def test_http_1_0_may_ask_to_stay(self):
+        with Raw(self.server) as raw:
+            for _ in range(3):
+                raw.send(b"GET /health HTTP/1.0\r\nConnection: keep-alive\r\n\r\n")
+                status, headers, _ = raw.answer()
+                self.assertEqual((status, headers["Connection"]), (200, "keep-alive"))
+            raw.send(b"GET /health HTTP/1.0\r\n\r\n")
+            self.assertIn(b"\r\nConnection: close\r\n", raw.rest())
+
+    def test_head_and_errors_do_not_shift_what_follows(self):
+        with Raw(self.server) as raw:
+            raw.send(b"HEAD /health HTTP/1.1\r\nHost: h\r\n\r\nDELETE /health HTTP/1.1\r\nHost: h\r\n\r\n"
+                     b"OPTIONS /sample HTTP/1.1\r\nHost: h\r\nContent-Length: 0\r\n\r\n"
+                     b"GET /health HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n")
+            received = raw.rest()
+        self.assertEqual(statuses(received), [200, 405, 204, 200])
+        self.assertEqual(received.count(b'{"status":"live"}'), 1)
 
 
 class UnreadBodies(ServerCase):
@@ -113,7 +99,18 @@ class Malformed(ServerCase):
     def test_malformed_chunks_are_refused(self):
         for chunks in (b"x\r\n", b"-1\r\n", b"1\r\nab\r\n"):
             with self.subTest(chunks=chunks):
-                self.check(b"POST /halftone HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n" + chunks)
+                self.check(b"POST /halftone HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n" + chunks)
+
+    def test_one_host_is_needed(self):
+        for hosts in (b"", b"Host: a\r\nHost: a\r\n", b"Host: a b\r\n", b"Host: a/b\r\n", b"Host: u@a\r\n"):
+            with self.subTest(hosts=hosts):
+                self.check(b"GET /health HTTP/1.1\r\n" + hosts + b"\r\n")
+
+    def test_only_100_continue_may_be_expected(self):
+        self.check(b"POST /halftone HTTP/1.1\r\nHost: h\r\nExpect: tea\r\nContent-Length: 1\r\n\r\n", 417)
+
+    def test_long_targets_are_refused(self):
+        self.check(b"GET /" + b"x" * 10_000 + b" HTTP/1.1\r\nHost: h\r\n\r\n", 414)
 
     def test_large_heads_are_refused(self):
         for head in (b"GET /" + b"x" * 40_000 + b" HTTP/1.1\r\n", b"GET / HTTP/1.1\r\n" + b"A: b\r\n" * 10_000):

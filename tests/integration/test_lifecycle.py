@@ -184,8 +184,9 @@ class Stopping(unittest.TestCase):
             silent.close()
 
     def test_a_second_signal_ends_it_at_once(self):
-        with Server("--workers=1", "--timeout=300") as server:
+        with Server("--workers=1", "--queue=0", "--timeout=300") as server:
             calls = start(server, ENDLESS, 1)
+            wait_until(server, 429)
             server.signal()
             server.wait_for_log("shutting down")
             server.signal()

@@ -30,7 +30,16 @@ TEST(Config, HasTheDocumentedDefaults) {
     EXPECT_EQ(config.limits.max_pixels, 64'000'000u);
     EXPECT_EQ(config.limits.max_sites, 2'000'000u);
     EXPECT_EQ(config.timeout, std::chrono::seconds(60));
-    EXPECT_EQ(config.cors_origin, "");
+    EXPECT_EQ(config.patience.header, std::chrono::seconds(10));
+    EXPECT_EQ(config.patience.body, std::chrono::seconds(30));
+    EXPECT_EQ(config.patience.idle, std::chrono::seconds(60));
+    EXPECT_EQ(config.capacity.connections, 512 + config.workers + config.queue);
+    EXPECT_EQ(config.capacity.per_address, 64u);
+    EXPECT_EQ(config.capacity.bytes, std::size_t{256} << 20);
+    EXPECT_TRUE(config.cors_origins.empty());
+    EXPECT_EQ(config.api_key_file, "");
+    EXPECT_EQ(config.rate.per_second, 0);
+    EXPECT_EQ(config.rate.burst, 20u);
     EXPECT_EQ(config.log_format, LogFormat::Text);
 }
 
@@ -48,7 +57,7 @@ TEST(Config, ReadsFlagsInBothSpellings) {
     EXPECT_EQ(config.limits.max_pixels, 1000u);
     EXPECT_EQ(config.limits.max_sites, 77u);
     EXPECT_EQ(config.timeout, std::chrono::milliseconds(1500));
-    EXPECT_EQ(config.cors_origin, "*");
+    EXPECT_EQ(config.cors_origins, std::vector<std::string>{"*"});
     EXPECT_EQ(config.log_format, LogFormat::Json);
 }
 
@@ -73,8 +82,27 @@ TEST(Config, ReadsTheEnvironment) {
     EXPECT_EQ(config.limits.max_pixels, 9u);
     EXPECT_EQ(config.limits.max_sites, 8u);
     EXPECT_EQ(config.timeout, std::chrono::seconds(2));
-    EXPECT_EQ(config.cors_origin, "https://example.org");
+    EXPECT_EQ(config.cors_origins, std::vector<std::string>{"https://example.org"});
     EXPECT_EQ(config.log_format, LogFormat::Json);
+}
+
+TEST(Config, ReadsWhatKeepsClientsInBounds) {
+    const auto parsed =
+        parse({"--header-timeout=1", "--body-timeout=2", "--idle-timeout=0.5", "--max-connections=7",
+               "--max-connections-per-address=0", "--max-body=1GiB", "--cors-origin=https://a.example,http://b:81",
+               "--api-key-file=keys", "--rate-limit=0.5", "--rate-burst=3"});
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    const Config& config = parsed->config;
+    EXPECT_EQ(config.patience.header, std::chrono::seconds(1));
+    EXPECT_EQ(config.patience.body, std::chrono::seconds(2));
+    EXPECT_EQ(config.patience.idle, std::chrono::milliseconds(500));
+    EXPECT_EQ(config.capacity.connections, 7u);
+    EXPECT_EQ(config.capacity.per_address, 0u);
+    EXPECT_EQ(config.capacity.bytes, std::size_t{4} << 30);
+    EXPECT_EQ(config.cors_origins, (std::vector<std::string>{"https://a.example", "http://b:81"}));
+    EXPECT_EQ(config.api_key_file, "keys");
+    EXPECT_EQ(config.rate.per_second, 0.5);
+    EXPECT_EQ(config.rate.burst, 3u);
 }
 
 TEST(Config, LetsAFlagWinOverTheEnvironment) {
@@ -97,17 +125,44 @@ TEST(Config, HelpsWhateverElseIsWrong) {
 
 TEST(Config, ListsEveryFlagAndVariableInItsHelp) {
     const std::string text = usage();
-    for (const char* word : {"--port",        "PORT",
-                             "--bind",        "BIND",
-                             "--workers",     "CCDT_WORKERS",
-                             "--queue",       "CCDT_QUEUE",
-                             "--max-body",    "CCDT_MAX_BODY",
-                             "--max-pixels",  "CCDT_MAX_PIXELS",
-                             "--max-sites",   "CCDT_MAX_SITES",
-                             "--timeout",     "CCDT_TIMEOUT",
-                             "--cors-origin", "CCDT_CORS_ORIGIN",
-                             "--log-format",  "CCDT_LOG_FORMAT",
-                             "--help",        "--version"})
+    for (const char* word : {"--port",
+                             "PORT",
+                             "--bind",
+                             "BIND",
+                             "--workers",
+                             "CCDT_WORKERS",
+                             "--queue",
+                             "CCDT_QUEUE",
+                             "--max-body",
+                             "CCDT_MAX_BODY",
+                             "--max-pixels",
+                             "CCDT_MAX_PIXELS",
+                             "--max-sites",
+                             "CCDT_MAX_SITES",
+                             "--timeout",
+                             "CCDT_TIMEOUT",
+                             "--header-timeout",
+                             "CCDT_HEADER_TIMEOUT",
+                             "--body-timeout",
+                             "CCDT_BODY_TIMEOUT",
+                             "--idle-timeout",
+                             "CCDT_IDLE_TIMEOUT",
+                             "--max-connections",
+                             "CCDT_MAX_CONNECTIONS",
+                             "--max-connections-per-address",
+                             "CCDT_MAX_CONNECTIONS_PER_ADDRESS",
+                             "--cors-origin",
+                             "CCDT_CORS_ORIGIN",
+                             "--api-key-file",
+                             "CCDT_API_KEY_FILE",
+                             "--rate-limit",
+                             "CCDT_RATE_LIMIT",
+                             "--rate-burst",
+                             "CCDT_RATE_BURST",
+                             "--log-format",
+                             "CCDT_LOG_FORMAT",
+                             "--help",
+                             "--version"})
         EXPECT_NE(text.find(word), std::string::npos) << word;
 }
 
@@ -135,6 +190,13 @@ TEST(Config, NamesWhatIsWrong) {
         {{"--timeout=nan"}, {}, "--timeout"},
         {{"--timeout=1e9"}, {}, "--timeout"},
         {{"--cors-origin=a\r\nb"}, {}, "--cors-origin"},
+        {{"--cors-origin=https://a.example,"}, {}, "--cors-origin"},
+        {{"--header-timeout=0"}, {}, "--header-timeout"},
+        {{"--max-connections=0"}, {}, "--max-connections"},
+        {{"--api-key-file="}, {}, "--api-key-file"},
+        {{"--rate-limit=-1"}, {}, "--rate-limit"},
+        {{"--rate-limit=nan"}, {}, "--rate-limit"},
+        {{"--rate-burst=0"}, {}, "--rate-burst"},
         {{"--log-format=xml"}, {}, "--log-format"},
         {{"--bind="}, {}, "--bind"},
         {{}, {{"CCDT_QUEUE", "many"}}, "CCDT_QUEUE"},

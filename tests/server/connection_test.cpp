@@ -18,7 +18,8 @@ bool never(std::chrono::milliseconds) {
 /// A connection whose client is the test.
 class Pair {
 public:
-    Pair() : connection_(make()) {}
+    explicit Pair(const Patience& patience = {}, Capacity* capacity = nullptr)
+        : connection_(make(), patience, capacity) {}
     ~Pair() {
         ::close(sockets_[0]);
         hang_up();
@@ -161,6 +162,42 @@ TEST(Connection, RefusesARequestThatIsCutOff) {
     pair.hang_up();
     ASSERT_TRUE(pair.connection().wait_for_request(never));
     EXPECT_EQ(pair.connection().read_head().error().status, 400);
+}
+
+TEST(Connection, RefusesChunksThatAreMostlyFraming) {
+    std::string chunks;
+    for (int i = 0; i < 100; ++i) chunks += "1;" + std::string(1000, 'x') + "\r\na\r\n";
+    EXPECT_EQ(status_of(Pair().read(kChunked + chunks, 1000)), 400);
+    chunks.clear();
+    for (int i = 0; i < 900; ++i) chunks += "1\r\na\r\n";
+    EXPECT_EQ(Pair().read(kChunked + chunks + "0\r\n\r\n", 1000)->size(), 900u);
+}
+
+TEST(Connection, GivesAPausingBodyUp) {
+    Pair pair(Patience{.body = std::chrono::milliseconds(50)});
+    EXPECT_EQ(status_of(pair.read("POST / HTTP/1.1\r\nContent-Length: 5\r\n\r\nhell")), 408);
+    EXPECT_FALSE(pair.connection().between_requests());
+}
+
+TEST(Connection, GivesAnAnswerUpThatIsNotTaken) {
+    Pair pair(Patience{.body = std::chrono::milliseconds(50)});
+    EXPECT_FALSE(pair.connection().write(std::string(50'000'000, 'x')));
+    EXPECT_GT(pair.connection().bytes_out(), 0u);
+}
+
+TEST(Connection, RefusesABodyForWhichThereIsNoMemory) {
+    Capacity capacity({.bytes = 100'000});
+    Held others(&capacity);
+    others.resize(60'000);
+    const std::string small(30'000, 'x');
+    const std::string large(90'000, 'x');
+    const auto request = [](const std::string& body) {
+        return "POST / HTTP/1.1\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+    };
+    EXPECT_EQ(status_of(Pair({}, &capacity).read(request(small), 1'000'000)), 200);
+    Pair refused({}, &capacity);
+    EXPECT_EQ(status_of(refused.read(request(large), 1'000'000)), 503);
+    EXPECT_FALSE(capacity.is_out_of_memory()) << "what was read is let go";
 }
 
 TEST(Connection, CountsTheBytesOfARequest) {

@@ -60,6 +60,29 @@ TEST(ParseHead, RefusesMalformedHeads) {
     EXPECT_FALSE(parse_head(""));
 }
 
+TEST(ParseHead, HeedsNoExpectationOfAnOldClient) {
+    EXPECT_FALSE(parse_with("Expect: 100-continue\r\n", "POST / HTTP/1.0")->expects_continue);
+}
+
+TEST(ParseHead, RefusesALongTarget) {
+    EXPECT_TRUE(parse_with("", "GET /" + std::string(8191, 'x') + " HTTP/1.1"));
+    EXPECT_EQ(parse_with("", "GET /" + std::string(8192, 'x') + " HTTP/1.1").error().status, 414);
+}
+
+TEST(FindFault, WantsOneHost) {
+    for (const char* host : {"h", "example.org:80", "[::1]:8080", "192.0.2.1", ""})
+        EXPECT_FALSE(find_fault(*parse_with("Host: " + std::string(host) + "\r\n"))) << host;
+    for (const char* headers : {"", "Host: a\r\nHost: a\r\n", "Host: a b\r\n", "Host: a/b\r\n", "Host: \xff\r\n"})
+        EXPECT_EQ(find_fault(*parse_with(headers))->status, 400) << headers;
+    EXPECT_FALSE(find_fault(*parse_with("", "GET / HTTP/1.0")));
+}
+
+TEST(FindFault, KnowsOneExpectation) {
+    EXPECT_FALSE(find_fault(*parse_with("Host: h\r\nExpect: 100-Continue\r\n")));
+    EXPECT_EQ(find_fault(*parse_with("Host: h\r\nExpect: tea\r\n"))->status, 417);
+    EXPECT_FALSE(find_fault(*parse_with("Expect: tea\r\n", "POST / HTTP/1.0")));
+}
+
 TEST(ParseHead, KnowsWhetherTheConnectionStays) {
     EXPECT_TRUE(parse_with("")->keep_alive);
     EXPECT_FALSE(parse_with("Connection: close\r\n")->keep_alive);

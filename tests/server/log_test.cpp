@@ -34,6 +34,17 @@ TEST(Log, WritesARequestAsJson) {
               R"("cause":"out of \"luck\"")");
 }
 
+TEST(Log, NamesKeyAndTrace) {
+    Exchange exchange;
+    exchange.response.key = "alice";
+    exchange.request.headers = {{"Traceparent", "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01"}};
+    EXPECT_TRUE(exchange_line(exchange, LogFormat::Text)
+                    .ends_with(" key=alice trace=0af7651916cd43dd8448eb211c80319c parent=b7ad6b7169203331"));
+    EXPECT_TRUE(
+        exchange_line(exchange, LogFormat::Json)
+            .ends_with(R"(,"key":"alice","trace":"0af7651916cd43dd8448eb211c80319c","parent":"b7ad6b7169203331")"));
+}
+
 TEST(Log, ShortensLongTargets) {
     Exchange exchange = example();
     exchange.request.target = "/" + std::string(10'000, 'x');

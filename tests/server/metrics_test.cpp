@@ -76,8 +76,21 @@ TEST(Metrics, ShowsThePoolAndTheProcess) {
     EXPECT_EQ(value(text, "ccdt_queue_capacity_requests"), 64);
     EXPECT_EQ(value(text, "ccdt_queue_oldest_seconds"), 1.5);
     EXPECT_EQ(value(text, "ccdt_queue_backlog_seconds"), 2.5);
+    EXPECT_EQ(value(text, "ccdt_connections_open"), 0);
     EXPECT_GT(value(text, "process_resident_memory_bytes"), 1e6);
     EXPECT_GE(value(text, "process_open_fds"), 3);
+}
+
+TEST(Metrics, CountsConnectionsAsTheyStand) {
+    Metrics metrics("1");
+    Capacity::Counts counts{.open = 5, .refused = 2, .refused_by_address = 0};
+    metrics.watch([&] { return counts; });
+    EXPECT_EQ(value(metrics.text({}), "ccdt_connections_open"), 5);
+    counts = {.open = 4, .refused = 7, .refused_by_address = 1};
+    const std::string text = metrics.text({});
+    EXPECT_EQ(value(text, "ccdt_connections_open"), 4);
+    EXPECT_EQ(value(text, R"(ccdt_connections_refused_total{reason="full"})"), 7);
+    EXPECT_EQ(value(text, R"(ccdt_connections_refused_total{reason="address"})"), 1);
 }
 
 TEST(Metrics, LosesNothingOnManyThreads) {

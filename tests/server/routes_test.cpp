@@ -85,7 +85,7 @@ TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
 
 TEST_F(RoutesTest, NamesTheConfiguredOrigin) {
     Config config;
-    config.cors_origin = "https://example.org";
+    config.cors_origins = {"https://example.org"};
     Routes routes(config, pool_, metrics_);
     Connection connection(-1);
     const auto request = parse_head(
@@ -95,6 +95,17 @@ TEST_F(RoutesTest, NamesTheConfiguredOrigin) {
     EXPECT_EQ(header(response, "Access-Control-Allow-Origin"), "https://example.org");
     EXPECT_EQ(header(response, "Access-Control-Allow-Methods"), "POST, OPTIONS");
     EXPECT_EQ(header(response, "Vary"), "Origin");
+}
+
+TEST_F(RoutesTest, CompressesLongTextsForThoseWhoWantIt) {
+    const std::string detail(2000, 'x');
+    const Response plain = ask("GET /health HTTP/1.1", Fault{400, detail});
+    EXPECT_EQ(header(plain, "Content-Encoding"), "");
+    EXPECT_EQ(header(plain, "Vary"), "Accept-Encoding");
+    const Response small = ask("GET /health HTTP/1.1\r\nAccept-Encoding: gzip", Fault{400, detail});
+    EXPECT_EQ(header(small, "Content-Encoding"), "gzip");
+    EXPECT_LT(small.body.size(), 500u);
+    EXPECT_EQ(header(ask("GET /health HTTP/1.1\r\nAccept-Encoding: gzip"), "Vary"), "");
 }
 
 }  // namespace

@@ -1,0 +1,119 @@
+"""Bytes to and from the server, as no well-behaved client would send them, and what they cost it."""
+
+import contextlib
+import http.client
+import os
+import pathlib
+import re
+import select
+import socket
+import time
+
+from harness import PATIENCE
+
+# Within it "at once" has to happen. Generous: only waiting for a timeout that should not be waited for takes longer.
+AT_ONCE = 1.0
+
+SANITIZED = re.search(rb"__(a|t)san_init", pathlib.Path(os.environ["CCDT_SERVER"]).read_bytes()) is not None
+
+# MiB that clients may cost beyond what accepted work takes. Sanitizers keep what is freed for a while.
+MOST_MEMORY = 1024 if SANITIZED else 64
+
+
+class Raw:
+    """A connection to the server."""
+
+    def __init__(self, server, source=None):
+        if server.path is None:
+            self.socket = socket.create_connection(("127.0.0.1", server.port), timeout=PATIENCE,
+                                                   source_address=source and (source, 0))
+        else:
+            self.socket = socket.socket(socket.AF_UNIX)
+            self.socket.settimeout(PATIENCE)
+            self.socket.connect(str(server.path))
+
+    def send(self, data):
+        self.socket.sendall(data)
+
+    def try_send(self, data):
+        """False if the server takes nothing any more."""
+        try:
+            self.socket.sendall(data)
+        except OSError:
+            return False
+        return True
+
+    def has_news(self):
+        """An answer, or the end."""
+        return bool(select.select([self.socket], [], [], 0)[0])
+
+    def answer(self):
+        """The next answer's status, headers and body."""
+        response = http.client.HTTPResponse(self.socket)
+        response.begin()
+        return response.status, response.headers, response.read()
+
+    def rest(self):
+        """All that comes until the server closes the connection."""
+        received = b""
+        try:
+            while chunk := self.socket.recv(65536):
+                received += chunk
+        except ConnectionResetError:
+            pass
+        return received
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.socket.close()
+
+
+def sources():
+    """Addresses of this machine, one after another, so that a limit by address does not count."""
+    return (f"127.0.{i // 250 + 1}.{i % 250 + 1}" for i in range(60_000))
+
+
+@contextlib.contextmanager
+def crowd(server, count, data=b""):
+    """Many clients, each from an address of its own, that have sent no more than this."""
+    with contextlib.ExitStack() as stack:
+        clients = [stack.enter_context(Raw(server, source)) for _, source in zip(range(count), sources())]
+        for client in clients:
+            client.send(data)
+        yield clients
+
+
+def statuses(received):
+    """Of the answers in what was received."""
+    return [int(status) for status in re.findall(rb"HTTP/1\.1 (\d{3}) ", received)]
+
+
+def ping(server):
+    """Seconds until the server has said that it lives."""
+    start = time.monotonic()
+    with Raw(server) as raw:
+        raw.send(b"GET /health HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n")
+        assert statuses(raw.rest()) == [200]
+    return time.monotonic() - start
+
+
+class Memory:
+    """How far the server's resident memory rises within a block, in MiB."""
+
+    def __init__(self, server):
+        self.folder = pathlib.Path(f"/proc/{server.process.pid}")
+        self.rise = None
+
+    def _read(self, name):
+        return int(re.search(name + r":\s+(\d+) kB", (self.folder / "status").read_text()).group(1)) / 1024
+
+    def __enter__(self):
+        (self.folder / "clear_refs").write_text("5")  # the peak is measured from here
+        self.before = self._read("VmRSS")
+        return self
+
+    def __exit__(self, *_):
+        self.rise = self._read("VmHWM") - self.before
+        print(f"  memory rose by {self.rise:.1f} MiB", flush=True)

@@ -1,0 +1,207 @@
+"""Keys, origins, rates, compression, and what reaches the log."""
+
+import gzip
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+import unittest
+
+from harness import PATIENCE, Server, ServerCase, ask, file_of, flat, post_json
+from raw import Raw, statuses
+
+GREY = file_of(flat(128))
+ALICE = "alice-0123456789abcdef"
+BOB = "bob-0123456789abcdefgh"
+HALFTONE = "/halftone?sites=5&scale=1"
+
+
+def bearer(key):
+    return ("--header", "Authorization: Bearer " + key)
+
+
+class Keys(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.file = pathlib.Path(folder.name) / "keys"
+        self.file.write_text(f"# who may ask\nalice:{ALICE}\n\nbob {BOB}\n")
+
+    def test_are_needed_but_for_health_and_preflights(self):
+        with Server(environment={"CCDT_API_KEY_FILE": str(self.file)}) as server:
+            for path in ("/halftone", "/sample", "/nothing"):
+                for header in ((), bearer(""), bearer(ALICE[:-1]), bearer(ALICE + "x"), bearer("x" * 5000),
+                               ("--header", "Authorization: Basic " + ALICE)):
+                    answer = ask(server, path, *header, data=GREY)
+                    self.assertEqual((answer.status, answer.type), (401, "application/problem+json"))
+                    self.assertEqual(answer.headers["www-authenticate"], "Bearer")
+            self.assertEqual(ask(server, HALFTONE, *bearer(ALICE), data=GREY).status, 200)
+            self.assertEqual(ask(server, HALFTONE, "--header", "authorization: bearer " + BOB, data=GREY).status, 200)
+            for path in ("/health", "/health/live", "/health/ready"):
+                self.assertEqual(ask(server, path).status, 200)
+            self.assertEqual(ask(server, "/halftone", "--request", "OPTIONS").status, 204)
+            server.wait_for_log("key=bob")
+            self.assertIn("key=alice", server.log())
+            for key in (ALICE, BOB):
+                self.assertNotIn(key, server.log())
+
+    def test_are_read_again_on_sighup(self):
+        with Server(f"--api-key-file={self.file}") as server:
+            self.file.write_text("carol:carol-0123456789abcdef\n")
+            server.signal(signal.SIGHUP)
+            server.wait_for_log("were read again")
+            self.assertEqual(ask(server, HALFTONE, *bearer(ALICE), data=GREY).status, 401)
+            self.assertEqual(ask(server, HALFTONE, *bearer("carol-0123456789abcdef"), data=GREY).status, 200)
+            self.file.write_text("dave:short\n")
+            server.signal(signal.SIGHUP)
+            self.assertIn("line 1", server.wait_for_log("stay as they were"))
+            self.assertEqual(ask(server, HALFTONE, *bearer("carol-0123456789abcdef"), data=GREY).status, 200)
+            self.assertEqual(server.stop(), 0)
+
+    def test_a_file_without_keys_is_told_at_the_start(self):
+        for text in ("", "# none\n", "alice\n", "alice:short\n", f"a/b:{ALICE}\n", f"alice:{ALICE}\nbob:{ALICE}\n"):
+            self.file.write_text(text)
+            self.check_refused()
+        self.file.unlink()
+        self.check_refused()
+
+    def check_refused(self):
+        result = subprocess.run([os.environ["CCDT_SERVER"], "--port=0", f"--api-key-file={self.file}"],
+                                capture_output=True, text=True, timeout=PATIENCE, check=False)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn(str(self.file), result.stderr)
+        self.assertNotIn(ALICE, result.stderr)
+
+    def test_have_a_rate_each(self):
+        with Server(f"--api-key-file={self.file}", "--rate-limit=0.001", "--rate-burst=3") as server:
+            for key in (ALICE, BOB):
+                answers = [ask(server, HALFTONE, *bearer(key), data=GREY) for _ in range(5)]
+                self.assertEqual([answer.status for answer in answers], [200] * 3 + [429] * 2)
+                self.assertGreaterEqual(int(answers[-1].headers["retry-after"]), 1)
+            guesses = [ask(server, HALFTONE, *bearer("guess-0123456789abcdef"), data=GREY).status for _ in range(5)]
+            self.assertEqual(guesses, [401] * 3 + [429] * 2)
+            for _ in range(10):
+                self.assertEqual(ask(server, "/health").status, 200)
+
+
+class Rates(unittest.TestCase):
+    def test_are_of_an_address_without_keys(self):
+        request = b"GET /nothing HTTP/1.1\r\nHost: h\r\n\r\n"
+        with Server("--rate-limit=0.001", "--rate-burst=2") as server:
+            for source in ("127.0.0.1", "127.0.0.2"):
+                with Raw(server, source) as raw:
+                    found = []
+                    for _ in range(4):
+                        raw.send(request)
+                        found.append(raw.answer()[0])
+                self.assertEqual(found, [404, 404, 429, 429])
+
+    def test_are_off_by_default(self):
+        with Server() as server, Raw(server) as raw:
+            raw.send(b"GET /nothing HTTP/1.1\r\nHost: h\r\n\r\n" * 500 + b"GET /nothing HTTP/1.0\r\n\r\n")
+            self.assertEqual(statuses(raw.rest()), [404] * 501)
+
+
+class Origins(ServerCase):
+    flags = ("--cors-origin=https://a.example,https://b.example:8443",)
+
+    def from_origin(self, origin, *arguments):
+        return self.ask("/halftone", "--header", "Origin: " + origin, *arguments)
+
+    def test_are_answered_one_by_one(self):
+        for origin in ("https://a.example", "https://b.example:8443"):
+            answer = self.from_origin(origin)
+            self.assertEqual(answer.headers["access-control-allow-origin"], origin)
+            self.assertEqual(answer.headers["vary"], "Origin")
+
+    def test_others_may_not_read(self):
+        for origin in ("https://c.example", "http://a.example", "https://a.example.evil", "null", "*"):
+            answer = self.from_origin(origin)
+            self.assertNotIn("access-control-allow-origin", answer.headers)
+            self.assertEqual(answer.headers["vary"], "Origin")
+
+    def test_may_send_keys(self):
+        answer = self.from_origin("https://a.example", "--request", "OPTIONS", "--header",
+                                  "Access-Control-Request-Method: POST")
+        self.assertEqual(answer.status, 204)
+        self.assertIn("Authorization", answer.headers["access-control-allow-headers"])
+        self.assertEqual(answer.headers["access-control-allow-origin"], "https://a.example")
+
+
+class Compression(ServerCase):
+    body = {"sites": 2000, "iterations": 1, "domain": {"type": "torus", "width": 1, "height": 1}}
+
+    def get(self, accepted, body=None):
+        header = ("--header", "Accept-Encoding: " + accepted) if accepted else ()
+        return post_json(self.server, "/sample", body or self.body, *header)
+
+    def test_is_made_if_asked_for(self):
+        plain = self.get(None)
+        self.assertNotIn("content-encoding", plain.headers)
+        for accepted in ("gzip", "deflate, gzip;q=0.5", "*", "GZIP", "gzip;q=1.0, identity;q=0.5"):
+            answer = self.get(accepted)
+            self.assertEqual(answer.headers["content-encoding"], "gzip", accepted)
+            self.assertEqual(answer.headers["vary"], "Accept-Encoding")
+            self.assertLess(len(answer.body), 0.6 * len(plain.body))
+            self.assertEqual(json.loads(gzip.decompress(answer.body))["points"], plain.json()["points"])
+
+    def test_is_not_made_otherwise(self):
+        for accepted in ("", "br", "gzip;q=0", "*;q=0", "identity", "gzip;q=0.1, identity", "gzip;q=x", "deflate"):
+            answer = self.get(accepted)
+            self.assertNotIn("content-encoding", answer.headers, accepted)
+            self.assertEqual(answer.headers["vary"], "Accept-Encoding")
+
+    def test_spares_what_is_small_or_a_picture(self):
+        for answer in (self.ask("/health", "--header", "Accept-Encoding: gzip"),
+                       self.ask("/halftone?sites=5000", "--header", "Accept-Encoding: gzip", data=GREY)):
+            self.assertEqual(answer.status, 200)
+            self.assertNotIn("content-encoding", answer.headers)
+            self.assertNotIn("vary", answer.headers)
+
+
+class Log(unittest.TestCase):
+    trace = "0af7651916cd43dd8448eb211c80319c"
+    parent = "b7ad6b7169203331"
+
+    def ask_all(self, server):
+        ask(server, "/health", "--header", f"traceparent: 00-{self.trace}-{self.parent}-01")
+        for bad in ("00-" + "0" * 32 + f"-{self.parent}-01", f"00-{self.trace.upper()}-{self.parent}-01",
+                    f"ff-{self.trace}-{self.parent}-01", "evil\x1b[31m\t\"}", f"00-{self.trace}-{self.parent}-01-x"):
+            ask(server, "/health", "--header", "traceparent: " + bad)
+        with Raw(server) as raw:
+            raw.send(b'GET /a"\\b?\xff%0a%1b[1m HTTP/1.1\r\nHost: h\r\nX-Request-ID: evil"\r\nUser-Agent: evil\r\n'
+                     b"Authorization: Bearer evil\r\n\r\nevil HTTP\r\n\r\n")
+            raw.rest()
+        ask(server, "/sample", data=b'{"evil\x1b[31m\n":1}')
+
+    def test_carries_traces_and_nothing_unescaped(self):
+        with Server() as server:
+            self.ask_all(server)
+            self.assertEqual(server.stop(), 0)
+            lines = server.log().splitlines()
+        self.assertEqual([line for line in lines if "trace" in line],
+                         [line for line in lines if f" trace={self.trace} parent={self.parent}" in line])
+        self.assertEqual(sum("trace=" in line for line in lines), 1)
+        self.check_clean(server.log(), lines)
+
+    def test_carries_them_as_json(self):
+        with Server("--log-format=json") as server:
+            self.ask_all(server)
+            self.assertEqual(server.stop(), 0)
+            lines = [json.loads(line) for line in server.log().splitlines()]
+        requests = [line for line in lines if line["message"] == "request"]
+        self.assertEqual((requests[0]["trace"], requests[0]["parent"]), (self.trace, self.parent))
+        self.assertTrue(all("trace" not in line for line in requests[1:]))
+        self.check_clean(server.log(), lines)
+
+    def check_clean(self, log, lines):
+        self.assertEqual(len(lines), 12, "a line at the start, two at the end, one for each request")
+        self.assertNotRegex(log, r"[^\x20-\x7e\n]")
+        self.assertNotIn("evil\"", log)
+        self.assertNotIn("Bearer", log)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

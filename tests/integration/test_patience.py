@@ -1,0 +1,171 @@
+"""How long clients may take, how many there may be, and the Unix socket."""
+
+import json
+import os
+import pathlib
+import socket
+import subprocess
+import tempfile
+import time
+import unittest
+
+from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, flat
+from raw import AT_ONCE, MOST_MEMORY, Memory, Raw, crowd, ping, statuses
+
+GREY = file_of(flat(128))
+HEALTH = b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n"
+RECTANGLE = {"type": "rectangle", "width": 2, "height": 1}
+
+
+def post(path, body):
+    return b"POST %s HTTP/1.1\r\nHost: h\r\nContent-Length: %d\r\n\r\n%s" % (path, len(body), body)
+
+
+def shrink(raw):
+    """Leaves little room for answers on their way."""
+    raw.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 65_536)
+
+
+class Deadlines(ServerCase):
+    flags = ("--header-timeout=1", "--body-timeout=1", "--idle-timeout=1")
+
+    def test_a_silent_connection_is_closed(self):
+        start = time.monotonic()
+        with Raw(self.server) as raw:
+            self.assertEqual(raw.rest(), b"")
+        self.assertGreater(time.monotonic() - start, 0.9)
+
+    def test_an_idle_connection_is_closed(self):
+        with Raw(self.server) as raw:
+            raw.send(HEALTH)
+            self.assertEqual(raw.answer()[0], 200)
+            start = time.monotonic()
+            self.assertEqual(raw.rest(), b"")
+            self.assertGreater(time.monotonic() - start, 0.9)
+
+    def test_a_body_that_pauses_gets_a_408(self):
+        with Raw(self.server) as raw:
+            raw.send(post(b"/halftone", GREY)[:-1])
+            self.assertEqual(statuses(raw.rest()), [408])
+
+    def test_a_client_that_reads_nothing_loses_its_answer(self):
+        body = json.dumps({"sites": 200_000, "iterations": 0, "domain": RECTANGLE}).encode()
+        with Raw(self.server) as raw:
+            shrink(raw)
+            raw.send(post(b"/sample", body))
+            self.server.wait_for_log("POST /sample 499")
+            self.assertFalse(raw.rest().endswith(b"}"))
+
+    def test_an_answer_waits_for_room_at_the_client(self):
+        body = json.dumps({"sites": 100_000, "iterations": 0, "domain": RECTANGLE}).encode()
+        with Raw(self.server) as raw:
+            shrink(raw)
+            raw.send(post(b"/sample", body))
+            status, _, received = raw.answer()
+        self.assertEqual((status, len(json.loads(received)["points"])), (200, 100_000))
+
+
+class Caps(unittest.TestCase):
+    def test_connections_in_all(self):
+        with Server("--max-connections=8", "--header-timeout=300") as server, Memory(server) as memory:
+            with crowd(server, 8, b"GET /health HTTP/1.1\r\n") as clients:
+                for _ in range(20):
+                    start = time.monotonic()
+                    with Raw(server) as raw:
+                        status, headers, body = raw.answer()
+                        self.assertEqual(status, 503)
+                        self.assertGreaterEqual(int(headers["Retry-After"]), 1)
+                        self.assertEqual(headers["Connection"], "close")
+                        self.assertIn("max-connections", json.loads(body)["detail"])
+                        self.assertEqual(raw.rest(), b"")
+                    self.assertLess(time.monotonic() - start, AT_ONCE)
+                server.wait_for_log(" 503 ")
+                self.assertEqual([statuses(client.rest()) for client in clients], [[408]] * 8, "they had to make room")
+            while ask(server, "/health").status != 200:
+                pass
+        self.assertLess(memory.rise, MOST_MEMORY)
+
+    def test_a_refused_client_may_send_first(self):
+        with Server("--max-connections=1", "--header-timeout=300") as server, Raw(server) as first:
+            first.send(b"GET")
+            answer = ask(server, "/halftone", data=b"x" * 200_000)
+            self.assertEqual((answer.status, answer.type), (503, "application/problem+json"))
+
+    def test_connections_of_an_address(self):
+        with Server("--max-connections-per-address=3") as server:
+            with Raw(server) as one, Raw(server) as two, Raw(server) as three:
+                for raw in (one, two, three):
+                    raw.send(HEALTH)
+                    self.assertEqual(raw.answer()[0], 200)
+                with Raw(server) as fourth:
+                    status, _, body = fourth.answer()
+                    self.assertEqual(status, 503)
+                    self.assertIn("max-connections-per-address", json.loads(body)["detail"])
+                with Raw(server, "127.0.0.9") as other:
+                    other.send(HEALTH)
+                    self.assertEqual(other.answer()[0], 200)
+            # Its place is free once the server has seen it leave.
+            while ask(server, "/health").status != 200:
+                pass
+
+    def test_bodies_share_their_memory(self):
+        # The least that they may take is 256 MiB: eight clients that sent 40 MiB each and stopped.
+        head = b"POST /halftone HTTP/1.1\r\nHost: h\r\nContent-Length: 60000000\r\n\r\n"
+        with Server("--body-timeout=300") as server, Memory(server) as memory:
+            with crowd(server, 8, head) as clients:
+                for client in clients:
+                    client.try_send(b"x" * (40 << 20))
+                self.assertTrue(any(statuses(client.rest())[-1:] in ([503], [408]) for client in clients))
+                self.assertEqual(ask(server, "/halftone?sites=9&scale=1", data=GREY).status, 200)
+        self.assertLess(memory.rise, 256 + 2 * MOST_MEMORY)
+
+    def test_many_slow_clients_starve_nobody(self):
+        slow = b"POST /sample HTTP/1.1\r\nHost: h\r\nContent-Length: 1000\r\n\r\n{"
+        with Server("--workers=1", "--queue=1") as server, crowd(server, 200, slow), crowd(server, 150, b"GET /"):
+            self.assertLess(ping(server), AT_ONCE)
+            self.assertEqual(ask(server, "/halftone?sites=10&scale=1", data=GREY).status, 200)
+
+
+class UnixSocket(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.path = pathlib.Path(folder.name) / "socket"
+        self.bind = f"--bind=unix:{self.path}"
+
+    def start_another(self):
+        return subprocess.run([os.environ["CCDT_SERVER"], self.bind], capture_output=True, text=True, timeout=PATIENCE,
+                              check=False)
+
+    def test_answers_and_is_removed_at_the_end(self):
+        with Server(self.bind, "--max-connections-per-address=1") as server:
+            calls = [Call("http://h/halftone?sites=5&scale=1", "--unix-socket", str(self.path), data=GREY)
+                     for _ in range(3)]
+            self.assertEqual([call.answer().status for call in calls], [200] * 3)
+            self.assertIn(" unix POST ", server.log())
+            second = self.start_another()
+            self.assertEqual(second.returncode, 1)
+            self.assertIn("in use", second.stderr)
+            with Raw(server) as raw:
+                raw.send(HEALTH)
+                self.assertEqual(raw.answer()[0], 200)
+            self.assertEqual(server.stop(), 0)
+        self.assertFalse(self.path.exists())
+
+    def test_a_stale_one_is_replaced(self):
+        with Server(self.bind) as server:
+            server.process.kill()
+            server.wait()
+        self.assertTrue(self.path.is_socket())
+        with Server(self.bind) as server:
+            self.assertEqual(Call("http://h/health", "--unix-socket", str(self.path)).answer().status, 200)
+            self.assertEqual(server.stop(), 0)
+
+    def test_nothing_else_is_replaced(self):
+        self.path.write_text("precious")
+        self.assertEqual(self.start_another().returncode, 1)
+        self.assertEqual(self.path.read_text(), "precious")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
