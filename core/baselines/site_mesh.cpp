@@ -155,10 +155,9 @@ Distribution SiteMesh::iterate(const Options& options, const Control& control, c
     measured();
     while (result.iterations < options.iterations) {
         if (options.tolerance && result.variation() < *options.tolerance) break;
-        result.stopped = control.stop.stop_requested();
-        if (result.stopped || !step()) break;
-        result.stopped = control.stop.stop_requested();
-        if (result.stopped) break;
+        const bool moved = !control.stop.stop_requested() && step();
+        result.stopped = control.stop.stop_requested();  // a step that is stopped says that it has nothing to move
+        if (result.stopped || !moved) break;
         ++result.iterations;
         measured();
     }
