@@ -104,6 +104,8 @@ class Deadline(unittest.TestCase):
             self.assertIs(points["partial"], True)
             self.assertLess(points["iterations"], 1000)
             self.assertEqual(len({tuple(point) for point in points["points"]}), 5000)
+            squeezed = post_json(server, "/sample", {**endless, "on_deadline": "partial"}, "--compressed")
+            self.assertEqual((squeezed.status, len(squeezed.json()["points"])), (200, 5000))
 
             picture = file_of(flat(100, 512, 512))
             query = "iterations=1000&passes=100&on_deadline=partial&scale=1"
