@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "api/embedded_image.h"
-#include "api/image_codec.h"
 #include "api/json_writer.h"
 #include "api/negotiation.h"
 #include "api/png_writer.h"
@@ -127,8 +126,9 @@ Result<Canvas> plan_canvas(const HalftoneRequest& request, PictureSize picture, 
     return scaled(picture, scale);
 }
 
-Result<Plan> plan_dots(const HalftoneRequest& request, const Limits& limits) {
-    auto decoded = decode_image(request.image, limits.max_pixels);
+Result<Plan> plan_dots(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
+                       const Control& control) {
+    auto decoded = decode(request.image, limits.max_pixels, control.stop);
     if (!decoded) return failure(decoded.error().code, decoded.error().message, request.image_field);
     Plan plan;
     plan.picture = {decoded->width, decoded->height};
@@ -206,10 +206,10 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
     return parse_options(std::move(request), *inputs, accept, limits);
 }
 
-Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Control& control,
-                            Timings& timings) {
+Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
+                            const Control& control, Timings& timings) {
     Stopwatch watch;
-    auto plan = plan_dots(request, limits);
+    auto plan = plan_dots(request, limits, decode, control);
     timings.decode = watch.lap();
     if (!plan) return tl::make_unexpected(plan.error());
     if (auto going = check_stop(control); !going) return tl::make_unexpected(going.error());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "api/colour.h"
+#include "api/image_codec.h"
 #include "api/options.h"
 #include "api/run_options.h"
 #include "core/ccdt/ccdt.h"
@@ -53,12 +54,13 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
 
 /// Decodes, distributes, draws, encodes.
 ///
+/// @param decode   reads the picture
 /// @param control  a stop ends it within a pass, with nothing to show for it unless its part is asked for
 /// @param timings  filled as far as it came
 /// @returns        a PNG file, or the points as JSON
-/// Errors: those of decode_image; Unusable for a picture without ink; LimitExceeded if the output would have more
+/// Errors: those of `decode`; Unusable for a picture without ink; LimitExceeded if the output would have more
 /// than limits.max_pixels; Stopped. Same request, same bytes, but for `elapsed_ms` in JSON.
-Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Control& control,
-                            Timings& timings);
+Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
+                            const Control& control, Timings& timings);
 
 }  // namespace ccdt::api

@@ -87,7 +87,7 @@ private:
 constexpr std::size_t kRiffChunks = 12;  ///< where the first chunk of a WebP file stands
 constexpr std::size_t kRiffHeader = 8;   ///< a chunk's name and size
 
-/// The size of a WebP's canvas. The reader decodes the picture when it is opened, which is too late to ask.
+/// The size of a WebP's draft. The reader decodes the picture when it is opened, which is too late to ask.
 std::optional<Size> webp_size(std::string_view bytes) {
     const ByteReader reader(bytes, false);
     const std::string_view chunk = bytes.substr(std::min(kRiffChunks, bytes.size()), 4);
@@ -263,21 +263,29 @@ private:
     std::vector<float> table_;
 };
 
+/// A picture being made; without alpha it is opaque.
+struct Draft {
+    std::shared_ptr<float[]> luminance;
+    std::shared_ptr<float[]> alpha;
+
+    Draft(std::size_t pixels, bool has_alpha, const NewPlane& make_plane)
+        : luminance(make_plane(pixels)), alpha(has_alpha ? make_plane(pixels) : nullptr) {}
+};
+
 /// Puts one row of the file into the picture.
 template <class Sample>
 void store_row(const Sample* sample, std::ptrdiff_t count, const SampleReader<Sample>& reader, const Encoding& encoding,
-               const Placement& placement, std::ptrdiff_t row, Picture& picture) {
+               const Placement& placement, std::ptrdiff_t row, const Draft& draft) {
     std::ptrdiff_t to = placement.start + row * placement.down;
     for (std::ptrdiff_t i = 0; i < count; ++i, sample += encoding.channels, to += placement.right) {
-        const auto pixel = static_cast<std::size_t>(to);
         const float alpha = encoding.alpha < 0 ? 1.0F : reader.share(sample[encoding.alpha]);
-        if (encoding.alpha >= 0) picture.alpha[pixel] = alpha;
+        if (encoding.alpha >= 0) draft.alpha[to] = alpha;
         float luminance = reader.linear(sample[0], alpha);
         if (encoding.colour) {
             luminance = 0.2126F * luminance + 0.7152F * reader.linear(sample[1], alpha) +
                         0.0722F * reader.linear(sample[2], alpha);
         }
-        picture.luminance[pixel] = std::min(luminance, 1.0F);
+        draft.luminance[to] = std::min(luminance, 1.0F);
     }
 }
 
@@ -296,7 +304,8 @@ bool read_rows(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, int begin, 
 }
 
 template <class Sample>
-Result<Picture> read_pixels(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, const Placement& placement) {
+Result<Picture> read_pixels(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, const Placement& placement,
+                            const NewPlane& make_plane) {
     const Encoding encoding = encoding_of(spec);
     const SampleReader<Sample> reader(encoding);
     const int step = rows_at_once(spec);
@@ -304,11 +313,8 @@ Result<Picture> read_pixels(OIIO::ImageInput& input, const OIIO::ImageSpec& spec
     const std::size_t row_size = width * static_cast<std::size_t>(spec.nchannels);
     std::vector<Sample> rows(static_cast<std::size_t>(std::min(step, spec.height)) * row_size);
 
-    Picture picture;
-    picture.width = static_cast<int>(placement.size.width);
-    picture.height = static_cast<int>(placement.size.height);
-    picture.luminance.resize(width * static_cast<std::size_t>(spec.height));
-    if (encoding.alpha >= 0) picture.alpha.resize(picture.luminance.size());
+    const std::size_t pixels = width * static_cast<std::size_t>(spec.height);
+    const Draft draft(pixels, encoding.alpha >= 0, make_plane);
     for (int begin = 0; begin < spec.height; begin += std::min(step, spec.height - begin)) {
         const int end = begin + std::min(step, spec.height - begin);
         // A shortened file may read "well" and only leave a note.
@@ -317,10 +323,11 @@ Result<Picture> read_pixels(OIIO::ImageInput& input, const OIIO::ImageSpec& spec
         }
         for (int y = begin; y < end; ++y) {
             store_row(rows.data() + static_cast<std::size_t>(y - begin) * row_size, spec.width, reader, encoding,
-                      placement, y, picture);
+                      placement, y, draft);
         }
     }
-    return picture;
+    return Picture{static_cast<int>(placement.size.width), static_cast<int>(placement.size.height),
+                   Plane(draft.luminance, pixels), draft.alpha ? Plane(draft.alpha, pixels) : Plane()};
 }
 
 Result<void> check_spec(const OIIO::ImageSpec& spec, std::size_t max_pixels) {
@@ -353,7 +360,8 @@ struct NoteDropper {
     ~NoteDropper() { static_cast<void>(input.geterror()); }
 };
 
-Result<Picture> read_file(std::string_view bytes, FileFormat format, std::size_t max_pixels) {
+Result<Picture> read_file(std::string_view bytes, FileFormat format, std::size_t max_pixels,
+                          const NewPlane& make_plane) {
     OIIO::Filesystem::IOMemReader file(bytes.data(), bytes.size());
     const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(plugin_name(format));
     if (!input) return failure(ErrorCode::Internal, "the image reader is missing");
@@ -371,9 +379,9 @@ Result<Picture> read_file(std::string_view bytes, FileFormat format, std::size_t
     if (orientation != 1 && is_converted_ycbcr(spec)) return unusual("a TIFF of YCbCr that is stored turned");
     const Size size{static_cast<std::uint64_t>(spec.width), static_cast<std::uint64_t>(spec.height)};
     const Placement placement = place(size, orientation);
-    if (spec.format == OIIO::TypeDesc::UINT8) return read_pixels<std::uint8_t>(*input, spec, placement);
-    if (spec.format == OIIO::TypeDesc::UINT16) return read_pixels<std::uint16_t>(*input, spec, placement);
-    return read_pixels<float>(*input, spec, placement);
+    if (spec.format == OIIO::TypeDesc::UINT8) return read_pixels<std::uint8_t>(*input, spec, placement, make_plane);
+    if (spec.format == OIIO::TypeDesc::UINT16) return read_pixels<std::uint16_t>(*input, spec, placement, make_plane);
+    return read_pixels<float>(*input, spec, placement, make_plane);
 }
 
 /// What can be told of a file without its reader, and must be, as the reader would fall over it.
@@ -405,7 +413,11 @@ Result<void> check_image(std::string_view bytes) {
     return failure(ErrorCode::Unsupported, "this is not an image that can be read; PNG, JPEG, WebP and TIFF can");
 }
 
-Result<Picture> decode_image(std::string_view bytes, std::size_t max_pixels) {
+std::shared_ptr<float[]> new_plane(std::size_t size) {
+    return std::make_shared_for_overwrite<float[]>(size);
+}
+
+Result<Picture> decode_image(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane) {
     if (auto checked = check_image(bytes); !checked) return tl::make_unexpected(checked.error());
     const FileFormat format = *recognise(bytes);
     if (auto checked = check_header(bytes, format, max_pixels); !checked) {
@@ -417,10 +429,16 @@ Result<Picture> decode_image(std::string_view bytes, std::size_t max_pixels) {
     std::unique_lock<std::mutex> lock;
     if (format == FileFormat::Tiff) lock = std::unique_lock(tiff_mutex);
     try {
-        return read_file(bytes, format, max_pixels);
+        return read_file(bytes, format, max_pixels, make_plane);
     } catch (...) {
         return broken();
     }
+}
+
+Decode decode_inline() {
+    return [](std::string_view bytes, std::size_t max_pixels, const std::stop_token&) {
+        return decode_image(bytes, max_pixels);
+    };
 }
 
 }  // namespace ccdt::api

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <memory>
+#include <stop_token>
 #include <string_view>
 
-#include "core/halftone/tone.h"
+#include "core/halftone/picture.h"
 #include "core/result.h"
 
 namespace ccdt::api {
@@ -12,6 +15,12 @@ namespace ccdt::api {
 /// Errors: Malformed if there are no bytes; Unsupported for any other format, naming those that are read.
 Result<void> check_image(std::string_view bytes);
 
+/// Gives memory for a plane of so many values, luminance first, then alpha if there is any; throws if it has none.
+using NewPlane = std::function<std::shared_ptr<float[]>(std::size_t size)>;
+
+/// Memory of this process.
+std::shared_ptr<float[]> new_plane(std::size_t size);
+
 /// Decodes an image file to luminance in linear light.
 ///
 /// Reads 1 to 16 bits a channel and floats; grey, RGB, palettes and CMYK, with or without alpha. Applies the
@@ -19,10 +28,17 @@ Result<void> check_image(std::string_view bytes);
 /// floats are linear. Colour profiles are not applied. Of several pictures in a file the first is read.
 ///
 /// @param max_pixels  of the picture, told from its header before any pixel is read
+/// @param make_plane  where the picture goes
 /// Errors: those of check_image; LimitExceeded for too many pixels; Unusable for a broken or shortened file, and
 /// for kinds of TIFF that are not read. One TIFF is read at a time, whatever the number of threads.
 /// Needs little memory besides the picture, except where the file must be decoded as a whole: WebP, interlaced
 /// PNG, progressive JPEG.
-Result<Picture> decode_image(std::string_view bytes, std::size_t max_pixels);
+Result<Picture> decode_image(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane = new_plane);
+
+/// decode_image, or what does the same elsewhere. It may look at the token; told to stop it fails with Stopped.
+using Decode = std::function<Result<Picture>(std::string_view bytes, std::size_t max_pixels, std::stop_token stop)>;
+
+/// decode_image in this thread, which a stop does not end.
+Decode decode_inline();
 
 }  // namespace ccdt::api

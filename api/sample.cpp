@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "api/embedded_image.h"
-#include "api/image_codec.h"
 #include "api/json_writer.h"
 #include "api/negotiation.h"
 #include "api/run_options.h"
 #include "api/stopwatch.h"
 #include "core/density/density.h"
+#include "core/halftone/tone.h"
 
 namespace ccdt::api {
 namespace {
@@ -157,8 +157,9 @@ void flip_rows(std::vector<float>& values, int width) {
     }
 }
 
-Result<Density> make_density(const DensityImage& image, const Limits& limits) {
-    auto picture = decode_image(image.bytes, limits.max_pixels);
+Result<Density> make_density(const DensityImage& image, const Limits& limits, const Decode& decode,
+                             const Control& control) {
+    auto picture = decode(image.bytes, limits.max_pixels, control.stop);
     if (!picture) return failure(picture.error().code, picture.error().message, "/density/image");
     const int width = picture->width;
     const int height = picture->height;
@@ -170,8 +171,10 @@ Result<Density> make_density(const DensityImage& image, const Limits& limits) {
     return density;
 }
 
-Result<Density> make_density(const SampleRequest& request, const Limits& limits) {
-    if (const auto* image = std::get_if<DensityImage>(&request.density)) return make_density(*image, limits);
+Result<Density> make_density(const SampleRequest& request, const Limits& limits, const Decode& decode,
+                             const Control& control) {
+    if (const auto* image = std::get_if<DensityImage>(&request.density))
+        return make_density(*image, limits, decode, control);
     const auto* grid = std::get_if<DensityGrid>(&request.density);
     if (grid == nullptr) return Density::uniform();
     auto density = Density::grid(grid->width, grid->height, std::span<const double>(grid->values));
@@ -212,12 +215,12 @@ Result<SampleRequest> parse_sample(std::string_view body, std::string_view accep
     return std::move(draft.request);
 }
 
-Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Control& control,
-                          Timings& timings) {
+Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
+                          const Control& control, Timings& timings) {
     Stopwatch watch;
     const auto domain = make_domain(request);
     if (!domain) return tl::make_unexpected(domain.error());
-    const auto density = make_density(request, limits);
+    const auto density = make_density(request, limits, decode, control);
     timings.decode = watch.lap();
     if (!density) return tl::make_unexpected(density.error());
 

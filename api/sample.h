@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "api/domain_reader.h"
+#include "api/image_codec.h"
 #include "api/method.h"
 #include "api/options.h"
 #include "api/polygon_reader.h"
@@ -46,10 +47,12 @@ Result<SampleRequest> parse_sample(std::string_view body, std::string_view accep
 
 /// Builds the domain and the density, distributes, writes JSON.
 ///
+/// @param decode   reads a density image
 /// @param control  a stop ends it within a pass, with nothing to show for it unless its part is asked for
 /// @param timings  filled as far as it came
-/// Errors: Unusable for a polygon that is not simple or a density of zero; those of decode_image; Stopped. The
+/// Errors: Unusable for a polygon that is not simple or a density of zero; those of `decode`; Stopped. The
 /// field is a JSON Pointer. Same request, same bytes, but for `elapsed_ms`.
-Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Control& control, Timings& timings);
+Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
+                          const Control& control, Timings& timings);
 
 }  // namespace ccdt::api

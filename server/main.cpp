@@ -5,17 +5,23 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 
 #include <unistd.h>
 
+#include "api/decoder_warm_up.h"
+#include "api/image_codec.h"
 #include "server/config.h"
+#include "server/decoder_box.h"
 #include "server/gate.h"
 #include "server/http_server.h"
 #include "server/log.h"
@@ -93,12 +99,38 @@ std::string url(const std::string& address, int port) {
     return "http://" + (has_colon ? "[" + address + "]" : address) + ":" + std::to_string(port);
 }
 
+Result<std::unique_ptr<DecoderBox>> start_box(const Config& config) {
+    if (config.decoder == DecoderPlace::Inline) return nullptr;
+    return DecoderBox::start({api::decode_image, api::warm_up_decoder}, decoder_limits(config.limits.max_pixels));
+}
+
+api::Decode decoder_of(DecoderBox* box) {
+    if (box == nullptr) return api::decode_inline();
+    return [box](std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
+        return box->decode(bytes, max_pixels, stop);
+    };
+}
+
+void tell_of_box(const DecoderBox* box, const Log& log) {
+    if (box == nullptr || box->filter_error() == 0) return;
+    log.error(std::string("the decoder runs with limits, but its system calls cannot be filtered: ") +
+              std::strerror(box->filter_error()));
+}
+
 int serve(const Config& config) {
+    // Before any thread starts: it forks.
+    const auto box = start_box(config);
+
     // Before any thread starts: they inherit the mask, and only this one takes the signals.
     const sigset_t signals = awaited_signals(!config.api_key_file.empty());
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
     const Log log(config.log_format);
+    if (!box) {
+        log.error(box.error().message);
+        return kFailed;
+    }
+    tell_of_box(box->get(), log);
     Gate gate(config);
     if (const auto read = gate.read_keys(); !read) {
         log.error(read.error().message);
@@ -107,7 +139,7 @@ int serve(const Config& config) {
     allow_open_files(config.capacity.connections + kOtherFiles);
     WorkerPool pool(config.workers, config.queue);
     Metrics metrics(CCDT_VERSION);
-    Routes routes(config, pool, metrics);
+    Routes routes(config, pool, metrics, decoder_of(box->get()));
     HttpServer server(
         config.patience, config.capacity,
         [&](const auto& request, const auto& fault, auto& connection) {

@@ -172,8 +172,12 @@ constexpr Routes::Route Routes::kRoutes[] = {
     {"/metrics", "GET", "GET, HEAD, OPTIONS", &Routes::metrics},
 };
 
-Routes::Routes(const Config& config, WorkerPool& pool, const Metrics& metrics)
-    : config_(config), pool_(pool), metrics_(metrics), id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
+Routes::Routes(const Config& config, WorkerPool& pool, const Metrics& metrics, api::Decode decode)
+    : config_(config),
+      pool_(pool),
+      metrics_(metrics),
+      decode_(std::move(decode)),
+      id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
 
 Response Routes::answer(const Request& request, const std::optional<Fault>& fault, Connection& connection) {
     const std::string id = request_id(request);
@@ -237,7 +241,7 @@ Routes::Outcome Routes::halftone(const Request& request, Connection& connection)
         Work work = [this, body = std::move(*body), options = parse_query(request.query),
                      accept = std::string(request.header("Accept"))](const Control& control, api::Timings& timings) {
             return api::parse_halftone_json(body, options, accept, config_.limits).and_then([&](const auto& parsed) {
-                return api::run_halftone(parsed, config_.limits, control, timings);
+                return api::run_halftone(parsed, config_.limits, decode_, control, timings);
             });
         };
         return compute(compressing(std::move(work), request), connection);
@@ -254,7 +258,7 @@ Routes::Outcome Routes::halftone(const Request& request, Connection& connection)
     // Shared because functions are copied, and the picture should not be.
     Work work = [this, shared = std::make_shared<const api::HalftoneRequest>(std::move(*parsed))](
                     const Control& control, api::Timings& timings) {
-        return api::run_halftone(*shared, config_.limits, control, timings);
+        return api::run_halftone(*shared, config_.limits, decode_, control, timings);
     };
     return compute(compressing(std::move(work), request), connection);
 }
@@ -263,7 +267,7 @@ Routes::Outcome Routes::sample(const Request& request, Connection& connection) {
     return compute_json(
         [this](const std::string& body, std::string_view accept, const Control& control, api::Timings& timings) {
             return api::parse_sample(body, accept, config_.limits).and_then([&](const auto& parsed) {
-                return api::run_sample(parsed, config_.limits, control, timings);
+                return api::run_sample(parsed, config_.limits, decode_, control, timings);
             });
         },
         request, connection);

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "api/image_codec.h"
 #include "api/options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
@@ -25,8 +26,8 @@ int http_status(ErrorCode code);
 /// Maps paths and methods to what answers them. May be used from any thread.
 class Routes {
 public:
-    /// The pool and the metrics must outlive the routes.
-    Routes(const Config& config, WorkerPool& pool, const Metrics& metrics);
+    /// The pool and the metrics must outlive the routes, and so must what `decode` refers to.
+    Routes(const Config& config, WorkerPool& pool, const Metrics& metrics, api::Decode decode);
 
     /// Answers anything that came over a connection; a fault is answered as what it says.
     Response answer(const Request& request, const std::optional<Fault>& fault, Connection& connection);
@@ -95,6 +96,7 @@ private:
     const Config config_;
     WorkerPool& pool_;
     const Metrics& metrics_;
+    const api::Decode decode_;
     std::atomic<bool> draining_ = false;
     std::atomic<bool> abandoned_ = false;
     std::atomic<std::uint64_t> requests_ = 0;

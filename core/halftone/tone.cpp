@@ -19,15 +19,20 @@ float lightness(float luminance) {
     return luminance <= kLinearBelow ? luminance * kSlope : 1.16f * std::cbrt(luminance) - 0.16f;
 }
 
+/// Also of what is no number.
+float to_share(float value) {
+    return value > 0 ? std::min(value, 1.0f) : 0.0f;
+}
+
 }  // namespace
 
 std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert) {
     std::vector<float> coverage(picture.luminance.size());
     for (std::size_t i = 0; i < coverage.size(); ++i) {
-        const float luminance = std::clamp(picture.luminance[i], 0.0f, 1.0f);
+        const float luminance = to_share(picture.luminance[i]);
         const float light = tone == Tone::Linear ? luminance : lightness(luminance);
         coverage[i] = std::clamp(invert ? light : 1 - light, 0.0f, 1.0f);
-        if (!picture.alpha.empty()) coverage[i] *= std::clamp(picture.alpha[i], 0.0f, 1.0f);
+        if (!picture.alpha.empty()) coverage[i] *= to_share(picture.alpha[i]);
     }
     return coverage;
 }

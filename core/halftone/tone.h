@@ -3,18 +3,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/density/density.h"
-#include "core/result.h"
+#include "core/halftone/picture.h"
 
 namespace ccdt {
-
-/// A grey picture in linear light, row by row from the top.
-struct Picture {
-    int width = 0;
-    int height = 0;
-    std::vector<float> luminance;  ///< [width * height], relative luminance in [0, 1], not premultiplied
-    std::vector<float> alpha;      ///< [width * height] in [0, 1]; empty: opaque
-};
 
 /// Which lightness the dots reproduce.
 enum class Tone {
@@ -24,6 +15,7 @@ enum class Tone {
 
 /// Share of each pixel that the dots shall cover [width * height], in [0, 1], top row first.
 /// Dark pixels want dots; inverted, light ones do. Transparent pixels show the paper: no dots.
+/// Values of the picture beyond [0, 1] count as the nearer end, what is no number as 0.
 std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert);
 
 /// Dots that resolve a picture well: one for 8 pixels' worth of ink, but 4,096 at least (as long as that is not more

@@ -35,7 +35,7 @@ Result<Answer> answer(const std::string& image, const Options& options, const Li
     const auto request = parse_halftone(image, options, "", limits);
     if (!request) return tl::make_unexpected(request.error());
     Timings timings;
-    return run_halftone(*request, limits, {}, timings);
+    return run_halftone(*request, limits, decode_inline(), {}, timings);
 }
 
 /// Mean light of a picture that is all black and white.
@@ -286,7 +286,7 @@ TEST(Halftone, StopsWhenAsked) {
     const auto request = parse_halftone(fixture("lossless.webp"), {{"sites", "50"}}, "", {});
     Timings timings;
     Control control{stop.get_token(), [&](const Progress&) { stop.request_stop(); }};
-    const auto result = run_halftone(*request, {}, control, timings);
+    const auto result = run_halftone(*request, {}, decode_inline(), control, timings);
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::Stopped);
 }

@@ -91,7 +91,7 @@ TEST(ImageCodec, ReadsGreyWithAlphaAndTransparentPalettes) {
     EXPECT_NEAR(luminance_at(*grey, 1, 0), 1, 1e-6);
     const auto palette = decode_image(fixture("palette-transparent.png"), kMaxPixels);
     ASSERT_TRUE(palette);
-    EXPECT_EQ(palette->alpha, (std::vector<float>{1, 0, 1, 1}));
+    EXPECT_EQ(palette->alpha, (Plane{1, 0, 1, 1}));
     EXPECT_NEAR(luminance_at(*palette, 2, 0), 0.7152, 1e-4);
 }
 

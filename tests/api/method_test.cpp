@@ -88,7 +88,7 @@ TEST(Method, IsNamedInTheAnswerAndMakesItsOwnPoints) {
         const auto request = parse(R"(,"sites":50,"mesh":true,"method":")" + std::string(name_of(method)) + '"');
         ASSERT_TRUE(request);
         Timings timings;
-        const auto json = nlohmann::json::parse(run_sample(*request, {}, {}, timings)->body);
+        const auto json = nlohmann::json::parse(run_sample(*request, {}, decode_inline(), {}, timings)->body);
         EXPECT_EQ(json.at("method"), name_of(method));
         EXPECT_EQ(json.at("points").size(), 50U);
         EXPECT_EQ(json.at("triangles").size(), 100U);
@@ -104,7 +104,7 @@ TEST(Method, StopsWhenAsked) {
         const auto request = parse(R"(,"sites":100,"method":")" + std::string(name_of(method)) + '"');
         Timings timings;
         const Control control{stop.get_token(), [&](const Progress&) { stop.request_stop(); }};
-        const auto result = run_sample(*request, {}, control, timings);
+        const auto result = run_sample(*request, {}, decode_inline(), control, timings);
         ASSERT_FALSE(result);
         EXPECT_EQ(result.error().code, ErrorCode::Stopped);
     }

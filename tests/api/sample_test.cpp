@@ -20,7 +20,7 @@ Result<Answer> answer(const std::string& body) {
     const auto request = parse(body);
     if (!request) return tl::make_unexpected(request.error());
     Timings timings;
-    return run_sample(*request, {}, {}, timings);
+    return run_sample(*request, {}, decode_inline(), {}, timings);
 }
 
 nlohmann::json sample(const std::string& body) {
@@ -295,7 +295,7 @@ TEST(Sample, StopsWhenAsked) {
     const auto request = parse('{' + kSquare + R"(,"sites":100})");
     Timings timings;
     const Control control{stop.get_token(), [&](const Progress&) { stop.request_stop(); }};
-    const auto result = run_sample(*request, {}, control, timings);
+    const auto result = run_sample(*request, {}, decode_inline(), control, timings);
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::Stopped);
 }
@@ -308,7 +308,7 @@ TEST(Sample, AnswersWithItsPartIfThatIsAskedFor) {
         const Control control{stop.get_token(), [&](const Progress& progress) {
                                   if (stopped && progress.iteration == 2) stop.request_stop();
                               }};
-        const auto result = run_sample(*request, {}, control, timings);
+        const auto result = run_sample(*request, {}, decode_inline(), control, timings);
         ASSERT_TRUE(result);
         EXPECT_EQ(result->partial, stopped);
         const auto answer = nlohmann::json::parse(result->body);

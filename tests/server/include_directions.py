@@ -21,6 +21,7 @@ RULES = (
     (re.compile(r"^OpenImageIO/"), ("api/image_codec.cpp",)),
     (re.compile(r"^nlohmann/|^png\.h$"), ("api/",)),
     (re.compile(r"^librsvg/|^cairo"), ("api/svg_renderer.cpp",)),
+    (re.compile(r"^seccomp\.h$"), ("server/decoder_sandbox.cpp",)),
     (re.compile(r"^httplib\.h$|^spdlog/|^fmt/"), ("server/",)),
 )
 
@@ -55,6 +56,7 @@ def self_check():
         "api/s.cpp": "librsvg/rsvg.h",
         "server/m.cpp": "nlohmann/json.hpp",
         "server/n.cpp": "OpenImageIO/imageio.h",
+        "server/t.cpp": "seccomp.h",
     }
     harmless = {
         "core/geometry/delaunay.cpp": "CGAL/Polygon_2.h",
@@ -62,6 +64,7 @@ def self_check():
         "api/image_codec.cpp": "OpenImageIO/imageio.h",
         "api/svg_renderer.cpp": "librsvg/rsvg.h",
         "api/o.cpp": "core/result.h",
+        "server/decoder_sandbox.cpp": "seccomp.h",
         "server/p.cpp": "api/options.h",
         "core/q.cpp": "vector",
     }

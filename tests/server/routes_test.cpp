@@ -31,7 +31,7 @@ protected:
     Config config_;
     WorkerPool pool_{1, 1};
     Metrics metrics_{"1.2.3"};
-    Routes routes_{config_, pool_, metrics_};
+    Routes routes_{config_, pool_, metrics_, api::decode_inline()};
 
 private:
     std::array<int, 2> sockets_{};
@@ -86,7 +86,7 @@ TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
 TEST_F(RoutesTest, NamesTheConfiguredOrigin) {
     Config config;
     config.cors_origins = {"https://example.org"};
-    Routes routes(config, pool_, metrics_);
+    Routes routes(config, pool_, metrics_, api::decode_inline());
     Connection connection(-1);
     const auto request = parse_head(
         "OPTIONS /halftone HTTP/1.1\r\nOrigin: https://example.org\r\nAccess-Control-Request-Method: POST\r\n\r\n");

@@ -1,6 +1,8 @@
 #include "core/halftone/tone.h"
 
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -31,10 +33,13 @@ TEST(InkCoverage, FollowsLightnessIfPerceptual) {
     EXPECT_NEAR(ink_coverage(picture, Tone::Perceptual, true)[2], 0.5, 1e-6);
 }
 
-TEST(InkCoverage, ClampsLuminance) {
-    const Picture picture{2, 1, {-0.5f, 1.5f}, {}};
-    EXPECT_EQ(ink_coverage(picture, Tone::Linear, false), (std::vector<float>{1, 0}));
-    EXPECT_EQ(ink_coverage(picture, Tone::Perceptual, true), (std::vector<float>{0, 1}));
+TEST(InkCoverage, ClampsValues) {
+    const float none = std::numeric_limits<float>::quiet_NaN();
+    const Picture picture{3, 1, {-0.5f, 1.5f, none}, {}};
+    EXPECT_EQ(ink_coverage(picture, Tone::Linear, false), (std::vector<float>{1, 0, 1}));
+    EXPECT_EQ(ink_coverage(picture, Tone::Perceptual, true), (std::vector<float>{0, 1, 0}));
+    const Picture glass{3, 1, {0, 0, 0}, {-0.5f, 1.5f, none}};
+    EXPECT_EQ(ink_coverage(glass, Tone::Linear, false), (std::vector<float>{0, 1, 0}));
 }
 
 std::vector<float> ink(std::size_t pixels, float coverage) {

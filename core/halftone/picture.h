@@ -1,0 +1,43 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <initializer_list>
+#include <memory>
+#include <utility>
+
+namespace ccdt {
+
+/// A value for each pixel, row by row from the top. Whoever has it cannot change them; copies share them.
+class Plane {
+public:
+    Plane() = default;
+    Plane(std::shared_ptr<const float[]> values, std::size_t size) : values_(std::move(values)), size_(size) {}
+    Plane(std::initializer_list<float> values) : size_(values.size()) {
+        const auto copy = std::make_shared<float[]>(size_);
+        std::ranges::copy(values, copy.get());
+        values_ = copy;
+    }
+
+    std::size_t size() const { return size_; }
+    bool empty() const { return size_ == 0; }
+    float operator[](std::size_t pixel) const { return values_[static_cast<std::ptrdiff_t>(pixel)]; }
+    const float* begin() const { return values_.get(); }
+    const float* end() const { return values_.get() + size_; }
+
+    friend bool operator==(const Plane& a, const Plane& b) { return std::ranges::equal(a, b); }
+
+private:
+    std::shared_ptr<const float[]> values_;
+    std::size_t size_ = 0;
+};
+
+/// A grey picture in linear light.
+struct Picture {
+    int width = 0;
+    int height = 0;
+    Plane luminance;  ///< [width * height], relative luminance in [0, 1], not premultiplied
+    Plane alpha;      ///< [width * height] in [0, 1]; empty: opaque
+};
+
+}  // namespace ccdt

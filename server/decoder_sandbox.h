@@ -1,0 +1,62 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+
+namespace ccdt::server {
+
+/// What decoding one file may use.
+struct DecoderLimits {
+    std::size_t memory =
+        std::size_t{1} << 30;  ///< bytes of address space, besides the program's own, the file and the picture
+    std::chrono::milliseconds time{30'000};  ///< from the order to the picture
+};
+
+/// Allows for the largest picture of the costliest kind, and a slow machine.
+DecoderLimits decoder_limits(std::size_t max_pixels);
+
+/// Where a process that decodes is put: it can compute, take memory and write to its standard output.
+///
+/// Sanitizers reserve address space without end, open pipes and make system calls of their own: where they are built
+/// in, neither memory nor files are limited and system calls are not filtered.
+class Sandbox {
+public:
+    static constexpr bool kIsWhole =
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+        false;
+#else
+        true;
+#endif
+
+    /// Takes the measure of the calling process, which its children will start from, and has it forgo new privileges.
+    explicit Sandbox(const DecoderLimits& limits);
+    ~Sandbox();
+    Sandbox(const Sandbox&) = delete;
+    Sandbox& operator=(const Sandbox&) = delete;
+
+    /// errno for why this machine does not filter system calls, told by trying; 0: it does. Without it `enter` sets
+    /// the other limits only.
+    int filter_error() const {
+        return filter_error_;
+    }
+
+    /// Shuts the calling process in, for good.
+    /// @param mapped  bytes that it has mapped besides
+    /// @returns       false if that failed; it must then end
+    bool enter(std::size_t mapped) const;
+
+private:
+    struct Filter;
+
+    bool limit_resources(std::size_t mapped) const;
+    bool filter_calls() const;
+    int try_filter() const;
+
+    const DecoderLimits limits_;
+    const std::size_t own_memory_;  ///< address space of the calling process
+    const std::unique_ptr<const Filter> filter_;
+    const int filter_error_;
+};
+
+}  // namespace ccdt::server
