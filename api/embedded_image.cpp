@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "api/image_codec.h"
+#include "api/image_header.h"
 
 namespace ccdt::api {
 namespace {
@@ -51,7 +51,7 @@ Result<std::string> decode_base64(std::string_view text) {
     return bytes;
 }
 
-Result<std::string> read_embedded_image(const Input& input) {
+Result<ImageFile> read_embedded_image(const Input& input, const Limits& limits) {
     auto text = read_text(input);
     if (!text) return tl::make_unexpected(text.error());
     if (text->starts_with("data:")) {
@@ -63,10 +63,9 @@ Result<std::string> read_embedded_image(const Input& input) {
     }
     auto bytes = decode_base64(*text);
     if (!bytes) return malformed(input, bytes.error().message);
-    if (auto checked = check_image(*bytes); !checked) {
-        return failure(checked.error().code, input.name + ": " + checked.error().message, input.field);
-    }
-    return bytes;
+    const auto header = read_image_header(*bytes, limits.max_pixels);
+    if (!header) return failure(header.error().code, input.name + ": " + header.error().message, input.field);
+    return ImageFile{*std::move(bytes), *header};
 }
 
 }  // namespace ccdt::api

@@ -3,7 +3,9 @@
 #include <string>
 #include <string_view>
 
+#include "api/image_header.h"
 #include "api/option_reader.h"
+#include "api/options.h"
 #include "core/result.h"
 
 namespace ccdt::api {
@@ -14,8 +16,7 @@ namespace ccdt::api {
 Result<std::string> decode_base64(std::string_view text);
 
 /// An image file inside JSON: base64, or a `data:` URI (RFC 2397) in base64, whose media type is not looked at.
-/// @returns  the file's bytes, in a format that is read
-/// Errors: Malformed for the text; those of check_image for what it holds.
-Result<std::string> read_embedded_image(const Input& input);
+/// Errors: Malformed for the text; those of read_image_header for what it holds.
+Result<ImageFile> read_embedded_image(const Input& input, const Limits& limits);
 
 }  // namespace ccdt::api

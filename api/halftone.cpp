@@ -128,7 +128,7 @@ Result<Canvas> plan_canvas(const HalftoneRequest& request, PictureSize picture, 
 
 Result<Plan> plan_dots(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                        const Control& control) {
-    auto decoded = decode(request.image, limits.max_pixels, control.stop);
+    auto decoded = decode(request.image.bytes, limits.max_pixels, control.stop);
     if (!decoded) return failure(decoded.error().code, decoded.error().message, request.image_field);
     Plan plan;
     plan.picture = {decoded->width, decoded->height};
@@ -180,10 +180,11 @@ Result<std::string> draw(const HalftoneRequest& request, const Plan& plan, const
 Result<HalftoneRequest> parse_halftone(std::string image, const std::vector<TextOption>& options,
                                        std::string_view accept, const Limits& limits) {
     HalftoneRequest request;
-    request.image = std::move(image);
     auto parsed = parse_options(std::move(request), inputs_of(options), accept, limits);
     if (!parsed) return parsed;
-    if (auto checked = check_image(parsed->image); !checked) return tl::make_unexpected(checked.error());
+    const auto header = read_image_header(image, limits.max_pixels);
+    if (!header) return tl::make_unexpected(header.error());
+    parsed->image = {std::move(image), *header};
     return parsed;
 }
 
@@ -195,12 +196,12 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
     if (!inputs) return tl::make_unexpected(inputs.error());
     const auto image = std::find_if(inputs->begin(), inputs->end(), [](const Input& i) { return i.name == "image"; });
     if (image == inputs->end()) return failure(ErrorCode::Malformed, "image is missing", "/image");
-    auto bytes = read_embedded_image(*image);
-    if (!bytes) return tl::make_unexpected(bytes.error());
+    auto file = read_embedded_image(*image, limits);
+    if (!file) return tl::make_unexpected(file.error());
 
     HalftoneRequest request;
     request.image_field = image->field;
-    request.image = *std::move(bytes);
+    request.image = *std::move(file);
     inputs->erase(image);
     for (auto& input : inputs_of(options)) inputs->push_back(std::move(input));
     return parse_options(std::move(request), *inputs, accept, limits);

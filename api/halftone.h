@@ -8,6 +8,7 @@
 
 #include "api/colour.h"
 #include "api/image_codec.h"
+#include "api/image_header.h"
 #include "api/options.h"
 #include "api/run_options.h"
 #include "core/ccdt/ccdt.h"
@@ -19,7 +20,7 @@ namespace ccdt::api {
 enum class HalftoneFormat { Png, Json };
 
 struct HalftoneRequest {
-    std::string image;                 ///< the file's bytes
+    ImageFile image;
     std::string image_field;           ///< for Error::field; empty if it is the body
     std::optional<std::size_t> sites;  ///< none: chosen from the image
     Options run;                       ///< seed, iterations, passes

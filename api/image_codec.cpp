@@ -9,39 +9,29 @@
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
 
+#include "api/image_header.h"
+
 namespace ccdt::api {
 namespace {
-
-enum class FileFormat { Png, Jpeg, WebP, Tiff };
 
 struct Size {
     std::uint64_t width = 0;
     std::uint64_t height = 0;
 };
 
-std::optional<FileFormat> recognise(std::string_view bytes) {
-    using namespace std::string_view_literals;
-    if (bytes.starts_with("\x89PNG\r\n\x1a\n"sv)) return FileFormat::Png;
-    if (bytes.starts_with("\xff\xd8\xff"sv)) return FileFormat::Jpeg;
-    if (bytes.starts_with("RIFF"sv) && bytes.substr(0, 12).ends_with("WEBP"sv)) return FileFormat::WebP;
-    if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv)) return FileFormat::Tiff;
-    return std::nullopt;
-}
-
-const char* plugin_name(FileFormat format) {
+const char* plugin_name(ImageFormat format) {
     switch (format) {
-        case FileFormat::Png:
+        case ImageFormat::Png:
             return "png";
-        case FileFormat::Jpeg:
+        case ImageFormat::Jpeg:
             return "jpeg";
-        case FileFormat::WebP:
+        case ImageFormat::WebP:
             return "webp";
-        case FileFormat::Tiff:
+        case ImageFormat::Tiff:
             return "tiff";
     }
     return "";
@@ -51,114 +41,12 @@ tl::unexpected<Error> broken() {
     return failure(ErrorCode::Unusable, "the image is broken or cut short");
 }
 
+std::uint64_t pixels_of(int width, int height) {
+    return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+}
+
 tl::unexpected<Error> unusual(const char* what) {
     return failure(ErrorCode::Unusable, std::string("the image is of a kind that is not read: ") + what);
-}
-
-Result<void> check_pixels(Size size, std::size_t max_pixels) {
-    if (size.width == 0 || size.height == 0) return broken();
-    if (size.width <= max_pixels / size.height) return {};
-    return failure(ErrorCode::LimitExceeded,
-                   "the image has " + std::to_string(size.width) + " x " + std::to_string(size.height) +
-                       " pixels; this server's limit (max-pixels) is " + std::to_string(max_pixels));
-}
-
-/// Unsigned integers inside a file.
-class ByteReader {
-public:
-    ByteReader(std::string_view bytes, bool big_endian) : bytes_(bytes), big_endian_(big_endian) {}
-
-    /// @returns  none past the end
-    std::optional<std::uint32_t> read(std::size_t offset, std::size_t size) const {
-        if (offset > bytes_.size() || size > bytes_.size() - offset) return std::nullopt;
-        std::uint32_t value = 0;
-        for (std::size_t i = 0; i < size; ++i) {
-            const std::size_t at = offset + (big_endian_ ? i : size - 1 - i);
-            value = value << 8 | static_cast<unsigned char>(bytes_[at]);
-        }
-        return value;
-    }
-
-private:
-    std::string_view bytes_;
-    bool big_endian_;
-};
-
-constexpr std::size_t kRiffChunks = 12;  ///< where the first chunk of a WebP file stands
-constexpr std::size_t kRiffHeader = 8;   ///< a chunk's name and size
-
-/// The size of a WebP's draft. The reader decodes the picture when it is opened, which is too late to ask.
-std::optional<Size> webp_size(std::string_view bytes) {
-    const ByteReader reader(bytes, false);
-    const std::string_view chunk = bytes.substr(std::min(kRiffChunks, bytes.size()), 4);
-    const std::size_t data = kRiffChunks + kRiffHeader;
-    if (chunk == "VP8X") {
-        const auto width = reader.read(data + 4, 3);
-        const auto height = reader.read(data + 7, 3);
-        if (width && height) return Size{*width + std::uint64_t{1}, *height + std::uint64_t{1}};
-    } else if (chunk == "VP8L") {
-        const auto bits = reader.read(data + 1, 4);
-        if (bits) return Size{(*bits & 0x3FFF) + std::uint64_t{1}, (*bits >> 14 & 0x3FFF) + std::uint64_t{1}};
-    } else if (chunk == "VP8 ") {
-        const auto width = reader.read(data + 6, 2);
-        const auto height = reader.read(data + 8, 2);
-        if (width && height) return Size{*width & 0x3FFF, *height & 0x3FFF};
-    }
-    return std::nullopt;
-}
-
-/// One value of the first directory of a TIFF file or EXIF block.
-std::optional<std::uint32_t> tiff_short(std::string_view bytes, std::uint32_t tag) {
-    constexpr std::uint32_t kShort = 3;
-    const ByteReader reader(bytes, bytes.starts_with("MM"));
-    const auto directory = reader.read(4, 4);
-    if (!directory) return std::nullopt;
-    const auto entries = reader.read(*directory, 2);
-    for (std::size_t i = 0; entries && i < *entries; ++i) {
-        const std::size_t entry = std::size_t{*directory} + 2 + 12 * i;
-        const auto name = reader.read(entry, 2);
-        if (!name) return std::nullopt;
-        if (*name == tag && reader.read(entry + 2, 2) == kShort) return reader.read(entry + 8, 2);
-    }
-    return std::nullopt;
-}
-
-/// All chunks are there, up to the last. Where they end early the reader leaks memory.
-bool is_whole_png(std::string_view bytes) {
-    constexpr std::size_t kSignature = 8;
-    constexpr std::size_t kFrame = 12;  // a chunk's length, name and checksum
-    const ByteReader reader(bytes, true);
-    std::size_t chunk = kSignature;
-    while (const auto length = reader.read(chunk, 4)) {
-        const std::size_t end = chunk + kFrame + *length;
-        if (end > bytes.size()) return false;
-        if (bytes.substr(chunk + 4, 4) == "IEND") return true;
-        chunk = end;
-    }
-    return false;
-}
-
-/// The reader takes a missing BitsPerSample for 8 where the format says 1, and then returns memory that it never
-/// wrote.
-bool has_bits_per_sample(std::string_view tiff) {
-    constexpr std::uint32_t kBitsPerSample = 258;
-    return tiff_short(tiff, kBitsPerSample).has_value();
-}
-
-/// The reader does not look at a WebP's EXIF block.
-int webp_orientation(std::string_view bytes) {
-    constexpr std::uint32_t kOrientation = 274;
-    const ByteReader reader(bytes, false);
-    std::size_t chunk = kRiffChunks;
-    while (const auto size = reader.read(chunk + 4, 4)) {
-        if (bytes.substr(chunk, 4) == "EXIF") {
-            std::string_view exif = bytes.substr(chunk + kRiffHeader, *size);
-            if (exif.starts_with("Exif")) exif.remove_prefix(std::min<std::size_t>(6, exif.size()));
-            return static_cast<int>(tiff_short(exif, kOrientation).value_or(1));
-        }
-        chunk += kRiffHeader + *size + *size % 2;
-    }
-    return 1;
 }
 
 /// Where the pixels of the file's rows go in the upright picture.
@@ -330,17 +218,15 @@ Result<Picture> read_pixels(OIIO::ImageInput& input, const OIIO::ImageSpec& spec
                    Plane(draft.luminance, pixels), draft.alpha ? Plane(draft.alpha, pixels) : Plane()};
 }
 
-Result<void> check_spec(const OIIO::ImageSpec& spec, std::size_t max_pixels) {
+/// What the reader makes of the header must be what was made of it before.
+Result<void> check_spec(const OIIO::ImageSpec& spec, const ImageHeader& header) {
     constexpr int kMaxChannels = 5;  // CMYK and alpha
     if (spec.width < 1 || spec.height < 1) return broken();
-    const Size size{static_cast<std::uint64_t>(spec.width), static_cast<std::uint64_t>(spec.height)};
-    if (auto checked = check_pixels(size, max_pixels); !checked) return checked;
+    if (pixels_of(spec.width, spec.height) != header.pixels()) return broken();
     if (spec.depth > 1 || spec.deep) return unusual("more than two dimensions");
     if (spec.nchannels < 1 || spec.nchannels > kMaxChannels) return unusual("an odd number of channels");
-    if (spec.tile_width > 0) {
-        const Size tile{static_cast<std::uint64_t>(spec.tile_width), static_cast<std::uint64_t>(spec.tile_height)};
-        if (!check_pixels(tile, max_pixels)) return unusual("tiles larger than any picture");
-    }
+    if (spec.tile_width > 0 && pixels_of(spec.tile_width, spec.tile_height) > header.pixels() + kMostTilePixels)
+        return unusual("tiles much larger than their picture");
     return {};
 }
 
@@ -360,10 +246,9 @@ struct NoteDropper {
     ~NoteDropper() { static_cast<void>(input.geterror()); }
 };
 
-Result<Picture> read_file(std::string_view bytes, FileFormat format, std::size_t max_pixels,
-                          const NewPlane& make_plane) {
+Result<Picture> read_file(std::string_view bytes, const ImageHeader& header, const NewPlane& make_plane) {
     OIIO::Filesystem::IOMemReader file(bytes.data(), bytes.size());
-    const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(plugin_name(format));
+    const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(plugin_name(header.format));
     if (!input) return failure(ErrorCode::Internal, "the image reader is missing");
     const NoteDropper dropper{*input};
     input->threads(1);
@@ -372,29 +257,16 @@ Result<Picture> read_file(std::string_view bytes, FileFormat format, std::size_t
     OIIO::ImageSpec spec;
     wishes.attribute("oiio:UnassociatedAlpha", 1);
     if (!input->open("image", spec, wishes)) return broken();
-    if (auto checked = check_spec(spec, max_pixels); !checked) return tl::make_unexpected(checked.error());
+    if (auto checked = check_spec(spec, header); !checked) return tl::make_unexpected(checked.error());
 
     const int orientation =
-        format == FileFormat::WebP ? webp_orientation(bytes) : spec.get_int_attribute("Orientation", 1);
+        header.format == ImageFormat::WebP ? webp_orientation(bytes) : spec.get_int_attribute("Orientation", 1);
     if (orientation != 1 && is_converted_ycbcr(spec)) return unusual("a TIFF of YCbCr that is stored turned");
     const Size size{static_cast<std::uint64_t>(spec.width), static_cast<std::uint64_t>(spec.height)};
     const Placement placement = place(size, orientation);
     if (spec.format == OIIO::TypeDesc::UINT8) return read_pixels<std::uint8_t>(*input, spec, placement, make_plane);
     if (spec.format == OIIO::TypeDesc::UINT16) return read_pixels<std::uint16_t>(*input, spec, placement, make_plane);
     return read_pixels<float>(*input, spec, placement, make_plane);
-}
-
-/// What can be told of a file without its reader, and must be, as the reader would fall over it.
-Result<void> check_header(std::string_view bytes, FileFormat format, std::size_t max_pixels) {
-    if (format == FileFormat::WebP) {
-        const auto size = webp_size(bytes);
-        if (!size) return broken();
-        return check_pixels(*size, max_pixels);
-    }
-    if (format == FileFormat::Png && !is_whole_png(bytes)) return broken();
-    if (format == FileFormat::Tiff && !has_bits_per_sample(bytes))
-        return unusual("a TIFF that leaves out its bits per sample");
-    return {};
 }
 
 void configure_library() {
@@ -407,29 +279,20 @@ void configure_library() {
 
 }  // namespace
 
-Result<void> check_image(std::string_view bytes) {
-    if (bytes.empty()) return failure(ErrorCode::Malformed, "there is no image: the request is empty");
-    if (recognise(bytes)) return {};
-    return failure(ErrorCode::Unsupported, "this is not an image that can be read; PNG, JPEG, WebP and TIFF can");
-}
-
 std::shared_ptr<float[]> new_plane(std::size_t size) {
     return std::make_shared_for_overwrite<float[]>(size);
 }
 
 Result<Picture> decode_image(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane) {
-    if (auto checked = check_image(bytes); !checked) return tl::make_unexpected(checked.error());
-    const FileFormat format = *recognise(bytes);
-    if (auto checked = check_header(bytes, format, max_pixels); !checked) {
-        return tl::make_unexpected(checked.error());
-    }
+    const auto header = read_image_header(bytes, max_pixels);
+    if (!header) return tl::make_unexpected(header.error());
     configure_library();
     // Its TIFF reader has known faults with threads.
     static std::mutex tiff_mutex;
     std::unique_lock<std::mutex> lock;
-    if (format == FileFormat::Tiff) lock = std::unique_lock(tiff_mutex);
+    if (header->format == ImageFormat::Tiff) lock = std::unique_lock(tiff_mutex);
     try {
-        return read_file(bytes, format, max_pixels, make_plane);
+        return read_file(bytes, *header, make_plane);
     } catch (...) {
         return broken();
     }

@@ -11,10 +11,6 @@
 
 namespace ccdt::api {
 
-/// Tells by its first bytes whether an image file is of a format that is read: PNG, JPEG, WebP or TIFF.
-/// Errors: Malformed if there are no bytes; Unsupported for any other format, naming those that are read.
-Result<void> check_image(std::string_view bytes);
-
 /// Gives memory for a plane of so many values, luminance first, then alpha if there is any; throws if it has none.
 using NewPlane = std::function<std::shared_ptr<float[]>(std::size_t size)>;
 
@@ -29,8 +25,8 @@ std::shared_ptr<float[]> new_plane(std::size_t size);
 ///
 /// @param max_pixels  of the picture, told from its header before any pixel is read
 /// @param make_plane  where the picture goes
-/// Errors: those of check_image; LimitExceeded for too many pixels; Unusable for a broken or shortened file, and
-/// for kinds of TIFF that are not read. One TIFF is read at a time, whatever the number of threads.
+/// Errors: those of read_image_header; Unusable for a broken or shortened file, and for kinds of TIFF that are not
+/// read. One TIFF is read at a time, whatever the number of threads.
 /// Needs little memory besides the picture, except where the file must be decoded as a whole: WebP, interlaced
 /// PNG, progressive JPEG.
 Result<Picture> decode_image(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane = new_plane);

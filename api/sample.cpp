@@ -24,7 +24,7 @@ struct DensityDraft {
     std::optional<int> width;
     std::optional<int> height;
     std::optional<std::vector<double>> values;
-    std::optional<std::string> image;
+    std::optional<ImageFile> image;
 };
 
 /// A request on its way: what is given is known, whether it fits together is not.
@@ -94,7 +94,7 @@ Result<void> read_density(const Input& input, const Limits& limits, Draft& draft
         {"/density/values",
          [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.values, read_values(i)); }},
         {"/density/image",
-         [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.image, read_embedded_image(i)); }},
+         [](const Input& i, const Limits& l, DensityDraft& d) { return assign(d.image, read_embedded_image(i, l)); }},
     }};
     const auto inputs = inputs_of(std::get<JsonValue>(input.value), input.field);
     if (!inputs) return tl::make_unexpected(inputs.error());
@@ -159,7 +159,7 @@ void flip_rows(std::vector<float>& values, int width) {
 
 Result<Density> make_density(const DensityImage& image, const Limits& limits, const Decode& decode,
                              const Control& control) {
-    auto picture = decode(image.bytes, limits.max_pixels, control.stop);
+    auto picture = decode(image.file.bytes, limits.max_pixels, control.stop);
     if (!picture) return failure(picture.error().code, picture.error().message, "/density/image");
     const int width = picture->width;
     const int height = picture->height;

@@ -7,6 +7,7 @@
 
 #include "api/domain_reader.h"
 #include "api/image_codec.h"
+#include "api/image_header.h"
 #include "api/method.h"
 #include "api/options.h"
 #include "api/polygon_reader.h"
@@ -25,7 +26,7 @@ struct DensityGrid {
 
 /// A picture stretched over the bounding box, the first row at the largest y; dark is dense.
 struct DensityImage {
-    std::string bytes;  ///< of the file
+    ImageFile file;
 };
 
 struct SampleRequest {

@@ -8,7 +8,6 @@ namespace ccdt::api {
 namespace {
 
 constexpr std::string_view kGif = "R0lGODlhAQABAIAAAAAAAP///ywAAAAAAQABAAACAkQBADs=";
-constexpr std::string_view kPngStart = "iVBORw0KGgo=";
 
 Input text(std::string_view value) {
     return {"image", "/image", value};
@@ -38,24 +37,35 @@ TEST(Base64, RefusesWhatNoEncoderWrites) {
 }
 
 TEST(EmbeddedImage, ReadsBase64AndDataUris) {
-    const std::string png = "\x89PNG\r\n\x1a\n";
-    EXPECT_EQ(*read_embedded_image(text(kPngStart)), png);
-    EXPECT_EQ(*read_embedded_image(text("data:image/png;base64," + std::string(kPngStart))), png);
-    EXPECT_EQ(*read_embedded_image(text("data:;base64," + std::string(kPngStart))), png);
+    const std::string png = fixture("grey-16.png");
+    for (const auto* scheme : {"", "data:image/png;base64,", "data:;base64,"}) {
+        const auto image = read_embedded_image(text(scheme + base64(png)), {});
+        ASSERT_TRUE(image) << scheme << ": " << image.error().message;
+        EXPECT_EQ(image->bytes, png);
+        EXPECT_EQ(image->header.width, 24U);
+    }
 }
 
 TEST(EmbeddedImage, RefusesOtherTexts) {
     for (const auto* wrong :
          {"", "!", "data:", "data:image/png,abc", "data:image/png;base64", "http://localhost/a.png"}) {
-        const auto image = read_embedded_image(text(wrong));
+        const auto image = read_embedded_image(text(wrong), {});
         ASSERT_FALSE(image) << wrong;
         EXPECT_EQ(image.error().code, ErrorCode::Malformed) << wrong;
         EXPECT_EQ(image.error().field, "/image");
     }
 }
 
+TEST(EmbeddedImage, RefusesTooManyPixels) {
+    const std::string picture = base64(fixture("grey-16.png"));
+    const auto image = read_embedded_image(text(picture), {.max_pixels = 100});
+    ASSERT_FALSE(image);
+    EXPECT_EQ(image.error().code, ErrorCode::LimitExceeded);
+    EXPECT_EQ(image.error().field, "/image");
+}
+
 TEST(EmbeddedImage, RefusesOtherFormats) {
-    const auto image = read_embedded_image(text(kGif));
+    const auto image = read_embedded_image(text(kGif), {});
     ASSERT_FALSE(image);
     EXPECT_EQ(image.error().code, ErrorCode::Unsupported);
     EXPECT_EQ(image.error().field, "/image");

@@ -30,6 +30,20 @@ std::string polygon_file(const std::string& name) {
     return read_file(std::string(CCDT_TEST_DATA) + "/polygons/" + name);
 }
 
+std::string base64(std::string_view bytes) {
+    constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        unsigned bits = 0;
+        for (std::size_t k = i; k < i + 3; ++k) {
+            bits = bits << 8 | (k < bytes.size() ? static_cast<unsigned char>(bytes[k]) : 0U);
+        }
+        for (int shift = 18; shift >= 0; shift -= 6) text += digits[bits >> shift & 63];
+    }
+    for (std::size_t pad = 0; pad < (3 - bytes.size() % 3) % 3; ++pad) text[text.size() - 1 - pad] = '=';
+    return text;
+}
+
 DecodedPng decode_png(std::string_view file) {
     DecodedPng result;
     EXPECT_GT(file.size(), 33U);

@@ -13,6 +13,9 @@ std::string fixture(const std::string& name);
 std::string photograph(const std::string& name);
 std::string polygon_file(const std::string& name);
 
+/// As bytes travel inside JSON.
+std::string base64(std::string_view bytes);
+
 /// A PNG as libpng decodes it.
 struct DecodedPng {
     int width = 0;

@@ -13,20 +13,6 @@ namespace {
 
 using Options = std::vector<TextOption>;
 
-std::string base64(std::string_view bytes) {
-    constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        unsigned bits = 0;
-        for (std::size_t k = i; k < i + 3; ++k) {
-            bits = bits << 8 | (k < bytes.size() ? static_cast<unsigned char>(bytes[k]) : 0U);
-        }
-        for (int shift = 18; shift >= 0; shift -= 6) text += digits[bits >> shift & 63];
-    }
-    for (std::size_t pad = 0; pad < (3 - bytes.size() % 3) % 3; ++pad) text[text.size() - 1 - pad] = '=';
-    return text;
-}
-
 Result<HalftoneRequest> parse(const Options& options, std::string_view accept = "", const Limits& limits = {}) {
     return parse_halftone(fixture("rgba.png"), options, accept, limits);
 }
@@ -145,7 +131,7 @@ TEST(HalftoneJson, ReadsImageAndOptions) {
         R"({"image":"data:image/png;base64,)" + base64(image) + R"(","sites":7,"invert":true,"dot":"auto","scale":2})";
     const auto request = parse_halftone_json(body, {{"seed", "3"}}, "", {});
     ASSERT_TRUE(request) << request.error().message;
-    EXPECT_EQ(request->image, image);
+    EXPECT_EQ(request->image.bytes, image);
     EXPECT_EQ(request->sites, 7U);
     EXPECT_EQ(request->run.seed, 3U);
     EXPECT_EQ(request->scale, 2);

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/result.h"
+
+namespace ccdt::api {
+
+enum class ImageFormat { Png, Jpeg, WebP, Tiff };
+
+/// What an image file says of itself before its pixels. Told without the image library, whose readers are better kept
+/// away from files that nobody has looked at.
+struct ImageHeader {
+    ImageFormat format = ImageFormat::Png;
+    std::uint64_t width = 0;   ///< >= 1, as stored: not turned upright
+    std::uint64_t height = 0;  ///< >= 1
+    /// Bytes a reader takes at most while it decodes the picture, besides the file and the planes that it makes.
+    std::uint64_t decoder_bytes = 0;
+
+    std::uint64_t pixels() const { return width * height; }
+};
+
+/// A file whose header was read.
+struct ImageFile {
+    std::string bytes;
+    ImageHeader header;
+};
+
+/// Tiles of a TIFF may stand over its border, by so many pixels in all.
+inline constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 20;
+
+/// Tells by its first bytes whether an image file is of a format that is read: PNG, JPEG, WebP or TIFF.
+/// Errors: Malformed if there are no bytes; Unsupported for any other format, naming those that are read.
+Result<ImageFormat> recognise_image(std::string_view bytes);
+
+/// Reads the header of the file's first picture.
+///
+/// Errors: those of recognise_image; Unusable for a header that is broken or cut short, and for a TIFF that leaves out
+/// its bits per sample; LimitExceeded for more pixels than the limit.
+/// Sources: PNG (ISO/IEC 15948), 5 and 11.2.2; JPEG (ITU-T T.81), B.1 and B.2.2; WebP (RFC 9649), 2; TIFF 6.0, 2.
+Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels);
+
+/// The orientation that a WebP file's EXIF block gives, 1 to 8; 1 if it gives none.
+int webp_orientation(std::string_view bytes);
+
+}  // namespace ccdt::api
