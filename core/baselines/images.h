@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <limits>
 
 #include "core/geometry/domain.h"
@@ -28,17 +27,12 @@ public:
     }
 
     /// The copy in the box [0, period).
-    Point in_box(Point p) const { return is_torus() ? Point{in_box(p.x, period_.x), in_box(p.y, period_.y)} : p; }
+    Point in_box(Point p) const { return is_torus() ? wrapped(p, period_) : p; }
 
 private:
     static double shortest(double way, double period, double half) {
         way -= way > half ? period : 0;
         return way + (way < -half ? period : 0);
-    }
-
-    static double in_box(double x, double period) {
-        const double inside = x - std::floor(x / period) * period;
-        return inside < period ? inside : 0;
     }
 
     Point period_{0, 0};

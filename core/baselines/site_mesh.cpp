@@ -9,7 +9,6 @@
 #include "core/baselines/images.h"
 #include "core/ccdt/placement.h"
 #include "core/ccdt/start.h"
-#include "core/geometry/delaunay.h"
 
 namespace ccdt {
 
@@ -27,29 +26,10 @@ std::optional<Error> check(const Options& options) {
     return std::nullopt;
 }
 
-/// @param border  out: what lies around it
-Result<Triangulation> empty_mesh(const Domain& domain, const Capacity& capacity, std::size_t sites, Border& border) {
-    if (domain.is_torus()) return Triangulation(sites, domain.unit_bounds().max);
-    border = make_border(domain, capacity, sites);
-    auto scaffold = triangulate(border);
-    if (!scaffold) {
-        // Vertices set on the edges round off them; where two edges almost touch, that can make them cross.
-        border = bare_border(domain);
-        scaffold = triangulate(border);
-    }
-    if (!scaffold) return failure(ErrorCode::Internal, "the domain cannot be triangulated");
-    return Triangulation(sites, *scaffold);
-}
-
 }  // namespace
 
-SiteMesh::SiteMesh(const Domain& domain, const Density& density, Border border, Triangulation empty)
-    : domain_(&domain),
-      density_(&density),
-      capacity_(domain, density),
-      border_(std::move(border)),
-      empty_(std::move(empty)),
-      mesh_(empty_) {}
+SiteMesh::SiteMesh(const Domain& domain, const Density& density, DomainMesh empty)
+    : domain_(&domain), density_(&density), capacity_(domain, density), empty_(std::move(empty)), mesh_(empty_.mesh) {}
 
 Result<SiteMesh> SiteMesh::create(const Domain& domain, const Density& density, const Options& options,
                                   const std::stop_token& stop) {
@@ -58,10 +38,9 @@ Result<SiteMesh> SiteMesh::create(const Domain& domain, const Density& density, 
     if (!(capacity.total() > 0)) {
         return failure(ErrorCode::Unusable, "the density is zero all over the domain", "density");
     }
-    Border border;
-    auto empty = empty_mesh(domain, capacity, options.sites, border);
+    auto empty = empty_mesh(domain, capacity, options.sites);
     if (!empty) return tl::unexpected(empty.error());
-    SiteMesh sites(domain, density, std::move(border), *std::move(empty));
+    SiteMesh sites(domain, density, *std::move(empty));
     const StartSites start(domain, density, options);
     if (auto error = place_sites(sites.mesh_, {}, start, options.seed, domain.resolution(), stop)) {
         return tl::unexpected(*error);
@@ -118,7 +97,7 @@ bool SiteMesh::keeps_margin() const {
 
 /// A new triangulation, coarse to fine as place_sites() has it.
 bool SiteMesh::insert_all(std::span<const Point> from, std::span<const Point> to) {
-    Triangulation mesh = empty_;
+    Triangulation mesh = empty_.mesh;
     for (std::size_t stride = 64, coarser = 0; stride >= 1; coarser = stride, stride /= 4) {
         for (std::size_t site = 0; site < to.size(); site += stride) {
             if (coarser != 0 && site % coarser == 0) continue;
@@ -161,29 +140,9 @@ Distribution SiteMesh::iterate(const Options& options, const Control& control, c
         ++result.iterations;
         measured();
     }
-    result.points.resize(mesh_.site_count());
-    std::ranges::transform(sites(), result.points.begin(), [this](Point p) { return to_user(p); });
-    if (options.keep_mesh) result.mesh = copy_mesh();
+    result.points = sites_to_user(*domain_, mesh_);
+    if (options.keep_mesh) result.mesh = mesh_to_user(*domain_, mesh_, empty_.border);
     return result;
-}
-
-Point SiteMesh::to_user(Point p) const {
-    if (!domain_->is_torus()) return domain_->to_user(p);
-    p = domain_->to_user(Images(*domain_).in_box(p));
-    const Point end = domain_->bounds().max;
-    return {p.x < end.x ? p.x : 0, p.y < end.y ? p.y : 0};
-}
-
-TriangleMesh SiteMesh::copy_mesh() const {
-    TriangleMesh copy;
-    for (const Point& p : mesh_.points()) copy.vertices.push_back(to_user(p));
-    for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) copy.triangles.push_back(mesh_.corners(t));
-    auto vertex = static_cast<std::uint32_t>(mesh_.site_count());
-    for (const auto& loop : border_.loops) {
-        auto& indices = copy.boundary.emplace_back(loop.size());
-        for (std::uint32_t& index : indices) index = vertex++;
-    }
-    return copy;
 }
 
 }  // namespace ccdt

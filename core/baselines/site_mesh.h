@@ -5,17 +5,16 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/ccdt/border.h"
 #include "core/ccdt/capacity.h"
 #include "core/ccdt/ccdt.h"
+#include "core/ccdt/domain_mesh.h"
 #include "core/ccdt/goals.h"
 #include "core/mesh/triangulation.h"
 
 namespace ccdt {
 
-/// Sites on their way, in the triangulation that distribute() measures them by: the constrained Delaunay triangulation
-/// with vertices along the domain's border, on a torus without. What the methods of this folder share: the start, the
-/// measure, when to end. All places are in the unit frame.
+/// Sites on their way, in the triangulation that distribute() measures them by. What the methods of this folder share:
+/// the start, the measure, when to end. All places are in the unit frame.
 class SiteMesh {
 public:
     /// Draws and triangulates the start that distribute() has.
@@ -47,7 +46,7 @@ public:
     Distribution iterate(const Options& options, const Control& control, const std::function<bool()>& step);
 
 private:
-    SiteMesh(const Domain& domain, const Density& density, Border border, Triangulation empty);
+    SiteMesh(const Domain& domain, const Density& density, DomainMesh empty);
 
     double measure();
     Point end_of_way(Point from, Point to) const;
@@ -55,14 +54,11 @@ private:
     bool keeps_margin() const;
     bool insert_all(std::span<const Point> from, std::span<const Point> to);
     bool insert(Triangulation& mesh, std::uint32_t site, Point from, Point to) const;
-    Point to_user(Point p) const;
-    TriangleMesh copy_mesh() const;
 
     const Domain* domain_;
     const Density* density_;
     Capacity capacity_;
-    Border border_;
-    Triangulation empty_;  ///< without sites
+    DomainMesh empty_;  ///< without sites
     Triangulation mesh_;
     std::vector<double> capacities_;   ///< [triangles]
     std::vector<TriangleGoal> goals_;  ///< [triangles]

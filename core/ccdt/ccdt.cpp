@@ -1,17 +1,15 @@
 #include "core/ccdt/ccdt.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
 
-#include "core/ccdt/border.h"
 #include "core/ccdt/capacity.h"
+#include "core/ccdt/domain_mesh.h"
 #include "core/ccdt/goals.h"
 #include "core/ccdt/placement.h"
 #include "core/ccdt/relaxation.h"
 #include "core/ccdt/start.h"
-#include "core/geometry/delaunay.h"
 #include "core/mesh/triangulation.h"
 #include "core/polish/polish.h"
 
@@ -51,17 +49,15 @@ public:
 
 private:
     bool stopping() const { return control_.stop.stop_requested(); }
-    Result<Triangulation> empty_mesh(Border& border) const;
-    Result<Triangulation> triangulate_sites(const std::vector<Point>& first, const StartSites& start, Border& border);
+    Result<DomainMesh> triangulate_sites(const std::vector<Point>& first, const StartSites& start);
     std::vector<Point> even_start(const StartSites& start);
     double measure(const Triangulation& mesh);
     void iterate(Triangulation& mesh, std::vector<bool> corners);
     bool is_exact(int iteration) const;
     PolishOptions polish_options() const;
-    Result<void> refine(Triangulation& mesh, const StartSites& start, Border& border);
+    Result<void> refine(DomainMesh& placed, const StartSites& start);
     void report() const;
-    Point to_user(Point p) const;
-    void collect(const Triangulation& mesh, const Border& border);
+    void collect(const DomainMesh& placed);
 
     const Domain& domain_;
     const Density& density_;
@@ -83,46 +79,30 @@ Result<Distribution> Run::execute() {
         polish_.emplace(domain_, density_, options_.sites, control_.stop);
     }
     if (stopping()) return stopped_at_start();
-    Border border;
-    auto mesh = triangulate_sites(even_start(start), start, border);
-    if (!mesh) return tl::unexpected(mesh.error());
-    result_.trace.push_back(measure(*mesh));
+    auto placed = triangulate_sites(even_start(start), start);
+    if (!placed) return tl::unexpected(placed.error());
+    result_.trace.push_back(measure(placed->mesh));
     if (stopping()) return stopped_at_start();
     report();
-    iterate(*mesh, border.corner);
+    iterate(placed->mesh, placed->border.corner);
     if (polish_ && !stopping()) {
-        auto polished = refine(*mesh, start, border);
+        auto polished = refine(*placed, start);
         if (!polished) return tl::unexpected(polished.error());
     }
-    collect(*mesh, border);
+    collect(*placed);
     return std::move(result_);
 }
 
-/// @param first   [sites] or empty: where they stand
-/// @param border  out: what lies around them
-Result<Triangulation> Run::triangulate_sites(const std::vector<Point>& first, const StartSites& start, Border& border) {
-    auto mesh = empty_mesh(border);
-    if (!mesh) return mesh;
-    if (auto error = place_sites(*mesh, first, start, options_.seed, domain_.resolution(), control_.stop)) {
+/// @param first  [sites] or empty: where they stand
+Result<DomainMesh> Run::triangulate_sites(const std::vector<Point>& first, const StartSites& start) {
+    auto placed = empty_mesh(domain_, capacity_, options_.sites);
+    if (!placed) return placed;
+    if (auto error = place_sites(placed->mesh, first, start, options_.seed, domain_.resolution(), control_.stop)) {
         return tl::unexpected(*error);
     }
     if (stopping()) return stopped_at_start();
-    mesh->trim();
-    return mesh;
-}
-
-/// @param border  out: what lies around it
-Result<Triangulation> Run::empty_mesh(Border& border) const {
-    if (domain_.is_torus()) return Triangulation(options_.sites, domain_.unit_bounds().max);
-    border = make_border(domain_, capacity_, options_.sites);
-    auto scaffold = triangulate(border);
-    if (!scaffold) {
-        // Vertices set on the edges round off them; where two edges almost touch, that can make them cross.
-        border = bare_border(domain_);
-        scaffold = triangulate(border);
-    }
-    if (!scaffold) return failure(ErrorCode::Internal, "the domain cannot be triangulated");
-    return Triangulation(options_.sites, *scaffold);
+    placed->mesh.trim();
+    return placed;
 }
 
 /// First sites among which long waves are gone; none where nothing is to be gained.
@@ -195,8 +175,8 @@ PolishOptions Run::polish_options() const {
     return settings;
 }
 
-/// @param border  of the mesh
-Result<void> Run::refine(Triangulation& mesh, const StartSites& start, Border& border) {
+Result<void> Run::refine(DomainMesh& placed, const StartSites& start) {
+    Triangulation& mesh = placed.mesh;
     polish_->refine(mesh, polish_options(), control_.stop);
     if (stopping()) return {};
     mesh.restore_delaunay(control_.stop);
@@ -204,10 +184,10 @@ Result<void> Run::refine(Triangulation& mesh, const StartSites& start, Border& b
                              mesh.points().begin() + static_cast<std::ptrdiff_t>(options_.sites));
     // Where other sites were in the way of one that had to leave white, all are triangulated anew.
     if (polish_->clear_gaps(sites)) {
-        auto again = triangulate_sites(sites, start, border);
+        auto again = triangulate_sites(sites, start);
         if (stopping()) return {};
         if (!again) return tl::unexpected(again.error());
-        mesh = *std::move(again);
+        placed = *std::move(again);
     }
     const double variation = measure(mesh);
     if (!stopping()) result_.polished = variation;
@@ -218,31 +198,10 @@ void Run::report() const {
     if (control_.progress) control_.progress({result_.iterations, options_.iterations, result_.trace.back()});
 }
 
-Point Run::to_user(Point p) const {
-    if (!domain_.is_torus()) return domain_.to_user(p);
-    const Point sides = domain_.unit_bounds().max;
-    p = domain_.to_user({p.x - std::floor(p.x / sides.x) * sides.x, p.y - std::floor(p.y / sides.y) * sides.y});
-    const Point end = domain_.bounds().max;
-    return {p.x < end.x ? p.x : 0, p.y < end.y ? p.y : 0};
-}
-
-void Run::collect(const Triangulation& mesh, const Border& border) {
-    const auto user = [&](Point p) { return to_user(p); };
+void Run::collect(const DomainMesh& placed) {
     result_.stopped = stopping();
-    result_.points.resize(options_.sites);
-    std::transform(mesh.points().begin(), mesh.points().begin() + static_cast<std::ptrdiff_t>(options_.sites),
-                   result_.points.begin(), user);
-    if (!options_.keep_mesh) return;
-    TriangleMesh& kept = result_.mesh.emplace();
-    kept.vertices.resize(mesh.vertex_count());
-    std::transform(mesh.points().begin(), mesh.points().end(), kept.vertices.begin(), user);
-    kept.triangles.reserve(mesh.triangle_count());
-    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) kept.triangles.push_back(mesh.corners(t));
-    auto vertex = static_cast<std::uint32_t>(options_.sites);
-    for (const auto& loop : border.loops) {
-        auto& indices = kept.boundary.emplace_back(loop.size());
-        for (std::uint32_t& index : indices) index = vertex++;
-    }
+    result_.points = sites_to_user(domain_, placed.mesh);
+    if (options_.keep_mesh) result_.mesh = mesh_to_user(domain_, placed.mesh, placed.border);
 }
 
 }  // namespace

@@ -336,7 +336,9 @@ double Domain::resolution() const {
 }
 
 Point Domain::to_user(Point unit) const {
-    return bounds_.min + scale_ * unit;
+    if (!is_torus_) return bounds_.min + scale_ * unit;
+    const Point p = scale_ * wrapped(unit, unit_size_);  // may round up to the upper sides
+    return {p.x < bounds_.max.x ? p.x : 0, p.y < bounds_.max.y ? p.y : 0};
 }
 
 }  // namespace ccdt

@@ -61,6 +61,7 @@ public:
     /// Opposite sides of the bounding box are joined. Its unit frame's sides are multiples of 2^-50.
     bool is_torus() const { return is_torus_; }
 
+    /// On a torus it may be any copy of the point: the one in [0, width) x [0, height) is returned.
     Point to_user(Point unit) const;
 
     /// How far to_user() may move a point by rounding, in the unit frame.

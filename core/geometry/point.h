@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 namespace ccdt {
 
 struct Point {
@@ -30,6 +32,17 @@ inline Point snapped(Point p) {
 inline double whole(double v) {
     const int truncated = static_cast<int>(v);
     return truncated > v ? truncated - 1 : truncated;
+}
+
+/// The copy of x in [0, period).
+inline double wrapped(double x, double period) {
+    const double inside = x - std::floor(x / period) * period;
+    return inside < period ? inside : 0;
+}
+
+/// The copy of p in a torus' box.
+inline Point wrapped(Point p, Point period) {
+    return {wrapped(p.x, period.x), wrapped(p.y, period.y)};
 }
 
 /// An axis-parallel box, closed.

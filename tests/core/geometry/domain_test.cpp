@@ -136,6 +136,16 @@ TEST(Domain, TakesUnitPointsBack) {
     EXPECT_EQ(domain->to_user({1, 0.5}), (Point{108, -46}));
 }
 
+TEST(Domain, TakesAllCopiesOnATorusToOnePlace) {
+    const auto torus = Domain::torus(8, 4);
+    ASSERT_TRUE(torus);
+    for (const double x : {0.25, 1.25, -0.75}) {
+        for (const double y : {0.375, 0.875, -0.125}) EXPECT_EQ(torus->to_user({x, y}), (Point{2, 3}));
+    }
+    EXPECT_EQ(torus->to_user({1, 0.5}), (Point{0, 0}));
+    EXPECT_EQ(torus->to_user({-1e-20, -1e-20}), (Point{0, 0})) << "rounds to the upper sides";
+}
+
 TEST(Domain, IsTheSameWhereverItLiesAndHoweverLarge) {
     const Parts parts = test::read_geojson("Italy-110m.geojson");
     const auto domain = Domain::create(parts);

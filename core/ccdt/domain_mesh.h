@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/ccdt/border.h"
+#include "core/ccdt/capacity.h"
+#include "core/ccdt/ccdt.h"
+#include "core/geometry/domain.h"
+#include "core/geometry/point.h"
+#include "core/mesh/triangulation.h"
+#include "core/result.h"
+
+namespace ccdt {
+
+/// What sites are measured by: the constrained Delaunay triangulation with vertices along the domain's border, on a
+/// torus without. All places are in the unit frame.
+struct DomainMesh {
+    Border border;
+    Triangulation mesh;
+};
+
+/// The triangulation that sites are inserted into.
+/// @param sites  how many will be
+Result<DomainMesh> empty_mesh(const Domain& domain, const Capacity& capacity, std::size_t sites);
+
+/// Where the sites stand, in the caller's coordinates [sites].
+std::vector<Point> sites_to_user(const Domain& domain, const Triangulation& mesh);
+
+/// @param mesh    trimmed
+/// @param border  of the mesh
+TriangleMesh mesh_to_user(const Domain& domain, const Triangulation& mesh, const Border& border);
+
+}  // namespace ccdt
