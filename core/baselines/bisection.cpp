@@ -1,13 +1,6 @@
 #include "core/baselines/bisection.h"
 
-#include "core/density/grid_walk.h"
-
 namespace ccdt {
-
-Bisection::Bisection(const Domain& domain, const Density& density) : density_(density) {
-    const Box box = domain.unit_bounds();
-    if (!density.is_uniform()) to_grid_ = {density.width() / box.width(), density.height() / box.height()};
-}
 
 std::vector<Part> Bisection::parts_of(const Domain& domain, const Triangulation& mesh) const {
     std::vector<Part> parts;
@@ -41,21 +34,7 @@ std::array<Part, 2> Bisection::halves(const Part& part) const {
 }
 
 double Bisection::flow(Point a, Point b) const {
-    if (density_.is_uniform()) return 0.5 * cross(a, b);
-    double sum = 0;
-    walk_cells({a.x * to_grid_.x, a.y * to_grid_.y}, {b.x * to_grid_.x, b.y * to_grid_.y}, density_.width(),
-               density_.height(), [&](int column, int row, double x, double dy) {
-                   const double* sums = density_.row_sums(row).data() + column;
-                   sum += (sums[0] + (x - column) * (sums[1] - sums[0])) * dy;
-               });
-    return sum;
-}
-
-double Bisection::at(Point p) const {
-    if (density_.is_uniform()) return 1;
-    const int column = std::clamp(static_cast<int>(p.x * to_grid_.x), 0, density_.width() - 1);
-    const int row = std::clamp(static_cast<int>(p.y * to_grid_.y), 0, density_.height() - 1);
-    return density_.value(column, row) * to_grid_.x * to_grid_.y;
+    return capacity_.is_uniform() ? 0.5 * cross(a, b) : capacity_.along(a, b);
 }
 
 }  // namespace ccdt

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "core/ccdt/capacity.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
@@ -23,7 +24,7 @@ struct Part {
 class Bisection {
 public:
     /// @param density  must outlive this
-    Bisection(const Domain& domain, const Density& density);
+    Bisection(const Domain& domain, const Density& density) : capacity_(domain, density) {}
 
     /// The triangles to begin with: a box cut in two, or else those of the mesh.
     std::vector<Part> parts_of(const Domain& domain, const Triangulation& mesh) const;
@@ -32,13 +33,12 @@ public:
     std::array<Part, 2> halves(const Part& part) const;
 
     /// Density per unit of area.
-    double at(Point p) const;
+    double at(Point p) const { return capacity_.at(p); }
 
 private:
     double flow(Point a, Point b) const;
 
-    const Density& density_;
-    Point to_grid_{1, 1};  ///< cells per unit
+    Capacity capacity_;
 };
 
 }  // namespace ccdt

@@ -42,6 +42,10 @@ public:
     /// Largest capacity per area of the unit frame.
     double densest() const { return is_uniform() ? 1 : density_.largest() * to_grid_.x * to_grid_.y; }
 
+    /// What a segment adds to the capacity on its left: the integral of F dy from a to b, within the domain's bounding
+    /// box. Not for uniform densities. O(cells crossed).
+    double along(Point a, Point b) const;
+
     /// How many cells a segment crosses, about; at least 1, and 1 if uniform.
     int cells_along(Point a, Point b) const;
 
@@ -52,7 +56,6 @@ private:
         double near = 0;  ///< of the density per unit frame's area, over the segment, weighing 1 at a and 0 at b
         double far = 0;   ///< the other way round
     };
-    double along(Point a, Point b) const;
     template <bool kRepeated>
     Sweep sweep(Point a, Point b) const;
     double rows_below(double y) const;
