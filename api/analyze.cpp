@@ -96,14 +96,8 @@ Result<std::string> encode(const AnalyzeRequest& request, const Analysis& analys
 }  // namespace
 
 Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view accept, const Limits& limits) {
-    const auto document = JsonDocument::parse(body);
-    if (!document) return tl::make_unexpected(document.error());
-    const auto inputs = inputs_of(document->root(), "");
-    if (!inputs) return tl::make_unexpected(inputs.error());
     Draft draft;
-    if (auto read = read_options<Draft>(kRules, *inputs, limits, draft); !read) {
-        return tl::make_unexpected(read.error());
-    }
+    if (auto read = read_body<Draft>(kRules, body, limits, draft); !read) return tl::make_unexpected(read.error());
     if (auto settled = settle_points(draft, limits); !settled) return tl::make_unexpected(settled.error());
     if (!draft.format) {
         if (auto chosen = assign(draft.format, negotiate(accept, kFormats)); !chosen) {

@@ -24,10 +24,9 @@ constexpr std::array<OptionRule<Members>, 3> kRules = {{
 }  // namespace
 
 Result<Rectangle> read_rectangle(const Input& input) {
-    const auto inputs = inputs_of(std::get<JsonValue>(input.value), input.field);
-    if (!inputs) return tl::make_unexpected(inputs.error());
     Members members;
-    if (auto read = read_options<Members>(kRules, *inputs, {}, members); !read) {
+    const auto object = std::get<JsonValue>(input.value);
+    if (auto read = read_members<Members>(kRules, object, input.field, {}, members); !read) {
         return tl::make_unexpected(read.error());
     }
     if (!members.type || members.sides.width == 0 || members.sides.height == 0) {

@@ -102,4 +102,24 @@ Result<void> read_options(std::span<const OptionRule<Target>> rules, std::span<c
     return {};
 }
 
+/// Reads the members of a JSON object as options.
+/// @param pointer  to the object; empty for the whole body
+template <class Target>
+Result<void> read_members(std::span<const OptionRule<Target>> rules, JsonValue object, std::string_view pointer,
+                          const Limits& limits, Target& target) {
+    const auto inputs = inputs_of(object, pointer);
+    if (!inputs) return tl::make_unexpected(inputs.error());
+    return read_options(rules, *inputs, limits, target);
+}
+
+/// Reads a body that is a JSON object of options. The document goes once it is read: rules keep copies.
+/// Errors besides: those of JsonDocument::parse.
+template <class Target>
+Result<void> read_body(std::span<const OptionRule<Target>> rules, std::string_view body, const Limits& limits,
+                       Target& target) {
+    const auto document = JsonDocument::parse(body);
+    if (!document) return tl::make_unexpected(document.error());
+    return read_members(rules, document->root(), "", limits, target);
+}
+
 }  // namespace ccdt::api

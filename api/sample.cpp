@@ -96,10 +96,9 @@ Result<void> read_density(const Input& input, const Limits& limits, Draft& draft
         {"/density/image",
          [](const Input& i, const Limits& l, DensityDraft& d) { return assign(d.image, read_embedded_image(i, l)); }},
     }};
-    const auto inputs = inputs_of(std::get<JsonValue>(input.value), input.field);
-    if (!inputs) return tl::make_unexpected(inputs.error());
     DensityDraft density;
-    if (auto read = read_options<DensityDraft>(kRules, *inputs, limits, density); !read) return read;
+    const auto object = std::get<JsonValue>(input.value);
+    if (auto read = read_members<DensityDraft>(kRules, object, input.field, limits, density); !read) return read;
     return settle_density(input, std::move(density), draft.request);
 }
 
@@ -196,14 +195,8 @@ Result<Distribution> place_points(const SampleRequest& request, const Domain& do
 }  // namespace
 
 Result<SampleRequest> parse_sample(std::string_view body, std::string_view accept, const Limits& limits) {
-    const auto document = JsonDocument::parse(body);
-    if (!document) return tl::make_unexpected(document.error());
-    const auto inputs = inputs_of(document->root(), "");
-    if (!inputs) return tl::make_unexpected(inputs.error());
     Draft draft;
-    if (auto read = read_options<Draft>(kRules, *inputs, limits, draft); !read) {
-        return tl::make_unexpected(read.error());
-    }
+    if (auto read = read_body<Draft>(kRules, body, limits, draft); !read) return tl::make_unexpected(read.error());
     if (draft.request.run.sites == 0) return failure(ErrorCode::Malformed, "sites is missing", "/sites");
     if (auto settled = settle_method(draft.request.method, draft.given, draft.request.run); !settled) {
         return tl::make_unexpected(settled.error());
