@@ -30,6 +30,13 @@ Density strokes() {
     });
 }
 
+Density spot_and_corner() {
+    return grid_of(48, 64, [](int i, int j) {
+        const double x = i / 48.0 - 0.5, y = j / 64.0 - 0.5;
+        return 0.02 + std::exp(-20 * (x * x + y * y)) + (i > 30 && j > 40 ? 1.0 : 0.0);
+    });
+}
+
 std::size_t count_on_white(const Domain& domain, const Density& density, const std::vector<Point>& points) {
     const Box box = domain.bounds();
     return static_cast<std::size_t>(std::count_if(points.begin(), points.end(), [&](Point p) {

@@ -15,16 +15,10 @@ namespace {
 using test::domain_of;
 using test::grid_of;
 using test::Parts;
+using test::spot_and_corner;
 using test::StartMesh;
 
 const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
-
-Density portrait() {
-    return grid_of(48, 64, [](int i, int j) {
-        const double x = i / 48.0 - 0.5, y = j / 64.0 - 0.5;
-        return 0.02 + std::exp(-20 * (x * x + y * y)) + (i > 30 && j > 40 ? 1.0 : 0.0);
-    });
-}
 
 struct Run {
     Domain domain;
@@ -65,7 +59,7 @@ TEST(Relaxation, DescendsFromARandomStart) {
 }
 
 TEST(Relaxation, DescendsOnAPicture) {
-    expect_descent({domain_of(kSquare), portrait(), {.sites = 2000, .seed = 3, .iterations = 8}});
+    expect_descent({domain_of(kSquare), spot_and_corner(), {.sites = 2000, .seed = 3, .iterations = 8}});
 }
 
 TEST(Relaxation, DescendsWithWhiteAreas) {
@@ -96,7 +90,7 @@ TEST(Relaxation, DescendsAroundATorus) {
     for (const std::size_t sites : {1, 2, 3, 7, 2000}) {
         SCOPED_TRACE(sites);
         expect_descent({Domain::torus(1, 1).value(), Density::uniform(), {.sites = sites, .seed = 7}});
-        expect_descent({Domain::torus(3, 4).value(), portrait(), {.sites = sites, .seed = 8, .iterations = 8}});
+        expect_descent({Domain::torus(3, 4).value(), spot_and_corner(), {.sites = sites, .seed = 8, .iterations = 8}});
     }
 }
 

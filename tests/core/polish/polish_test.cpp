@@ -20,16 +20,10 @@ using test::count_on_white;
 using test::domain_of;
 using test::grid_of;
 using test::Parts;
+using test::spot_and_corner;
 using test::StartMesh;
 
 const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
-
-Density portrait() {
-    return grid_of(48, 64, [](int i, int j) {
-        const double x = i / 48.0 - 0.5, y = j / 64.0 - 0.5;
-        return 0.02 + std::exp(-20 * (x * x + y * y)) + (i > 30 && j > 40 ? 1.0 : 0.0);
-    });
-}
 
 /// Distance from a point of the grid to the nearest cell with density, in cells.
 double distance_to_ink(const Density& density, Point g) {
@@ -130,7 +124,7 @@ TEST(Polish, KeepsTrianglesAndSitesInside) {
         for (const std::size_t sites : {1, 2, 5, 50, 1000}) {
             SCOPED_TRACE(std::string(name) + ", " + std::to_string(sites));
             expect_sound(domain, Density::uniform(), sites, strong);
-            expect_sound(domain, portrait(), sites, strong);
+            expect_sound(domain, spot_and_corner(), sites, strong);
             expect_sound(domain, test::pear(), sites, {});
         }
     }
@@ -172,7 +166,7 @@ TEST(Polish, ClearsGapsOfAnyProportions) {
 TEST(Polish, MovesNothingOnceStopped) {
     std::stop_source source;
     source.request_stop();
-    StartMesh start(domain_of(kSquare), portrait(), {.sites = 200, .seed = 1});
+    StartMesh start(domain_of(kSquare), spot_and_corner(), {.sites = 200, .seed = 1});
     const auto before = start.mesh.points();
     Polish polish(start.domain, start.density, 200);
     polish.refine(start.mesh, {}, source.get_token());
