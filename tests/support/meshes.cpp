@@ -16,6 +16,15 @@ Triangulation empty_mesh(const Domain& domain, const Border& border, std::size_t
     return {sites, triangulate(border).value()};
 }
 
+bool has_flat_triangle(const Triangulation& mesh, std::uint32_t site) {
+    std::uint32_t h = mesh.edge_of(site);
+    do {
+        if (mesh.doubled_area(Triangulation::triangle_of(h)) < 1e-9) return true;
+        h = mesh.twin(Triangulation::previous(h));
+    } while (h != mesh.edge_of(site));
+    return false;
+}
+
 }  // namespace
 
 Domain domain_of(const Parts& parts) {
@@ -36,6 +45,14 @@ StartMesh::StartMesh(Domain of, Density by, const Options& options)
 double StartMesh::measure() {
     capacity.of_triangles(mesh, capacities);
     return set_goals(mesh, capacity, capacities, goals);
+}
+
+void stir(Triangulation& mesh, Random& random) {
+    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
+        const Point old = mesh.point(v), moved = old + 0.5 * random.uniform() * mesh.along(mesh.edge_of(v));
+        mesh.points()[v] = mesh.is_torus() ? snapped(moved) : moved;
+        if (has_flat_triangle(mesh, v)) mesh.points()[v] = old;
+    }
 }
 
 std::size_t count_inverted(const Triangulation& mesh) {

@@ -9,6 +9,7 @@
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/mesh/triangulation.h"
+#include "core/random.h"
 #include "tests/support/shapes.h"
 
 namespace ccdt::test {
@@ -43,6 +44,9 @@ struct StartMesh {
     std::vector<double> capacities;
     std::vector<TriangleGoal> goals;
 };
+
+/// Moves each site some way towards a corner of its ring: triangles stay counter-clockwise, edges do not stay Delaunay.
+void stir(Triangulation& mesh, Random& random);
 
 /// Invariants of a trimmed triangulation, each one counting what breaks it. Around a torus links have shifts, too.
 std::size_t count_inverted(const Triangulation& mesh);

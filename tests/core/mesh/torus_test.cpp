@@ -147,17 +147,7 @@ TEST(TorusTriangulation, FlipsBackAfterMoves) {
         Random random(8, sites);
         std::size_t flips = 0;
         for (int round = 0; round < 20; ++round) {
-            for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
-                const Point old = mesh.point(v);
-                mesh.points()[v] = snapped(old + 0.5 * random.uniform() * mesh.along(mesh.edge_of(v)));
-                std::uint32_t h = mesh.edge_of(v);
-                bool flat = false;
-                do {
-                    flat = flat || mesh.doubled_area(Triangulation::triangle_of(h)) < 1e-9;
-                    h = mesh.twin(Triangulation::previous(h));
-                } while (h != mesh.edge_of(v));
-                if (flat) mesh.points()[v] = old;
-            }
+            test::stir(mesh, random);
             ASSERT_EQ(count_inverted(mesh), 0u);
             flips += mesh.restore_delaunay();
             expect_valid(mesh);

@@ -111,19 +111,7 @@ TEST(Triangulation, FlipsBackAfterMoves) {
     Triangulation& mesh = start.mesh;
     Random random(6, 0);
     for (int round = 0; round < 5; ++round) {
-        // Each site some way towards a corner of its ring: triangles stay counter-clockwise, edges do not stay
-        // Delaunay.
-        for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
-            const Point old = mesh.point(v), goal = mesh.point(mesh.target(mesh.edge_of(v)));
-            mesh.points()[v] = old + 0.5 * random.uniform() * (goal - old);
-            std::uint32_t h = mesh.edge_of(v);
-            bool flat = false;
-            do {
-                flat = flat || mesh.doubled_area(Triangulation::triangle_of(h)) < 1e-9;
-                h = mesh.twin(Triangulation::previous(h));
-            } while (h != mesh.edge_of(v));
-            if (flat) mesh.points()[v] = old;
-        }
+        test::stir(mesh, random);
         ASSERT_EQ(count_inverted(mesh), 0u);
         EXPECT_GT(count_not_delaunay(mesh), 0u);
         EXPECT_GT(mesh.restore_delaunay(), 0u);
