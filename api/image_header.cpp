@@ -29,6 +29,9 @@ private:
     bool big_endian_;
 };
 
+constexpr uint64_t kReaderBytes = uint64_t{88} << 20;  ///< of any file: the library asks for 64 MiB of rows at once
+constexpr uint64_t kRowBytes = 48;                     ///< of rows that are read, a pixel of their width
+
 tl::unexpected<Error> broken() {
     return failure(ErrorCode::Unusable, "the image is broken or cut short");
 }
@@ -99,7 +102,7 @@ constexpr std::size_t kRiffChunks = 12;  ///< where the first chunk of a WebP fi
 constexpr std::size_t kRiffHeader = 8;   ///< a chunk's name and size
 
 Result<ImageHeader> read_webp(std::string_view bytes) {
-    constexpr uint64_t kDecoderBytes = 20;  // a pixel: two canvases of an animation, its frame, lossless references
+    constexpr uint64_t kDecoderBytes = 16;  // a pixel: two canvases of an animation, its frame, lossless references
     const ByteReader reader(bytes, false);
     const std::string_view chunk = bytes.substr(std::min(kRiffChunks, bytes.size()), 4);
     const std::size_t data = kRiffChunks + kRiffHeader;
@@ -215,7 +218,10 @@ Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pi
     auto header = read(bytes, *format);
     if (!header) return header;
     if (header->width == 0 || header->height == 0) return broken();
-    if (header->width <= max_pixels / header->height) return header;
+    if (header->width <= max_pixels / header->height) {
+        header->decoder_bytes += kReaderBytes + header->width * kRowBytes;
+        return header;
+    }
     return failure(ErrorCode::LimitExceeded,
                    "the image has " + std::to_string(header->width) + " x " + std::to_string(header->height) +
                        " pixels; this server's limit (max-pixels) is " + std::to_string(max_pixels));

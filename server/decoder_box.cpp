@@ -14,6 +14,7 @@
 #include <sys/socket.h>
 #include <sys/wait.h>
 
+#include "api/image_header.h"
 #include "server/decoder_protocol.h"
 
 namespace ccdt::server {
@@ -82,9 +83,10 @@ std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::time_point deadl
 }
 
 tl::expected<Result<Picture>, NoReply> ask_helper(int orders, std::string_view bytes, std::size_t max_pixels,
-                                                  Clock::time_point deadline, const std::stop_token& stop) {
+                                                  const DecoderLimits& limits, Clock::time_point deadline,
+                                                  const std::stop_token& stop) {
     auto outcome = make_sockets();
-    Order order{{bytes.size(), max_pixels}, make_file(bytes), make_reply_file(max_pixels), {}};
+    Order order{{bytes.size(), max_pixels, limits}, make_file(bytes), make_reply_file(max_pixels), {}};
     if (!outcome || !order.file || !order.reply) return tl::unexpected(not_started());
     order.outcome = std::move(outcome->theirs);
     if (!send_order(orders, order)) return tl::unexpected(NoReply{});
@@ -116,7 +118,16 @@ tl::unexpected<Error> describe(const NoReply& none) {
 
 }  // namespace
 
-Result<std::unique_ptr<DecoderBox>> DecoderBox::start(const Decoder& decoder, const DecoderLimits& limits) {
+DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels) {
+    constexpr std::chrono::milliseconds kTime{5000};
+    constexpr std::uint64_t kPixelsPerMillisecond = 2000;
+    constexpr std::size_t kMemory = std::size_t{24} << 20;  // to tell what is wrong
+    const auto header = api::read_image_header(file, max_pixels);
+    if (!header) return {kMemory, kTime};
+    return {header->decoder_bytes, kTime + std::chrono::milliseconds(header->pixels() / kPixelsPerMillisecond)};
+}
+
+Result<std::unique_ptr<DecoderBox>> DecoderBox::start(const Decoder& decoder, LimitsOf limits) {
     auto sockets = make_sockets();
     const pid_t keeper = sockets ? fork() : -1;
     if (keeper < 0) {
@@ -124,7 +135,7 @@ Result<std::unique_ptr<DecoderBox>> DecoderBox::start(const Decoder& decoder, co
     }
     if (keeper == 0) {
         sockets->ours.reset();
-        run_decoder_helper(std::move(sockets->theirs), decoder, limits);
+        run_decoder_helper(std::move(sockets->theirs), decoder);
     }
     sockets->theirs.reset();
     Hello hello;
@@ -132,11 +143,12 @@ Result<std::unique_ptr<DecoderBox>> DecoderBox::start(const Decoder& decoder, co
         waitpid(keeper, nullptr, 0);
         return failure(ErrorCode::Internal, "cannot start the decoder's helper: it ended at once");
     }
-    return std::unique_ptr<DecoderBox>(new DecoderBox(std::move(sockets->ours), keeper, hello.filter_error, limits));
+    return std::unique_ptr<DecoderBox>(
+        new DecoderBox(std::move(sockets->ours), keeper, hello.filter_error, std::move(limits)));
 }
 
-DecoderBox::DecoderBox(UniqueFd orders, pid_t keeper, int filter_error, const DecoderLimits& limits)
-    : limits_(limits), keeper_(keeper), filter_error_(filter_error), orders_(std::move(orders)) {}
+DecoderBox::DecoderBox(UniqueFd orders, pid_t keeper, int filter_error, LimitsOf limits)
+    : limits_(std::move(limits)), keeper_(keeper), filter_error_(filter_error), orders_(std::move(orders)) {}
 
 DecoderBox::~DecoderBox() {
     orders_.reset();
@@ -145,11 +157,12 @@ DecoderBox::~DecoderBox() {
 }
 
 Result<Picture> DecoderBox::decode(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
-    const auto deadline = Clock::now() + limits_.time;
-    auto reply = ask_helper(orders_.get(), bytes, max_pixels, deadline, stop);
+    const DecoderLimits limits = limits_(bytes);
+    const auto deadline = Clock::now() + limits.time;
+    auto reply = ask_helper(orders_.get(), bytes, max_pixels, limits, deadline, stop);
     // Its keeper has another one, and it was not this picture's fault.
     if (!reply && reply.error().reason == NoReply::Reason::HelperLost) {
-        reply = ask_helper(orders_.get(), bytes, max_pixels, deadline, stop);
+        reply = ask_helper(orders_.get(), bytes, max_pixels, limits, deadline, stop);
     }
     if (reply) return *std::move(reply);
     const auto reason = reply.error().reason;

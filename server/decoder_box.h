@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <stop_token>
 #include <string_view>
@@ -17,15 +18,21 @@
 
 namespace ccdt::server {
 
+/// Of memory what a reader needs for a picture as the file's header tells it, of time what a slow machine takes.
+DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels);
+
 /// Decodes pictures of strangers in processes that may crash, hang or eat memory: each costs its own picture only.
 ///
 /// A helper, forked while the program has one thread, forks a child for each picture. See decoder_helper.h for how
 /// they end, and decoder_sandbox.h for what a child may do.
 class DecoderBox {
 public:
+    using LimitsOf = std::function<DecoderLimits(std::string_view file)>;
+
     /// Starts the helper and waits until it is ready. To be called by a thread that outlives the box, before there are
     /// others. Errors: Internal.
-    static Result<std::unique_ptr<DecoderBox>> start(const Decoder& decoder, const DecoderLimits& limits);
+    /// @param limits  for a file
+    static Result<std::unique_ptr<DecoderBox>> start(const Decoder& decoder, LimitsOf limits);
 
     /// Ends the helper, and with it what it still does.
     ~DecoderBox();
@@ -46,9 +53,9 @@ public:
     int filter_error() const { return filter_error_; }
 
 private:
-    DecoderBox(UniqueFd orders, pid_t keeper, int filter_error, const DecoderLimits& limits);
+    DecoderBox(UniqueFd orders, pid_t keeper, int filter_error, LimitsOf limits);
 
-    const DecoderLimits limits_;
+    const LimitsOf limits_;
     const pid_t keeper_;
     const int filter_error_;
     UniqueFd orders_;

@@ -170,14 +170,14 @@ private:
     /// From here on the child has the two mapped files and a socket to whoever waits. That it is done it says itself,
     /// as taking down a process with so many libraries takes milliseconds.
     [[noreturn]] void decode(Order order) const {
-        const auto max_pixels = static_cast<std::size_t>(order.size.max_pixels);
-        const auto size = static_cast<std::size_t>(order.size.bytes);
+        const auto max_pixels = static_cast<std::size_t>(order.text.max_pixels);
+        const auto size = static_cast<std::size_t>(order.text.bytes);
         ReplyMemory reply(order.reply, max_pixels);
         void* const file = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, order.file.get(), 0);
         if (!reply || (size > 0 && file == MAP_FAILED)) _exit(kFailed);
         const bool moved = dup2(order.outcome.get(), STDOUT_FILENO) == STDOUT_FILENO;
         if (!moved || close_range(STDERR_FILENO + 1, ~0U, 0) != 0) _exit(kFailed);
-        if (!sandbox_.enter(size + ReplyMemory::size(max_pixels))) _exit(kFailed);
+        if (!sandbox_.enter(order.text.limits, size + ReplyMemory::size(max_pixels))) _exit(kFailed);
         const std::string_view bytes(size > 0 ? static_cast<const char*>(file) : "", size);
         const auto result =
             decoder_.decode(bytes, max_pixels, [&reply](std::size_t values) { return reply.new_plane(values); });
@@ -219,12 +219,12 @@ bool helper_ran_to_its_end(pid_t helper) {
 
 }  // namespace
 
-void run_decoder_helper(UniqueFd orders, const Decoder& decoder, const DecoderLimits& limits) {
+void run_decoder_helper(UniqueFd orders, const Decoder& decoder) {
     settle_signals();
     if (!leave_files(orders.get())) _exit(kFailed);
     try {
         if (decoder.warm_up) decoder.warm_up();
-        const Sandbox sandbox(limits);
+        const Sandbox sandbox;
         const Hello hello{sandbox.filter_error()};
         if (send(orders.get(), &hello, sizeof(hello), MSG_NOSIGNAL) != static_cast<ssize_t>(sizeof(hello)))
             _exit(kFailed);

@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "api/image_codec.h"
-#include "server/decoder_sandbox.h"
 #include "server/unique_fd.h"
 
 namespace ccdt::server {
@@ -23,6 +22,6 @@ struct Decoder {
 /// The calling process, of one thread, becomes the helper's keeper: it starts another should the helper be killed.
 /// Orders that wait survive that; those in work are lost, and whoever waits for them learns it. Both end when the other
 /// end of `orders` is closed or their parent thread ends, however it ends, and so do the children.
-[[noreturn]] void run_decoder_helper(UniqueFd orders, const Decoder& decoder, const DecoderLimits& limits);
+[[noreturn]] void run_decoder_helper(UniqueFd orders, const Decoder& decoder);
 
 }  // namespace ccdt::server

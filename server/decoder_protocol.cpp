@@ -41,7 +41,7 @@ void populate(float* values, std::size_t count, int advice) {
 
 /// A message with room for the descriptors that travel with it.
 struct Envelope {
-    explicit Envelope(Order::Size& size) : body{&size, sizeof(size)} {
+    explicit Envelope(Order::Text& text) : body{&text, sizeof(text)} {
         message.msg_iov = &body;
         message.msg_iovlen = 1;
         message.msg_control = files.data();
@@ -56,8 +56,8 @@ struct Envelope {
 }  // namespace
 
 bool send_order(int socket, const Order& order) {
-    Order::Size size = order.size;
-    Envelope envelope(size);
+    Order::Text text = order.text;
+    Envelope envelope(text);
     const std::array<int, kFiles> files = {order.file.get(), order.reply.get(), order.outcome.get()};
     cmsghdr* const header = CMSG_FIRSTHDR(&envelope.message);
     header->cmsg_level = SOL_SOCKET;
@@ -67,12 +67,12 @@ bool send_order(int socket, const Order& order) {
     ssize_t sent = 0;
     do sent = ::sendmsg(socket, &envelope.message, MSG_NOSIGNAL);
     while (sent < 0 && errno == EINTR);
-    return sent == static_cast<ssize_t>(sizeof(size));
+    return sent == static_cast<ssize_t>(sizeof(text));
 }
 
 std::optional<Order> receive_order(int socket) {
     Order order;
-    Envelope envelope(order.size);
+    Envelope envelope(order.text);
     ssize_t received = 0;
     do received = ::recvmsg(socket, &envelope.message, MSG_CMSG_CLOEXEC);
     while (received < 0 && errno == EINTR);

@@ -7,6 +7,7 @@
 
 #include "core/halftone/picture.h"
 #include "core/result.h"
+#include "server/decoder_sandbox.h"
 #include "server/unique_fd.h"
 
 namespace ccdt::server {
@@ -21,11 +22,12 @@ struct Hello {
 
 /// From the server to the helper: a file to decode.
 struct Order {
-    struct Size {
+    struct Text {
         std::uint64_t bytes = 0;       ///< of the file
         std::uint64_t max_pixels = 0;  ///< of the picture
+        DecoderLimits limits;
     };
-    Size size;
+    Text text;
     UniqueFd file;
     UniqueFd reply;    ///< made by make_reply_file
     UniqueFd outcome;  ///< socket for Outcomes; once its other end is closed nobody waits for the child

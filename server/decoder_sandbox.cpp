@@ -47,13 +47,15 @@ constexpr auto kAllowed = std::to_array<int>({
 /// Those that hand out memory, unless code is to run there.
 constexpr auto kAllowedWithoutExec = std::to_array<int>({SCMP_SYS(mmap), SCMP_SYS(mprotect)});
 
-std::size_t address_space() {
-    std::size_t pages = 0;
+Sandbox::Memory own_memory() {
+    Sandbox::Memory memory;
     std::FILE* const file = std::fopen("/proc/self/statm", "re");
-    if (file == nullptr) return 0;
-    const bool read = std::fscanf(file, "%zu", &pages) == 1;
+    if (file == nullptr) return memory;
+    const bool read = std::fscanf(file, "%zu %*u %*u %*u %*u %zu", &memory.space, &memory.data) == 2;
     std::fclose(file);
-    return read ? pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) : 0;
+    if (!read) return {};
+    const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    return {memory.space * page, memory.data * page};
 }
 
 bool add_rules(scmp_filter_ctx context) {
@@ -94,15 +96,6 @@ void volunteer_for_out_of_memory() {
 
 }  // namespace
 
-DecoderLimits decoder_limits(std::size_t max_pixels) {
-    constexpr std::size_t kBase = std::size_t{256} << 20;
-    constexpr std::size_t kBytesPerPixel = 40;  // a TIFF of five doubles a pixel in one strip
-    constexpr std::size_t kPixelsPerMillisecond = 2000;
-    constexpr std::chrono::milliseconds kBaseTime{5000};
-    return {kBase + kBytesPerPixel * max_pixels,
-            kBaseTime + std::chrono::milliseconds(max_pixels / kPixelsPerMillisecond)};
-}
-
 struct Sandbox::Filter {
     std::vector<sock_filter> program;  ///< empty if there is none
 
@@ -116,21 +109,24 @@ struct Sandbox::Filter {
     }
 };
 
-Sandbox::Sandbox(const DecoderLimits& limits)
-    : limits_(limits), own_memory_(address_space()), filter_(Filter::create()), filter_error_(try_filter()) {}
+Sandbox::Sandbox() : own_(own_memory()), filter_(Filter::create()), filter_error_(try_filter()) {}
 
 Sandbox::~Sandbox() = default;
 
-bool Sandbox::enter(std::size_t mapped) const {
+bool Sandbox::enter(const DecoderLimits& limits, std::size_t mapped) const {
     volunteer_for_out_of_memory();
     // No core file, and no way in for a debugger of the same user.
-    if (prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) != 0 || !limit_resources(mapped)) return false;
+    if (prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) != 0 || !limit_resources(limits, mapped)) return false;
     return !kIsWhole || filter_error_ != 0 || filter_calls();
 }
 
-bool Sandbox::limit_resources(std::size_t mapped) const {
-    const auto seconds = std::chrono::ceil<std::chrono::seconds>(limits_.time).count() + 1;
-    const bool shut = !kIsWhole || (limit(RLIMIT_AS, own_memory_ + mapped + limits_.memory) && limit(RLIMIT_NOFILE, 0));
+bool Sandbox::limit_resources(const DecoderLimits& limits, std::size_t mapped) const {
+    const auto seconds = std::chrono::ceil<std::chrono::seconds>(limits.time).count() + 1;
+    // The allocator reserves address space for threads, of which it may use little.
+    constexpr std::size_t kReserved = std::size_t{512} << 20;
+    const bool shut =
+        !kIsWhole || (limit(RLIMIT_DATA, own_.data + limits.memory) &&
+                      limit(RLIMIT_AS, own_.space + mapped + limits.memory + kReserved) && limit(RLIMIT_NOFILE, 0));
     return shut && limit(RLIMIT_CPU, static_cast<rlim_t>(seconds)) && limit(RLIMIT_FSIZE, 0) && limit(RLIMIT_CORE, 0) &&
            limit(RLIMIT_NPROC, 0);
 }

@@ -8,13 +8,9 @@ namespace ccdt::server {
 
 /// What decoding one file may use.
 struct DecoderLimits {
-    std::size_t memory =
-        std::size_t{1} << 30;  ///< bytes of address space, besides the program's own, the file and the picture
-    std::chrono::milliseconds time{30'000};  ///< from the order to the picture
+    std::size_t memory = 0;            ///< bytes, besides the program's own, the file and the picture
+    std::chrono::milliseconds time{};  ///< from the order to the picture
 };
-
-/// Allows for the largest picture of the costliest kind, and a slow machine.
-DecoderLimits decoder_limits(std::size_t max_pixels);
 
 /// Where a process that decodes is put: it can compute, take memory and write to its standard output.
 ///
@@ -29,8 +25,14 @@ public:
         true;
 #endif
 
+    /// Bytes of a process.
+    struct Memory {
+        std::size_t space = 0;  ///< of addresses
+        std::size_t data = 0;   ///< that it may write to and does not share
+    };
+
     /// Takes the measure of the calling process, which its children will start from, and has it forgo new privileges.
-    explicit Sandbox(const DecoderLimits& limits);
+    Sandbox();
     ~Sandbox();
     Sandbox(const Sandbox&) = delete;
     Sandbox& operator=(const Sandbox&) = delete;
@@ -44,17 +46,16 @@ public:
     /// Shuts the calling process in, for good.
     /// @param mapped  bytes that it has mapped besides
     /// @returns       false if that failed; it must then end
-    bool enter(std::size_t mapped) const;
+    bool enter(const DecoderLimits& limits, std::size_t mapped) const;
 
 private:
     struct Filter;
 
-    bool limit_resources(std::size_t mapped) const;
+    bool limit_resources(const DecoderLimits& limits, std::size_t mapped) const;
     bool filter_calls() const;
     int try_filter() const;
 
-    const DecoderLimits limits_;
-    const std::size_t own_memory_;  ///< address space of the calling process
+    const Memory own_;  ///< of the calling process
     const std::unique_ptr<const Filter> filter_;
     const int filter_error_;
 };

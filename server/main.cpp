@@ -101,7 +101,9 @@ std::string url(const std::string& address, int port) {
 
 Result<std::unique_ptr<DecoderBox>> start_box(const Config& config) {
     if (config.decoder == DecoderPlace::Inline) return nullptr;
-    return DecoderBox::start({api::decode_image, api::warm_up_decoder}, decoder_limits(config.limits.max_pixels));
+    return DecoderBox::start(
+        {api::decode_image, api::warm_up_decoder},
+        [most = config.limits.max_pixels](std::string_view file) { return decoder_limits(file, most); });
 }
 
 api::Decode decoder_of(DecoderBox* box) {

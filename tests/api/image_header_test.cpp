@@ -29,10 +29,11 @@ TEST(ImageHeader, TellsWhatADecoderTakes) {
     const auto decoder_bytes = [](const char* name) {
         return read_image_header(fixture(name), kMaxPixels)->decoder_bytes;
     };
-    EXPECT_EQ(decoder_bytes("grey-16.png"), 0U);
-    EXPECT_GE(decoder_bytes("cmyk.jpg"), 24U * 16U * 4U * 2U);
-    EXPECT_GE(decoder_bytes("lossless.webp"), 24U * 16U * 8U);
-    EXPECT_GE(decoder_bytes("float.tif"), 24U * 16U * 4U);
+    const auto by_rows = decoder_bytes("grey-16.png");
+    EXPECT_LT(by_rows, 100U << 20);
+    EXPECT_GE(decoder_bytes("cmyk.jpg"), by_rows + 24U * 16U * 4U * 2U);
+    EXPECT_GE(decoder_bytes("lossless.webp"), by_rows + 24U * 16U * 8U);
+    EXPECT_GE(decoder_bytes("float.tif"), by_rows + 24U * 16U * 4U);
 }
 
 TEST(ImageHeader, RefusesTooManyPixels) {
