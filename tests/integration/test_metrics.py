@@ -1,7 +1,7 @@
 """What monitoring sees: figures of the running server, and whether it is ready."""
 
 import json
-import shutil
+import os
 import subprocess
 import unittest
 
@@ -59,10 +59,9 @@ class Metrics(ServerCase):
             if family.type == "counter":
                 self.assertTrue(all(sample.name.endswith("_total") for sample in family.samples), family.name)
 
-    @unittest.skipUnless(shutil.which("promtool"), "promtool is not installed")
     def test_please_promtool(self):
         self.halftone(file_of(flat(100)), "?sites=50")
-        checked = subprocess.run(["promtool", "check", "metrics"], input=self.ask("/metrics").body,
+        checked = subprocess.run([os.environ["CCDT_PROMTOOL"], "check", "metrics"], input=self.ask("/metrics").body,
                                  capture_output=True, timeout=PATIENCE, check=False)
         self.assertEqual((checked.returncode, checked.stdout, checked.stderr), (0, b"", b""))
 

@@ -1,7 +1,10 @@
 """Scripts and image: one list of packages, read by all that set up a machine."""
 
+import os
 import pathlib
+import shutil
 import subprocess
+import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -33,7 +36,7 @@ class Setup(unittest.TestCase):
                 subprocess.run(["bash", "-n", str(path)], check=True)
 
     def test_the_list_has_its_sections(self):
-        self.assertEqual(set(sections()), {"build", "run", "test"})
+        self.assertEqual(set(sections()), {"build", "run", "test", "tools"})
 
     def test_sections_are_printed_as_listed(self):
         for name, packages in sections().items():
@@ -59,6 +62,75 @@ class Setup(unittest.TestCase):
         self.assertIn("docker/install build", text)
         self.assertIn("docker/install run", text)
         self.assertNotIn("apt-get", text)
+        self.assertNotIn("tools", text)
+
+    def test_the_tests_have_their_tools_unpacked(self):
+        self.assertIn("docker/install --unpack tools", (ROOT / "tests" / "run").read_text())
+
+
+class Unpacking(unittest.TestCase):
+    """With an apt-get of our own, which has the package `widget` once its lists are renewed, and a sudo for that."""
+
+    APT_GET = """#!/bin/bash
+while [[ $1 == -* ]]; do [[ $1 == -o ]] && shift; shift; done
+echo "$*" >> "$FAKE/calls"
+case $1 in
+    update) touch "$FAKE/lists" ;;
+    download) [[ -e $FAKE/lists && $2 == widget ]] && cp "$FAKE/widget.deb" widget_1.0_all.deb ;;
+esac
+"""
+    SUDO = """#!/bin/bash
+exec "$@"
+"""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+        (self.root / "docker").mkdir()
+        for name in ("install", "packages"):
+            shutil.copy(ROOT / "docker" / name, self.root / "docker" / name)
+        self.fake = self.root / "fake"
+        self.fake.mkdir()
+        for name, text in (("apt-get", self.APT_GET), ("sudo", self.SUDO)):
+            (self.fake / name).write_text(text)
+            (self.fake / name).chmod(0o755)
+        package = self.fake / "widget"
+        control = "Package: widget\nVersion: 1.0\nArchitecture: all\nMaintainer: nobody\nDescription: none\n"
+        for path, text in (("DEBIAN/control", control), ("usr/bin/widget", "whirr\n")):
+            (package / path).parent.mkdir(parents=True)
+            (package / path).write_text(text)
+        subprocess.run(["dpkg-deb", "--build", package, self.fake / "widget.deb"], check=True, capture_output=True)
+
+    def unpack(self, package):
+        (self.root / "docker" / "packages.txt").write_text(f"[tools]\n{package}\n")
+        return subprocess.run([self.root / "docker" / "install", "--unpack", "tools"], capture_output=True, text=True,
+                              check=False, env={**os.environ, "PATH": f"{self.fake}:{os.environ['PATH']}",
+                                                "FAKE": str(self.fake)})
+
+    def calls(self):
+        return (self.fake / "calls").read_text().splitlines()
+
+    def tools(self):
+        return sorted(path.name for path in (self.root / "build" / "tools").iterdir())
+
+    def test_renews_the_lists_if_need_be_and_installs_nothing(self):
+        done = self.unpack("widget")
+        self.assertEqual((done.returncode, done.stderr), (0, "unpacking: widget\n"))
+        self.assertEqual(self.calls(), ["download widget", "update", "download widget"])
+        self.assertEqual((self.root / "build/tools/widget/usr/bin/widget").read_text(), "whirr\n")
+        self.assertEqual(self.tools(), ["widget"])
+
+    def test_is_quiet_once_it_is_done(self):
+        self.unpack("widget")
+        calls = self.calls()
+        again = self.unpack("widget")
+        self.assertEqual((again.returncode, again.stdout, again.stderr), (0, "", ""))
+        self.assertEqual(self.calls(), calls)
+
+    def test_fails_if_there_is_no_such_package(self):
+        self.assertNotEqual(self.unpack("gadget").returncode, 0)
+        self.assertEqual(self.tools(), [])
 
 
 if __name__ == "__main__":
