@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "server/http_server.h"
+
+namespace ccdt::server {
+
+/// An HttpServer that serves on a port of its own from a thread of its own, until `stop` or its end.
+class RunningServer {
+public:
+    RunningServer(const Capacity::Limits& limits, HttpServer::Handler handler, HttpServer::Logger logger);
+    ~RunningServer() { stop(); }
+
+    RunningServer(const RunningServer&) = delete;
+    RunningServer& operator=(const RunningServer&) = delete;
+
+    void stop();
+
+    int port() const { return port_; }
+    Capacity::Counts connections() const { return server_.connections(); }
+
+private:
+    HttpServer server_;
+    const int port_;
+    std::jthread thread_;
+};
+
+/// A connection to a port of this machine.
+class Client {
+public:
+    explicit Client(int port);
+    ~Client();
+
+    Client(const Client&) = delete;
+    Client& operator=(const Client&) = delete;
+
+    /// What comes in answer until the server closes the connection; nothing if it is silent or resets it.
+    std::string ask(std::string_view request) const;
+
+private:
+    int socket_ = -1;
+};
+
+}  // namespace ccdt::server
