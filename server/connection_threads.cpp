@@ -1,23 +1,21 @@
 #include "server/connection_threads.h"
 
-#include <system_error>
+#include <exception>
 #include <utility>
 
 namespace ccdt::server {
 
 bool ConnectionThreads::run(std::function<void()> task) {
     const std::lock_guard lock(mutex_);
-    tasks_.push_back(std::move(task));
-    if (idle_ >= tasks_.size()) {
-        task_waits_.notify_one();
-        return true;
-    }
+    const auto before = tasks_.size();
     try {
-        threads_.emplace_back([this](const std::stop_token& closing) { work(closing); });
-    } catch (const std::system_error&) {
-        tasks_.pop_back();
+        tasks_.push_back(std::move(task));
+        if (idle_ < tasks_.size()) threads_.emplace_back([this](const std::stop_token& closing) { work(closing); });
+    } catch (const std::exception&) {
+        tasks_.resize(before);
         return false;
     }
+    task_waits_.notify_one();
     return true;
 }
 

@@ -16,7 +16,7 @@ namespace ccdt::server {
 class ConnectionThreads {
 public:
     /// Tasks must not throw.
-    /// @returns  false if the system gives no more threads; the task is then dropped
+    /// @returns  false if the system gives no more threads or memory; the task is then dropped
     bool run(std::function<void()> task);
 
 private:

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "server/connection_threads.h"
+#include "server/unique_fd.h"
 
 namespace ccdt::server {
 namespace {
@@ -95,34 +96,35 @@ void erase_header(httplib::Response& response, const char* name) {
 /// and the client might lose the answer. Nothing is read from them.
 class Parting {
 public:
-    ~Parting() {
-        while (!sockets_.empty()) close_first();
-    }
-
     bool empty() const { return sockets_.empty(); }
 
-    void add(int socket) {
-        sockets_.push_back({socket, Clock::now()});
-        if (sockets_.size() > kMostParting) close_first();
+    void add(UniqueFd socket) {
+        sockets_.push_back({std::move(socket), Clock::now()});
+        if (sockets_.size() > kMostParting) sockets_.pop_front();
     }
 
     void close_old() {
-        while (!sockets_.empty() && Clock::now() >= sockets_.front().since + kParting) close_first();
+        while (!sockets_.empty() && Clock::now() >= sockets_.front().since + kParting) sockets_.pop_front();
     }
 
 private:
     struct Entry {
-        int socket = -1;
+        UniqueFd socket;
         Clock::time_point since;
     };
 
-    void close_first() {
-        ::close(sockets_.front().socket);
-        sockets_.pop_front();
-    }
-
     std::deque<Entry> sockets_;
 };
+
+/// Does what may fail for one client only: out of memory, most likely, and the other clients go on.
+template <class Task>
+void contain(const Task& task) {
+    try {
+        task();
+    } catch (...) {
+        // There is nobody to tell: the client's connection is closed, and what failed may have been the log.
+    }
+}
 
 Fault refusal(Capacity::Entry entry) {
     const std::string reason = entry == Capacity::Entry::AddressFull
@@ -171,10 +173,10 @@ public:
             wait_for_client(parting);
             sockaddr_storage address{};
             socklen_t size = sizeof(address);
-            const int socket =
-                accept4(listener_->descriptor(), reinterpret_cast<sockaddr*>(&address), &size, SOCK_CLOEXEC);
-            if (socket >= 0)
-                receive(socket, describe_peer(address), threads, parting);
+            UniqueFd socket(
+                accept4(listener_->descriptor(), reinterpret_cast<sockaddr*>(&address), &size, SOCK_CLOEXEC));
+            if (socket)
+                contain([&] { receive(std::move(socket), describe_peer(address), threads, parting); });
             else if (is_fatal(errno))
                 return draining_;
             else if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED)
@@ -199,34 +201,36 @@ private:
     }
 
     /// Gives a new connection its thread, or tells it that there is none.
-    void receive(int socket, const Peer& peer, ConnectionThreads& threads, Parting& parting) {
+    void receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, Parting& parting) {
         const int yes = 1;
-        setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
+        setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
+        std::function<void()> task = [this, socket = socket.get(), address = peer.address] {
+            serve_socket(UniqueFd(socket), address);
+        };
         auto entry = capacity_.enter(peer.address);
         if (entry == Capacity::Entry::Admitted) {
-            if (threads.run([this, socket, address = peer.address] { serve_socket(socket, address); })) return;
+            if (threads.run(std::move(task))) {
+                socket.release();
+                return;
+            }
             capacity_.leave(peer.address);
             entry = Capacity::Entry::Full;
         }
-        Connection connection(socket, patience_, &capacity_);
-        try {
+        contain([&] {
+            Connection connection(socket.get(), patience_, &capacity_);
             answer_request(connection, {}, refusal(entry), true);
-        } catch (...) {
-            // As in `serve_socket`.
-        }
-        ::shutdown(socket, SHUT_WR);
-        parting.add(socket);
+        });
+        ::shutdown(socket.get(), SHUT_WR);
+        parting.add(std::move(socket));
     }
 
-    void serve_socket(int socket, const std::string& address) {
-        Connection connection(socket, patience_, &capacity_);
-        try {
-            serve_connection(connection);
-        } catch (...) {
-            // Out of memory for the answer, most likely. The other connections go on.
-        }
-        connection.close_gently();
-        ::close(socket);
+    void serve_socket(UniqueFd socket, const std::string& address) {
+        contain([&] {
+            Connection connection(socket.get(), patience_, &capacity_);
+            contain([&] { serve_connection(connection); });
+            connection.close_gently();
+        });
+        socket.reset();
         capacity_.leave(address);
     }
 
