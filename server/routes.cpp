@@ -33,6 +33,9 @@ constexpr std::size_t kLongestId = 64;
 /// Longer texts are compressed by workers.
 constexpr std::size_t kQuickToCompress = 262'144;
 
+/// What `OPTIONS *` tells: the methods that some path takes.
+constexpr std::string_view kAllMethods = "GET, HEAD, POST, OPTIONS";
+
 /// How often a connection looks whether its client still waits.
 constexpr std::chrono::milliseconds kPeek{20};
 
@@ -201,9 +204,10 @@ std::string_view Routes::route_of(const Request& request) {
 }
 
 Routes::Outcome Routes::dispatch(const Request& request, Connection& connection) {
+    if (request.method == "OPTIONS" && request.target == "*") return preflight(kAllMethods, request);
     const auto* route = std::ranges::find(kRoutes, std::string_view(request.path), &Route::path);
     if (route == std::end(kRoutes)) return problem(404, "there is nothing at this path");
-    if (request.method == "OPTIONS") return preflight(*route, request);
+    if (request.method == "OPTIONS") return preflight(route->allow, request);
     const bool headers_only = request.method == "HEAD" && route->method == "GET";
     if (request.method != route->method && !headers_only) {
         auto refused = problem(405, "this path takes " + std::string(route->allow));
@@ -388,12 +392,12 @@ Routes::Outcome Routes::compute(Work work, Connection& connection) {
 }
 
 /// Answers OPTIONS, to people and to browsers that ask before a request from another origin.
-Response Routes::preflight(const Route& route, const Request& request) const {
+Response Routes::preflight(std::string_view allow, const Request& request) const {
     Response response;
     response.status = 204;
-    response.headers.push_back({"Allow", std::string(route.allow)});
+    response.headers.push_back({"Allow", std::string(allow)});
     if (!config_.cors_origins.empty() && !request.header("Access-Control-Request-Method").empty())
-        std::ranges::move(preflight_headers(route.allow), std::back_inserter(response.headers));
+        std::ranges::move(preflight_headers(allow), std::back_inserter(response.headers));
     return response;
 }
 

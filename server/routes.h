@@ -79,7 +79,7 @@ private:
     Outcome ready(const Request& request, Connection& connection);
     Outcome metrics(const Request& request, Connection& connection);
 
-    Response preflight(const Route& route, const Request& request) const;
+    Response preflight(std::string_view allow, const Request& request) const;
     tl::unexpected<Problem> busy(int status, std::string message) const;
     tl::unexpected<Problem> too_slow() const;
     tl::expected<std::string, Problem> read_body(const Request& request, Connection& connection) const;

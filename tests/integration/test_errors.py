@@ -35,6 +35,13 @@ class Paths(ServerCase):
         self.assertEqual(answer.headers["allow"], "POST, OPTIONS")
         self.assertNotIn("content-length", answer.headers)
 
+    def test_options_of_the_server_as_a_whole(self):
+        answer = self.ask("/", "--request", "OPTIONS", "--request-target", "*")
+        self.assertEqual((answer.status, answer.body), (204, b""))
+        self.assertEqual(answer.headers["allow"], "GET, HEAD, POST, OPTIONS")
+        self.assert_problem(self.ask("/", "--request-target", "*"), 404)
+        self.assert_problem(self.ask("/%2A", "--request", "OPTIONS"), 404)
+
     def test_health(self):
         for path in ("/health", "/health/live", "/health/ready"):
             answer = self.ask(path)
