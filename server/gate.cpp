@@ -6,8 +6,14 @@
 namespace ccdt::server {
 namespace {
 
+/// What browsers ask before a request from another origin, always without a key.
+bool is_preflight(const Request& request) {
+    return request.method == "OPTIONS" && !request.header("Origin").empty() &&
+           !request.header("Access-Control-Request-Method").empty();
+}
+
 bool is_open_to_all(const Request& request) {
-    return request.method == "OPTIONS" || request.path == "/health" || request.path.starts_with("/health/");
+    return is_preflight(request) || request.path == "/health" || request.path.starts_with("/health/");
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace ccdt::server {
 /// Decides whether a request may pass: it needs a key if there are any, and must not come too often.
 ///
 /// The rate is counted by key, or by address for those without a good one, so that keys cannot be guessed fast. Over a
-/// Unix socket clients have no address, and are not limited without a key. Health checks and OPTIONS always pass:
+/// Unix socket clients have no address, and are not limited without a key. Health checks and preflights always pass:
 /// balancers and browsers send no keys with them. May be used from any thread.
 class Gate {
 public:

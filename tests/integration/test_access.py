@@ -41,7 +41,12 @@ class Keys(unittest.TestCase):
             self.assertEqual(ask(server, HALFTONE, "--header", "authorization: bearer " + BOB, data=GREY).status, 200)
             for path in ("/health", "/health/live", "/health/ready"):
                 self.assertEqual(ask(server, path).status, 200)
-            self.assertEqual(ask(server, "/halftone", "--request", "OPTIONS").status, 204)
+            options = ("/halftone", "--request", "OPTIONS")
+            self.assertEqual(ask(server, *options).status, 401)
+            self.assertEqual(ask(server, *options, "--request-target", "*").status, 401)
+            self.assertEqual(ask(server, *options, "--request-target", "*", *bearer(ALICE)).status, 204)
+            self.assertEqual(ask(server, *options, "--header", "Origin: https://a.example", "--header",
+                                 "Access-Control-Request-Method: POST").status, 204)
             server.wait_for_log("key=bob")
             self.assertIn("key=alice", server.log())
             for key in (ALICE, BOB):

@@ -36,9 +36,24 @@ TEST_F(GateTest, AsksForAKeyIfThereAreAny) {
     EXPECT_FALSE(gate.check(request(kKey), "a").fault);
     EXPECT_EQ(gate.check(request(""), "a").fault->status, 401);
     EXPECT_EQ(gate.check(request(kKey + "x"), "a").fault->headers.front().name, "WWW-Authenticate");
-    for (const char* line : {"GET /health", "GET /health/ready", "OPTIONS /halftone"})
+    for (const char* line : {"GET /health", "GET /health/ready", "OPTIONS /health"})
         EXPECT_FALSE(gate.check(request("", line), "a").fault) << line;
-    EXPECT_TRUE(gate.check(request("", "GET /healthy"), "a").fault);
+    for (const char* line : {"GET /healthy", "OPTIONS /halftone", "OPTIONS *"})
+        EXPECT_TRUE(gate.check(request("", line), "a").fault) << line;
+}
+
+TEST_F(GateTest, LetsPreflightsPass) {
+    write("alice:" + kKey);
+    Gate gate(config_);
+    ASSERT_TRUE(gate.read_keys());
+    const auto passes = [&](const std::string& method, const std::string& headers) {
+        return !gate.check(*parse_head(method + " /halftone HTTP/1.1\r\n" + headers + "\r\n"), "a").fault;
+    };
+    const std::string origin = "Origin: https://example.org\r\n", asked = "Access-Control-Request-Method: POST\r\n";
+    EXPECT_TRUE(passes("OPTIONS", origin + asked));
+    EXPECT_FALSE(passes("OPTIONS", origin));
+    EXPECT_FALSE(passes("OPTIONS", asked));
+    EXPECT_FALSE(passes("POST", origin + asked));
 }
 
 TEST_F(GateTest, LetsEverybodyPassWithoutAFile) {
