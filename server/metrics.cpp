@@ -7,6 +7,7 @@
 #include <prometheus/text_serializer.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <mutex>
 #include <utility>
@@ -84,6 +85,7 @@ struct Metrics::Families {
                                 "How long the slowest worker has gone on after it was told to stop.");
     Gauge& memory = make_gauge(registry, "process_resident_memory_bytes", "Resident memory.");
     Gauge& descriptors = make_gauge(registry, "process_open_fds", "Open file descriptors.");
+    Gauge& most_descriptors = make_gauge(registry, "process_max_fds", "File descriptors that may be open.");
 
     std::mutex mutex;  ///< guards the rise of what is counted elsewhere
 
@@ -98,6 +100,9 @@ Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families
         .Register(all.registry)
         .Add({{"version", std::string(version)}})
         .Set(1);
+    const std::chrono::duration<double> now = std::chrono::system_clock::now().time_since_epoch();
+    make_gauge(all.registry, "process_start_time_seconds", "When the process started, in seconds since 1970.")
+        .Set(now.count());
     // There from the start: a rate over what has not happened yet is 0, and not missing.
     for (const char* cause : {"client_gone", "deadline", "shutdown"}) all.cancellations.Add({{"cause", cause}});
     for (const char* stage : {"queue", "decode", "optimise", "encode"}) all.stage(stage);
@@ -146,6 +151,7 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
     all.overdue.Set(load.overdue_seconds);
     all.memory.Set(static_cast<double>(resident_bytes()));
     all.descriptors.Set(static_cast<double>(open_descriptors()));
+    all.most_descriptors.Set(static_cast<double>(most_descriptors()));
     return prometheus::TextSerializer().Serialize(all.registry.Collect());
 }
 

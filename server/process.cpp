@@ -1,5 +1,6 @@
 #include "server/process.h"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -20,6 +21,11 @@ std::size_t open_descriptors() {
     if (error) return 0;
     // One of them is the one that reads the list.
     return static_cast<std::size_t>(std::distance(begin, std::filesystem::directory_iterator())) - 1;
+}
+
+std::size_t most_descriptors() {
+    rlimit limit{};
+    return getrlimit(RLIMIT_NOFILE, &limit) == 0 ? limit.rlim_cur : 0;
 }
 
 }  // namespace ccdt::server

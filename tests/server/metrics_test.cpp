@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <ctime>
 #include <string>
 #include <thread>
 #include <vector>
@@ -79,6 +80,8 @@ TEST(Metrics, ShowsThePoolAndTheProcess) {
     EXPECT_EQ(value(text, "ccdt_connections_open"), 0);
     EXPECT_GT(value(text, "process_resident_memory_bytes"), 1e6);
     EXPECT_GE(value(text, "process_open_fds"), 3);
+    EXPECT_GE(value(text, "process_max_fds"), value(text, "process_open_fds"));
+    EXPECT_NEAR(value(text, "process_start_time_seconds"), static_cast<double>(std::time(nullptr)), 60);
 }
 
 TEST(Metrics, CountsConnectionsAsTheyStand) {
