@@ -87,7 +87,8 @@ void Transport::add_octave() {
     const auto cells = [&](double side) {
         return std::max(kFewestCells, good_size(kCellsPerSpacing * side / spacing));
     };
-    Octave& octave = octaves_.emplace_back(SplineGrid(torus_, sides_, cells(sides_.x), cells(sides_.y)));
+    octaves_.push_back({SplineGrid(torus_, sides_, cells(sides_.x), cells(sides_.y)), {}});
+    Octave& octave = octaves_.back();
     const SplineGrid& grid = octave.grid;
     octave.factors.resize(grid.coefficient_count());
     grid.for_frequencies([&](std::size_t number, int i, int j) {
