@@ -8,7 +8,7 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-SCRIPTS = ("server/run", "tests/run", ".ci/run", "docker/packages", "docker/install")
+SCRIPTS = ("server/run", "tests/run", "tests/fuzz/run", ".ci/run", "docker/packages", "docker/install")
 LIST = ROOT / "docker" / "packages.txt"
 
 
@@ -36,7 +36,7 @@ class Setup(unittest.TestCase):
                 subprocess.run(["bash", "-n", str(path)], check=True)
 
     def test_the_list_has_its_sections(self):
-        self.assertEqual(set(sections()), {"build", "run", "test", "tools"})
+        self.assertEqual(set(sections()), {"build", "run", "test", "fuzz", "tools"})
 
     def test_sections_are_printed_as_listed(self):
         for name, packages in sections().items():

@@ -1,0 +1,81 @@
+#include "api/analyze.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/fuzz/checks.h"
+
+namespace ccdt::fuzz {
+namespace {
+
+constexpr api::Limits kLimits = {.max_sites = 1'000, .max_pixels = 4'096};
+constexpr double kMostWork = 256;  ///< points over max_frequency squared, of what is computed
+
+/// The largest number of points in a set; of all sets, how many there are.
+struct Count {
+    std::size_t largest = 0;
+    std::size_t all = 0;
+};
+
+Count count_points(const api::AnalyzeRequest& request) {
+    Count count;
+    for (const auto& set : request.sets) {
+        count.largest = std::max(count.largest, set.size());
+        count.all += set.size();
+    }
+    return count;
+}
+
+/// Whether "nan" or "inf" stands where a number should; among the digits of a picture in base64 they mean nothing.
+bool holds_no_number(std::string_view svg) {
+    constexpr std::string_view kBefore = "\" ,-";
+    for (const std::string_view word : {"nan", "inf"}) {
+        for (auto at = svg.find(word); at != std::string_view::npos; at = svg.find(word, at + 1)) {
+            if (at > 0 && kBefore.find(svg[at - 1]) != std::string_view::npos) return true;
+        }
+    }
+    return false;
+}
+
+void run(api::AnalyzeRequest request, api::AnalyzeFormat format, std::string_view body) {
+    request.format = format;
+    api::Timings timings;
+    const auto answer = api::run_analyze(request, {}, timings);
+    if (!answer) return check_error(answer.error(), body);
+    const bool is_json = format == api::AnalyzeFormat::Json;
+    CCDT_CHECK(answer->media_type == (is_json ? "application/json" : "image/svg+xml"));
+    if (is_json) {
+        check_json(answer->body);
+    } else {
+        CCDT_CHECK(answer->body.starts_with("<"));
+        CCDT_CHECK(!holds_no_number(answer->body));
+    }
+}
+
+void check_request(const api::AnalyzeRequest& request, std::string_view body) {
+    const double frequency = request.options.max_frequency;
+    CCDT_CHECK(frequency >= 1 && frequency <= 16);
+    CCDT_CHECK(request.domain.width > 0 && request.domain.height > 0);
+    CCDT_CHECK(!request.single || request.sets.size() == 1);
+    const Count points = count_points(request);
+    CCDT_CHECK(points.all <= kLimits.max_sites);
+    if (static_cast<double>(points.largest) * frequency * frequency > kMostWork) return;
+    run(request, api::AnalyzeFormat::Json, body);
+    run(request, api::AnalyzeFormat::Svg, body);
+}
+
+}  // namespace
+}  // namespace ccdt::fuzz
+
+/// The body of a request to /analyze.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace ccdt;
+    const auto body = fuzz::text_of(data, size);
+    const auto request = api::parse_analyze(body, {}, fuzz::kLimits);
+    if (request) {
+        fuzz::check_request(*request, body);
+    } else {
+        fuzz::check_error(request.error(), body);
+    }
+    return 0;
+}

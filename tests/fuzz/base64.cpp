@@ -1,0 +1,40 @@
+#include "api/embedded_image.h"
+
+#include "tests/fuzz/checks.h"
+
+namespace ccdt::fuzz {
+namespace {
+
+std::string encode(std::string_view bytes) {
+    constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    std::uint32_t bits = 0;
+    unsigned count = 0;
+    for (const char byte : bytes) {
+        bits = bits << 8 | static_cast<unsigned char>(byte);
+        for (count += 8; count >= 6; count -= 6) text += kDigits[bits >> (count - 6) & 63];
+    }
+    if (count > 0) text += kDigits[bits << (6 - count) & 63];
+    return text;
+}
+
+}  // namespace
+}  // namespace ccdt::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace ccdt::fuzz;
+    const auto text = text_of(data, size);
+    const auto bytes = ccdt::api::decode_base64(text);
+    if (bytes) {
+        // There is one text, but for the padding, that says the same.
+        const std::string again = encode(*bytes);
+        CCDT_CHECK(text.starts_with(again));
+        CCDT_CHECK(text.substr(again.size()).find_first_not_of('=') == std::string_view::npos);
+        CCDT_CHECK(text.size() == again.size() || (text.size() % 4 == 0 && text.size() < again.size() + 3));
+    } else {
+        check_error(bytes.error());
+    }
+    const auto encoded = encode(text);
+    CCDT_CHECK(ccdt::api::decode_base64(encoded) == std::string(text));
+    return 0;
+}

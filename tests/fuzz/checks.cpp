@@ -1,0 +1,95 @@
+#include "tests/fuzz/checks.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+
+#include "api/json_document.h"
+#include "api/problem.h"
+
+namespace ccdt::fuzz {
+namespace {
+
+constexpr std::size_t kLongestWhole = 64;  ///< of a field: longer ones may be cut off
+
+std::string unescape(std::string_view token) {
+    std::string name;
+    for (std::size_t i = 0; i < token.size(); ++i) {
+        const bool escape = token[i] == '~' && i + 1 < token.size();
+        name += !escape ? token[i] : token[++i] == '0' ? '~' : '/';
+    }
+    return name;
+}
+
+std::optional<api::JsonValue> child(api::JsonValue parent, std::string_view token) {
+    if (parent.is_object()) return parent.find(unescape(token));
+    if (!parent.is_array()) return std::nullopt;
+    std::size_t index = 0;
+    const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), index);
+    if (error != std::errc() || end != token.data() + token.size() || index >= parent.size()) return std::nullopt;
+    auto element = parent.begin();
+    for (std::size_t i = 0; i < index; ++i) ++element;
+    return *element;
+}
+
+/// Whether a JSON Pointer leads to a value, or to where one is missing.
+bool leads_somewhere(std::string_view body, std::string_view pointer) {
+    const auto document = api::JsonDocument::parse(body);
+    if (!document) return pointer.empty();
+    std::optional<api::JsonValue> value = document->root();
+    while (!pointer.empty() && value) {
+        if (pointer.front() != '/') return false;
+        pointer.remove_prefix(1);
+        const auto token = pointer.substr(0, pointer.find('/'));
+        pointer.remove_prefix(token.size());
+        const bool may_miss_it = pointer.empty() && value->is_object();
+        value = child(*value, token);
+        if (!value && may_miss_it) return true;
+    }
+    return value.has_value();
+}
+
+}  // namespace
+
+void give_up(const char* condition, const char* file, int line) {
+    std::fprintf(stderr, "%s:%d: does not hold: %s\n", file, line, condition);
+    std::abort();
+}
+
+std::string_view take_line(std::string_view& text) {
+    const auto line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    return line;
+}
+
+void check_error(const Error& error) {
+    CCDT_CHECK(!error.message.empty());
+    CCDT_CHECK(error.code != ErrorCode::Internal && error.code != ErrorCode::Stopped);
+    check_json(api::problem_json(400, "Bad Request", error, "urn:request:1"));
+}
+
+void check_error(const Error& error, std::string_view body) {
+    check_error(error);
+    CCDT_CHECK(error.field.size() > kLongestWhole || leads_somewhere(body, error.field));
+}
+
+void check_error(const Error& error, std::span<const api::TextOption> options) {
+    check_error(error);
+    const auto is_field = [&](const api::TextOption& option) { return option.name == error.field; };
+    CCDT_CHECK(error.field.empty() || error.field.size() > kLongestWhole || std::ranges::any_of(options, is_field));
+}
+
+void check_fault(const server::Fault& fault) {
+    CCDT_CHECK(!fault.detail.empty());
+    CCDT_CHECK(fault.status >= 400 && fault.status < 500);
+    CCDT_CHECK(server::status_phrase(fault.status) != "Error");
+    check_json(api::problem_json(fault.status, "Bad Request", {ErrorCode::Malformed, fault.detail, {}}, {}));
+}
+
+void check_json(std::string_view text) {
+    CCDT_CHECK(api::JsonDocument::parse(text).has_value());
+}
+
+}  // namespace ccdt::fuzz

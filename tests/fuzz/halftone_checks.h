@@ -1,0 +1,24 @@
+#pragma once
+
+#include "api/halftone.h"
+#include "api/image_codec.h"
+#include "tests/fuzz/checks.h"
+
+namespace ccdt::fuzz {
+
+inline constexpr api::Limits kHalftoneLimits = {.max_sites = 1'000, .max_pixels = 4'096};
+
+/// All options lie in their ranges, and there is an image.
+inline void check_request(const api::HalftoneRequest& request) {
+    CCDT_CHECK(!request.sites || (*request.sites >= 1 && *request.sites <= kHalftoneLimits.max_sites));
+    CCDT_CHECK(request.run.seed < std::uint64_t{1} << 53);
+    CCDT_CHECK(request.run.iterations >= 0 && request.run.iterations <= 1000);
+    CCDT_CHECK(request.run.passes >= 1 && request.run.passes <= 100);
+    CCDT_CHECK(!request.scale || (*request.scale >= 0.1 && *request.scale <= 16));
+    CCDT_CHECK(!request.dot || (*request.dot > 0 && *request.dot <= 65536));
+    CCDT_CHECK(!request.foreground || !request.foreground->transparent);
+    CCDT_CHECK(request.format == api::HalftoneFormat::Png || request.format == api::HalftoneFormat::Json);
+    CCDT_CHECK(request.image.header.pixels() >= 1);
+}
+
+}  // namespace ccdt::fuzz

@@ -1,0 +1,105 @@
+#include <algorithm>
+#include <array>
+
+#include "api/negotiation.h"
+#include "server/access.h"
+#include "server/compression.h"
+#include "server/cors.h"
+#include "server/http.h"
+#include "server/trace.h"
+#include "tests/fuzz/checks.h"
+
+namespace ccdt::fuzz {
+namespace {
+
+constexpr std::array<api::Format, 3> kFormats = {
+    {{"json", "application/json"}, {"png", "image/png"}, {"svg", "image/svg+xml"}}};
+
+std::string in_capitals(std::string_view text) {
+    std::string result(text);
+    for (char& c : result) {
+        if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+    }
+    return result;
+}
+
+bool is_part_of(std::string_view part, std::string_view whole) {
+    return part.empty() || (part.data() >= whole.data() && part.data() + part.size() <= whole.data() + whole.size());
+}
+
+bool is_blank(char c) {
+    return c == ' ' || c == '\t';
+}
+
+/// Neither a media type nor a weight knows capitals.
+void check_accept(std::string_view value) {
+    const auto chosen = api::negotiate(value, kFormats);
+    const auto again = api::negotiate(in_capitals(value), kFormats);
+    CCDT_CHECK(chosen.has_value() == again.has_value());
+    if (chosen) {
+        CCDT_CHECK(*chosen < kFormats.size() && *chosen == *again);
+    } else {
+        check_error(chosen.error());
+        CCDT_CHECK(chosen.error().code == ErrorCode::NotAcceptable);
+    }
+    // What is liked as much as can be, and named exactly, is what comes.
+    const auto preferred = api::negotiate("image/png", kFormats);
+    CCDT_CHECK(preferred && *preferred == 1);
+}
+
+void check_accept_encoding(std::string_view value) {
+    CCDT_CHECK(server::accepts_gzip(value) == server::accepts_gzip(in_capitals(value)));
+    std::string refused(value);
+    refused += ",gzip;q=0";
+    CCDT_CHECK(!server::accepts_gzip(refused));
+}
+
+void check_traceparent(std::string_view value) {
+    const auto trace = server::parse_traceparent(value);
+    if (!trace) return;
+    CCDT_CHECK(trace->id.size() == 32 && trace->parent.size() == 16);
+    CCDT_CHECK(is_part_of(trace->id, value) && is_part_of(trace->parent, value));
+    for (const auto text : {trace->id, trace->parent}) {
+        CCDT_CHECK(text.find_first_not_of("0123456789abcdef") == std::string_view::npos);
+        CCDT_CHECK(text.find_first_not_of('0') != std::string_view::npos);
+    }
+}
+
+void check_authorization(std::string_view value) {
+    const auto key = server::bearer_key(value);
+    CCDT_CHECK(is_part_of(key, value));
+    CCDT_CHECK(key.empty() || (!is_blank(key.front()) && !is_blank(key.back())));
+}
+
+void check_content_type(std::string_view value) {
+    const auto type = server::media_type(value);
+    CCDT_CHECK(type == server::media_type(in_capitals(value)));
+    CCDT_CHECK(type.size() <= value.size() && type.find(';') == std::string::npos);
+    CCDT_CHECK(type.empty() || (!is_blank(type.front()) && !is_blank(type.back())));
+    const auto boundary = server::header_parameter(value, "boundary");
+    CCDT_CHECK(boundary == server::header_parameter(value, "BOUNDARY"));
+    CCDT_CHECK(boundary.size() <= value.size());
+}
+
+/// No page may read an answer but those that were named.
+void check_origin(std::string_view value) {
+    for (const auto& header : server::cors_headers({"https://a.example"}, value)) {
+        CCDT_CHECK(header.name != "Access-Control-Allow-Origin" || value == "https://a.example");
+    }
+}
+
+}  // namespace
+}  // namespace ccdt::fuzz
+
+/// The value of a header, read as that of each header that is looked into.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace ccdt::fuzz;
+    const auto value = text_of(data, size);
+    check_accept(value);
+    check_accept_encoding(value);
+    check_traceparent(value);
+    check_authorization(value);
+    check_content_type(value);
+    check_origin(value);
+    return 0;
+}

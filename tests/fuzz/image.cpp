@@ -1,0 +1,57 @@
+#include "api/image_codec.h"
+#include "api/image_header.h"
+
+#include <algorithm>
+
+#include "tests/fuzz/checks.h"
+
+namespace ccdt::fuzz {
+namespace {
+
+constexpr std::size_t kMostPixels = 16'384;
+
+bool is_share(float value) {
+    return value >= 0 && value <= 1;
+}
+
+void check_picture(const Picture& picture, const api::ImageHeader& header) {
+    CCDT_CHECK(picture.width > 0 && picture.height > 0);
+    const auto pixels = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
+    CCDT_CHECK(pixels <= kMostPixels);
+    CCDT_CHECK(picture.luminance.size() == pixels);
+    CCDT_CHECK(pixels == header.pixels());
+    CCDT_CHECK(picture.alpha.empty() || picture.alpha.size() == pixels);
+    CCDT_CHECK(std::ranges::all_of(picture.luminance, is_share));
+    CCDT_CHECK(std::ranges::all_of(picture.alpha, is_share));
+}
+
+/// The file says the same every time it is read. Memory that nobody wrote would not.
+void check_again(std::string_view file, const Picture& picture) {
+    const auto again = api::decode_image(file, kMostPixels);
+    CCDT_CHECK(again && again->width == picture.width && again->height == picture.height);
+    CCDT_CHECK(again->luminance == picture.luminance && again->alpha == picture.alpha);
+}
+
+void check_refused(const Error& error, std::string_view file) {
+    check_error(error);
+    CCDT_CHECK(error.field.empty());
+    const bool is_known = api::recognise_image(file).has_value();
+    CCDT_CHECK(is_known == (error.code == ErrorCode::Unusable || error.code == ErrorCode::LimitExceeded));
+}
+
+}  // namespace
+}  // namespace ccdt::fuzz
+
+/// A file that came as a picture.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace ccdt;
+    const auto file = fuzz::text_of(data, size);
+    const auto picture = api::decode_image(file, fuzz::kMostPixels);
+    if (picture) {
+        fuzz::check_picture(*picture, *api::read_image_header(file, fuzz::kMostPixels));
+        fuzz::check_again(file, *picture);
+    } else {
+        fuzz::check_refused(picture.error(), file);
+    }
+    return 0;
+}

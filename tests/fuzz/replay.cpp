@@ -1,0 +1,28 @@
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "tests/fuzz/checks.h"
+
+/// Gives a target the files of folders, one by one, and fails where it does, or where there are none.
+///
+/// Before each file goes its name, so that the last one printed is the one that broke it.
+int main(int argc, char** argv) {
+    std::size_t count = 0;
+    for (int i = 1; i < argc; ++i) {
+        for (const auto& entry : std::filesystem::directory_iterator(argv[i])) {
+            std::puts(entry.path().c_str());
+            std::fflush(stdout);
+            std::ifstream file(entry.path(), std::ios::binary);
+            const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+            if (!file.is_open()) return 1;
+            LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+            ++count;
+        }
+    }
+    std::printf("%zu inputs\n", count);
+    return count > 0 ? 0 : 1;
+}
