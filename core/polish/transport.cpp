@@ -60,6 +60,8 @@ Transport::Transport(const Domain& domain, const Density& density, std::size_t s
     const double area = sides_.x * sides_.y;
     const double denser = uniform_ ? 1 : std::min(contrast(density), kMostContrast);
     finest_ = std::sqrt(area / (sites_ * denser));
+    // In a box thinner than its sites' spacing they stand in a line.
+    in_line_ = std::max(sides_.x, sides_.y) / (sites_ * denser);
     octaves_.reserve(kMostOctaves);
     add_octave();
     if (stop.stop_requested()) return;
@@ -78,7 +80,7 @@ Transport::Transport(const Domain& domain, const Density& density, std::size_t s
 }
 
 double Transport::octave_spacing(std::size_t octave) const {
-    return finest_ * std::exp2(static_cast<double>(octave));
+    return std::max(in_line_, finest_ * std::exp2(static_cast<double>(octave)));
 }
 
 void Transport::add_octave() {

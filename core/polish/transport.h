@@ -65,7 +65,8 @@ private:
     bool uniform_;
     Point sides_;
     double sites_;
-    double finest_ = 0;  ///< spacing of octave 0
+    double finest_ = 0;   ///< spacing of octave 0
+    double in_line_ = 0;  ///< the same, were all sites in a line along the longer side; grids are no finer
     std::vector<Octave> octaves_;
     std::vector<double> to_potential_;           ///< [coefficients of octave 0]
     std::vector<std::complex<double>> targets_;  ///< [coefficients of octave 0] of the density, if not uniform

@@ -149,5 +149,19 @@ TEST(Transport, HasNoSeam) {
     }
 }
 
+/// Cells as wide as such a box is high, or so, would be millions: gigabytes.
+TEST(Transport, TakesNoMoreRoomForAThinBoxThanItsSitesNeed) {
+    constexpr std::size_t kInLine = 100'000;
+    const double height = 1e-10;
+    const Domain domain = Domain::rectangle(1, height).value();
+    std::vector<Point> sites, moves(kInLine);
+    for (std::size_t i = 0; i < kInLine; ++i) {
+        sites.push_back({(static_cast<double>(i) + 0.5) / static_cast<double>(kInLine), height / 2});
+    }
+    Transport transport(domain, Density::uniform(), kInLine);
+    EXPECT_TRUE(transport.displacements(sites, moves));
+    for (const Point& move : moves) EXPECT_NEAR(move.x, 0, 1e-9);
+}
+
 }  // namespace
 }  // namespace ccdt
