@@ -187,7 +187,10 @@ int rows_at_once(const OIIO::ImageSpec& spec) {
 
 bool read_rows(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, int begin, int end, const OIIO::TypeDesc& type,
                void* rows) {
-    if (spec.tile_width == 0) return input.read_scanlines(0, 0, begin, end, 0, 0, spec.nchannels, type, rows);
+    // Rows that need no conversion are read where they belong; else the library takes 64 MiB to convert them in.
+    const bool as_stored = spec.format == type && spec.channelformats.empty();
+    const OIIO::TypeDesc to = as_stored ? OIIO::TypeDesc::UNKNOWN : type;
+    if (spec.tile_width == 0) return input.read_scanlines(0, 0, begin, end, 0, 0, spec.nchannels, to, rows);
     return input.read_tiles(0, 0, 0, spec.width, begin, end, 0, 1, 0, spec.nchannels, type, rows);
 }
 
