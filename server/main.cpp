@@ -16,6 +16,7 @@
 #include <thread>
 #include <utility>
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include "api/decoder_warm_up.h"
@@ -38,6 +39,16 @@ constexpr int kWrongUsage = 2;
 
 /// Besides those of connections: the log, libraries, pictures.
 constexpr std::size_t kOtherFiles = 256;
+
+/// Of memory: what is freed in pieces of this size at least is the system's again.
+constexpr int kGivenBack = 1 << 20;
+
+/// Left to itself, glibc raises these bounds as large pieces come and go, up to 32 and 64 MiB in each of its arenas,
+/// and a server at rest keeps most of what its busiest moment took.
+void give_back_freed_memory() {
+    mallopt(M_MMAP_THRESHOLD, kGivenBack);
+    mallopt(M_TRIM_THRESHOLD, kGivenBack);
+}
 
 /// SIGHUP only if it means something: else it ends the program, as it does when a terminal is closed.
 sigset_t awaited_signals(bool reload) {
@@ -120,6 +131,8 @@ void tell_of_box(const DecoderBox* box, const Log& log) {
 }
 
 int serve(const Config& config) {
+    give_back_freed_memory();
+
     // Before any thread starts: it forks.
     const auto box = start_box(config);
 

@@ -3,12 +3,16 @@
 import http.client
 import json
 import os
+import pathlib
+import re
 import signal
 import socket
 import subprocess
+import time
 import unittest
 
 from harness import PATIENCE, Call, Server, ask, file_of, flat, post_json
+from raw import SANITIZED
 
 RECTANGLE = {"type": "rectangle", "width": 2, "height": 1}
 JSON = ("--header", "Content-Type: application/json")
@@ -263,6 +267,24 @@ class Starting(unittest.TestCase):
         with Server(environment={"CCDT_MAX_SITES": "5"}) as server:
             answer = post_json(server, "/sample", {"sites": 6, "domain": RECTANGLE})
             self.assertEqual(answer.status, 413)
+
+
+class Memory(unittest.TestCase):
+    @unittest.skipIf(SANITIZED, "sanitizers keep what is freed")
+    def test_what_a_busy_moment_took_is_given_back(self):
+        def held(server):
+            status = pathlib.Path(f"/proc/{server.process.pid}/status").read_text()
+            return int(re.search(r"RssAnon:\s+(\d+) kB", status).group(1)) / 1024
+
+        large = json.dumps({"x": "y" * 6_000_000})
+        with Server("--queue=32") as server:
+            before = held(server)
+            calls = [Call(server.url("/sample"), "--interface", f"127.0.1.{i + 1}", *JSON, data=large) for i in range(24)]
+            self.assertEqual([call.answer().status for call in calls], [400] * 24)
+            end = time.monotonic() + PATIENCE
+            while held(server) - before > 48 and time.monotonic() < end:  # workers free bodies after they answered
+                pass
+            self.assertLess(held(server) - before, 48, "MiB")
 
 
 if __name__ == "__main__":
