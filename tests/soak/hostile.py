@@ -1,0 +1,305 @@
+"""Clients that mean ill, or are broken: each with what has to become of it."""
+
+import collections
+import contextlib
+import json
+import pathlib
+import random
+import select
+import socket
+import struct
+import sys
+import time
+import typing
+import zlib
+
+from cases import ENDLESS, JSON, LARGE, LARGER, essence, grey_png, picture
+from load import LONGEST, ServerGone, Tally, pause, repeat, run_threads
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "integration"))
+from raw import Raw, statuses  # pylint: disable=wrong-import-position
+
+# With these the server under load is started: slow clients take these seconds each.
+HEADER_TIMEOUT = 3
+BODY_TIMEOUT = 3
+FLAGS = (f"--header-timeout={HEADER_TIMEOUT}", f"--body-timeout={BODY_TIMEOUT}", "--max-body=8MiB", "--timeout=300")
+
+PATIENCE = LONGEST / 2
+HEALTH = b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n"
+BUSY = {429, 503}  # the queue may be full
+
+
+class Address(typing.NamedTuple):
+    """A server, as far as Raw needs to know it."""
+    port: int
+    path: str | None = None
+
+
+class Unexpected(Exception):
+    """What became of the client is not what should have."""
+
+
+class Abuser:
+    """Connects from an address of its own."""
+
+    def __init__(self, port, number, known):
+        self.server = Address(port)
+        self.number = number
+        self.source = f"127.0.4.{number}"
+        self.known = known
+        self.random = random.Random(number)
+
+    @contextlib.contextmanager
+    def connect(self, data=b""):
+        try:
+            raw = Raw(self.server, self.source)
+        except ConnectionRefusedError as error:
+            raise ServerGone from error
+        raw.socket.settimeout(PATIENCE)
+        with raw:
+            raw.try_send(data)
+            yield raw
+
+    def tell(self, data, *wanted):
+        """What is sent at once has to be answered with these statuses, one after another, and then with the end."""
+        with self.connect(data) as raw:
+            expect(raw, [wanted])
+
+    def ask(self, path, body, *wanted):
+        """An ordinary request, which has to get one of these statuses."""
+        with self.connect(post(path, body)) as raw:
+            status, _, received = raw.answer()
+        if status not in {*wanted, *BUSY}:
+            raise Unexpected(f"{status} in place of {wanted}: {received[:200]}")
+
+
+def post(path, body, *headers):
+    kind = "application/octet-stream" if path.startswith("/halftone") else JSON["Content-Type"]
+    lines = (f"POST {path} HTTP/1.1", "Host: h", f"Content-Type: {kind}", f"Content-Length: {len(body)}", *headers)
+    return "\r\n".join(lines).encode() + b"\r\n\r\n" + body
+
+
+def expect(raw, allowed):
+    received = raw.rest()
+    if tuple(statuses(received)) not in allowed:
+        raise Unexpected(f"{received[:200]} in place of {allowed}")
+
+
+def wait_for_news(raw, seconds=PATIENCE):
+    return bool(select.select([raw.socket], [], [], seconds)[0])
+
+
+def drip(raw, piece, seconds):
+    """Sends it again and again, with a pause in between, until the server says something."""
+    end = time.monotonic() + PATIENCE
+    while not wait_for_news(raw, seconds) and time.monotonic() < end:
+        if not raw.try_send(piece):
+            return
+
+
+def leave(raw, abruptly):
+    if abruptly:  # a reset, with whatever was on its way
+        raw.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    raw.socket.close()
+
+
+def say_nothing(me):
+    with me.connect(b"GET /health HT") as raw:
+        expect(raw, [(), (408,)])
+
+
+def slow_head(me):
+    with me.connect(b"GET /health HTTP/1.1\r\nHost: h\r\nX: ") as raw:
+        drip(raw, b"x", 0.1)
+        expect(raw, [(408,)])
+
+
+def slow_body(me):
+    with me.connect(b"POST /halftone HTTP/1.1\r\nHost: h\r\nContent-Length: 1000000\r\n\r\n") as raw:
+        drip(raw, b"x", 0.1)
+        expect(raw, [(408,), (429,), (503,)])
+
+
+def slow_chunks(me):
+    with me.connect(b"POST /sample HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n") as raw:
+        drip(raw, b"1\r\n \r\n", 0.1)
+        expect(raw, [(408,), (429,), (503,)])
+
+
+def leave_while_it_computes(me):
+    with me.connect(post("/sample", ENDLESS.body)) as raw:
+        wait_for_news(raw, me.random.uniform(0, 0.4))
+        leave(raw, me.random.random() < 0.5)
+
+
+def leave_while_it_decodes(me):
+    with me.connect(post("/halftone", picture("astronaut.png"))) as raw:
+        wait_for_news(raw, me.random.uniform(0, 0.05))
+        leave(raw, me.random.random() < 0.5)
+
+
+def leave_while_it_answers(me):
+    with me.connect(post("/sample", LARGE.body)) as raw:
+        raw.socket.recv(me.random.randint(1, 20_000))
+        leave(raw, me.random.random() < 0.5)
+
+
+def leave_while_sending(me):
+    data = post("/halftone", picture("camera.png"))
+    with me.connect(data[:me.random.randint(1, len(data) - 1)]) as raw:
+        leave(raw, me.random.random() < 0.5)
+
+
+def read_slowly(me):
+    """Slow, but not too slow: all of it has to come, and be right."""
+    with me.connect() as raw:
+        raw.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 65_536)
+        raw.send(post("/sample", LARGE.body, "Connection: close"))
+        received = b""
+        while piece := raw.socket.recv(65_536):
+            received += piece
+            time.sleep(0.02)
+    if statuses(received[:100]) == [200] and essence(received).endswith(me.known[LARGE.name]):
+        return
+    if statuses(received[:100])[:1] != [503] and statuses(received[:100])[:1] != [429]:
+        raise Unexpected(f"{received[:200]} and {len(received)} bytes in all")
+
+
+def stop_reading(me):
+    with me.connect() as raw:
+        raw.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 65_536)
+        raw.send(post("/sample", LARGER.body))
+        wait_for_news(raw)
+        time.sleep(2 * BODY_TIMEOUT + 1)
+        received = raw.rest()
+    if statuses(received[:100])[:1] == [200] and received.endswith(b"}"):
+        raise Unexpected("all was delivered to a client that did not read")
+
+
+def speak_garbage(me):
+    with me.connect(b"\x16\x03\x01" + me.random.randbytes(me.random.randint(1, 5000)) + b"\r\n\r\n") as raw:
+        raw.socket.shutdown(socket.SHUT_WR)
+        expect(raw, [(400,), (431,), (414,), (), (505,)])
+
+
+def smuggle(me):
+    hidden = b"GET /smuggled HTTP/1.1\r\nHost: h\r\n\r\n"
+    for headers in (b"Content-Length: 4\r\nTransfer-Encoding: chunked", b"Content-Length: 4\r\nContent-Length: 5",
+                    b"Content-Length: +4", b"Content-Length: 4, 5", b"Content-Length: 0x4", b"Content-Length : 4",
+                    b"Transfer-Encoding: xchunked", b"Transfer-Encoding: chunked\r\nTransfer-Encoding: identity"):
+        with me.connect(b"POST /sample HTTP/1.1\r\nHost: h\r\n" + headers + b"\r\n\r\n0\r\n\r\n" + hidden) as raw:
+            expect(raw, [(400,), (501,)])
+
+
+def send_huge_heads(me):
+    me.tell(b"GET /health HTTP/1.1\r\nHost: h\r\nX: " + b"x" * 300_000, 431)
+    me.tell(b"GET /health HTTP/1.1\r\nHost: h\r\n" + b"X: y\r\n" * 50_000, 431)
+
+
+def send_too_much(me):
+    head = b"POST /halftone HTTP/1.1\r\nHost: h\r\n"
+    for length in (9 << 20, 100 << 30, (1 << 64) - 1):
+        me.tell(head + b"Content-Length: %d\r\n\r\n" % length, 413)
+    me.tell(head + b"Transfer-Encoding: chunked\r\n\r\nffffffff\r\n", 413)
+    with me.connect(head + b"Transfer-Encoding: chunked\r\n\r\n") as raw:
+        while not raw.has_news() and raw.try_send(b"40000\r\n" + bytes(0x40000) + b"\r\n"):
+            pass
+        expect(raw, [(413,), (429,), (503,)])
+
+
+def send_chunks_of_framing(me):
+    with me.connect(b"POST /halftone HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n1;") as raw:
+        while not raw.has_news() and raw.try_send(b"x" * 1000 + b"\r\nx\r\n1;"):
+            pass
+        expect(raw, [(400,), (429,), (503,)])
+
+
+def send_broken_pictures(me):
+    good = picture("camera.png")
+    me.ask("/halftone", good[:me.random.randint(200, len(good) - 200)], 422)
+    me.ask("/halftone", b"no picture at all", 415, 422)
+    at = me.random.randint(100, len(good) - 100)
+    me.ask("/halftone?sites=10&scale=1", good[:at] + me.random.randbytes(8) + good[at + 8:], 200, 422)
+
+
+def send_bombs(me):
+    def header(width, height):
+        size = b"IHDR" + struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+        return b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + size + struct.pack(">I", zlib.crc32(size))
+
+    me.ask("/halftone", header(60_000, 60_000) + grey_png(1, 1)[33:], 413)
+    me.ask("/halftone", header((1 << 31) - 1, (1 << 31) - 1) + grey_png(1, 1)[33:], 413, 422)
+    me.ask("/halftone", header(7000, 7000) + grey_png(1, 1)[33:], 422)
+
+
+def send_bad_polygons(me):
+    for ring in ([[0, 0], [1, 1], [1, 0], [0, 1]], [[0, 0], [1, 0], [2, 0]], [[0, 0], [1, 0]],
+                 [[me.random.random(), me.random.random()] for _ in range(200)]):
+        me.ask("/sample", json.dumps({"sites": 9, "polygon": ring}).encode(), 400, 422)
+
+
+def send_deep_json(me):
+    me.ask("/sample", b'{"polygon":' + b"[" * 500_000, 400)
+    me.ask("/sample", b'{"a":' * 100_000 + b"1" + b"}" * 100_000, 400)
+    me.ask("/sample", b"[" * 100_000 + b"]" * 100_000, 400)
+    me.ask("/analyze", b'{"points":[' + b"[0,1e999]," * 1000 + b"[0,0]]}", 400)
+
+
+def pipeline(me):
+    me.tell(HEALTH * 20 + b"GET /nothing HTTP/1.0\r\n\r\n", *[200] * 20, 404)
+
+
+def crowd(me):
+    """More connections than one address may have: the last ones are refused, and all is well again."""
+    with contextlib.ExitStack() as stack:
+        clients = [stack.enter_context(me.connect()) for _ in range(80)]
+        answered = collections.Counter()
+        for client in clients:
+            client.try_send(HEALTH)
+        for client in clients:
+            answered[client.answer()[0]] += 1
+    if answered[503] < 80 - 64 or answered[200] + answered[503] != 80:
+        raise Unexpected(str(answered))
+
+
+SLOW = (say_nothing, slow_head, slow_body, slow_chunks)
+READERS = (read_slowly, stop_reading)
+VANISHING = (leave_while_it_computes, leave_while_it_decodes, leave_while_it_answers, leave_while_sending)
+NONSENSE = (speak_garbage, smuggle, send_huge_heads, send_too_much, send_chunks_of_framing, pipeline, crowd)
+UNUSABLE = (send_broken_pictures, send_bombs, send_bad_polygons, send_deep_json)
+# How many do it at a time, what, and the pause in between in seconds.
+GROUPS = ((8, SLOW, 0), (2, READERS, 0), (2, VANISHING, 0.2), (1, NONSENSE, 0.1), (4, UNUSABLE, 0.1))
+
+
+def abuse(me, acts, rest, until, tally):
+    turn = iter(range(me.number, 1 << 60))  # so that of several each begins with another one
+
+    def step():
+        act = acts[next(turn) % len(acts)]
+        try:
+            act(me)
+            tally.count(act.__name__)
+        except Unexpected as found:
+            tally.fail("outcome", f"{act.__name__}: {found}")
+        except OSError as error:
+            tally.fail("outcome", f"{act.__name__}: {error!r}")
+        pause(rest, until)
+
+    repeat(until, tally, step)
+
+
+def hostile(port, known, until):
+    tally = Tally()
+    groups = [(acts, rest) for count, acts, rest in GROUPS for _ in range(count)]
+    return run_threads(tally, *((abuse, Abuser(port, i + 1, known), acts, rest, until, tally)
+                                for i, (acts, rest) in enumerate(groups)))
+
+
+def everyone_at_once(port, count):
+    """As many connections at once as never after: the server makes a thread for each, and keeps it."""
+    with contextlib.ExitStack() as stack:
+        clients = [stack.enter_context(Raw(Address(port), f"127.0.5.{i % 250 + 1}")) for i in range(count)]
+        for client in clients:
+            client.send(HEALTH)
+        if any(client.answer()[0] != 200 for client in clients):
+            raise Unexpected("a client of a crowd was not answered")

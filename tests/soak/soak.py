@@ -1,0 +1,259 @@
+"""Loads the real server with honest, slow, vanishing and hostile clients at once, and says whether it stood it.
+
+It passes if every answer to an honest client was right, or a refusal of a full queue that says when to come back; if
+every hostile client got what it had to get; and if the server holds no more memory, descriptors, threads and processes
+at rest than after the warm-up. With --latency-bound also only if small requests took at most three times as long under
+load as without, in the 99th percentile.
+"""
+
+import argparse
+import collections
+import pathlib
+import re
+import sys
+import time
+import urllib.request
+
+import cases
+import hostile
+import load
+import watch
+from load import Client, Hammer, Process, Tally
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "integration"))
+from harness import PATIENCE, Server  # pylint: disable=wrong-import-position
+from raw import SANITIZED  # pylint: disable=wrong-import-position
+
+CROWD = 300          # connections at once, before the warm-up
+MOST_TIMES = 3       # longer than quiet that small requests may take under load
+SWIFT_SHARE = 0.3    # of a round, in which there are only swift requests, so that many go through
+
+
+class Watched(Server):
+    """Its log holds a line a request, which are let go."""
+
+    def _read_log(self):
+        for line in self.process.stderr:
+            if " total=" not in line:
+                with self.news:
+                    self.lines.append(line)
+                    self.news.notify_all()
+        with self.news:
+            self.lines.append(None)
+            self.news.notify_all()
+
+
+class Fatal(Exception):
+    """There is no point in going on."""
+
+
+def figures(server):
+    """The server's own, summed over labels, but with those of ccdt_cancellations_total apart."""
+    with urllib.request.urlopen(server.url("/metrics"), timeout=PATIENCE) as answer:
+        text = answer.read().decode()
+    found = collections.Counter()
+    for name, labels, value in re.findall(r"^(\w+)(?:\{(.*)\})? (\S+)$", text, re.MULTILINE):
+        cause = re.search(r'cause="(\w+)"', labels)
+        found[cause[1] if cause else name] += float(value)
+    return found
+
+
+class Soak:
+    def __init__(self, server, known):
+        self.server = server
+        self.known = known
+        self.tally = Tally()
+        self.most = watch.Held(0, 0, 0, 0)
+        self.levels = []
+        self.resting = watch.held(server.process.pid).processes
+
+    def check(self):
+        if self.server.process.poll() is not None:
+            raise Fatal(f"the server ended with {self.server.process.returncode}:\n{self.server.log()[-3000:]}")
+
+    def run(self, loads, until):
+        """Watches the server until the loads have ended; returns their tallies."""
+        try:
+            while time.monotonic() < until:
+                self.check()
+                now = watch.held(self.server.process.pid)
+                self.most = watch.Held(*map(max, self.most, now))
+                time.sleep(0.25)
+            return [each.end(load.LONGEST) for each in loads]
+        except BaseException:
+            for each in loads:
+                each.process.kill()
+            raise
+
+    def measure_quiet(self, seconds):
+        until = time.monotonic() + seconds
+        tally, = self.run([Process(load.probe, self.server.port, self.known, until)], until)
+        waits = tally.take_waits()
+        self.tally.add(tally)
+        return waits
+
+    def round(self, seconds):
+        """Everyone at once, then the swift ones alone. Returns how long small requests took in the first part."""
+        port, swift = self.server.port, max(2, round(SWIFT_SHARE * seconds))
+        until = time.monotonic() + seconds - swift
+        tallies = self.run(
+            [Process(load.probe, port, self.known, until), Process(load.honest, port, self.known, until),
+             Process(hostile.hostile, port, self.known, until),
+             Hammer(port, self.known, 1, max(1, int(seconds - swift)))], until)
+        waits = tallies[0].take_waits()
+        tallies += self.run([Hammer(port, self.known, 4, swift)], time.monotonic() + swift)
+        for tally in tallies:
+            self.tally.add(tally)
+        return waits
+
+    def rest(self):
+        """Waits until nothing is left to do, and notes what the server then holds."""
+        end = time.monotonic() + 30
+        while True:
+            self.check()
+            now = figures(self.server)
+            held = watch.held(self.server.process.pid)
+            at_work = {name: now[name] for name in ("ccdt_workers_busy", "ccdt_queue_requests") if now[name]}
+            if now["ccdt_connections_open"] > 1:
+                at_work["connections"] = now["ccdt_connections_open"]
+            if held.processes != self.resting:
+                at_work["processes"] = held.processes
+            if not at_work:
+                break
+            if time.monotonic() > end:
+                self.tally.fail("rest", f"half a minute after the load: {dict(at_work)}")
+                break
+            time.sleep(0.05)
+        self.levels.append(watch.Level(int(now["ccdt_http_requests_total"]), held))
+
+
+def learn(server):
+    """What the quiet server answers to everything that will be asked."""
+    known = {}
+    client = Client(server.port, "127.0.2.1")
+    for case in cases.everything():
+        if case.name not in known:
+            answer = client.ask(case)
+            if answer.status != case.status:
+                raise Fatal(f"{case.name} is answered {answer.status} before there is any load: {answer.body[:300]}")
+            known[case.name] = cases.essence(answer.body)
+    client.close()
+    return known
+
+
+def percentile(values, share):
+    ordered = sorted(values)
+    return ordered[min(len(ordered) - 1, int(share * len(ordered)))] if ordered else float("nan")
+
+
+def show_waits(name, waits):
+    for what, values in ((name, [wait.taken for wait in waits]),
+                         ("- not sent, as the one before was not answered", [wait.late for wait in waits]),
+                         ("- waiting for a worker", [wait.queue for wait in waits]),
+                         ("- computing", [wait.computing for wait in waits]),
+                         ("- all else", [wait.rest for wait in waits])):
+        shares = " | ".join(f"{percentile(values, share):.1f}" for share in (0.5, 0.9, 0.99))
+        print(f"| {what} | {len(values)} | {shares} |")
+
+
+def report_clients(counts, told):
+    """Returns what failed."""
+    failed = []
+    print("\n| clients | |\n|---|---|")
+    print(f"| honest, right answers | {counts['right']} |\n| put off by a full queue | {counts['put off']} |")
+    for group in hostile.GROUPS:
+        for act in group[1]:
+            print(f"| {act.__name__.replace('_', ' ')} | {counts[act.__name__]} |")
+    for what in sorted(what for what in counts if what.startswith("failed ")):
+        print(f"| **{what}** | {counts[what]} |")
+        failed.append(f"{counts[what]} {what}")
+    for what, details in told.items():
+        for detail in details:
+            print(f"  {what}: {detail}")
+    return failed
+
+
+def report_held(levels, most):
+    """Returns what grows."""
+    failed = []
+    print("\n| held at rest, children included | after warm-up | at the end | under load, most | slope, a request | "
+          "allowed | would be seen, a request |\n|---|---|---|---|---|---|---|")
+    for name, found in watch.judge(levels).items():
+        size, unit = (1 << 20, " MiB") if name == "memory" else (1, "")
+        print(f"| {name} | {found.first / size:.1f}{unit} | {found.last / size:.1f}{unit} | "
+              f"{getattr(most, name) / size:.1f}{unit} | {found.slope:.3g} | +{found.allowed / size:.1f}{unit} | "
+              f"{found.least:.3g} |")
+        if found.leaks and not (name == "memory" and SANITIZED):
+            failed.append(f"{name} grows")
+    print("\nMiB at rest after so many requests:",
+          ", ".join(f"{level.held.memory / (1 << 20):.1f} after {level.requests}" for level in levels))
+    if SANITIZED:
+        print("Memory is not judged: sanitizers keep what is freed.")
+    return failed
+
+
+def report_latency(quiet, loaded, missed, bound):
+    """Returns what took too long, if that is asked for."""
+    print("\n| small requests, ms | n | p50 | p90 | p99 |\n|---|---|---|---|---|")
+    for name, waits in (("quiet, before", quiet[0]), ("quiet, after", quiet[1]), ("under load", loaded)):
+        show_waits(name, waits)
+    calm = max(percentile([wait.taken for wait in waits], 0.99) for waits in quiet)
+    times = percentile([wait.taken for wait in loaded], 0.99) / calm
+    unqueued = percentile([wait.taken - wait.late - wait.queue for wait in loaded], 0.99) / calm
+    print(f"\nThe p99 under load is {times:.1f} times the quiet one, {unqueued:.1f} times without waiting in a queue. "
+          f"{missed} came too late to be measured.")
+    if bound and not times <= MOST_TIMES:
+        return [f"p99 of small requests is {times:.1f} times the quiet one, over {MOST_TIMES}"]
+    return []
+
+
+def plan(seconds):
+    """Seconds of a quiet measurement, of the warm-up and of a round, and how many rounds: together about so long, with
+    what clients need to come to their end."""
+    quiet, ending = seconds / 15, 6
+    rounds = 7 if seconds >= 300 else 3
+    each = (seconds - 2 * quiet - ending * (rounds + 1)) / (rounds + 1.3)
+    return quiet, 1.3 * each, each, rounds
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", type=float, default=600, help="about so long, 60 at least")
+    parser.add_argument("--latency-bound", action="store_true", help="small requests have to keep to their bound")
+    parser.add_argument("--flag", action="append", default=[], help="one more for the server")
+    arguments = parser.parse_args()
+    quiet_seconds, warm_up, each, rounds = plan(max(arguments.seconds, 60))
+    start = time.monotonic()
+    with Watched(*hostile.FLAGS, *arguments.flag) as server:
+        try:
+            soak = Soak(server, learn(server))
+            quiet = [soak.measure_quiet(quiet_seconds)]
+            hostile.everyone_at_once(server.port, CROWD)
+            soak.round(warm_up)
+            soak.rest()
+            loaded = []
+            for _ in range(rounds):
+                loaded += soak.round(each)
+                soak.rest()
+            quiet.append(soak.measure_quiet(quiet_seconds))
+            given_up = figures(server)["client_gone"]
+        except Fatal as failure:
+            print(f"FAILED: {failure}")
+            return 1
+        print(f"\n{time.monotonic() - start:.0f} s, {soak.levels[-1].requests} requests, {given_up:.0f} computations "
+              "given up as their clients had left")
+        counts = soak.tally.counts
+        failed = (report_clients(counts, soak.tally.told) + report_held(soak.levels, soak.most) +
+                  report_latency(quiet, loaded, counts["missed"], arguments.latency_bound))
+        if given_up == 0:
+            failed.append("no computation was given up for a client that had left")
+        if server.stop() != 0:
+            failed.append("the server did not end well")
+        if errors := [line for line in server.log().splitlines() if " error " in line]:
+            failed.append("errors in the log: " + "\n".join(errors[:5]))
+    print("\nFAILED: " + "; ".join(failed) if failed else "\npassed")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
