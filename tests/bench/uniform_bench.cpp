@@ -70,7 +70,7 @@ void UniformStages(benchmark::State& state) {
     report("5_flips", &Stages::flips);
 }
 
-const std::vector<std::int64_t> kSites = {1024, 16384, 131072, 1048576};
+const std::vector<std::int64_t> kSites = {1024, 4096, 16384, 131072, 1048576};
 const std::vector<std::int64_t> kQualities = {0, 1, 2};
 
 BENCHMARK(Square)->ArgsProduct({kSites, kQualities})->Unit(benchmark::kMillisecond)->UseManualTime()->MinTime(2);

@@ -8,8 +8,8 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-SCRIPTS = ("server/run", "tests/run", "tests/fuzz/run", "tests/soak/run", ".ci/run", "docker/packages",
-           "docker/install")
+SCRIPTS = ("server/run", "tests/run", "tests/bench/service/run", "tests/fuzz/run", "tests/soak/run", ".ci/run",
+           "docker/packages", "docker/install")
 LIST = ROOT / "docker" / "packages.txt"
 
 
