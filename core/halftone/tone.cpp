@@ -38,21 +38,23 @@ std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert) 
 }
 
 std::size_t default_sites(const std::vector<float>& coverage, std::size_t limit) {
+    return default_sites(ink_of(coverage), limit);
+}
+
+std::size_t default_sites(double ink, std::size_t limit) {
     constexpr double kInkPerDot = 8;
     constexpr double kFewest = 4096, kMost = 100'000;
-    const double ink = ink_of(coverage);
     const double sites = std::min(std::clamp(ink / kInkPerDot, kFewest, kMost), ink);
     return std::clamp(static_cast<std::size_t>(sites), std::size_t{1}, std::max(limit, std::size_t{1}));
 }
 
 double default_scale(const std::vector<float>& coverage, std::size_t sites) {
     constexpr double kPi = 3.141592653589793;
-    constexpr double kRadius = 3;         // canvas pixels: a binary disc of this size looks round
-    constexpr double kMostPixels = 16e6;  // of the canvas
+    constexpr double kRadius = 3;  // canvas pixels: a binary disc of this size looks round
     const double radius = std::sqrt(ink_of(coverage) / (kPi * static_cast<double>(sites)));
     const double wanted = std::max(1.0, std::ceil(kRadius / std::max(radius, 1e-6)));
-    const double most = std::sqrt(kMostPixels / static_cast<double>(coverage.size()));
-    return std::clamp(std::min(wanted, most), 0.1, 16.0);
+    const double most = std::sqrt(kMostCanvasPixels / static_cast<double>(coverage.size()));
+    return std::clamp(std::min(wanted, most), 0.1, kLargestScale);
 }
 
 }  // namespace ccdt

@@ -22,6 +22,13 @@ std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert);
 /// than one a pixel of ink) and 100,000 at most; never less than 1 nor more than `limit`.
 std::size_t default_sites(const std::vector<float>& coverage, std::size_t limit);
 
+/// The same by the sum of the shares. More ink never means fewer dots.
+std::size_t default_sites(double ink, std::size_t limit);
+
+/// What default_scale keeps to.
+inline constexpr double kLargestScale = 16;
+inline constexpr double kMostCanvasPixels = 16e6;
+
 /// Canvas pixels per picture pixel, at most 16: the smallest whole number at which dots that keep the mean tone have a
 /// radius of 3 pixels or more and so look round; less where the canvas would pass 16 million pixels, but at least 0.1.
 double default_scale(const std::vector<float>& coverage, std::size_t sites);

@@ -1,0 +1,168 @@
+#include "api/cost.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "api/json_document.h"
+#include "core/baselines/ccvt.h"
+#include "core/baselines/cvt.h"
+#include "core/baselines/odt.h"
+#include "core/halftone/tone.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr double kMicrosecond = 1e-6;
+constexpr double kFixedBytes = 6 << 20;
+
+/// Of what is there at the same time.
+struct Estimate {
+    double bytes = 0;
+    double seconds = 0;
+
+    Estimate operator+(const Estimate& other) const { return {bytes + other.bytes, seconds + other.seconds}; }
+};
+
+/// One stage after the other, each giving its memory back.
+Estimate then(const Estimate& a, const Estimate& b) {
+    return {std::max(a.bytes, b.bytes), a.seconds + b.seconds};
+}
+
+Cost cost(const Estimate& estimate) {
+    return {static_cast<std::size_t>(estimate.bytes + kFixedBytes), estimate.seconds};
+}
+
+Estimate decoding(const ImageFile& file) {
+    constexpr double kPlanes = 16;  // bytes a pixel: luminance, alpha, coverage and a copy turned over
+    constexpr double kTime = 0.03 * kMicrosecond;
+    const auto pixels = static_cast<double>(file.header.pixels());
+    const double decoder = static_cast<double>(file.header.decoder_bytes) + static_cast<double>(file.bytes.size());
+    return {pixels * kPlanes + decoder, pixels * kTime};
+}
+
+/// The triangulation, its passes and the polish.
+Estimate triangulating(const Options& options, bool is_uniform) {
+    const auto sites = static_cast<double>(options.sites);
+    const bool polished = options.quality != Quality::Draft && options.iterations > 0;
+    const double pass = is_uniform ? 0.06 : 0.22;
+    double microseconds = 1 + pass * options.iterations * options.passes;
+    if (polished && options.quality == Quality::Standard) microseconds += is_uniform ? 2.6 : 7;
+    if (polished && options.quality == Quality::Best) microseconds += is_uniform ? 12.5 : 22;
+    const double bytes = (is_uniform ? 450 : 700) + (polished ? 330 : 0) + (options.keep_mesh ? 150 : 0);
+    return {sites * bytes, sites * microseconds * kMicrosecond};
+}
+
+Estimate distributing(Method method, const Options& options, bool is_uniform) {
+    const auto sites = static_cast<double>(options.sites);
+    const auto all = [&](double bytes, double microseconds_each) {
+        return Estimate{sites * bytes, sites * microseconds_each * options.iterations * kMicrosecond};
+    };
+    switch (method) {
+        case Method::Ccdt:
+            return triangulating(options, is_uniform);
+        case Method::Cvt:
+            return all(1600, 560.0 / kCvtIterations);
+        case Method::Odt:
+            return all(400, 45.0 / kOdtIterations);
+        case Method::Ccvt:
+            return all(9500, 850.0 / kCcvtIterations);
+        case Method::Random:
+            return {sites * 290, sites * 2.5 * kMicrosecond};
+    }
+    return {};
+}
+
+Estimate bounding(const std::variant<PolygonInput, Rectangle>& domain) {
+    constexpr double kBytes = 420;
+    constexpr double kTime = 2.5 * kMicrosecond;
+    const auto* polygon = std::get_if<PolygonInput>(&domain);
+    if (polygon == nullptr) return {};
+    const auto corners = static_cast<double>(polygon->corner_count());
+    return {corners * kBytes, corners * kTime};
+}
+
+/// A grid's integrals, and the passes that walk over its cells.
+Estimate weighing(double cells) {
+    return {cells * 20, cells * 0.03 * kMicrosecond};
+}
+
+/// Pixels of the output at most: the chosen scale stops at 16 million.
+double drawn_pixels(const HalftoneRequest& request, const Limits& limits) {
+    const auto pixels = static_cast<double>(request.image.header.pixels());
+    const auto most = static_cast<double>(limits.max_pixels);
+    if (request.scale) return std::min(pixels * *request.scale * *request.scale, most);
+    return std::min({pixels * kLargestScale * kLargestScale, kMostCanvasPixels, most});
+}
+
+Estimate drawing(const HalftoneRequest& request, double sites, const Limits& limits) {
+    if (request.format == HalftoneFormat::Json) return {sites * 150, sites * 0.3 * kMicrosecond};
+    const double pixels = drawn_pixels(request, limits);
+    return {sites * 150 + pixels * 6, pixels * (request.antialias ? 0.04 : 0.005) * kMicrosecond};
+}
+
+std::size_t bytes_of(const PolygonInput& polygon) {
+    return polygon.corner_count() * sizeof(Point);
+}
+
+}  // namespace
+
+Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
+    const auto pixels = static_cast<double>(request.image.header.pixels());
+    Options options = request.run;
+    options.sites = request.sites.value_or(default_sites(pixels, limits.max_sites));
+    const Estimate placing = weighing(pixels) + triangulating(options, false);
+    const Estimate drawn = drawing(request, static_cast<double>(options.sites), limits);
+    return cost(then(then(decoding(request.image), placing), drawn));
+}
+
+Cost cost_of(const SampleRequest& request) {
+    const auto* image = std::get_if<DensityImage>(&request.density);
+    const auto* grid = std::get_if<DensityGrid>(&request.density);
+    Estimate density;
+    if (image != nullptr) density = weighing(static_cast<double>(image->file.header.pixels()));
+    if (grid != nullptr) density = weighing(static_cast<double>(grid->values.size()));
+    const bool is_uniform = image == nullptr && grid == nullptr;
+    const Estimate placing = bounding(request.domain) + density + distributing(request.method, request.run, is_uniform);
+    return cost(image != nullptr ? then(decoding(image->file), placing) : placing);
+}
+
+Cost cost_of(const AnalyzeRequest& request) {
+    const auto sets = static_cast<double>(request.sets.size());
+    const double points = request.sets.empty() ? 0 : static_cast<double>(request.sets.front().size());
+    const double cells = points * request.options.max_frequency * request.options.max_frequency;
+    constexpr double kPlot = 32 << 20;
+    const Estimate transforms{cells * 360, cells * sets * 0.4 * kMicrosecond};
+    const Estimate others{points * sets * 64, points * sets * kMicrosecond};
+    const Estimate plot{request.format == AnalyzeFormat::Json ? 0 : kPlot, 0};
+    return cost(transforms + others + plot);
+}
+
+Cost cost_of_parsing(std::string_view body) {
+    const auto count = [body](char c) { return static_cast<double>(std::ranges::count(body, c)); };
+    // Every value but the first follows one of these, and texts are between two quotes.
+    const double values = 1 + count(',') + count(':') + count('[') + count('{');
+    const double quotes = count('"');
+    const auto size = static_cast<double>(body.size());
+    return cost({size * 2 + std::min(values, static_cast<double>(JsonDocument::kMaxValues)) * 64 + quotes / 2 * 96,
+                 size * 0.02 * kMicrosecond});
+}
+
+std::size_t size_of(const HalftoneRequest& request) {
+    return request.image.bytes.size();
+}
+
+std::size_t size_of(const SampleRequest& request) {
+    std::size_t size = 0;
+    if (const auto* polygon = std::get_if<PolygonInput>(&request.domain)) size += bytes_of(*polygon);
+    if (const auto* grid = std::get_if<DensityGrid>(&request.density)) size += grid->values.size() * sizeof(double);
+    if (const auto* image = std::get_if<DensityImage>(&request.density)) size += image->file.bytes.size();
+    return size;
+}
+
+std::size_t size_of(const AnalyzeRequest& request) {
+    std::size_t points = 0;
+    for (const auto& set : request.sets) points += set.size();
+    return points * sizeof(Point);
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+#include "api/analyze.h"
+#include "api/halftone.h"
+#include "api/options.h"
+#include "api/sample.h"
+
+namespace ccdt::api {
+
+/// What computing takes, told before it is begun.
+struct Cost {
+    std::size_t memory = 0;  ///< bytes at most, the answer among them; not those that the request holds itself
+    double seconds = 0;      ///< about, on one core of 2020 or so
+};
+
+/// Fitted to peaks of resident memory and to times of the whole program; `Integration.memory` holds them to it. What
+/// decides are sites, pixels, corners, the method, its iterations and passes. A halftone that leaves its sites or its
+/// scale to the picture costs as much as any picture of its size can make it.
+Cost cost_of(const HalftoneRequest& request, const Limits& limits);
+Cost cost_of(const SampleRequest& request);
+Cost cost_of(const AnalyzeRequest& request);
+
+/// Of reading a JSON body: of parse_sample and the like.
+Cost cost_of_parsing(std::string_view body);
+
+/// Bytes that a request holds while it waits.
+std::size_t size_of(const HalftoneRequest& request);
+std::size_t size_of(const SampleRequest& request);
+std::size_t size_of(const AnalyzeRequest& request);
+
+}  // namespace ccdt::api

@@ -1,0 +1,202 @@
+#include "api/cost.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include <malloc.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/api/files.h"
+
+namespace ccdt::api {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kMemoryIsOurs = false;
+#else
+constexpr bool kMemoryIsOurs = true;
+#endif
+
+constexpr double kMebibyte = 1 << 20;
+
+/// Kibibytes, by the name of the line in /proc/self/status.
+std::size_t status(const std::string& name) {
+    std::ifstream file("/proc/self/status");
+    for (std::string line; std::getline(file, line);) {
+        if (line.starts_with(name + ":")) return std::stoul(line.substr(name.size() + 1));
+    }
+    return 0;
+}
+
+/// Most bytes that a piece of work had resident at once, in a process of its own.
+double peak_of(const std::function<void()>& work) {
+    int ends[2];
+    if (pipe(ends) != 0) return -1;
+    const pid_t child = fork();
+    if (child == 0) {
+        malloc_trim(0);
+        std::ofstream("/proc/self/clear_refs") << 5;
+        const std::size_t before = status("VmRSS");
+        work();
+        const std::size_t grown = status("VmHWM") - before;
+        _exit(write(ends[1], &grown, sizeof(grown)) == sizeof(grown) ? 0 : 1);
+    }
+    close(ends[1]);
+    std::size_t grown = 0;
+    const bool told = read(ends[0], &grown, sizeof(grown)) == sizeof(grown);
+    close(ends[0]);
+    waitpid(child, nullptr, 0);
+    return told ? static_cast<double>(grown) * 1024 : -1;
+}
+
+/// The estimate is never passed, and not so high that it keeps others from being computed for nothing.
+void expect_near(const Cost& cost, double most, const std::function<void()>& work, const std::string& name) {
+    const double peak = peak_of(work);
+    const auto estimate = static_cast<double>(cost.memory);
+    EXPECT_GT(peak, 0) << name;
+    EXPECT_LT(peak, estimate) << name;
+    EXPECT_GT(peak * most + 8 * kMebibyte, estimate) << name;
+}
+
+struct SampleCase {
+    std::string name;
+    std::string body;
+    double most = 3;  ///< the estimate over what is taken
+};
+
+std::string circle(int corners) {
+    std::string text = R"("polygon":[)";
+    for (int i = 0; i < corners; ++i) {
+        const double angle = 2 * 3.141592653589793 * i / corners;
+        text += (i > 0 ? ",[" : "[") + std::to_string(std::cos(angle)) + ',' + std::to_string(std::sin(angle)) + ']';
+    }
+    return text + ']';
+}
+
+std::string grid(int side) {
+    std::string text =
+        R"("density":{"width":)" + std::to_string(side) + R"(,"height":)" + std::to_string(side) + R"(,"values":[)";
+    for (int i = 0; i < side * side; ++i) text += (i > 0 ? "," : "") + std::to_string(1 + i % 7);
+    return text + "]}";
+}
+
+class SampleCost : public testing::TestWithParam<SampleCase> {};
+
+TEST_P(SampleCost, IsNeverPassed) {
+    if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
+    const auto request = parse_sample('{' + GetParam().body + '}', "", {});
+    ASSERT_TRUE(request) << request.error().message;
+    const auto work = [&] {
+        Timings timings;
+        if (!run_sample(*request, {}, decode_inline(), {}, timings)) _exit(1);
+    };
+    expect_near(cost_of(*request), GetParam().most, work, GetParam().name);
+}
+
+const std::string kSquare = R"("domain":{"type":"rectangle","width":1,"height":1})";
+const std::string kTorus = R"("domain":{"type":"torus","width":1,"height":1})";
+
+INSTANTIATE_TEST_SUITE_P(
+    Requests, SampleCost,
+    testing::Values(SampleCase{"draft", R"("sites":100000,"quality":"draft",)" + kSquare},
+                    SampleCase{"standard", R"("sites":100000,)" + kSquare},
+                    SampleCase{"best", R"("sites":50000,"quality":"best",)" + kSquare},
+                    SampleCase{"torus", R"("sites":100000,)" + kTorus},
+                    SampleCase{"mesh", R"("sites":100000,"mesh":true,)" + kSquare},
+                    SampleCase{"start", R"("sites":100000,"iterations":0,)" + kSquare},
+                    SampleCase{"polygon", R"("sites":100000,)" + circle(100)},
+                    SampleCase{"corners", R"("sites":1000,)" + circle(60'000), 6},
+                    SampleCase{"coarse", R"("sites":60000,)" + grid(64) + ',' + kSquare},
+                    SampleCase{"fine", R"("sites":2000,)" + grid(1000) + ',' + kSquare},
+                    SampleCase{"cvt", R"("sites":10000,"method":"cvt","iterations":3,)" + kTorus},
+                    SampleCase{"odt", R"("sites":100000,"method":"odt","iterations":3,)" + kSquare},
+                    SampleCase{"ccvt", R"("sites":4096,"method":"ccvt","iterations":3,)" + kSquare},
+                    SampleCase{"random", R"("sites":200000,"method":"random",)" + kSquare}),
+    [](const auto& each) { return each.param.name; });
+
+struct HalftoneCase {
+    std::string name;
+    std::vector<TextOption> options;
+    double most = 4;
+};
+
+class HalftoneCost : public testing::TestWithParam<HalftoneCase> {};
+
+TEST_P(HalftoneCost, IsNeverPassed) {
+    if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
+    const auto request = parse_halftone(photograph("camera.png"), GetParam().options, "", {});
+    ASSERT_TRUE(request) << request.error().message;
+    const auto work = [&] {
+        Timings timings;
+        if (!run_halftone(*request, {}, decode_inline(), {}, timings)) _exit(1);
+    };
+    expect_near(cost_of(*request, {}), GetParam().most, work, GetParam().name);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Requests, HalftoneCost,
+    testing::Values(HalftoneCase{"usual", {{"scale", "2"}}, 6},
+                    HalftoneCase{"dots", {{"sites", "65536"}, {"scale", "1"}}},
+                    HalftoneCase{"draft", {{"sites", "65536"}, {"quality", "draft"}, {"scale", "1"}}},
+                    HalftoneCase{"large", {{"sites", "2000"}, {"scale", "12"}}},
+                    HalftoneCase{"smooth", {{"sites", "2000"}, {"scale", "12"}, {"antialias", "true"}}},
+                    HalftoneCase{"points", {{"sites", "65536"}, {"format", "json"}}}),
+    [](const auto& each) { return each.param.name; });
+
+TEST(AnalyzeCost, IsNeverPassed) {
+    if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
+    std::string points;
+    for (int i = 0; i < 20'000; ++i) {
+        points += (i > 0 ? ",[" : "[") + std::to_string(std::fmod(i * 0.7548776662, 1)) + ',' +
+                  std::to_string(std::fmod(i * 0.5698402910, 1)) + ']';
+    }
+    for (const auto* more : {"", R"(,"spectrum":true)", R"(,"format":"png")", R"(,"max_frequency":8)"}) {
+        const auto request = parse_analyze(R"({"points":[)" + points + "]" + more + ',' + kTorus + '}', "", {});
+        ASSERT_TRUE(request) << request.error().message;
+        const auto work = [&] {
+            Timings timings;
+            if (!run_analyze(*request, {}, timings)) _exit(1);
+        };
+        expect_near(cost_of(*request), 3, work, more);
+    }
+}
+
+TEST(ParsingCost, IsNeverPassed) {
+    if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
+    std::string rings, words, numbers, pairs;
+    for (int i = 0; i < 300'000; ++i) {
+        rings += "[],";
+        words += "\"a\",";
+        numbers += "1,";
+        pairs += "[0.123456789,0.123456789],";
+    }
+    for (const std::string& list : {rings, words, numbers, pairs, std::string(3'000'000, ' ')}) {
+        const std::string body = R"({"polygon":[)" + list + "0]}";
+        expect_near(
+            cost_of_parsing(body), 6, [&] { static_cast<void>(parse_sample(body, "", {})); }, body.substr(12, 8));
+    }
+}
+
+TEST(Cost, KnowsShortRequests) {
+    const auto seconds = [](const std::string& body) { return cost_of(*parse_sample(body, "", {})).seconds; };
+    EXPECT_LT(seconds(R"({"sites":1000,)" + kSquare + '}'), 0.02);
+    EXPECT_GT(seconds(R"({"sites":20000,)" + kSquare + '}'), 0.02);
+    EXPECT_GT(seconds(R"({"sites":1000,"iterations":1000,)" + kSquare + '}'), 0.02);
+    EXPECT_GT(seconds(R"({"sites":1000,"method":"cvt",)" + kSquare + '}'), 0.02);
+}
+
+TEST(Cost, OfAPictureIsKnownFromItsHeader) {
+    const auto memory = [](std::vector<TextOption> options) {
+        return cost_of(*parse_halftone(fixture("grey.jpg"), options, "", {}), {}).memory;
+    };
+    EXPECT_LT(memory({{"sites", "10"}, {"scale", "1"}}), std::size_t{64} << 20);
+    EXPECT_GT(memory({{"sites", "100000"}, {"scale", "1"}}), std::size_t{64} << 20);
+}
+
+}  // namespace
+}  // namespace ccdt::api
