@@ -10,13 +10,9 @@
 
 namespace ccdt::api {
 
-/// What computing takes, told before it is begun.
-struct Cost {
-    std::size_t memory = 0;  ///< bytes at most, the answer among them; not those that the request holds itself
-    double seconds = 0;      ///< about, on one core of 2020 or so
-};
-
-/// Fitted to peaks of resident memory and to times of the whole program; `Integration.memory` holds them to it. What
+/// What computing an answer takes, told before it is begun.
+///
+/// Fitted to peaks of resident memory and to times of the whole program; tests/api/cost_test.cpp holds them to it. What
 /// decides are sites, pixels, corners, the method, its iterations and passes. A halftone that leaves its sites or its
 /// scale to the picture costs as much as any picture of its size can make it.
 Cost cost_of(const HalftoneRequest& request, const Limits& limits);

@@ -29,8 +29,9 @@ private:
     bool big_endian_;
 };
 
-constexpr uint64_t kReaderBytes = uint64_t{88} << 20;  ///< of any file: the library asks for 64 MiB of rows at once
-constexpr uint64_t kRowBytes = 48;                     ///< of rows that are read, a pixel of their width
+constexpr uint64_t kReaderBytes = uint64_t{16} << 20;     ///< of any file
+constexpr uint64_t kConvertedBytes = uint64_t{64} << 20;  ///< asked for by the library if samples must be converted
+constexpr uint64_t kRowBytes = 48;                        ///< of rows that are read, a pixel of their width
 
 tl::unexpected<Error> broken() {
     return failure(ErrorCode::Unusable, "the image is broken or cut short");
@@ -102,7 +103,7 @@ constexpr std::size_t kRiffChunks = 12;  ///< where the first chunk of a WebP fi
 constexpr std::size_t kRiffHeader = 8;   ///< a chunk's name and size
 
 Result<ImageHeader> read_webp(std::string_view bytes) {
-    constexpr uint64_t kDecoderBytes = 16;  // a pixel: two canvases of an animation, its frame, lossless references
+    constexpr uint64_t kDecoderBytes = 12;  // a pixel: two canvases of an animation, its frame, lossless references
     const ByteReader reader(bytes, false);
     const std::string_view chunk = bytes.substr(std::min(kRiffChunks, bytes.size()), 4);
     const std::size_t data = kRiffChunks + kRiffHeader;
@@ -182,7 +183,7 @@ Result<ImageHeader> read_tiff(std::string_view bytes) {
     // A strip may be the whole picture: as it is stored, as it is read, and in colours of another kind.
     const uint64_t samples = std::min(directory.number(tiff::kSamplesPerPixel).value_or(1), 5U);
     const uint64_t pixel = samples * std::clamp((*bits + 7) / 8, 1U, 8U);
-    header.decoder_bytes = (header.pixels() + kMostTilePixels) * (2 * pixel + 4);
+    header.decoder_bytes = kConvertedBytes + (header.pixels() + kMostTilePixels) * (2 * pixel + 4);
     return header;
 }
 

@@ -13,6 +13,12 @@ struct Limits {
     std::size_t max_pixels = 64'000'000;  ///< of a decoded picture, and of one that is drawn
 };
 
+/// What computing takes, by estimate.
+struct Cost {
+    std::size_t memory = 0;  ///< bytes at most, the answer among them; not those that the request holds itself
+    double seconds = 0;      ///< about, on one core of 2020 or so
+};
+
 /// An option that came as text: a query parameter or a form field.
 struct TextOption {
     std::string name;

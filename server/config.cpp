@@ -7,6 +7,8 @@
 #include <string_view>
 #include <thread>
 
+#include "server/process.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -24,6 +26,7 @@ struct Draft {
     Config config;
     std::optional<std::size_t> queue;
     std::optional<std::size_t> connections;
+    std::optional<std::size_t> memory;
 };
 
 /// @returns  what was expected instead, empty if the value was taken
@@ -132,6 +135,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      [](Draft& draft, std::string_view text) { return set_whole(draft.queue.emplace(), text, 0, 4096); }},
     {"--max-body", "CCDT_MAX_BODY", "BYTES", "largest request body; KiB, MiB and GiB are understood (64MiB)",
      [](Draft& draft, std::string_view text) { return set_bytes(draft.config.max_body, text); }},
+    {"--memory", "CCDT_MEMORY", "BYTES", "memory to keep to (half of the machine's or the container's)",
+     [](Draft& draft, std::string_view text) { return set_bytes(draft.memory.emplace(), text); }},
     {"--max-pixels", "CCDT_MAX_PIXELS", "N", "most pixels of a picture, read or drawn (64000000)",
      [](Draft& draft, std::string_view text) {
          return set_whole(draft.config.limits.max_pixels, text, 1, 1'000'000'000);
@@ -220,7 +225,8 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     draft.config.queue = draft.queue.value_or(kQueuePerWorker * draft.config.workers);
     auto& capacity = draft.config.capacity;
     capacity.connections = draft.connections.value_or(kSpareConnections + draft.config.workers + draft.config.queue);
-    capacity.bytes = std::max(kTransferBytes, kBodiesAtOnce * draft.config.max_body);
+    draft.config.memory = draft.memory ? *draft.memory : available_memory() / 2;
+    capacity.bytes = std::min(std::max(kTransferBytes, kBodiesAtOnce * draft.config.max_body), draft.config.memory / 4);
     return CommandLine{CommandLine::Action::Serve, draft.config};
 }
 

@@ -27,6 +27,7 @@ struct Config {
     std::size_t workers = 1;                       ///< threads that compute
     std::size_t queue = 16;                        ///< requests that may wait for a worker
     std::size_t max_body = std::size_t{64} << 20;  ///< bytes
+    std::size_t memory = std::size_t{1} << 30;     ///< bytes, of the whole program and its decoders
     api::Limits limits;
     std::chrono::milliseconds timeout{60'000};        ///< from a request's last byte to its answer
     std::chrono::milliseconds drain_timeout{70'000};  ///< from the signal to end to the end

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -63,7 +64,8 @@ struct Response {
     std::string_view route;      ///< the path of what answered; empty: nothing did
     std::string_view cancelled;  ///< why a computation was given up: client_gone, deadline or shutdown
     std::optional<Computed> computed;
-    bool deliver = true;  ///< false: the client has left
+    std::shared_ptr<const void> lease;  ///< of memory, to be given back when the answer has been sent
+    bool deliver = true;                ///< false: the client has left
 };
 
 /// A request that is refused for the way it was sent.

@@ -27,6 +27,7 @@
 #include "server/http_server.h"
 #include "server/log.h"
 #include "server/metrics.h"
+#include "server/process.h"
 #include "server/routes.h"
 #include "server/sockets.h"
 #include "server/worker_pool.h"
@@ -124,6 +125,19 @@ api::Decode decoder_of(DecoderBox* box) {
     };
 }
 
+/// What is left for requests and what is computed for them: not what the program takes by itself, nor what is on its
+/// way to and from clients.
+Result<std::size_t> memory_to_compute_with(const Config& config) {
+    constexpr std::size_t kOthers = std::size_t{96} << 20;  // the decoder's processes, and threads to come
+    constexpr std::size_t kLeast = std::size_t{192} << 20;
+    const std::size_t taken = resident_bytes() + kOthers + config.capacity.bytes;
+    if (config.memory >= taken + kLeast) return config.memory - taken;
+    const auto mebibytes = [](std::size_t bytes) { return std::to_string(bytes >> 20) + " MiB"; };
+    return failure(ErrorCode::Malformed, "a memory of " + mebibytes(config.memory) +
+                                             " leaves too little to compute with: " + mebibytes(taken + kLeast) +
+                                             " are needed (--memory)");
+}
+
 void tell_of_box(const DecoderBox* box, const Log& log) {
     if (box == nullptr || box->filter_error() == 0) return;
     log.error(std::string("the decoder runs with limits, but its system calls cannot be filtered: ") +
@@ -152,7 +166,12 @@ int serve(const Config& config) {
         return kFailed;
     }
     allow_open_files(config.capacity.connections + kOtherFiles);
-    WorkerPool pool(config.workers, config.queue);
+    const auto memory = memory_to_compute_with(config);
+    if (!memory) {
+        log.error(memory.error().message);
+        return kFailed;
+    }
+    WorkerPool pool(config.workers, config.queue, *memory / 4 * 3);  // routes take the rest, for requests
     Metrics metrics(CCDT_VERSION);
     Routes routes(config, pool, metrics, decoder_of(box->get()));
     HttpServer server(
@@ -169,7 +188,10 @@ int serve(const Config& config) {
             log.exchange(exchange);
         });
 
-    metrics.watch([&server] { return server.connections(); });
+    metrics.watch([&] {
+        return Metrics::Watched{server.connections(), *memory, pool.memory().taken() + routes.waiting_memory().taken(),
+                                *box ? (*box)->deaths() : 0};
+    });
     const auto port = server.bind(config.bind, config.port);
     if (!port) {
         log.error(port.error().message);

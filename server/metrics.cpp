@@ -83,6 +83,10 @@ struct Metrics::Families {
     Gauge& busy = make_gauge(registry, "ccdt_workers_busy", "Threads that compute something now.");
     Gauge& overdue = make_gauge(registry, "ccdt_workers_overdue_seconds",
                                 "How long the slowest worker has gone on after it was told to stop.");
+    Gauge& budget = make_gauge(registry, "ccdt_memory_budget_bytes", "For requests and what is computed for them.");
+    Gauge& reserved = make_gauge(registry, "ccdt_memory_reserved_bytes", "Of the budget, by estimate, taken now.");
+    Counter& deaths = make_counter(registry, "ccdt_decoder_deaths_total",
+                                   "Pictures whose decoder crashed, passed a limit or gave nonsense.");
     Gauge& memory = make_gauge(registry, "process_resident_memory_bytes", "Resident memory.");
     Gauge& descriptors = make_gauge(registry, "process_open_fds", "Open file descriptors.");
     Gauge& most_descriptors = make_gauge(registry, "process_max_fds", "File descriptors that may be open.");
@@ -129,18 +133,21 @@ void Metrics::add(const Exchange& exchange) {
     all.pixels.Increment(static_cast<double>(response.computed->pixels));
 }
 
-void Metrics::watch(std::function<Capacity::Counts()> connections) {
-    connections_ = std::move(connections);
+void Metrics::watch(std::function<Watched()> figures) {
+    watched_ = std::move(figures);
 }
 
 std::string Metrics::text(const WorkerPool::Load& load) const {
     Families& all = *families_;
-    const Capacity::Counts counts = connections_();
-    all.connections.Set(static_cast<double>(counts.open));
+    const Watched watched = watched_();
+    all.connections.Set(static_cast<double>(watched.connections.open));
+    all.budget.Set(static_cast<double>(watched.memory_budget));
+    all.reserved.Set(static_cast<double>(watched.memory_reserved));
     {
         const std::lock_guard lock(all.mutex);
-        raise(all.refused_full, counts.refused);
-        raise(all.refused_address, counts.refused_by_address);
+        raise(all.refused_full, watched.connections.refused);
+        raise(all.refused_address, watched.connections.refused_by_address);
+        raise(all.deaths, watched.decoder_deaths);
     }
     all.waiting.Set(static_cast<double>(load.waiting));
     all.capacity.Set(static_cast<double>(load.capacity));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -20,8 +22,16 @@ public:
     Metrics(const Metrics&) = delete;
     Metrics& operator=(const Metrics&) = delete;
 
-    /// Has figures of connections taken from there. To be called before any thread asks for figures.
-    void watch(std::function<Capacity::Counts()> connections);
+    /// What is counted elsewhere.
+    struct Watched {
+        Capacity::Counts connections;
+        std::size_t memory_budget = 0;    ///< bytes for requests and what is computed for them
+        std::size_t memory_reserved = 0;  ///< of them
+        std::uint64_t decoder_deaths = 0;
+    };
+
+    /// Has these figures taken from there. To be called before any thread asks for figures.
+    void watch(std::function<Watched()> figures);
 
     /// A request that was answered, or whose client left.
     void add(const Exchange& exchange);
@@ -32,7 +42,7 @@ public:
 private:
     struct Families;
     const std::unique_ptr<Families> families_;
-    std::function<Capacity::Counts()> connections_ = [] { return Capacity::Counts{}; };
+    std::function<Watched()> watched_ = [] { return Watched{}; };
 };
 
 }  // namespace ccdt::server

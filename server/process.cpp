@@ -3,9 +3,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
+#include <string>
+#include <string_view>
 
 namespace ccdt::server {
 
@@ -13,6 +17,45 @@ std::size_t resident_bytes() {
     std::size_t all = 0, resident = 0;
     std::ifstream("/proc/self/statm") >> all >> resident;
     return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+namespace {
+
+constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
+
+std::size_t limit_in(const std::filesystem::path& file) {
+    std::size_t bytes = 0;
+    return std::ifstream(file) >> bytes ? bytes : kNoLimit;  // also for the word "max"
+}
+
+/// Where the control group is that limits this process' memory, below where groups are mounted; version 2's line of
+/// /proc/self/cgroup names no controllers.
+std::filesystem::path group(std::string_view controllers) {
+    std::ifstream file("/proc/self/cgroup");
+    for (std::string line; std::getline(file, line);) {
+        const auto first = line.find(':');
+        const auto second = line.find(':', first + 1);
+        if (second == std::string::npos) continue;
+        if (std::string_view(line).substr(first + 1, second - first - 1) == controllers) return line.substr(second + 1);
+    }
+    return {};
+}
+
+/// The least of a group and those around it.
+std::size_t limit_of_groups(const std::filesystem::path& root, std::string_view controllers, const char* name) {
+    std::size_t limit = limit_in(root / name);
+    auto inner = group(controllers).relative_path();
+    for (; !inner.empty(); inner = inner.parent_path()) limit = std::min(limit, limit_in(root / inner / name));
+    return limit;
+}
+
+}  // namespace
+
+std::size_t available_memory() {
+    const auto machine =
+        static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    return std::min({machine, limit_of_groups("/sys/fs/cgroup", "", "memory.max"),
+                     limit_of_groups("/sys/fs/cgroup/memory", "memory", "memory.limit_in_bytes")});
 }
 
 std::size_t open_descriptors() {

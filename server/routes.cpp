@@ -12,10 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "api/analyze.h"
-#include "api/halftone.h"
+#include "api/cost.h"
 #include "api/problem.h"
-#include "api/sample.h"
 #include "server/compression.h"
 #include "server/cors.h"
 #include "server/multipart.h"
@@ -45,7 +43,14 @@ constexpr double kLongestOverdue = 10;
 /// How long after its deadline a job may take to stop, and to write down what it has.
 constexpr std::chrono::seconds kGrace{2};
 
+/// Shorter JSON is read by the connection's own thread.
+constexpr std::size_t kQuickToParse = 8'192;
+
+/// Longer bodies are never for short jobs.
+constexpr std::size_t kLongBody = 65'536;
+
 /// A result on its way from a worker to the connection that waits for it, which may leave before it comes.
+template <class T>
 class Ticket {
 public:
     void begin() {
@@ -53,7 +58,7 @@ public:
         stages_.queue = Milliseconds(Clock::now() - submitted_).count();
     }
 
-    void finish(Result<api::Answer> result, const api::Timings& timings) {
+    void finish(Result<T> result, const api::Timings& timings) {
         const std::lock_guard lock(mutex_);
         stages_.work = timings;
         result_ = std::move(result);
@@ -66,7 +71,7 @@ public:
         return finished_.wait_until(lock, time, [this] { return result_.has_value(); });
     }
 
-    Result<api::Answer> take_result() {
+    Result<T> take_result() {
         const std::lock_guard lock(mutex_);
         return std::move(*result_);
     }
@@ -81,7 +86,7 @@ private:
 
     mutable std::mutex mutex_;  ///< guards the rest
     std::condition_variable finished_;
-    std::optional<Result<api::Answer>> result_;
+    std::optional<Result<T>> result_;
     Stages stages_;
 };
 
@@ -115,25 +120,6 @@ std::string server_timing(const Stages& stages) {
     std::snprintf(text, sizeof(text), "queue;dur=%.1f, decode;dur=%.1f, optimise;dur=%.1f, encode;dur=%.1f",
                   stages.queue, stages.work.decode, stages.work.optimise, stages.work.encode);
     return text;
-}
-
-using Work = std::function<Result<api::Answer>(const Control&, api::Timings&)>;
-
-/// The same work, whose answer is compressed in the end if the client wants it so and no stop has come: what there is
-/// by a deadline goes out as it is.
-Work compressing(Work work, const Request& request) {
-    if (!accepts_gzip(request.header("Accept-Encoding"))) return work;
-    return [work = std::move(work)](const Control& control, api::Timings& timings) -> Result<api::Answer> {
-        auto answer = work(control, timings);
-        if (!answer || !is_worth_compressing(answer->media_type, answer->body)) return answer;
-        const auto start = Clock::now();
-        if (auto compressed = gzip(answer->body, control.stop)) {
-            answer->body = std::move(*compressed);
-            answer->coding = "gzip";
-        }
-        timings.encode += Milliseconds(Clock::now() - start).count();
-        return answer;
-    };
 }
 
 Response json_response(std::string body) {
@@ -180,6 +166,7 @@ Routes::Routes(const Config& config, WorkerPool& pool, const Metrics& metrics, a
       pool_(pool),
       metrics_(metrics),
       decode_(std::move(decode)),
+      waiting_memory_(pool.memory().total() / 3),  // a quarter of both
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
 
 Response Routes::answer(const Request& request, const std::optional<Fault>& fault, Connection& connection) {
@@ -241,62 +228,101 @@ Routes::Outcome Routes::halftone(const Request& request, Connection& connection)
     auto body = read_body(request, connection);
     if (!body) return tl::unexpected(std::move(body.error()));
     const std::string type = media_type(request.header("Content-Type"));
-    if (is_json(type)) {
-        Work work = [this, body = std::move(*body), options = parse_query(request.query),
-                     accept = std::string(request.header("Accept"))](const Control& control, api::Timings& timings) {
-            return api::parse_halftone_json(body, options, accept, config_.limits).and_then([&](const auto& parsed) {
-                return api::run_halftone(parsed, config_.limits, decode_, control, timings);
-            });
-        };
-        return compute(compressing(std::move(work), request), connection);
-    }
-    auto image = std::move(*body);
     auto options = parse_query(request.query);
-    if (type == "multipart/form-data") {
-        auto form = read_form(std::move(image), request.header("Content-Type"), options);
-        if (!form) return tl::unexpected(std::move(form.error()));
-        image = std::move(*form);
+    if (is_json(type)) {
+        const auto parse = [this, options = std::move(options)](std::string_view text, std::string_view accept) {
+            return api::parse_halftone_json(text, options, accept, config_.limits)
+                .map([this](api::HalftoneRequest parsed) { return plan(std::move(parsed)); });
+        };
+        return compute_json(parse, *std::move(body), request, connection);
     }
-    auto parsed = api::parse_halftone(std::move(image), options, request.header("Accept"), config_.limits);
+    if (type == "multipart/form-data") {
+        body = read_form(*std::move(body), request.header("Content-Type"), options);
+        if (!body) return tl::unexpected(std::move(body.error()));
+    }
+    auto parsed = api::parse_halftone(*std::move(body), options, request.header("Accept"), config_.limits);
     if (!parsed) return problem(std::move(parsed.error()));
-    // Shared because functions are copied, and the picture should not be.
-    Work work = [this, shared = std::make_shared<const api::HalftoneRequest>(std::move(*parsed))](
-                    const Control& control, api::Timings& timings) {
-        return api::run_halftone(*shared, config_.limits, decode_, control, timings);
-    };
-    return compute(compressing(std::move(work), request), connection);
+    return compute(plan(*std::move(parsed)), request, connection);
 }
 
 Routes::Outcome Routes::sample(const Request& request, Connection& connection) {
-    return compute_json(
-        [this](const std::string& body, std::string_view accept, const Control& control, api::Timings& timings) {
-            return api::parse_sample(body, accept, config_.limits).and_then([&](const auto& parsed) {
-                return api::run_sample(parsed, config_.limits, decode_, control, timings);
-            });
-        },
-        request, connection);
+    const auto parse = [this](std::string_view text, std::string_view accept) {
+        return api::parse_sample(text, accept, config_.limits).map([this](api::SampleRequest parsed) {
+            return plan(std::move(parsed));
+        });
+    };
+    return compute_json(parse, request, connection);
 }
 
 Routes::Outcome Routes::analyze(const Request& request, Connection& connection) {
-    return compute_json(
-        [this](const std::string& body, std::string_view accept, const Control& control, api::Timings& timings) {
-            return api::parse_analyze(body, accept, config_.limits).and_then([&](const auto& parsed) {
-                return api::run_analyze(parsed, control, timings);
-            });
-        },
-        request, connection);
+    const auto parse = [this](std::string_view text, std::string_view accept) {
+        return api::parse_analyze(text, accept, config_.limits).map([](api::AnalyzeRequest parsed) {
+            return plan(std::move(parsed));
+        });
+    };
+    return compute_json(parse, request, connection);
+}
+
+// Requests are shared because functions are copied, and pictures should not be.
+
+Routes::Plan Routes::plan(api::HalftoneRequest request) const {
+    const auto cost = api::cost_of(request, config_.limits);
+    const std::size_t size = api::size_of(request);
+    return {cost, size,
+            [this, shared = std::make_shared<const api::HalftoneRequest>(std::move(request))](const Control& control,
+                                                                                              api::Timings& timings) {
+                return api::run_halftone(*shared, config_.limits, decode_, control, timings);
+            }};
+}
+
+Routes::Plan Routes::plan(api::SampleRequest request) const {
+    const auto cost = api::cost_of(request);
+    const std::size_t size = api::size_of(request);
+    return {cost, size,
+            [this, shared = std::make_shared<const api::SampleRequest>(std::move(request))](const Control& control,
+                                                                                            api::Timings& timings) {
+                return api::run_sample(*shared, config_.limits, decode_, control, timings);
+            }};
+}
+
+Routes::Plan Routes::plan(api::AnalyzeRequest request) {
+    const auto cost = api::cost_of(request);
+    const std::size_t size = api::size_of(request);
+    return {cost, size,
+            [shared = std::make_shared<const api::AnalyzeRequest>(std::move(request))](
+                const Control& control, api::Timings& timings) { return api::run_analyze(*shared, control, timings); }};
 }
 
 /// For paths whose options are members of a JSON body.
-Routes::Outcome Routes::compute_json(JsonWork work, const Request& request, Connection& connection) {
+Routes::Outcome Routes::compute_json(const Parse& parse, const Request& request, Connection& connection) {
     const std::string type = media_type(request.header("Content-Type"));
     if (!may_hold_json(type)) return problem(415, "the body must be application/json, not " + type);
     if (!request.query.empty()) return problem(400, "the options of this path are members of the JSON body");
     auto body = read_body(request, connection);
     if (!body) return tl::unexpected(std::move(body.error()));
-    Work whole = [work = std::move(work), body = std::move(*body), accept = std::string(request.header("Accept"))](
-                     const Control& control, api::Timings& timings) { return work(body, accept, control, timings); };
-    return compute(compressing(std::move(whole), request), connection);
+    return compute_json(parse, *std::move(body), request, connection);
+}
+
+/// What a body asks for costs is known once it is read, which a worker does unless it is short.
+Routes::Outcome Routes::compute_json(const Parse& parse, std::string body, const Request& request,
+                                     Connection& connection) {
+    const auto accept = request.header("Accept");
+    if (body.size() <= kQuickToParse) {
+        auto plan = parse(body, accept);
+        if (!plan) return problem(std::move(plan.error()));
+        return compute(*std::move(plan), request, connection);
+    }
+    const std::size_t size = body.size();
+    const auto cost = api::cost_of_parsing(body);
+    Stages stages;
+    auto plan = have_done<Plan>(
+        cost, size,
+        [&parse, accept, shared = std::make_shared<const std::string>(std::move(body))](const Control&, api::Timings&) {
+            return parse(*shared, accept);
+        },
+        connection, Clock::now() + config_.timeout, stages);
+    if (!plan) return tl::unexpected(std::move(plan.error()));
+    return compute(*std::move(plan), request, connection, stages.queue);
 }
 
 /// The picture of a form; its other fields are added to the options.
@@ -327,25 +353,53 @@ tl::expected<std::string, Routes::Problem> Routes::read_body(const Request& requ
     if (!encoding.empty() && !equals_ignoring_case(encoding, "identity"))
         return problem(415, "a Content-Encoding is not understood; send the body as it is");
     if (draining_) return busy(503, "the server is shutting down");
-    if (pool_.is_full(connection.client_name())) return busy(429, "too many requests are waiting");
+    const bool may_be_short = request.content_length.value_or(kLongBody) < kLongBody;
+    if (pool_.is_full(connection.client_name(), may_be_short)) return busy(429, "too many requests are waiting");
     auto body = connection.read_body(request, config_.max_body);
     if (!body) return problem(std::move(body.error()));
     return std::move(*body);
 }
 
-/// Has a worker do it, and waits: for the result, the deadline or the client's leaving.
-Routes::Outcome Routes::compute(Work work, Connection& connection) {
-    const auto deadline = Clock::now() + config_.timeout;
-    const auto ticket = std::make_shared<Ticket>();
-    const auto job = pool_.submit(connection.client_name(), [ticket, work = std::move(work)](std::stop_token stop) {
-        ticket->begin();
-        api::Timings timings;
-        try {
-            ticket->finish(work(Control{std::move(stop), {}}, timings), timings);
-        } catch (const std::exception& exception) {
-            ticket->finish(failure(ErrorCode::Internal, exception.what()), timings);
+/// The same work, whose answer is compressed in the end if no stop has come: what there is by a deadline goes out as it
+/// is.
+Routes::Work Routes::compressing(Work work) {
+    return [work = std::move(work)](const Control& control, api::Timings& timings) -> Result<api::Answer> {
+        auto answer = work(control, timings);
+        if (!answer || !is_worth_compressing(answer->media_type, answer->body)) return answer;
+        const auto start = Clock::now();
+        if (auto compressed = gzip(answer->body, control.stop)) {
+            answer->body = std::move(*compressed);
+            answer->coding = "gzip";
         }
-    });
+        timings.encode += Milliseconds(Clock::now() - start).count();
+        return answer;
+    };
+}
+
+/// Has a worker do it, and waits: for the result, the deadline or the client's leaving.
+///
+/// @param held    bytes that the request holds until it is done
+/// @param stages  filled as far as it came
+template <class T>
+tl::expected<T, Routes::Problem> Routes::have_done(const api::Cost& cost, std::size_t held, Job<T> work,
+                                                   Connection& connection, Clock::time_point deadline, Stages& stages) {
+    if (cost.memory > pool_.memory().total() || held > waiting_memory_.total()) return too_large(cost.memory + held);
+    auto lease = waiting_memory_.take(held);
+    if (!lease) return busy(429, "too many large requests are waiting");
+    const auto ticket = std::make_shared<Ticket<T>>();
+    const auto job = pool_.submit(
+        connection.client_name(),
+        [ticket, work = std::move(work),
+         lease = std::make_shared<MemoryBudget::Lease>(*std::move(lease))](std::stop_token stop) {
+            ticket->begin();
+            api::Timings timings;
+            try {
+                ticket->finish(work(Control{std::move(stop), {}}, timings), timings);
+            } catch (const std::exception& exception) {
+                ticket->finish(failure(ErrorCode::Internal, exception.what()), timings);
+            }
+        },
+        cost);
     if (!job) return busy(429, "too many requests are waiting");
 
     const auto give_up = [&](tl::unexpected<Problem> reason) {
@@ -378,16 +432,40 @@ Routes::Outcome Routes::compute(Work work, Connection& connection) {
     auto result = ticket->take_result();
     if (!result && result.error().code == ErrorCode::Stopped) return give_up(too_slow());
     if (!result) return give_up(problem(std::move(result.error())));
+    stages = ticket->stages();
+    return *std::move(result);
+}
+
+/// An answer, and its part of the memory that computing it had.
+struct Routes::Product {
+    api::Answer answer;
+    MemoryBudget::Lease lease;
+};
+
+/// @param waited  milliseconds in the queue so far
+Routes::Outcome Routes::compute(Plan plan, const Request& request, Connection& connection, double waited) {
+    if (accepts_gzip(request.header("Accept-Encoding"))) plan.work = compressing(std::move(plan.work));
+    Job<Product> job = [this, work = std::move(plan.work)](const Control& control, api::Timings& timings) {
+        return work(control, timings).map([this](api::Answer answer) {
+            const std::size_t size = answer.body.size();
+            return Product{std::move(answer), pool_.memory().hold(size)};
+        });
+    };
     Response response;
-    response.media_type = std::move(result->media_type);
-    response.body = std::move(result->body);
-    response.coding = std::move(result->coding);
-    response.computed = Computed{result->sites, result->pixels};
-    if (result->partial) {
+    auto product =
+        have_done(plan.cost, plan.size, std::move(job), connection, Clock::now() + config_.timeout, response.stages);
+    if (!product) return tl::unexpected(std::move(product.error()));
+    api::Answer& answer = product->answer;
+    response.stages.queue += waited;
+    response.media_type = std::move(answer.media_type);
+    response.body = std::move(answer.body);
+    response.coding = std::move(answer.coding);
+    response.computed = Computed{answer.sites, answer.pixels};
+    response.lease = std::make_shared<MemoryBudget::Lease>(std::move(product->lease));
+    if (answer.partial) {
         response.headers.push_back({"X-Partial", "deadline"});
         response.cancelled = "deadline";
     }
-    response.stages = ticket->stages();
     return response;
 }
 
@@ -422,6 +500,13 @@ tl::unexpected<Routes::Problem> Routes::busy(int status, std::string message) co
     auto refused = problem(status, std::move(message));
     refused.value().headers.push_back({"Retry-After", std::to_string(pool_.backlog().count())});
     return refused;
+}
+
+tl::unexpected<Routes::Problem> Routes::too_large(std::size_t bytes) const {
+    const auto mebibytes = [](std::size_t size) { return std::to_string((size >> 20) + 1) + " MiB"; };
+    return problem(413, "this would take about " + mebibytes(bytes) + " of memory; of this server's limit (memory) " +
+                            mebibytes(pool_.memory().total()) + " are for computing and " +
+                            mebibytes(waiting_memory_.total()) + " for requests");
 }
 
 tl::unexpected<Routes::Problem> Routes::too_slow() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -8,13 +9,17 @@
 #include <string_view>
 #include <vector>
 
+#include "api/analyze.h"
+#include "api/halftone.h"
 #include "api/image_codec.h"
 #include "api/options.h"
+#include "api/sample.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 #include "server/config.h"
 #include "server/connection.h"
 #include "server/http.h"
+#include "server/memory_budget.h"
 #include "server/metrics.h"
 #include "server/worker_pool.h"
 
@@ -26,11 +31,15 @@ int http_status(ErrorCode code);
 /// Maps paths and methods to what answers them. May be used from any thread.
 class Routes {
 public:
-    /// The pool and the metrics must outlive the routes, and so must what `decode` refers to.
+    /// The pool and the metrics must outlive the routes, and so must what `decode` refers to. Requests may take a third
+    /// of the memory that the pool has for jobs, besides that.
     Routes(const Config& config, WorkerPool& pool, const Metrics& metrics, api::Decode decode);
 
     /// Answers anything that came over a connection; a fault is answered as what it says.
     Response answer(const Request& request, const std::optional<Fault>& fault, Connection& connection);
+
+    /// That requests hold until they are done, besides what the pool's jobs take.
+    const MemoryBudget& waiting_memory() const { return waiting_memory_; }
 
     /// From now on nothing new is computed.
     void drain() { draining_ = true; }
@@ -59,12 +68,24 @@ private:
     };
     static const Route kRoutes[];
 
-    /// What a worker does for a request.
-    using Work = std::function<Result<api::Answer>(const Control&, api::Timings&)>;
+    using Clock = std::chrono::steady_clock;
 
-    /// The same, from a JSON body and what the client accepts.
-    using JsonWork =
-        std::function<Result<api::Answer>(const std::string&, std::string_view, const Control&, api::Timings&)>;
+    /// What a worker does.
+    template <class T>
+    using Job = std::function<Result<T>(const Control&, api::Timings&)>;
+    using Work = Job<api::Answer>;
+
+    /// A request that is understood.
+    struct Plan {
+        api::Cost cost;
+        std::size_t size = 0;  ///< bytes that it holds
+        Work work;
+    };
+
+    /// Understands a JSON body, for a client that accepts certain types.
+    using Parse = std::function<Result<Plan>(std::string_view body, std::string_view accept)>;
+
+    struct Product;
 
     static tl::unexpected<Problem> problem(int status, std::string message, std::string field = {});
     static tl::unexpected<Problem> problem(Error error);
@@ -82,11 +103,20 @@ private:
     Response preflight(std::string_view allow, const Request& request) const;
     tl::unexpected<Problem> busy(int status, std::string message) const;
     tl::unexpected<Problem> too_slow() const;
+    tl::unexpected<Problem> too_large(std::size_t bytes) const;
     tl::expected<std::string, Problem> read_body(const Request& request, Connection& connection) const;
     static tl::expected<std::string, Problem> read_form(std::string body, std::string_view content_type,
                                                         std::vector<api::TextOption>& options);
-    Outcome compute(Work work, Connection& connection);
-    Outcome compute_json(JsonWork work, const Request& request, Connection& connection);
+    Plan plan(api::HalftoneRequest request) const;
+    Plan plan(api::SampleRequest request) const;
+    static Plan plan(api::AnalyzeRequest request);
+    static Work compressing(Work work);
+    template <class T>
+    tl::expected<T, Problem> have_done(const api::Cost& cost, std::size_t held, Job<T> work, Connection& connection,
+                                       Clock::time_point deadline, Stages& stages);
+    Outcome compute(Plan plan, const Request& request, Connection& connection, double waited = 0);
+    Outcome compute_json(const Parse& parse, const Request& request, Connection& connection);
+    Outcome compute_json(const Parse& parse, std::string body, const Request& request, Connection& connection);
 
     std::string request_id(const Request& request);
     Response describe(Problem problem, const std::string& id) const;
@@ -97,6 +127,7 @@ private:
     WorkerPool& pool_;
     const Metrics& metrics_;
     const api::Decode decode_;
+    MemoryBudget waiting_memory_;  ///< of requests; apart, lest those that wait leave nothing to those that run
     std::atomic<bool> draining_ = false;
     std::atomic<bool> abandoned_ = false;
     std::atomic<std::uint64_t> requests_ = 0;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -15,16 +16,23 @@
 #include <thread>
 #include <vector>
 
+#include "api/options.h"
+#include "server/memory_budget.h"
+
 namespace ccdt::server {
 
 /// A fixed number of threads that do all computing, behind a queue that can say no.
 ///
-/// Clients take turns: each one's first waiting job goes before any one's second, whenever they came, and a client
-/// without a waiting job is let in even where others have filled the queue, until it is twice as long. So a hundred
-/// jobs of one client keep another's only one waiting no longer than those that run.
+/// Clients take turns by what their jobs are expected to cost: who has had less goes first, whenever the jobs came, and
+/// a client without a waiting job is let in even where others have filled the queue, until it is twice as long. So a
+/// hundred jobs of one client keep another's only one waiting no longer than those that run. Short jobs do not even
+/// wait for those: they have a queue of their own, and one thread more that does nothing else once all are busy.
+///
+/// A job begins only when the memory it is expected to take is there; until then those behind it wait, too, lest it
+/// never be.
 ///
 /// All members may be called from any thread, jobs included.
-/// Source: Goyal, Vin, Cheng 1996, Start-time fair queuing, every job costing the same.
+/// Source: Goyal, Vin, Cheng 1996, Start-time fair queuing.
 class WorkerPool {
 public:
     /// Whoever submits a job keeps its result; a job that throws is dropped.
@@ -37,17 +45,21 @@ public:
 
     struct Load {
         std::size_t workers = 0;
-        std::size_t busy = 0;        ///< of them
+        std::size_t busy = 0;        ///< threads; one more than workers while a short job passes the others
         std::size_t waiting = 0;     ///< jobs
         std::size_t capacity = 0;    ///< jobs that may wait
         double oldest_seconds = 0;   ///< that a job has waited
-        double backlog_seconds = 0;  ///< until those that wait are done, at the pace of late; 0 if none waits
+        double backlog_seconds = 0;  ///< until those that wait are done, at the pace of late
         double overdue_seconds = 0;  ///< that a job has gone on after it was cancelled
     };
 
+    /// Seconds that a short job is expected to take at most.
+    static constexpr double kShort = 0.02;
+
     /// @param workers   >= 1
-    /// @param capacity  jobs that may wait while all workers are busy
-    WorkerPool(std::size_t workers, std::size_t capacity);
+    /// @param capacity  jobs, short ones or others, that may wait while all workers are busy
+    /// @param memory    bytes that jobs may take at the same time
+    WorkerPool(std::size_t workers, std::size_t capacity, std::size_t memory = std::numeric_limits<std::size_t>::max());
 
     /// Tells running jobs to stop and drops those that wait; `drain` first to have all of them done.
     ~WorkerPool();
@@ -56,14 +68,20 @@ public:
     WorkerPool& operator=(const WorkerPool&) = delete;
 
     /// @param client  whose turn it takes; any name
+    /// @param cost    expected; memory at most what jobs may take
     /// @returns       none: the queue is full
-    std::optional<JobId> submit(const std::string& client, Job job);
+    std::optional<JobId> submit(const std::string& client, Job job, const api::Cost& cost = {0, 1});
 
     /// A waiting job is forgotten, a running one has its stop token set; any other id does nothing.
     Cancelled cancel(JobId id);
 
-    /// A job that the client submits now would be refused.
-    bool is_full(std::string_view client) const;
+    /// A job that the client submits now would be refused, whatever it costs or, if so much is known, one that is not
+    /// short.
+    bool is_full(std::string_view client, bool may_be_short = true) const;
+
+    /// Of which running jobs take their part.
+    MemoryBudget& memory() { return memory_; }
+    const MemoryBudget& memory() const { return memory_; }
 
     /// Returns once every job that was submitted is done.
     void drain();
@@ -77,34 +95,44 @@ private:
     struct Waiting {
         JobId id = 0;
         std::string client;
-        std::uint64_t turn = 0;
+        api::Cost cost;
+        double turn = 0;  ///< seconds that its client will have had before it
         Clock::time_point came;
         Job job;
     };
     struct Running {
         std::stop_source stop;
+        double expected = 0;  ///< seconds
         Clock::time_point started;
         std::optional<Clock::time_point> cancelled = {};
     };
 
-    void work(const std::stop_token& closing);
+    enum class Lane { Any, Short };
+    using Queue = std::deque<Waiting>;
+
+    void work(Lane lane, const std::stop_token& closing);
     static void run(const Job& job, const std::stop_token& stop);
-    bool is_full_locked(std::string_view client) const;
-    std::uint64_t next_turn_locked(std::string_view client) const;
-    Waiting take_next_locked();
-    double expected_seconds_locked() const;
+    bool has_room_locked(std::string_view client, bool is_short) const;
+    double take_turn_locked(const std::string& client, double seconds);
+    Queue::iterator find_next_locked(Lane lane);
+    Waiting start_locked(Queue::iterator next);
+    void finish_locked(JobId id);
+    double waiting_seconds_locked() const;
 
     const std::size_t worker_count_;
     const std::size_t capacity_;
 
-    mutable std::mutex mutex_;  ///< guards the members from here to `average_seconds_`
+    MemoryBudget memory_;
+
+    mutable std::mutex mutex_;  ///< guards the members from here to `pace_`
     std::condition_variable_any job_waits_;
     std::condition_variable idle_;
-    std::deque<Waiting> waiting_;  ///< in the order in which they came
-    std::uint64_t turn_ = 0;       ///< of the job that began last
+    Queue waiting_;                                   ///< in the order in which they came
+    double turn_ = 0;                                 ///< the latest of a job that began
+    std::map<std::string, double, std::less<>> had_;  ///< seconds by client, of those that had more than `turn_`
     std::map<JobId, Running> running_;
     JobId last_id_ = 0;
-    double average_seconds_ = 0;  ///< of a job, the last ones weighing most; 0 before the first
+    double pace_ = 1;  ///< time that jobs take over what was expected, the last ones weighing most
 
     std::vector<std::jthread> workers_;  ///< last: they use all the rest
 };

@@ -18,6 +18,7 @@ from raw import AT_ONCE, MOST_MEMORY, SANITIZED, Memory, Raw, crowd, ping, statu
 
 GREY = file_of(flat(128))
 RECTANGLE = {"type": "rectangle", "width": 2, "height": 1}
+LONG = b"x" * 70_000  # too long for the queue of short requests
 ENDLESS = json.dumps({"sites": 100_000, "iterations": 1000, "domain": RECTANGLE})
 HALFTONE = b"POST /halftone?sites=10&scale=1 HTTP/1.1\r\nHost: h\r\n"
 
@@ -175,11 +176,12 @@ class Connections(HostileCase):
     def test_an_unread_body_is_no_request(self):
         with Server("--workers=1", "--queue=0", "--timeout=300") as server:
             busy = Call(server.url("/sample"), "--header", "Content-Type: application/json", data=ENDLESS)
-            while ask(server, "/halftone?nonsense=1", data=b"x").status != 429:
+            while ask(server, "/halftone?nonsense=1", data=LONG).status != 429:
                 pass
             hidden = b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n"
             with Raw(server) as raw:
-                raw.send(HALFTONE + b"Content-Length: %d\r\n\r\n" % len(hidden) + hidden * 2)
+                count = len(LONG) // len(hidden)
+                raw.send(HALFTONE + b"Content-Length: %d\r\n\r\n" % (count * len(hidden)) + hidden * (count + 1))
                 self.assertEqual(statuses(raw.rest()), [429])
             busy.abandon()
 
@@ -228,11 +230,11 @@ class Connections(HostileCase):
     def test_a_client_that_leaves_is_noticed(self):
         with Server("--workers=1", "--queue=0", "--timeout=300") as server:
             call = Call(server.url("/sample"), "--header", "Content-Type: application/json", data=ENDLESS)
-            while ask(server, "/halftone?nonsense=1", data=b"x").status != 429:
+            while ask(server, "/halftone?nonsense=1", data=LONG).status != 429:
                 pass
             call.abandon()
             server.wait_for_log(" 499 ")
-            while ask(server, "/halftone?nonsense=1", data=b"x").status == 429:
+            while ask(server, "/halftone?nonsense=1", data=LONG).status == 429:
                 pass
 
     def test_stopping_waits_for_no_idle_connection(self):

@@ -28,8 +28,11 @@ def start(server, body, count):
 
 
 def probe(server):
-    """Asks for something that is refused before it reaches a worker: 429 if the queue is full, else 400."""
-    return ask(server, "/halftone?nonsense=1", data=b"x")
+    """Asks for something that is refused before it reaches a worker: 429 if the queue is full, else 400.
+
+    Its body is too long for the queue of short requests.
+    """
+    return ask(server, "/halftone?nonsense=1", data=b"x" * 70_000)
 
 
 def wait_until(server, status):
@@ -98,7 +101,6 @@ class Deadline(unittest.TestCase):
                 answer = ask(server, "/halftone?sites=10", data=file_of(flat(9)))
             self.assertEqual(answer.status, 200)
 
-
     def test_what_there_is_by_then_is_sent_if_asked_for(self):
         # Quickly begun, and longer than any test.
         endless = {"sites": 5000, "iterations": 1000, "passes": 100, "domain": RECTANGLE}
@@ -127,7 +129,7 @@ class Fairness(unittest.TestCase):
         with Server("--workers=1", "--queue=6", "--timeout=300") as server:
             calls = start(server, SHORT, 7)
             wait_until(server, 429)
-            other = Call(server.url("/halftone?sites=10&scale=1"), "--interface", "127.0.0.2", data=file_of(flat(9)))
+            other = Call(server.url("/sample"), *JSON, "--interface", "127.0.0.2", data=SHORT)
             self.assertEqual(other.answer().status, 200)
             waiting = sum(call.process.poll() is None for call in calls)
             self.assertGreaterEqual(waiting, 5)
@@ -202,7 +204,6 @@ class Stopping(unittest.TestCase):
             server.signal()
             self.assertEqual(server.wait(), 128 + signal.SIGTERM)
             calls[0].abandon()
-
 
     def test_it_ends_in_time_whatever_is_not_done(self):
         with Server("--workers=1", "--queue=1", "--timeout=300", "--drain-timeout=3") as server:

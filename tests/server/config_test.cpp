@@ -91,10 +91,10 @@ TEST(Config, ReadsTheEnvironment) {
 }
 
 TEST(Config, ReadsWhatKeepsClientsInBounds) {
-    const auto parsed =
-        parse({"--header-timeout=1", "--body-timeout=2", "--idle-timeout=0.5", "--max-connections=7",
-               "--max-connections-per-address=0", "--max-body=1GiB", "--cors-origin=https://a.example,http://b:81",
-               "--api-key-file=keys", "--rate-limit=0.5", "--rate-burst=3"});
+    const auto parsed = parse({"--header-timeout=1", "--body-timeout=2", "--idle-timeout=0.5", "--max-connections=7",
+                               "--max-connections-per-address=0", "--max-body=1GiB", "--memory=100GiB",
+                               "--cors-origin=https://a.example,http://b:81", "--api-key-file=keys", "--rate-limit=0.5",
+                               "--rate-burst=3"});
     ASSERT_TRUE(parsed) << parsed.error().message;
     const Config& config = parsed->config;
     EXPECT_EQ(config.patience.header, std::chrono::seconds(1));
@@ -103,6 +103,7 @@ TEST(Config, ReadsWhatKeepsClientsInBounds) {
     EXPECT_EQ(config.capacity.connections, 7u);
     EXPECT_EQ(config.capacity.per_address, 0u);
     EXPECT_EQ(config.capacity.bytes, std::size_t{4} << 30);
+    EXPECT_EQ(config.memory, std::size_t{100} << 30);
     EXPECT_EQ(config.cors_origins, (std::vector<std::string>{"https://a.example", "http://b:81"}));
     EXPECT_EQ(config.api_key_file, "keys");
     EXPECT_EQ(config.rate.per_second, 0.5);

@@ -84,16 +84,22 @@ TEST(Metrics, ShowsThePoolAndTheProcess) {
     EXPECT_NEAR(value(text, "process_start_time_seconds"), static_cast<double>(std::time(nullptr)), 60);
 }
 
-TEST(Metrics, CountsConnectionsAsTheyStand) {
+TEST(Metrics, TellsWhatIsCountedElsewhere) {
     Metrics metrics("1");
-    Capacity::Counts counts{.open = 5, .refused = 2, .refused_by_address = 0};
-    metrics.watch([&] { return counts; });
+    Metrics::Watched watched{.connections = {.open = 5, .refused = 2, .refused_by_address = 0},
+                             .memory_budget = 1000,
+                             .memory_reserved = 100,
+                             .decoder_deaths = 3};
+    metrics.watch([&] { return watched; });
     EXPECT_EQ(value(metrics.text({}), "ccdt_connections_open"), 5);
-    counts = {.open = 4, .refused = 7, .refused_by_address = 1};
+    watched.connections = {.open = 4, .refused = 7, .refused_by_address = 1};
     const std::string text = metrics.text({});
     EXPECT_EQ(value(text, "ccdt_connections_open"), 4);
     EXPECT_EQ(value(text, R"(ccdt_connections_refused_total{reason="full"})"), 7);
     EXPECT_EQ(value(text, R"(ccdt_connections_refused_total{reason="address"})"), 1);
+    EXPECT_EQ(value(text, "ccdt_memory_budget_bytes"), 1000);
+    EXPECT_EQ(value(text, "ccdt_memory_reserved_bytes"), 100);
+    EXPECT_EQ(value(text, "ccdt_decoder_deaths_total"), 3);
 }
 
 TEST(Metrics, LosesNothingOnManyThreads) {

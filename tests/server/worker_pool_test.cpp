@@ -12,6 +12,9 @@ namespace ccdt::server {
 namespace {
 
 const std::string kClient = "client";
+constexpr bool kMayBeShort = false;
+constexpr api::Cost kShortJob{0, WorkerPool::kShort};
+constexpr api::Cost kLongJob{0, 1};
 
 /// A job that runs until it is let go.
 class Gate {
@@ -54,10 +57,10 @@ TEST(WorkerPool, RefusesWhatItsQueueCannotHold) {
     WorkerPool pool(1, 2);
     ASSERT_TRUE(pool.submit(kClient, gate.job()));
     gate.wait_until_started();
-    EXPECT_FALSE(pool.is_full(kClient));
+    EXPECT_FALSE(pool.is_full(kClient, kMayBeShort));
     EXPECT_TRUE(pool.submit(kClient, count));
     EXPECT_TRUE(pool.submit(kClient, count));
-    EXPECT_TRUE(pool.is_full(kClient));
+    EXPECT_TRUE(pool.is_full(kClient, kMayBeShort));
     EXPECT_FALSE(pool.submit(kClient, count));
     gate.open();
     pool.drain();
@@ -101,9 +104,9 @@ TEST(WorkerPool, ForgetsAWaitingJob) {
     gate.wait_until_started();
     const auto id = pool.submit(kClient, [&](const std::stop_token&) { ran = true; });
     ASSERT_TRUE(id);
-    EXPECT_TRUE(pool.is_full(kClient));
+    EXPECT_TRUE(pool.is_full(kClient, kMayBeShort));
     EXPECT_EQ(pool.cancel(*id), WorkerPool::Cancelled::Queued);
-    EXPECT_FALSE(pool.is_full(kClient));
+    EXPECT_FALSE(pool.is_full(kClient, kMayBeShort));
     gate.open();
     pool.drain();
     EXPECT_FALSE(ran);
@@ -187,7 +190,7 @@ TEST(WorkerPool, GivesNoCreditForTurnsThatWereNotTaken) {
     for (int i = 0; i < 2; ++i) ASSERT_TRUE(pool.submit("a", note("a")));
     first.open();
     pool.drain();
-    EXPECT_EQ(order, "aaababa");
+    EXPECT_EQ(order, "aaabbaa") << "the job that runs counts as had";
 }
 
 TEST(WorkerPool, LetsNewcomersIntoAFullQueue) {
@@ -198,15 +201,126 @@ TEST(WorkerPool, LetsNewcomersIntoAFullQueue) {
     gate.wait_until_started();
     EXPECT_TRUE(pool.submit("a", nothing));
     EXPECT_TRUE(pool.submit("a", nothing));
-    EXPECT_TRUE(pool.is_full("a"));
+    EXPECT_TRUE(pool.is_full("a", kMayBeShort));
     EXPECT_FALSE(pool.submit("a", nothing));
-    EXPECT_FALSE(pool.is_full("b"));
+    EXPECT_FALSE(pool.is_full("b", kMayBeShort));
     EXPECT_TRUE(pool.submit("b", nothing));
     EXPECT_FALSE(pool.submit("b", nothing));
     EXPECT_TRUE(pool.submit("c", nothing));
     EXPECT_FALSE(pool.submit("d", nothing));
     gate.open();
     pool.drain();
+}
+
+TEST(WorkerPool, LetsClientsTakeTurnsByWhatTheirJobsCost) {
+    Gate gate;
+    std::string order;
+    WorkerPool pool(1, 20);
+    ASSERT_TRUE(pool.submit("first", gate.job()));
+    gate.wait_until_started();
+    const auto submit = [&](const std::string& client, double seconds) {
+        EXPECT_TRUE(pool.submit(client, [&order, client](const std::stop_token&) { order += client; }, {0, seconds}));
+    };
+    for (int i = 0; i < 3; ++i) submit("a", 3);
+    for (int i = 0; i < 7; ++i) submit("b", 1);
+    gate.open();
+    pool.drain();
+    EXPECT_EQ(order, "abbbabbbab");
+}
+
+TEST(WorkerPool, LetsShortJobsPassLongOnes) {
+    Gate gate, longer;
+    std::promise<void> done;
+    WorkerPool pool(1, 1);
+    ASSERT_TRUE(pool.submit("a", gate.job(), kLongJob));
+    gate.wait_until_started();
+    ASSERT_TRUE(pool.submit("a", longer.job(), kLongJob));
+    EXPECT_TRUE(pool.is_full("a", kMayBeShort));
+    EXPECT_FALSE(pool.is_full("a"));
+    EXPECT_FALSE(pool.submit(
+        "a", [](const std::stop_token&) {}, kLongJob));
+    ASSERT_TRUE(pool.submit(
+        "a", [&](const std::stop_token&) { done.set_value(); }, kShortJob));
+    done.get_future().wait();
+    gate.open();
+    longer.open();
+    pool.drain();
+}
+
+TEST(WorkerPool, KeepsOneThreadForShortJobs) {
+    Gate first, second, shorter;
+    std::atomic<bool> ran = false;
+    WorkerPool pool(2, 2);
+    ASSERT_TRUE(pool.submit("a", first.job(), kLongJob));
+    ASSERT_TRUE(pool.submit("b", second.job(), kLongJob));
+    first.wait_until_started();
+    second.wait_until_started();
+    ASSERT_TRUE(pool.submit(
+        "c", [&](const std::stop_token&) { ran = true; }, kLongJob));
+    ASSERT_TRUE(pool.submit("d", shorter.job(), kShortJob));
+    shorter.wait_until_started();
+    EXPECT_EQ(pool.load().busy, 3U);
+    EXPECT_FALSE(ran);
+    for (Gate* gate : {&shorter, &first, &second}) gate->open();
+    pool.drain();
+    EXPECT_TRUE(ran);
+}
+
+TEST(WorkerPool, BeginsAJobOnlyWhenItsMemoryIsThere) {
+    constexpr std::size_t kMemory = 100;
+    Gate large;
+    std::atomic<std::size_t> seen = 0;
+    WorkerPool pool(4, 10, kMemory);
+    ASSERT_TRUE(pool.submit("a", large.job(), {60, 1}));
+    large.wait_until_started();
+    EXPECT_EQ(pool.memory().taken(), 60U);
+    const auto note = [&](const std::stop_token&) {
+        seen = std::max<std::size_t>(seen, pool.memory().taken());
+        EXPECT_LE(pool.memory().taken(), kMemory);
+    };
+    for (int i = 0; i < 8; ++i) ASSERT_TRUE(pool.submit("b", note, {50, 1}));
+    EXPECT_EQ(seen, 0U);
+    large.open();
+    pool.drain();
+    EXPECT_GE(seen, 50U);
+    EXPECT_EQ(pool.memory().taken(), 0U);
+}
+
+TEST(WorkerPool, GoesOnWhenMemoryHeldElsewhereComesBack) {
+    std::promise<void> done;
+    WorkerPool pool(1, 10, 100);
+    auto lease = std::make_optional(pool.memory().hold(70));
+    ASSERT_TRUE(pool.submit("a", [&](const std::stop_token&) { done.set_value(); }, {50, 1}));
+    auto ran = done.get_future();
+    EXPECT_EQ(pool.load().waiting, 1U);
+    lease.reset();
+    ran.wait();
+    pool.drain();
+}
+
+TEST(MemoryBudget, GivesNoMoreThanItHas) {
+    int told = 0;
+    MemoryBudget budget(100);
+    budget.on_return([&] { ++told; });
+    auto first = budget.take(60);
+    ASSERT_TRUE(first);
+    EXPECT_FALSE(budget.take(41));
+    EXPECT_FALSE(budget.take(std::numeric_limits<std::size_t>::max()));
+    auto second = budget.take(40);
+    ASSERT_TRUE(second);
+    {
+        const auto held = budget.hold(10);
+        EXPECT_EQ(budget.taken(), 110U);
+        EXPECT_FALSE(budget.take(1));
+    }
+    MemoryBudget::Lease moved = *std::move(first);
+    first.reset();
+    EXPECT_EQ(budget.taken(), 100U);
+    EXPECT_EQ(told, 1);
+    moved = {};
+    second.reset();
+    EXPECT_EQ(budget.taken(), 0U);
+    EXPECT_EQ(told, 3);
 }
 
 }  // namespace
