@@ -133,7 +133,8 @@ Cost cost_of(const AnalyzeRequest& request) {
     constexpr double kPlot = 32 << 20;
     const Estimate transforms{cells * 360, cells * sets * 0.4 * kMicrosecond};
     const Estimate others{points * sets * 64, points * sets * kMicrosecond};
-    const Estimate plot{request.format == AnalyzeFormat::Json ? 0 : kPlot, 0};
+    const Estimate plot{request.format == AnalyzeFormat::Json ? 0 : kPlot,
+                        request.format == AnalyzeFormat::Png ? 0.1 : 0};
     return cost(transforms + others + plot);
 }
 

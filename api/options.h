@@ -37,9 +37,9 @@ struct Answer {
     std::string media_type;
     std::string body;
     std::string coding = {};  ///< in which the body is compressed; empty: not
-    std::size_t sites = 0;   ///< placed for it
-    std::size_t pixels = 0;  ///< of a picture decoded for it
-    bool partial = false;    ///< of a run that was stopped, which the request allows
+    std::size_t sites = 0;    ///< placed for it
+    std::size_t pixels = 0;   ///< of a picture decoded for it
+    bool partial = false;     ///< of a run that was stopped, which the request allows
 };
 
 }  // namespace ccdt::api

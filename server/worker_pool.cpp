@@ -53,28 +53,27 @@ WorkerPool::~WorkerPool() {
 
 std::optional<WorkerPool::JobId> WorkerPool::submit(const std::string& client, Job job, const api::Cost& cost) {
     assert(cost.memory <= memory_.total());
+    const bool is_short = cost.seconds <= kShort;
     const std::lock_guard lock(mutex_);
-    if (!has_room_locked(client, cost.seconds <= kShort)) return std::nullopt;
-    const double turn = take_turn_locked(client, cost.seconds);
-    waiting_.push_back({++last_id_, client, cost, turn, Clock::now(), std::move(job)});
+    if (!has_room_locked(client, is_short)) return std::nullopt;
+    (is_short ? short_ : long_).push(client, cost.seconds, {++last_id_, cost, Clock::now(), std::move(job)});
     job_waits_.notify_all();  // not each of them may take it
     return last_id_;
 }
 
 WorkerPool::Cancelled WorkerPool::cancel(JobId id) {
-    Waiting dropped;  // destroyed after the lock is released: its captures may be large
+    std::optional<Waiting> dropped;  // destroyed after the lock is released: its captures may be large
     const std::lock_guard lock(mutex_);
     if (const auto job = running_.find(id); job != running_.end()) {
         job->second.stop.request_stop();
         if (!job->second.cancelled) job->second.cancelled = Clock::now();
         return Cancelled::Running;
     }
-    const auto job = std::ranges::find(waiting_, id, &Waiting::id);
-    if (job == waiting_.end()) return Cancelled::Unknown;
-    dropped = std::move(*job);
-    waiting_.erase(job);
-    if (const auto had = had_.find(dropped.client); had != had_.end()) had->second -= dropped.cost.seconds;
-    if (waiting_.empty() && running_.empty()) idle_.notify_all();
+    const auto is_meant = [id](const Waiting& job) { return job.id == id; };
+    dropped = long_.withdraw(is_meant);
+    if (!dropped) dropped = short_.withdraw(is_meant);
+    if (!dropped) return Cancelled::Unknown;
+    if (is_idle_locked()) idle_.notify_all();
     job_waits_.notify_all();  // it may have kept others waiting for memory
     return Cancelled::Queued;
 }
@@ -86,7 +85,7 @@ bool WorkerPool::is_full(std::string_view client, bool may_be_short) const {
 
 void WorkerPool::drain() {
     std::unique_lock lock(mutex_);
-    idle_.wait(lock, [this] { return waiting_.empty() && running_.empty(); });
+    idle_.wait(lock, [this] { return is_idle_locked(); });
 }
 
 std::chrono::seconds WorkerPool::backlog() const {
@@ -97,11 +96,12 @@ std::chrono::seconds WorkerPool::backlog() const {
 
 WorkerPool::Load WorkerPool::load() const {
     const std::lock_guard lock(mutex_);
-    Load load{.workers = worker_count_, .busy = running_.size(), .waiting = waiting_.size(), .capacity = capacity_};
-    if (!waiting_.empty()) {
-        load.oldest_seconds = seconds_since(waiting_.front().came);
-        load.backlog_seconds = waiting_seconds_locked();
+    Load load{.workers = worker_count_, .busy = running_.size(), .waiting = waiting_locked(), .capacity = capacity_};
+    for (const Queue* queue : {&long_, &short_}) {
+        if (!queue->empty())
+            load.oldest_seconds = std::max(load.oldest_seconds, seconds_since(queue->begin()->item.came));
     }
+    if (load.waiting > 0) load.backlog_seconds = waiting_seconds_locked();
     for (const auto& [id, job] : running_) {
         if (job.cancelled) load.overdue_seconds = std::max(load.overdue_seconds, seconds_since(*job.cancelled));
     }
@@ -112,25 +112,22 @@ void WorkerPool::work(Lane lane, const std::stop_token& closing) {
     if (lane == Lane::Any) yield_to_other_threads();
     std::unique_lock lock(mutex_);
     while (true) {
-        auto next = waiting_.end();
+        std::optional<Waiting> job;
         std::optional<MemoryBudget::Lease> memory;
-        // Of what is to be done next only the first is looked at: if it has to wait for memory, so do the others.
         const bool found = job_waits_.wait(lock, closing, [&] {
-            next = find_next_locked(lane);
-            if (next != waiting_.end()) memory = memory_.take(next->cost.memory);
-            return memory.has_value();
+            if (!job) job = take_job_locked(lane, memory);
+            return job.has_value();
         });
         if (!found || closing.stop_requested()) {
             lock.unlock();  // giving the memory back takes it
             return;
         }
-        Waiting job = start_locked(next);
-        const JobId id = job.id;
-        const std::stop_token stop = running_.at(id).stop.get_token();
+        const JobId id = job->id;
+        const std::stop_token stop = begin_locked(*job, lane);
 
         lock.unlock();
-        run(job.job, stop);
-        job = {};  // what it holds may be large, and is freed without the lock
+        run(job->job, stop);
+        job.reset();  // what it holds may be large, and is freed without the lock
         memory.reset();
         lock.lock();
         finish_locked(id);
@@ -147,43 +144,28 @@ void WorkerPool::run(const Job& job, const std::stop_token& stop) {
 
 /// Jobs that a free thread will take at once do not count as waiting.
 bool WorkerPool::has_room_locked(std::string_view client, bool is_short) const {
-    const auto is_alike = [is_short](const Waiting& job) { return (job.cost.seconds <= kShort) == is_short; };
-    const auto waiting = static_cast<std::size_t>(std::ranges::count_if(waiting_, is_alike));
-    const std::size_t threads = worker_count_ + (is_short ? 1 : 0);
-    const std::size_t free = threads - std::min(running_.size(), threads);
-    if (waiting < capacity_ + free) return true;
-    if (waiting >= 2 * capacity_ + free) return false;
-    return std::ranges::none_of(waiting_, [&](const Waiting& job) { return is_alike(job) && job.client == client; });
+    const auto is_any = [](const auto& job) { return job.second.lane == Lane::Any; };
+    const auto busy = static_cast<std::size_t>(std::ranges::count_if(running_, is_any));
+    const std::size_t free = is_short ? worker_count_ + 1 - running_.size() : worker_count_ - busy;
+    const Queue& queue = is_short ? short_ : long_;
+    if (queue.size() < capacity_ + free) return true;
+    return queue.size() < 2 * capacity_ + free && !queue.has(client);
 }
 
-/// After what the client has had, and never a turn that is past.
-double WorkerPool::take_turn_locked(const std::string& client, double seconds) {
-    double& had = had_.try_emplace(client, turn_).first->second;
-    const double turn = std::max(turn_, had);
-    had = turn + seconds;
-    return turn;
-}
-
-/// Of those whose turn is first, the one that came first. The thread for short jobs leaves them to the others as long
-/// as one of those is free.
-WorkerPool::Queue::iterator WorkerPool::find_next_locked(Lane lane) {
-    if (lane == Lane::Short && running_.size() < worker_count_) return waiting_.end();
-    auto next = waiting_.end();
-    for (auto job = waiting_.begin(); job != waiting_.end(); ++job) {
-        if (lane == Lane::Short && job->cost.seconds > kShort) continue;
-        if (next == waiting_.end() || job->turn < next->turn) next = job;
+/// Long jobs first, as short ones have a thread of their own. Of each queue only the next is looked at: if it has to
+/// wait for memory, so do those behind it.
+std::optional<WorkerPool::Waiting> WorkerPool::take_job_locked(Lane lane, std::optional<MemoryBudget::Lease>& memory) {
+    for (Queue* queue : {&long_, &short_}) {
+        if (queue->empty() || (queue == &long_ && lane == Lane::Short)) continue;
+        memory = memory_.take(queue->next().item.cost.memory);
+        if (memory) return queue->take_next();
     }
-    return next;
+    return std::nullopt;
 }
 
-WorkerPool::Waiting WorkerPool::start_locked(Queue::iterator next) {
-    Waiting job = std::move(*next);
-    waiting_.erase(next);
-    turn_ = std::max(turn_, job.turn);
-    std::erase_if(had_, [this](const auto& client) { return client.second <= turn_; });
-    running_.emplace(job.id, Running{{}, job.cost.seconds, Clock::now()});
-    job_waits_.notify_all();  // with all workers busy the thread for short jobs may go on
-    return job;
+std::stop_token WorkerPool::begin_locked(const Waiting& job, Lane lane) {
+    const auto& running = running_.emplace(job.id, Running{{}, lane, job.cost.seconds, Clock::now()}).first->second;
+    return running.stop.get_token();
 }
 
 void WorkerPool::finish_locked(JobId id) {
@@ -193,17 +175,15 @@ void WorkerPool::finish_locked(JobId id) {
         pace_ += kNewestWeight * (std::clamp(taken, kLeastPace, kMostPace) - pace_);
     }
     running_.erase(job);
-    if (!waiting_.empty() || !running_.empty()) return;
-    // Nobody has to make up for anything.
-    turn_ = 0;
-    had_.clear();
-    idle_.notify_all();
+    if (is_idle_locked()) idle_.notify_all();
 }
 
 /// Until a job that came now would begin.
 double WorkerPool::waiting_seconds_locked() const {
     double expected = 0;
-    for (const Waiting& job : waiting_) expected += job.cost.seconds;
+    for (const Queue* queue : {&long_, &short_}) {
+        for (const auto& waiting : *queue) expected += waiting.cost;
+    }
     double pace = pace_;
     for (const auto& [id, job] : running_) {
         const double gone = seconds_since(job.started);

@@ -4,7 +4,6 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <limits>
 #include <map>
@@ -17,22 +16,22 @@
 #include <vector>
 
 #include "api/options.h"
+#include "server/fair_queue.h"
 #include "server/memory_budget.h"
 
 namespace ccdt::server {
 
-/// A fixed number of threads that do all computing, behind a queue that can say no.
+/// A fixed number of threads that do all computing, behind queues that can say no.
 ///
-/// Clients take turns by what their jobs are expected to cost: who has had less goes first, whenever the jobs came, and
-/// a client without a waiting job is let in even where others have filled the queue, until it is twice as long. So a
-/// hundred jobs of one client keep another's only one waiting no longer than those that run. Short jobs do not even
-/// wait for those: they have a queue of their own, and one thread more that does nothing else once all are busy.
+/// Clients take turns by what their jobs are expected to cost, and a client without a waiting job is let in even where
+/// others have filled the queue, until it is twice as long. So a hundred jobs of one client keep another's only one
+/// waiting no longer than those that run. Short jobs do not even wait for those: they have a queue of their own, and
+/// one thread more that does nothing else.
 ///
-/// A job begins only when the memory it is expected to take is there; until then those behind it wait, too, lest it
-/// never be.
+/// A job begins only when the memory it is expected to take is there. Those of its queue that are behind it wait, too,
+/// lest it never be.
 ///
 /// All members may be called from any thread, jobs included.
-/// Source: Goyal, Vin, Cheng 1996, Start-time fair queuing.
 class WorkerPool {
 public:
     /// Whoever submits a job keeps its result; a job that throws is dropped.
@@ -45,7 +44,7 @@ public:
 
     struct Load {
         std::size_t workers = 0;
-        std::size_t busy = 0;        ///< threads; one more than workers while a short job passes the others
+        std::size_t busy = 0;        ///< threads: one more than workers at most
         std::size_t waiting = 0;     ///< jobs
         std::size_t capacity = 0;    ///< jobs that may wait
         double oldest_seconds = 0;   ///< that a job has waited
@@ -92,30 +91,32 @@ public:
     std::chrono::seconds backlog() const;
 
 private:
+    /// What a thread does.
+    enum class Lane { Any, Short };
+
     struct Waiting {
         JobId id = 0;
-        std::string client;
         api::Cost cost;
-        double turn = 0;  ///< seconds that its client will have had before it
         Clock::time_point came;
         Job job;
     };
     struct Running {
         std::stop_source stop;
+        Lane lane{};          ///< of the thread
         double expected = 0;  ///< seconds
         Clock::time_point started;
         std::optional<Clock::time_point> cancelled = {};
     };
 
-    enum class Lane { Any, Short };
-    using Queue = std::deque<Waiting>;
+    using Queue = FairQueue<Waiting>;
 
     void work(Lane lane, const std::stop_token& closing);
     static void run(const Job& job, const std::stop_token& stop);
     bool has_room_locked(std::string_view client, bool is_short) const;
-    double take_turn_locked(const std::string& client, double seconds);
-    Queue::iterator find_next_locked(Lane lane);
-    Waiting start_locked(Queue::iterator next);
+    std::size_t waiting_locked() const { return long_.size() + short_.size(); }
+    bool is_idle_locked() const { return waiting_locked() == 0 && running_.empty(); }
+    std::optional<Waiting> take_job_locked(Lane lane, std::optional<MemoryBudget::Lease>& memory);
+    std::stop_token begin_locked(const Waiting& job, Lane lane);
     void finish_locked(JobId id);
     double waiting_seconds_locked() const;
 
@@ -127,9 +128,8 @@ private:
     mutable std::mutex mutex_;  ///< guards the members from here to `pace_`
     std::condition_variable_any job_waits_;
     std::condition_variable idle_;
-    Queue waiting_;                                   ///< in the order in which they came
-    double turn_ = 0;                                 ///< the latest of a job that began
-    std::map<std::string, double, std::less<>> had_;  ///< seconds by client, of those that had more than `turn_`
+    Queue long_;
+    Queue short_;
     std::map<JobId, Running> running_;
     JobId last_id_ = 0;
     double pace_ = 1;  ///< time that jobs take over what was expected, the last ones weighing most

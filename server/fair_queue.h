@@ -1,0 +1,76 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace ccdt::server {
+
+/// Where items of several clients wait, who take turns by what the items cost: next is always that of the client who
+/// has had least. Having had nothing for a while gives no credit.
+///
+/// Not for several threads at once. O(items) an operation.
+/// Source: Goyal, Vin, Cheng 1996, Start-time fair queuing.
+template <class Item>
+class FairQueue {
+public:
+    struct Entry {
+        std::string client;
+        double cost = 0;
+        double turn = 0;  ///< what its client will have had before it
+        Item item;
+    };
+
+    bool empty() const { return entries_.empty(); }
+    std::size_t size() const { return entries_.size(); }
+    auto begin() const { return entries_.begin(); }  ///< in the order in which they came
+    auto end() const { return entries_.end(); }
+
+    bool has(std::string_view client) const {
+        return std::ranges::find(entries_, client, &Entry::client) != entries_.end();
+    }
+
+    void push(const std::string& client, double cost, Item item) {
+        double& had = had_.try_emplace(client, turn_).first->second;
+        const double turn = std::max(turn_, had);
+        had = turn + cost;
+        entries_.push_back({client, cost, turn, std::move(item)});
+    }
+
+    /// Of those whose turn is first, the one that came first; there must be one.
+    const Entry& next() const { return *std::ranges::min_element(entries_, {}, &Entry::turn); }
+
+    Item take_next() {
+        const auto next = std::ranges::min_element(entries_, {}, &Entry::turn);
+        turn_ = std::max(turn_, next->turn);
+        std::erase_if(had_, [this](const auto& client) { return client.second <= turn_; });
+        Item item = std::move(next->item);
+        entries_.erase(next);
+        return item;
+    }
+
+    /// Takes out the first item that a test holds for, as if it had never been there.
+    /// @returns  none if there is none
+    template <class Test>
+    std::optional<Item> withdraw(Test test) {
+        const auto found = std::ranges::find_if(entries_, test, &Entry::item);
+        if (found == entries_.end()) return std::nullopt;
+        if (const auto had = had_.find(found->client); had != had_.end()) had->second -= found->cost;
+        Item item = std::move(found->item);
+        entries_.erase(found);
+        return item;
+    }
+
+private:
+    std::deque<Entry> entries_;
+    double turn_ = 0;                                 ///< the latest that was taken
+    std::map<std::string, double, std::less<>> had_;  ///< by client, of those that had more than `turn_`
+};
+
+}  // namespace ccdt::server
