@@ -242,7 +242,7 @@ Routes::Outcome Routes::halftone(const Request& request, Connection& connection)
     }
     auto parsed = api::parse_halftone(*std::move(body), options, request.header("Accept"), config_.limits);
     if (!parsed) return problem(std::move(parsed.error()));
-    return compute(plan(*std::move(parsed)), request, connection);
+    return compute(plan(*std::move(parsed)), request, connection, Clock::now() + config_.timeout);
 }
 
 Routes::Outcome Routes::sample(const Request& request, Connection& connection) {
@@ -306,23 +306,22 @@ Routes::Outcome Routes::compute_json(const Parse& parse, const Request& request,
 /// What a body asks for costs is known once it is read, which a worker does unless it is short.
 Routes::Outcome Routes::compute_json(const Parse& parse, std::string body, const Request& request,
                                      Connection& connection) {
-    const auto accept = request.header("Accept");
+    const auto deadline = Clock::now() + config_.timeout;
+    std::string accept(request.header("Accept"));
     if (body.size() <= kQuickToParse) {
         auto plan = parse(body, accept);
         if (!plan) return problem(std::move(plan.error()));
-        return compute(*std::move(plan), request, connection);
+        return compute(*std::move(plan), request, connection, deadline);
     }
     const std::size_t size = body.size();
     const auto cost = api::cost_of_parsing(body);
+    // All of it is the worker's own: the connection may leave before it is done.
+    Job<Plan> read = [parse, accept = std::move(accept), shared = std::make_shared<const std::string>(std::move(body))](
+                         const Control&, api::Timings&) { return parse(*shared, accept); };
     Stages stages;
-    auto plan = have_done<Plan>(
-        cost, size,
-        [&parse, accept, shared = std::make_shared<const std::string>(std::move(body))](const Control&, api::Timings&) {
-            return parse(*shared, accept);
-        },
-        connection, Clock::now() + config_.timeout, stages);
+    auto plan = have_done(cost, size, std::move(read), connection, deadline, stages);
     if (!plan) return tl::unexpected(std::move(plan.error()));
-    return compute(*std::move(plan), request, connection, stages.queue);
+    return compute(*std::move(plan), request, connection, deadline, stages.queue);
 }
 
 /// The picture of a form; its other fields are added to the options.
@@ -443,7 +442,8 @@ struct Routes::Product {
 };
 
 /// @param waited  milliseconds in the queue so far
-Routes::Outcome Routes::compute(Plan plan, const Request& request, Connection& connection, double waited) {
+Routes::Outcome Routes::compute(Plan plan, const Request& request, Connection& connection, Clock::time_point deadline,
+                                double waited) {
     if (accepts_gzip(request.header("Accept-Encoding"))) plan.work = compressing(std::move(plan.work));
     Job<Product> job = [this, work = std::move(plan.work)](const Control& control, api::Timings& timings) {
         return work(control, timings).map([this](api::Answer answer) {
@@ -452,8 +452,7 @@ Routes::Outcome Routes::compute(Plan plan, const Request& request, Connection& c
         });
     };
     Response response;
-    auto product =
-        have_done(plan.cost, plan.size, std::move(job), connection, Clock::now() + config_.timeout, response.stages);
+    auto product = have_done(plan.cost, plan.size, std::move(job), connection, deadline, response.stages);
     if (!product) return tl::unexpected(std::move(product.error()));
     api::Answer& answer = product->answer;
     response.stages.queue += waited;

@@ -114,7 +114,8 @@ private:
     template <class T>
     tl::expected<T, Problem> have_done(const api::Cost& cost, std::size_t held, Job<T> work, Connection& connection,
                                        Clock::time_point deadline, Stages& stages);
-    Outcome compute(Plan plan, const Request& request, Connection& connection, double waited = 0);
+    Outcome compute(Plan plan, const Request& request, Connection& connection, Clock::time_point deadline,
+                    double waited = 0);
     Outcome compute_json(const Parse& parse, const Request& request, Connection& connection);
     Outcome compute_json(const Parse& parse, std::string body, const Request& request, Connection& connection);
 

@@ -4,6 +4,7 @@ import gzip
 import json
 import os
 import pathlib
+import re
 import resource
 import signal
 import subprocess
@@ -236,6 +237,20 @@ class Connections(HostileCase):
             server.wait_for_log(" 499 ")
             while ask(server, "/halftone?nonsense=1", data=LONG).status == 429:
                 pass
+
+    def test_a_client_that_leaves_while_its_body_is_read_takes_nothing_along(self):
+        body = b'{"sites":10,"polygon":[' + b"[0,0]," * 1_000_000 + b"0]}"
+        head = b"POST /sample HTTP/1.1\r\nHost: h\r\nAccept: application/json;q=0.9, text/plain;q=0.5\r\n"
+        with Server("--workers=2", "--timeout=300") as server:
+            for _ in range(5):
+                with Raw(server) as raw:
+                    raw.send(head + b"Content-Length: %d\r\n\r\n" % len(body) + body)
+            while server.process.poll() is None and len(re.findall(" (?:499|400) ", server.log())) < 5:
+                pass
+            self.assertIn(" 499 ", server.log(), "nobody left while a worker was reading")
+            # Behind the bodies that are still being read.
+            self.assertEqual(post_json(server, "/sample", {"sites": 10, "domain": RECTANGLE}).status, 200)
+            self.assertEqual(server.stop(), 0)
 
     def test_stopping_waits_for_no_idle_connection(self):
         with Server() as server, crowd(server, 20), Raw(server) as kept:
