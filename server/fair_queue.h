@@ -13,7 +13,7 @@
 namespace ccdt::server {
 
 /// Where items of several clients wait, who take turns by what the items cost: next is always that of the client who
-/// has had least. Having had nothing for a while gives no credit.
+/// has had least. Having had nothing for a while gives no credit, and once nobody waits all that was had is forgotten.
 ///
 /// Not for several threads at once. O(items) an operation.
 /// Source: Goyal, Vin, Cheng 1996, Start-time fair queuing.
@@ -50,9 +50,7 @@ public:
         const auto next = std::ranges::min_element(entries_, {}, &Entry::turn);
         turn_ = std::max(turn_, next->turn);
         std::erase_if(had_, [this](const auto& client) { return client.second <= turn_; });
-        Item item = std::move(next->item);
-        entries_.erase(next);
-        return item;
+        return remove(next);
     }
 
     /// Takes out the first item that a test holds for, as if it had never been there.
@@ -62,12 +60,20 @@ public:
         const auto found = std::ranges::find_if(entries_, test, &Entry::item);
         if (found == entries_.end()) return std::nullopt;
         if (const auto had = had_.find(found->client); had != had_.end()) had->second -= found->cost;
-        Item item = std::move(found->item);
-        entries_.erase(found);
-        return item;
+        return remove(found);
     }
 
 private:
+    Item remove(typename std::deque<Entry>::iterator entry) {
+        Item item = std::move(entry->item);
+        entries_.erase(entry);
+        if (entries_.empty()) {
+            had_.clear();
+            turn_ = 0;
+        }
+        return item;
+    }
+
     std::deque<Entry> entries_;
     double turn_ = 0;                                 ///< the latest that was taken
     std::map<std::string, double, std::less<>> had_;  ///< by client, of those that had more than `turn_`
