@@ -62,10 +62,10 @@ bool add_rules(scmp_filter_ctx context) {
     bool added = true;
     for (const int call : kAllowed) added &= seccomp_rule_add(context, SCMP_ACT_ALLOW, call, 0) == 0;
     for (const int call : kAllowedWithoutExec) {
-        const scmp_arg_cmp without_exec = SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0);
+        const scmp_arg_cmp without_exec{2, SCMP_CMP_MASKED_EQ, PROT_EXEC, 0};
         added &= seccomp_rule_add_array(context, SCMP_ACT_ALLOW, call, 1, &without_exec) == 0;
     }
-    const scmp_arg_cmp to_output = SCMP_A0(SCMP_CMP_EQ, STDOUT_FILENO);
+    const scmp_arg_cmp to_output{0, SCMP_CMP_EQ, STDOUT_FILENO, 0};
     return added && seccomp_rule_add_array(context, SCMP_ACT_ALLOW, SCMP_SYS(write), 1, &to_output) == 0;
 }
 
