@@ -1,20 +1,18 @@
 #include "api/colour.h"
 
 #include <array>
-#include <charconv>
 #include <optional>
 #include <string_view>
+
+#include "api/text.h"
 
 namespace ccdt::api {
 namespace {
 
 /// @param digits  one hexadecimal digit, which counts twice, or two
 std::optional<unsigned char> parse_channel(std::string_view digits) {
-    unsigned char value = 0;
-    const char* const end = digits.data() + digits.size();
-    const auto [stopped, error] = std::from_chars(digits.data(), end, value, 16);
-    if (error != std::errc() || stopped != end) return std::nullopt;
-    return digits.size() == 1 ? static_cast<unsigned char>(value * 17) : value;
+    const auto value = parse_number<unsigned char>(digits, 16);
+    return value && digits.size() == 1 ? static_cast<unsigned char>(*value * 17) : value;
 }
 
 std::optional<Colour> parse_colour(std::string_view text) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "api/text.h"
+
 namespace ccdt::api {
 namespace {
 
@@ -25,14 +27,8 @@ struct MediaRange {
     }
 };
 
-std::string_view trim(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t");
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
 /// Cuts off what stands before the first separator outside quotes.
-std::string_view take_until(std::string_view& rest, char separator) {
+std::string_view take_item(std::string_view& rest, char separator) {
     bool quoted = false;
     std::size_t i = 0;
     for (; i < rest.size() && (quoted || rest[i] != separator); ++i) {
@@ -53,21 +49,18 @@ std::string lower(std::string_view text) {
 }
 
 std::optional<double> parse_quality(std::string_view text) {
-    double value = 0;
-    const char* const end = text.data() + text.size();
-    const auto [stopped, error] = std::from_chars(text.data(), end, value, std::chars_format::fixed);
-    if (error != std::errc() || stopped != end || !(value >= 0 && value <= 1)) return std::nullopt;
-    return value;
+    const auto value = parse_number<double>(text, std::chars_format::fixed);
+    return value && *value >= 0 && *value <= 1 ? value : std::nullopt;
 }
 
 std::optional<MediaRange> parse_range(std::string_view text) {
-    const std::string name = lower(take_until(text, ';'));
+    const std::string name = lower(take_item(text, ';'));
     const auto slash = name.find('/');
     if (slash == std::string::npos || slash == 0 || slash + 1 == name.size()) return std::nullopt;
     MediaRange range{name.substr(0, slash), name.substr(slash + 1)};
     if (range.type == "*" && range.subtype != "*") return std::nullopt;
     while (!text.empty()) {
-        const std::string parameter = lower(take_until(text, ';'));
+        const std::string parameter = lower(take_item(text, ';'));
         if (!parameter.starts_with("q=")) continue;
         const auto quality = parse_quality(std::string_view(parameter).substr(2));
         if (!quality) return std::nullopt;
@@ -79,7 +72,7 @@ std::optional<MediaRange> parse_range(std::string_view text) {
 std::vector<MediaRange> parse_accept(std::string_view accept) {
     std::vector<MediaRange> ranges;
     while (!accept.empty()) {
-        if (auto range = parse_range(take_until(accept, ','))) ranges.push_back(*std::move(range));
+        if (auto range = parse_range(take_item(accept, ','))) ranges.push_back(*std::move(range));
     }
     return ranges;
 }

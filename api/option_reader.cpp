@@ -4,21 +4,13 @@
 #include <cmath>
 #include <optional>
 
+#include "api/text.h"
+
 namespace ccdt::api {
 namespace {
 
 constexpr std::size_t kMaxMembers = 64;
 constexpr std::size_t kMaxExcerpt = 64;
-
-/// A number written in decimal, nothing before or after it.
-template <class T>
-std::optional<T> parse_number(std::string_view text) {
-    T value{};
-    const char* const end = text.data() + text.size();
-    const auto [stopped, error] = std::from_chars(text.data(), end, value);
-    if (error != std::errc() || stopped != end) return std::nullopt;
-    return value;
-}
 
 std::optional<std::uint64_t> integer_of(const Input& input) {
     if (const auto* text = std::get_if<std::string_view>(&input.value)) return parse_number<std::uint64_t>(*text);

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "api/text.h"
 #include "server/http.h"
 
 namespace ccdt::server {
@@ -14,7 +15,7 @@ namespace {
 constexpr std::size_t kShortestKey = 16;
 constexpr std::size_t kLongestKey = 256;
 constexpr std::size_t kLongestName = 64;
-constexpr std::string_view kSpace = " \t\r";
+constexpr std::string_view kBlanks = " \t\r";
 
 /// Compares without leaving early: the time tells neither where two keys differ nor how long the real one is.
 bool is_same(std::string_view real, std::string_view shown) {
@@ -25,20 +26,6 @@ bool is_same(std::string_view real, std::string_view shown) {
         difference |= static_cast<unsigned>(static_cast<unsigned char>(a ^ b));
     }
     return difference == 0;
-}
-
-std::string_view trim(std::string_view text) {
-    const auto first = text.find_first_not_of(kSpace);
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
-}
-
-bool is_name(std::string_view text) {
-    const auto allowed = [](char c) {
-        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '_' ||
-               c == '-';
-    };
-    return !text.empty() && text.size() <= kLongestName && std::ranges::all_of(text, allowed);
 }
 
 bool is_key(std::string_view text) {
@@ -55,14 +42,13 @@ tl::unexpected<Error> wrong_line(std::size_t number, const std::string& why) {
 Result<KeyRing> KeyRing::parse(std::string_view text) {
     KeyRing ring;
     for (std::size_t number = 1; !text.empty(); ++number) {
-        const auto end = std::min(text.find('\n'), text.size());
-        const auto line = trim(text.substr(0, end));
-        text.remove_prefix(std::min(end + 1, text.size()));
+        const auto line = api::trim(api::take_until(text, "\n"), kBlanks);
         if (line.empty() || line.starts_with('#')) continue;
         const auto separator = std::min(line.find_first_of(": \t"), line.size());
         const auto name = line.substr(0, separator);
-        const auto key = trim(line.substr(std::min(separator + 1, line.size())));
-        if (!is_name(name)) return wrong_line(number, "a name has up to 64 letters, digits, dots, dashes");
+        const auto key = api::trim(line.substr(std::min(separator + 1, line.size())), kBlanks);
+        if (!api::is_plain_name(name, kLongestName))
+            return wrong_line(number, "a name has up to 64 letters, digits, dots, dashes");
         if (!is_key(key)) return wrong_line(number, "a key has 16 to 256 visible characters");
         if (ring.find(key).value_or(std::string(name)) != name) return wrong_line(number, "another name has this key");
         ring.entries_.push_back({std::string(name), std::string(key)});
@@ -92,7 +78,7 @@ std::optional<std::string> KeyRing::find(std::string_view key) const {
 std::string_view bearer_key(std::string_view authorization) {
     constexpr std::string_view kScheme = "Bearer ";
     if (!equals_ignoring_case(authorization.substr(0, kScheme.size()), kScheme)) return {};
-    return trim(authorization.substr(kScheme.size()));
+    return api::trim(authorization.substr(kScheme.size()), kBlanks);
 }
 
 }  // namespace ccdt::server

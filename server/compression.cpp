@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstddef>
 #include <new>
 
+#include "api/text.h"
 #include "server/http.h"
 
 namespace ccdt::server {
@@ -19,22 +19,16 @@ constexpr int kLevel = 1;
 constexpr int kGzip = 16;  ///< added to the window's bits: a gzip header instead of zlib's
 constexpr int kMemoryLevel = 8;
 
-std::string_view take_item(std::string_view& list, char separator) {
-    const auto item = list.substr(0, list.find(separator));
-    list.remove_prefix(std::min(item.size() + 1, list.size()));
-    const auto first = item.find_first_not_of(" \t");
-    if (first == std::string_view::npos) return {};
-    return item.substr(first, item.find_last_not_of(" \t") - first + 1);
+std::string_view take_item(std::string_view& list, std::string_view separator) {
+    return api::trim(api::take_until(list, separator));
 }
 
 /// The weight among a coding's parameters; one that cannot be read counts as 0.
 double weight_of(std::string_view parameters) {
     while (!parameters.empty()) {
-        auto value = take_item(parameters, ';');
-        if (!equals_ignoring_case(take_item(value, '='), "q")) continue;
-        double weight = 0;
-        const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), weight);
-        return error == std::errc() && end == value.data() + value.size() ? weight : 0;
+        auto value = take_item(parameters, ";");
+        if (!equals_ignoring_case(take_item(value, "="), "q")) continue;
+        return api::parse_number<double>(value).value_or(0);
     }
     return 1;
 }
@@ -81,8 +75,8 @@ bool accepts_gzip(std::string_view accept_encoding) {
     double other_weight = 0;
     double identity_weight = 0;
     while (!accept_encoding.empty()) {
-        auto parameters = take_item(accept_encoding, ',');
-        const auto coding = take_item(parameters, ';');
+        auto parameters = take_item(accept_encoding, ",");
+        const auto coding = take_item(parameters, ";");
         const double weight = weight_of(parameters);
         if (equals_ignoring_case(coding, "gzip") || equals_ignoring_case(coding, "x-gzip")) gzip_weight = weight;
         if (equals_ignoring_case(coding, "identity")) identity_weight = weight;

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <string_view>
 #include <thread>
 
+#include "api/text.h"
 #include "server/process.h"
 
 namespace ccdt::server {
@@ -40,15 +40,8 @@ struct Setting {
     Apply apply;
 };
 
-std::optional<std::uint64_t> parse_whole(std::string_view text) {
-    std::uint64_t number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    return number;
-}
-
 std::string set_whole(std::size_t& target, std::string_view text, std::uint64_t low, std::uint64_t high) {
-    const auto number = parse_whole(text);
+    const auto number = api::parse_number<std::uint64_t>(text);
     if (!number || *number < low || *number > high)
         return "a whole number from " + std::to_string(low) + " to " + std::to_string(high);
     target = static_cast<std::size_t>(*number);
@@ -62,7 +55,7 @@ std::string set_bytes(std::size_t& target, std::string_view text) {
     if (text.ends_with("MiB")) shift = 20;
     if (text.ends_with("GiB")) shift = 30;
     if (shift > 0) text.remove_suffix(3);
-    const auto number = parse_whole(text);
+    const auto number = api::parse_number<std::uint64_t>(text);
     if (!number || *number < 1 || *number > (kMost >> shift)) return "a number of bytes, such as 67108864 or 64MiB";
     target = static_cast<std::size_t>(*number << shift);
     return {};
@@ -70,11 +63,9 @@ std::string set_bytes(std::size_t& target, std::string_view text) {
 
 std::string set_seconds(std::chrono::milliseconds& target, std::string_view text) {
     constexpr double kMostSeconds = 86'400;
-    double seconds = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
-    const bool whole = error == std::errc() && end == text.data() + text.size();
-    if (!whole || !(seconds >= 0.001) || seconds > kMostSeconds) return "a number of seconds from 0.001 to 86400";
-    target = std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
+    const auto seconds = api::parse_number<double>(text);
+    if (!seconds || !(*seconds >= 0.001) || *seconds > kMostSeconds) return "a number of seconds from 0.001 to 86400";
+    target = std::chrono::milliseconds(static_cast<std::int64_t>(*seconds * 1000));
     return {};
 }
 
@@ -106,11 +97,9 @@ std::string set_cors_origins(Draft& draft, std::string_view text) {
 
 std::string set_rate(Draft& draft, std::string_view text) {
     constexpr double kMost = 1e6;
-    double rate = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), rate);
-    const bool whole = error == std::errc() && end == text.data() + text.size();
-    if (!whole || !(rate >= 0) || rate > kMost) return "a number of requests per second from 0 to 1000000";
-    draft.config.rate.per_second = rate;
+    const auto rate = api::parse_number<double>(text);
+    if (!rate || !(*rate >= 0) || *rate > kMost) return "a number of requests per second from 0 to 1000000";
+    draft.config.rate.per_second = *rate;
     return {};
 }
 

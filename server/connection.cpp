@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
+
+#include "api/text.h"
 
 namespace ccdt::server {
 namespace {
@@ -44,11 +45,9 @@ tl::unexpected<Fault> too_large(std::size_t limit) {
 
 /// Size of a chunk; what follows a semicolon is an extension, and ignored.
 Received<std::uint64_t> parse_chunk_size(std::string_view line) {
-    std::uint64_t size = 0;
-    const auto digits = line.substr(0, line.find(';'));
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), size, 16);
-    if (error != std::errc() || end != digits.data() + digits.size()) return fault(400, "a chunk's size is malformed");
-    return size;
+    const auto size = api::parse_number<std::uint64_t>(api::take_until(line, ";"), 16);
+    if (!size) return fault(400, "a chunk's size is malformed");
+    return *size;
 }
 
 }  // namespace

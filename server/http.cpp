@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <utility>
+
+#include "api/text.h"
 
 namespace ccdt::server {
 namespace {
@@ -37,20 +38,6 @@ bool is_token(std::string_view text) {
 
 bool is_control(char c) {
     return (c >= 0 && c < ' ') || c == 0x7f;
-}
-
-std::string_view trim(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t");
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
-/// The part before the separator; `text` keeps what follows it.
-std::string_view take_until(std::string_view& text, std::string_view separator) {
-    const auto at = text.find(separator);
-    const auto part = text.substr(0, at);
-    text.remove_prefix(at == std::string_view::npos ? text.size() : at + separator.size());
-    return part;
 }
 
 int hex_value(char c) {
@@ -86,8 +73,8 @@ std::string_view without_authority(std::string_view target) {
 }
 
 Received<bool> parse_request_line(std::string_view line, Request& request) {
-    const auto method = take_until(line, " ");
-    const auto target = take_until(line, " ");
+    const auto method = api::take_until(line, " ");
+    const auto target = api::take_until(line, " ");
     if (!is_token(method) || target.empty()) return fault(400, "the request line is malformed");
     if (line != "HTTP/1.1" && line != "HTTP/1.0") return fault(400, "the protocol is not HTTP/1.1 or HTTP/1.0");
     if (target.size() > kLongestTarget)
@@ -100,7 +87,7 @@ Received<bool> parse_request_line(std::string_view line, Request& request) {
 
     auto rest = without_authority(target);
     rest = rest.substr(0, rest.find('#'));
-    request.path = decode_percent(take_until(rest, "?"), false);
+    request.path = decode_percent(api::take_until(rest, "?"), false);
     request.query = rest;
     return true;
 }
@@ -109,7 +96,7 @@ Received<bool> parse_header(std::string_view line, Request& request) {
     const auto colon = line.find(':');
     if (colon == std::string_view::npos || !is_token(line.substr(0, colon)))
         return fault(400, "a header line is malformed");
-    const auto value = trim(line.substr(colon + 1));
+    const auto value = api::trim(line.substr(colon + 1));
     if (std::ranges::any_of(value, [](char c) { return is_control(c) && c != '\t'; }))
         return fault(400, "a header's value holds control characters");
     request.headers.push_back({std::string(line.substr(0, colon)), std::string(value)});
@@ -118,10 +105,8 @@ Received<bool> parse_header(std::string_view line, Request& request) {
 
 Received<bool> read_content_length(std::string_view value, Request& request) {
     if (request.content_length) return fault(400, "there is more than one Content-Length");
-    std::uint64_t length = 0;
-    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), length);
-    if (error != std::errc() || end != value.data() + value.size()) return fault(400, "Content-Length is not a number");
-    request.content_length = length;
+    request.content_length = api::parse_number<std::uint64_t>(value);
+    if (!request.content_length) return fault(400, "Content-Length is not a number");
     return true;
 }
 
@@ -134,7 +119,7 @@ Received<bool> read_transfer_encoding(std::string_view value, Request& request) 
 
 void read_connection(std::string_view value, Request& request) {
     while (!value.empty()) {
-        const auto option = trim(take_until(value, ","));
+        const auto option = api::trim(api::take_until(value, ","));
         if (equals_ignoring_case(option, "close")) request.keep_alive = false;
         if (equals_ignoring_case(option, "keep-alive")) request.keep_alive = true;
     }
@@ -169,10 +154,10 @@ std::string_view Request::header(std::string_view name) const {
 
 Received<Request> parse_head(std::string_view head) {
     Request request;
-    auto parsed = parse_request_line(take_until(head, kLineEnd), request);
+    auto parsed = parse_request_line(api::take_until(head, kLineEnd), request);
     while (parsed && head != kLineEnd) {
         if (head.empty()) return fault(400, "the head of the request is not complete");
-        parsed = parse_header(take_until(head, kLineEnd), request);
+        parsed = parse_header(api::take_until(head, kLineEnd), request);
     }
     if (parsed) parsed = read_framing(request);
     if (!parsed) return tl::unexpected(parsed.error());
@@ -196,24 +181,24 @@ std::optional<Fault> find_fault(const Request& request) {
 std::vector<api::TextOption> parse_query(std::string_view query) {
     std::vector<api::TextOption> options;
     while (!query.empty()) {
-        auto value = take_until(query, "&");
+        auto value = api::take_until(query, "&");
         if (value.empty()) continue;
-        const auto name = take_until(value, "=");
+        const auto name = api::take_until(value, "=");
         options.push_back({decode_percent(name, true), decode_percent(value, true)});
     }
     return options;
 }
 
 std::string media_type(std::string_view content_type) {
-    std::string type(trim(content_type.substr(0, content_type.find(';'))));
+    std::string type(api::trim(content_type.substr(0, content_type.find(';'))));
     std::ranges::transform(type, type.begin(), to_lower);
     return type;
 }
 
 std::string header_parameter(std::string_view value, std::string_view name) {
-    take_until(value, ";");
+    api::take_until(value, ";");
     while (!value.empty()) {
-        const auto key = trim(take_until(value, "="));
+        const auto key = api::trim(api::take_until(value, "="));
         value = value.substr(std::min(value.find_first_not_of(" \t"), value.size()));
         std::string content;
         if (value.starts_with('"')) {
@@ -223,9 +208,9 @@ std::string header_parameter(std::string_view value, std::string_view name) {
                 content += value[i];
             }
             value.remove_prefix(std::min(i, value.size()));
-            take_until(value, ";");
+            api::take_until(value, ";");
         } else {
-            content = trim(take_until(value, ";"));
+            content = api::trim(api::take_until(value, ";"));
         }
         if (equals_ignoring_case(key, name)) return content;
     }

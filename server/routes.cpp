@@ -14,6 +14,7 @@
 
 #include "api/cost.h"
 #include "api/problem.h"
+#include "api/text.h"
 #include "server/compression.h"
 #include "server/cors.h"
 #include "server/multipart.h"
@@ -101,14 +102,6 @@ bool may_hold_json(std::string_view type) {
     return is_json(type) || std::ranges::find(kUnspecific, type) != std::end(kUnspecific);
 }
 
-bool is_request_id(std::string_view text) {
-    const auto allowed = [](char c) {
-        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '_' ||
-               c == '-';
-    };
-    return !text.empty() && text.size() <= kLongestId && std::ranges::all_of(text, allowed);
-}
-
 std::string hexadecimal(std::uint64_t number, int digits) {
     char text[17];
     std::snprintf(text, sizeof(text), "%0*llx", digits, static_cast<unsigned long long>(number));
@@ -171,29 +164,29 @@ Routes::Routes(const Config& config, WorkerPool& pool, const Metrics& metrics, a
 
 Response Routes::answer(const Request& request, const std::optional<Fault>& fault, Connection& connection) {
     const std::string id = request_id(request);
+    const Route* const route = find_route(request.path);
     Response response;
     try {
-        auto outcome = fault ? Outcome(problem(*fault)) : dispatch(request, connection);
+        auto outcome = fault ? Outcome(problem(*fault)) : dispatch(route, request, connection);
         response = outcome ? std::move(*outcome) : describe(std::move(outcome.error()), id);
         negotiate_coding(request, response);
     } catch (const std::exception& exception) {
         response = describe(problem(500, exception.what()).value(), id);
     }
     response.request_id = id;
-    response.route = route_of(request);
+    if (route != nullptr) response.route = route->path;
     add_common_headers(request, response);
     return response;
 }
 
-std::string_view Routes::route_of(const Request& request) {
-    const auto* route = std::ranges::find(kRoutes, std::string_view(request.path), &Route::path);
-    return route == std::end(kRoutes) ? std::string_view() : route->path;
+const Routes::Route* Routes::find_route(std::string_view path) {
+    const auto* route = std::ranges::find(kRoutes, path, &Route::path);
+    return route == std::end(kRoutes) ? nullptr : route;
 }
 
-Routes::Outcome Routes::dispatch(const Request& request, Connection& connection) {
+Routes::Outcome Routes::dispatch(const Route* route, const Request& request, Connection& connection) {
     if (request.method == "OPTIONS" && request.target == "*") return preflight(kAllMethods, request);
-    const auto* route = std::ranges::find(kRoutes, std::string_view(request.path), &Route::path);
-    if (route == std::end(kRoutes)) return problem(404, "there is nothing at this path");
+    if (route == nullptr) return problem(404, "there is nothing at this path");
     if (request.method == "OPTIONS") return preflight(route->allow, request);
     const bool headers_only = request.method == "HEAD" && route->method == "GET";
     if (request.method != route->method && !headers_only) {
@@ -263,34 +256,32 @@ Routes::Outcome Routes::analyze(const Request& request, Connection& connection) 
     return compute_json(parse, request, connection);
 }
 
-// Requests are shared because functions are copied, and pictures should not be.
+/// The request is shared because functions are copied, and pictures should not be.
+template <class Parsed, class Run>
+Routes::Plan Routes::plan_for(Parsed request, const api::Cost& cost, Run run) {
+    const std::size_t size = api::size_of(request);
+    return {cost, size,
+            [run = std::move(run), shared = std::make_shared<const Parsed>(std::move(request))](
+                const Control& control, api::Timings& timings) { return run(*shared, control, timings); }};
+}
 
 Routes::Plan Routes::plan(api::HalftoneRequest request) const {
     const auto cost = api::cost_of(request, config_.limits);
-    const std::size_t size = api::size_of(request);
-    return {cost, size,
-            [this, shared = std::make_shared<const api::HalftoneRequest>(std::move(request))](const Control& control,
-                                                                                              api::Timings& timings) {
-                return api::run_halftone(*shared, config_.limits, decode_, control, timings);
-            }};
+    return plan_for(std::move(request), cost, [this](const auto& parsed, const Control& control, auto& timings) {
+        return api::run_halftone(parsed, config_.limits, decode_, control, timings);
+    });
 }
 
 Routes::Plan Routes::plan(api::SampleRequest request) const {
     const auto cost = api::cost_of(request);
-    const std::size_t size = api::size_of(request);
-    return {cost, size,
-            [this, shared = std::make_shared<const api::SampleRequest>(std::move(request))](const Control& control,
-                                                                                            api::Timings& timings) {
-                return api::run_sample(*shared, config_.limits, decode_, control, timings);
-            }};
+    return plan_for(std::move(request), cost, [this](const auto& parsed, const Control& control, auto& timings) {
+        return api::run_sample(parsed, config_.limits, decode_, control, timings);
+    });
 }
 
 Routes::Plan Routes::plan(api::AnalyzeRequest request) {
     const auto cost = api::cost_of(request);
-    const std::size_t size = api::size_of(request);
-    return {cost, size,
-            [shared = std::make_shared<const api::AnalyzeRequest>(std::move(request))](
-                const Control& control, api::Timings& timings) { return api::run_analyze(*shared, control, timings); }};
+    return plan_for(std::move(request), cost, api::run_analyze);
 }
 
 /// For paths whose options are members of a JSON body.
@@ -517,7 +508,7 @@ tl::unexpected<Routes::Problem> Routes::too_slow() const {
 
 std::string Routes::request_id(const Request& request) {
     const auto given = request.header("X-Request-ID");
-    if (is_request_id(given)) return std::string(given);
+    if (api::is_plain_name(given, kLongestId)) return std::string(given);
     return id_prefix_ + hexadecimal(++requests_, 8);
 }
 

@@ -91,8 +91,8 @@ private:
     static tl::unexpected<Problem> problem(Error error);
     static tl::unexpected<Problem> problem(Fault fault);
 
-    static std::string_view route_of(const Request& request);
-    Outcome dispatch(const Request& request, Connection& connection);
+    static const Route* find_route(std::string_view path);
+    Outcome dispatch(const Route* route, const Request& request, Connection& connection);
     Outcome halftone(const Request& request, Connection& connection);
     Outcome sample(const Request& request, Connection& connection);
     Outcome analyze(const Request& request, Connection& connection);
@@ -107,6 +107,8 @@ private:
     tl::expected<std::string, Problem> read_body(const Request& request, Connection& connection) const;
     static tl::expected<std::string, Problem> read_form(std::string body, std::string_view content_type,
                                                         std::vector<api::TextOption>& options);
+    template <class Parsed, class Run>
+    static Plan plan_for(Parsed request, const api::Cost& cost, Run run);
     Plan plan(api::HalftoneRequest request) const;
     Plan plan(api::SampleRequest request) const;
     static Plan plan(api::AnalyzeRequest request);

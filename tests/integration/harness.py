@@ -42,8 +42,12 @@ class Server:
         self.port = int(port.group(1)) if port else None
         self.path = None if port else re.search(r"listening on unix:([^\"\n]+)", listening).group(1)
 
+    def keeps(self, line):  # pylint: disable=unused-argument
+        """Whether a line of the log is worth its memory."""
+        return True
+
     def _read_log(self):
-        for line in self.process.stderr:
+        for line in filter(self.keeps, self.process.stderr):
             with self.news:
                 self.lines.append(line)
                 self.news.notify_all()

@@ -32,15 +32,8 @@ SWIFT_SHARE = 0.3    # of a round, in which there are only swift requests, so th
 class Watched(Server):
     """Its log holds a line a request, which are let go."""
 
-    def _read_log(self):
-        for line in self.process.stderr:
-            if " total=" not in line:
-                with self.news:
-                    self.lines.append(line)
-                    self.news.notify_all()
-        with self.news:
-            self.lines.append(None)
-            self.news.notify_all()
+    def keeps(self, line):
+        return " total=" not in line
 
 
 class Fatal(Exception):
