@@ -139,10 +139,10 @@ Result<void> settle_domain(Draft& draft) {
     return {};
 }
 
-Result<Domain> make_domain(const SampleRequest& request) {
+Result<Domain> make_domain(const SampleRequest& request, const std::stop_token& stop) {
     if (const auto* rectangle = std::get_if<Rectangle>(&request.domain)) return make_domain(*rectangle);
     const auto& polygon = std::get<PolygonInput>(request.domain);
-    auto domain = Domain::create(polygon.parts);
+    auto domain = Domain::create(polygon.parts, stop);
     if (!domain) domain.error().field = polygon.locate(domain.error().field);
     return domain;
 }
@@ -211,7 +211,7 @@ Result<SampleRequest> parse_sample(std::string_view body, std::string_view accep
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
                           const Control& control, Timings& timings) {
     Stopwatch watch;
-    const auto domain = make_domain(request);
+    const auto domain = make_domain(request, control.stop);
     if (!domain) return tl::make_unexpected(domain.error());
     const auto density = make_density(request, limits, decode, control);
     timings.decode = watch.lap();

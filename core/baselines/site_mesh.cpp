@@ -38,7 +38,7 @@ Result<SiteMesh> SiteMesh::create(const Domain& domain, const Density& density, 
     if (!(capacity.total() > 0)) {
         return failure(ErrorCode::Unusable, "the density is zero all over the domain", "density");
     }
-    auto empty = empty_mesh(domain, capacity, options.sites);
+    auto empty = empty_mesh(domain, capacity, options.sites, stop);
     if (!empty) return tl::unexpected(empty.error());
     SiteMesh sites(domain, density, *std::move(empty));
     const StartSites start(domain, density, options);

@@ -71,7 +71,7 @@ Border bare_border(const Domain& domain) {
     return {domain.rings(), std::vector<bool>(domain.corner_count(), true)};
 }
 
-tl::expected<ConstrainedDelaunay, SegmentConflict> triangulate(const Border& border) {
+tl::expected<ConstrainedDelaunay, SegmentConflict> triangulate(const Border& border, const std::stop_token& stop) {
     std::vector<Point> points;
     std::vector<Segment> segments;
     for (const auto& loop : border.loops) {
@@ -80,7 +80,7 @@ tl::expected<ConstrainedDelaunay, SegmentConflict> triangulate(const Border& bor
         for (std::uint32_t i = 0; i < size; ++i) segments.push_back({first + i, first + (i + 1) % size});
         points.insert(points.end(), loop.begin(), loop.end());
     }
-    return constrained_delaunay(points, segments);
+    return constrained_delaunay(points, segments, stop);
 }
 
 }  // namespace ccdt

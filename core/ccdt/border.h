@@ -1,5 +1,6 @@
 #pragma once
 
+#include <stop_token>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -28,7 +29,8 @@ Border make_border(const Domain& domain, const Capacity& capacity, std::size_t s
 Border bare_border(const Domain& domain);
 
 /// Constrained Delaunay triangulation of a border, without sites.
+/// @param stop  asked now and then; what is returned is of no use, then
 /// Fails where vertices set on edges round off them, and the edges, almost touching, cross; never for a bare border.
-tl::expected<ConstrainedDelaunay, SegmentConflict> triangulate(const Border& border);
+tl::expected<ConstrainedDelaunay, SegmentConflict> triangulate(const Border& border, const std::stop_token& stop = {});
 
 }  // namespace ccdt

@@ -95,7 +95,7 @@ Result<Distribution> Run::execute() {
 
 /// @param first  [sites] or empty: where they stand
 Result<DomainMesh> Run::triangulate_sites(const std::vector<Point>& first, const StartSites& start) {
-    auto placed = empty_mesh(domain_, capacity_, options_.sites);
+    auto placed = empty_mesh(domain_, capacity_, options_.sites, control_.stop);
     if (!placed) return placed;
     if (auto error = place_sites(placed->mesh, first, start, options_.seed, domain_.resolution(), control_.stop)) {
         return tl::unexpected(*error);

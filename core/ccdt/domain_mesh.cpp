@@ -19,15 +19,17 @@ std::vector<Point> to_user(const Domain& domain, std::span<const Point> places) 
 
 }  // namespace
 
-Result<DomainMesh> empty_mesh(const Domain& domain, const Capacity& capacity, std::size_t sites) {
+Result<DomainMesh> empty_mesh(const Domain& domain, const Capacity& capacity, std::size_t sites,
+                              const std::stop_token& stop) {
     if (domain.is_torus()) return DomainMesh{{}, Triangulation(sites, domain.unit_bounds().max)};
     Border border = make_border(domain, capacity, sites);
-    auto scaffold = triangulate(border);
+    auto scaffold = triangulate(border, stop);
     if (!scaffold) {
         // Vertices set on the edges round off them; where two edges almost touch, that can make them cross.
         border = bare_border(domain);
-        scaffold = triangulate(border);
+        scaffold = triangulate(border, stop);
     }
+    if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
     if (!scaffold) return failure(ErrorCode::Internal, "the domain cannot be triangulated");
     return DomainMesh{std::move(border), Triangulation(sites, *scaffold)};
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <stop_token>
 #include <vector>
 
 #include "core/ccdt/border.h"
@@ -22,7 +23,9 @@ struct DomainMesh {
 
 /// The triangulation that sites are inserted into.
 /// @param sites  how many will be
-Result<DomainMesh> empty_mesh(const Domain& domain, const Capacity& capacity, std::size_t sites);
+/// @param stop   asked now and then: Error Stopped
+Result<DomainMesh> empty_mesh(const Domain& domain, const Capacity& capacity, std::size_t sites,
+                              const std::stop_token& stop = {});
 
 /// Where the sites stand, in the caller's coordinates [sites].
 std::vector<Point> sites_to_user(const Domain& domain, const Triangulation& mesh);

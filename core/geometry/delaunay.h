@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -39,10 +40,12 @@ struct SegmentConflict {
 ///
 /// @param points    finite, within [0, 1] x [0, 1]
 /// @param segments  distinct, none of zero length
+/// @param stop      asked now and then; what is returned is of no use, then
 /// The box has a margin of 1 about the unit square: collinear points are then no special case.
 /// O(n log n) for all inputs that people draw.
 tl::expected<ConstrainedDelaunay, SegmentConflict> constrained_delaunay(std::span<const Point> points,
-                                                                        std::span<const Segment> segments);
+                                                                        std::span<const Segment> segments,
+                                                                        const std::stop_token& stop = {});
 
 /// Sign of the doubled area of triangle abc: 1 if it runs counter-clockwise, 0 if collinear. Exact.
 int exact_orientation(Point a, Point b, Point c);

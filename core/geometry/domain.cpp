@@ -234,10 +234,11 @@ std::optional<Error> find_misplaced_ring(const std::vector<RingInput>& rings,
     return std::nullopt;
 }
 
-std::optional<Error> find_conflict(const std::vector<RingInput>& rings) {
+std::optional<Error> find_conflict(const std::vector<RingInput>& rings, const std::stop_token& stop) {
     const Outline outline = outline_of(rings);
     if (auto error = find_shared_corner(rings, outline)) return error;
-    const auto mesh = constrained_delaunay(outline.points, outline.segments);
+    const auto mesh = constrained_delaunay(outline.points, outline.segments, stop);
+    if (stop.stop_requested()) return Error{ErrorCode::Stopped, "stopped before the polygon was validated", ""};
     if (!mesh) {
         const std::uint32_t point = outline.segments[mesh.error().segment][0];
         const RingInput& ring = rings[outline.ring_of[point]];
@@ -250,7 +251,7 @@ std::optional<Error> find_conflict(const std::vector<RingInput>& rings) {
 
 }  // namespace
 
-Result<Domain> Domain::create(const std::vector<PolygonPart>& parts) {
+Result<Domain> Domain::create(const std::vector<PolygonPart>& parts, const std::stop_token& stop) {
     // A ring whose area is below this share of the bounding box's larger side squared has no room for rounding.
     constexpr double kMinArea = 1e-12;
     // Coordinates must resolve the domain: its size may not drown in their magnitude.
@@ -277,7 +278,7 @@ Result<Domain> Domain::create(const std::vector<PolygonPart>& parts) {
         if (is_collinear(ring.corners, kMinArea)) return zero_area(ring);
         orient(ring);
     }
-    if (auto error = find_conflict(*rings)) return tl::unexpected(*error);
+    if (auto error = find_conflict(*rings, stop)) return tl::unexpected(*error);
     for (const RingInput& ring : *rings) {
         if (std::abs(signed_area(ring.corners)) < kMinArea) return zero_area(ring);
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <stop_token>
 #include <vector>
 
 #include "core/geometry/point.h"
@@ -25,11 +26,12 @@ struct PolygonPart {
 class Domain {
 public:
     /// @param parts  at least one; a part may lie inside a hole of another
+    /// @param stop   asked now and then: Error Stopped
     /// Errors (Unusable): fewer than three distinct corners, a coordinate that is not finite, zero area, crossing,
     /// touching or overlapping rings, a hole outside its part, a hole in a hole. The message names the
     /// ring and the vertex; `field` is their JSON Pointer below the polygon, as GeoJSON's MultiPolygon
     /// nests them: /part/ring/vertex, ring 0 being the outer one and vertices as the caller counts them.
-    static Result<Domain> create(const std::vector<PolygonPart>& parts);
+    static Result<Domain> create(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
 
     /// [0, width] x [0, height].
     static Result<Domain> rectangle(double width, double height);

@@ -301,6 +301,16 @@ TEST(Domain, RefusesAMessOfManyVertices) {
     EXPECT_FALSE(Domain::create({{ring, {}}}));
 }
 
+TEST(Domain, StopsWhenItIsToldTo) {
+    std::stop_source stop;
+    const Parts parts{{box(0, 0, 8, 8), {}}};
+    EXPECT_TRUE(Domain::create(parts, stop.get_token()));
+    stop.request_stop();
+    const auto domain = Domain::create(parts, stop.get_token());
+    ASSERT_FALSE(domain);
+    EXPECT_EQ(domain.error().code, ErrorCode::Stopped);
+}
+
 TEST(Domain, RefusesWhatItsCoordinatesCannotResolve) {
     const auto thin = Domain::create({{{{1e9, 1e9}, {1e9 + 10, 1e9}, {1e9 + 10, 1e9 + 1e-5}, {1e9, 1e9 + 1e-5}}, {}}});
     ASSERT_FALSE(thin);
