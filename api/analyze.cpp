@@ -4,12 +4,12 @@
 #include <optional>
 #include <utility>
 
-#include "api/json_writer.h"
-#include "api/negotiation.h"
-#include "api/polygon_reader.h"
-#include "api/spectrum_plot.h"
+#include "api/input/negotiation.h"
+#include "api/input/polygon_reader.h"
+#include "api/json/json_writer.h"
+#include "api/output/spectrum_plot.h"
+#include "api/output/svg_renderer.h"
 #include "api/stopwatch.h"
-#include "api/svg_renderer.h"
 
 namespace ccdt::api {
 namespace {

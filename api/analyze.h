@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "api/domain_reader.h"
+#include "api/input/domain_reader.h"
 #include "api/options.h"
 #include "core/analysis/analysis.h"
 #include "core/ccdt/ccdt.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "api/json_document.h"
+#include "api/json/json_document.h"
 #include "core/baselines/ccvt.h"
 #include "core/baselines/cvt.h"
 #include "core/baselines/odt.h"

@@ -7,11 +7,11 @@
 #include <numeric>
 #include <utility>
 
-#include "api/embedded_image.h"
-#include "api/json_writer.h"
-#include "api/negotiation.h"
-#include "api/png_writer.h"
-#include "api/run_options.h"
+#include "api/image/embedded_image.h"
+#include "api/image/png_writer.h"
+#include "api/input/negotiation.h"
+#include "api/input/run_options.h"
+#include "api/json/json_writer.h"
 #include "api/stopwatch.h"
 #include "core/halftone/dots.h"
 

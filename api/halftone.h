@@ -6,11 +6,11 @@
 #include <string_view>
 #include <vector>
 
-#include "api/colour.h"
-#include "api/image_codec.h"
-#include "api/image_header.h"
+#include "api/image/image_codec.h"
+#include "api/image/image_header.h"
+#include "api/input/colour.h"
+#include "api/input/run_options.h"
 #include "api/options.h"
-#include "api/run_options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/halftone/tone.h"
 #include "core/result.h"

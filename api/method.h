@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string_view>
 
-#include "api/option_reader.h"
+#include "api/input/option_reader.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 

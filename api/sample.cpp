@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "api/embedded_image.h"
-#include "api/json_writer.h"
-#include "api/negotiation.h"
-#include "api/run_options.h"
+#include "api/image/embedded_image.h"
+#include "api/input/negotiation.h"
+#include "api/input/run_options.h"
+#include "api/json/json_writer.h"
 #include "api/stopwatch.h"
 #include "core/density/density.h"
 #include "core/halftone/tone.h"

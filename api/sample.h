@@ -5,13 +5,13 @@
 #include <variant>
 #include <vector>
 
-#include "api/domain_reader.h"
-#include "api/image_codec.h"
-#include "api/image_header.h"
+#include "api/image/image_codec.h"
+#include "api/image/image_header.h"
+#include "api/input/domain_reader.h"
+#include "api/input/polygon_reader.h"
+#include "api/input/run_options.h"
 #include "api/method.h"
 #include "api/options.h"
-#include "api/polygon_reader.h"
-#include "api/run_options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <thread>
 
-#include "api/text.h"
+#include "api/input/text.h"
 #include "server/process.h"
 
 namespace ccdt::server {

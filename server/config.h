@@ -10,9 +10,9 @@
 
 #include "api/options.h"
 #include "core/result.h"
-#include "server/capacity.h"
-#include "server/connection.h"
-#include "server/rate_limiter.h"
+#include "server/access/rate_limiter.h"
+#include "server/http/capacity.h"
+#include "server/http/connection.h"
 
 namespace ccdt::server {
 

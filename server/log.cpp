@@ -4,7 +4,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include "server/trace.h"
+#include "server/http/trace.h"
 
 namespace ccdt::server {
 namespace {

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "server/config.h"
-#include "server/http_server.h"
+#include "server/http/http_server.h"
 
 namespace spdlog {
 class logger;

@@ -19,18 +19,18 @@
 #include <malloc.h>
 #include <unistd.h>
 
-#include "api/decoder_warm_up.h"
-#include "api/image_codec.h"
+#include "api/image/decoder_warm_up.h"
+#include "api/image/image_codec.h"
+#include "server/access/gate.h"
 #include "server/config.h"
-#include "server/decoder_box.h"
-#include "server/gate.h"
-#include "server/http_server.h"
+#include "server/decoder/decoder_box.h"
+#include "server/http/http_server.h"
+#include "server/http/sockets.h"
 #include "server/log.h"
 #include "server/metrics.h"
 #include "server/process.h"
 #include "server/routes.h"
-#include "server/sockets.h"
-#include "server/worker_pool.h"
+#include "server/work/worker_pool.h"
 
 namespace ccdt::server {
 namespace {

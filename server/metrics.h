@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "server/capacity.h"
-#include "server/http_server.h"
-#include "server/worker_pool.h"
+#include "server/http/capacity.h"
+#include "server/http/http_server.h"
+#include "server/work/worker_pool.h"
 
 namespace ccdt::server {
 

@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "api/cost.h"
+#include "api/input/text.h"
 #include "api/problem.h"
-#include "api/text.h"
-#include "server/compression.h"
-#include "server/cors.h"
-#include "server/multipart.h"
+#include "server/http/compression.h"
+#include "server/http/cors.h"
+#include "server/http/multipart.h"
 
 namespace ccdt::server {
 namespace {

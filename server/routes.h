@@ -11,17 +11,17 @@
 
 #include "api/analyze.h"
 #include "api/halftone.h"
-#include "api/image_codec.h"
+#include "api/image/image_codec.h"
 #include "api/options.h"
 #include "api/sample.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 #include "server/config.h"
-#include "server/connection.h"
-#include "server/http.h"
-#include "server/memory_budget.h"
+#include "server/http/connection.h"
+#include "server/http/http.h"
 #include "server/metrics.h"
-#include "server/worker_pool.h"
+#include "server/work/memory_budget.h"
+#include "server/work/worker_pool.h"
 
 namespace ccdt::server {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "api/png_writer.h"
+#include "api/image/png_writer.h"
 #include "tests/api/files.h"
 
 namespace ccdt::api {

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <string>
 
-#include "api/image_codec.h"
-#include "api/png_writer.h"
+#include "api/image/image_codec.h"
+#include "api/image/png_writer.h"
 #include "core/ccdt/ccdt.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/tone.h"

@@ -1,4 +1,4 @@
-#include "api/embedded_image.h"
+#include "api/image/embedded_image.h"
 
 #include "tests/fuzz/checks.h"
 

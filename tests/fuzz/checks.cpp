@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <optional>
 
-#include "api/json_document.h"
+#include "api/json/json_document.h"
 #include "api/problem.h"
 
 namespace ccdt::fuzz {

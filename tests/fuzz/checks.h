@@ -8,7 +8,7 @@
 
 #include "api/options.h"
 #include "core/result.h"
-#include "server/http.h"
+#include "server/http/http.h"
 
 /// Ends the program, which a fuzzer takes for a crash, unless the condition holds. Unlike assert() it always looks.
 #define CCDT_CHECK(condition) \

@@ -1,4 +1,4 @@
-#include "api/polygon_reader.h"
+#include "api/input/polygon_reader.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/shape_checks.h"
 

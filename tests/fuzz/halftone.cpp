@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "server/http.h"
+#include "server/http/http.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/halftone_checks.h"
 

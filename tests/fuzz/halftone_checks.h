@@ -1,7 +1,7 @@
 #pragma once
 
 #include "api/halftone.h"
-#include "api/image_codec.h"
+#include "api/image/image_codec.h"
 #include "tests/fuzz/checks.h"
 
 namespace ccdt::fuzz {

@@ -1,4 +1,4 @@
-#include "server/http.h"
+#include "server/http/http.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/halftone_checks.h"
 

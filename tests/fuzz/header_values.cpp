@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <array>
 
-#include "api/negotiation.h"
-#include "server/access.h"
-#include "server/compression.h"
-#include "server/cors.h"
-#include "server/http.h"
-#include "server/trace.h"
+#include "api/input/negotiation.h"
+#include "server/access/access.h"
+#include "server/http/compression.h"
+#include "server/http/cors.h"
+#include "server/http/http.h"
+#include "server/http/trace.h"
 #include "tests/fuzz/checks.h"
 
 namespace ccdt::fuzz {

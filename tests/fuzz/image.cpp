@@ -1,5 +1,5 @@
-#include "api/image_codec.h"
-#include "api/image_header.h"
+#include "api/image/image_codec.h"
+#include "api/image/image_header.h"
 
 #include <algorithm>
 

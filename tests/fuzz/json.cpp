@@ -1,4 +1,4 @@
-#include "api/json_document.h"
+#include "api/json/json_document.h"
 
 #include <set>
 

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "server/access.h"
+#include "server/access/access.h"
 #include "tests/fuzz/checks.h"
 
 namespace ccdt::fuzz {

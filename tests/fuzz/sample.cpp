@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "api/image_codec.h"
+#include "api/image/image_codec.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/shape_checks.h"
 

@@ -18,10 +18,10 @@ RULES = (
     (re.compile(r"^api/"), ("api/", "server/")),
     (re.compile(r"^CGAL/"), ("core/geometry/delaunay.cpp",)),
     (re.compile(r"^fftw3\.h$"), ("core/fourier/fft.cpp",)),
-    (re.compile(r"^OpenImageIO/"), ("api/image_codec.cpp",)),
+    (re.compile(r"^OpenImageIO/"), ("api/image/image_codec.cpp",)),
     (re.compile(r"^nlohmann/|^png\.h$"), ("api/",)),
-    (re.compile(r"^librsvg/|^cairo"), ("api/svg_renderer.cpp",)),
-    (re.compile(r"^seccomp\.h$"), ("server/decoder_sandbox.cpp",)),
+    (re.compile(r"^librsvg/|^cairo"), ("api/output/svg_renderer.cpp",)),
+    (re.compile(r"^seccomp\.h$"), ("server/decoder/decoder_sandbox.cpp",)),
     (re.compile(r"^httplib\.h$|^spdlog/|^fmt/"), ("server/",)),
 )
 
@@ -49,7 +49,7 @@ def self_check():
         "core/g.cpp": "png.h",
         "core/mesh/h.cpp": "CGAL/Polygon_2.h",
         "core/fourier/r.h": "fftw3.h",
-        "api/i.cpp": "server/http.h",
+        "api/i.cpp": "server/http/http.h",
         "api/j.h": "httplib.h",
         "api/k.cpp": "spdlog/logger.h",
         "api/l.h": "OpenImageIO/imageio.h",
@@ -61,10 +61,10 @@ def self_check():
     harmless = {
         "core/geometry/delaunay.cpp": "CGAL/Polygon_2.h",
         "core/fourier/fft.cpp": "fftw3.h",
-        "api/image_codec.cpp": "OpenImageIO/imageio.h",
-        "api/svg_renderer.cpp": "librsvg/rsvg.h",
+        "api/image/image_codec.cpp": "OpenImageIO/imageio.h",
+        "api/output/svg_renderer.cpp": "librsvg/rsvg.h",
         "api/o.cpp": "core/result.h",
-        "server/decoder_sandbox.cpp": "seccomp.h",
+        "server/decoder/decoder_sandbox.cpp": "seccomp.h",
         "server/p.cpp": "api/options.h",
         "core/q.cpp": "vector",
     }

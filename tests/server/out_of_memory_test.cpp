@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "server/connection_threads.h"
+#include "server/http/connection_threads.h"
 #include "server/process.h"
 #include "tests/server/running_server.h"
 #include "tests/server/shortage.h"

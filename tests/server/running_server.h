@@ -4,7 +4,7 @@
 #include <string_view>
 #include <thread>
 
-#include "server/http_server.h"
+#include "server/http/http_server.h"
 
 namespace ccdt::server {
 

@@ -1,0 +1,71 @@
+#include "api/image/embedded_image.h"
+
+#include <array>
+#include <cstdint>
+
+#include "api/image/image_header.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+constexpr std::uint8_t kNoDigit = 64;
+
+constexpr auto kDigits = [] {
+    std::array<std::uint8_t, 256> digits{};
+    digits.fill(kNoDigit);
+    for (std::uint8_t i = 0; i < 64; ++i) digits[static_cast<unsigned char>(kAlphabet[i])] = i;
+    return digits;
+}();
+
+std::string_view without_padding(std::string_view text) {
+    if (text.size() % 4 != 0) return text;
+    for (int i = 0; i < 2 && text.ends_with('='); ++i) text.remove_suffix(1);
+    return text;
+}
+
+tl::unexpected<Error> not_base64(const std::string& why) {
+    return failure(ErrorCode::Malformed, "is not base64: " + why);
+}
+
+}  // namespace
+
+Result<std::string> decode_base64(std::string_view text) {
+    text = without_padding(text);
+    if (text.size() % 4 == 1) return not_base64("its length cannot be right");
+    std::string bytes;
+    bytes.reserve(text.size() / 4 * 3 + 2);
+    std::uint32_t bits = 0;
+    int count = 0;  // bits that wait, in the low end of `bits`
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const std::uint8_t digit = kDigits[static_cast<unsigned char>(text[i])];
+        if (digit == kNoDigit) return not_base64("character " + std::to_string(i + 1) + " is not one of its digits");
+        bits = (bits << 6 | digit) & 0xFFFF;
+        count += 6;
+        if (count >= 8) {
+            count -= 8;
+            bytes += static_cast<char>(bits >> count & 0xFF);
+        }
+    }
+    if ((bits & ((1U << count) - 1)) != 0) return not_base64("its last digit has bits left over");
+    return bytes;
+}
+
+Result<ImageFile> read_embedded_image(const Input& input, const Limits& limits) {
+    auto text = read_text(input);
+    if (!text) return tl::make_unexpected(text.error());
+    if (text->starts_with("data:")) {
+        const auto comma = text->find(',');
+        if (comma == std::string_view::npos || !text->substr(0, comma).ends_with(";base64")) {
+            return malformed(input, "is not a data: URI in base64");
+        }
+        text->remove_prefix(comma + 1);
+    }
+    auto bytes = decode_base64(*text);
+    if (!bytes) return malformed(input, bytes.error().message);
+    const auto header = read_image_header(*bytes, limits.max_pixels);
+    if (!header) return failure(header.error().code, input.name + ": " + header.error().message, input.field);
+    return ImageFile{*std::move(bytes), *header};
+}
+
+}  // namespace ccdt::api

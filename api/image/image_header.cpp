@@ -1,0 +1,245 @@
+#include "api/image/image_header.h"
+
+#include <algorithm>
+#include <string>
+
+namespace ccdt::api {
+namespace {
+
+using std::uint64_t;
+
+/// Unsigned integers inside a file.
+class ByteReader {
+public:
+    ByteReader(std::string_view bytes, bool big_endian) : bytes_(bytes), big_endian_(big_endian) {}
+
+    /// @returns  none past the end
+    std::optional<std::uint32_t> read(std::size_t offset, std::size_t size) const {
+        if (offset > bytes_.size() || size > bytes_.size() - offset) return std::nullopt;
+        std::uint32_t value = 0;
+        for (std::size_t i = 0; i < size; ++i) {
+            const std::size_t at = offset + (big_endian_ ? i : size - 1 - i);
+            value = value << 8 | static_cast<unsigned char>(bytes_[at]);
+        }
+        return value;
+    }
+
+private:
+    std::string_view bytes_;
+    bool big_endian_;
+};
+
+constexpr uint64_t kReaderBytes = uint64_t{16} << 20;     ///< of any file
+constexpr uint64_t kConvertedBytes = uint64_t{64} << 20;  ///< asked for by the library if samples must be converted
+constexpr uint64_t kRowBytes = 48;                        ///< of rows that are read, a pixel of their width
+
+tl::unexpected<Error> broken() {
+    return failure(ErrorCode::Unusable, "the image is broken or cut short");
+}
+
+/// All chunks are there, up to the last. Where they end early the reader leaks memory.
+bool is_whole_png(const ByteReader& reader, std::string_view bytes) {
+    constexpr std::size_t kSignature = 8;
+    constexpr std::size_t kFrame = 12;  // a chunk's length, name and checksum
+    std::size_t chunk = kSignature;
+    while (const auto length = reader.read(chunk, 4)) {
+        const std::size_t end = chunk + kFrame + *length;
+        if (end > bytes.size()) return false;
+        if (bytes.substr(chunk + 4, 4) == "IEND") return true;
+        chunk = end;
+    }
+    return false;
+}
+
+/// Rows are read as they come, unless they are interlaced.
+Result<ImageHeader> read_png(std::string_view bytes) {
+    constexpr uint64_t kChannels[] = {1, 1, 3, 3, 2, 1, 4};  // by colour type; a palette's become three
+    const ByteReader reader(bytes, true);
+    const auto width = reader.read(16, 4);
+    const auto height = reader.read(20, 4);
+    const auto depth = reader.read(24, 1);
+    const auto colour = reader.read(25, 1);
+    const auto interlaced = reader.read(28, 1);
+    if (bytes.substr(12, 4) != "IHDR" || !interlaced || *colour > 6 || !is_whole_png(reader, bytes)) return broken();
+    ImageHeader header{ImageFormat::Png, *width, *height, 0};
+    const uint64_t sample = *depth > 8 ? 2 : 1;
+    // One more for the transparency that a chunk may give any of them.
+    if (*interlaced != 0) header.decoder_bytes = header.pixels() * (kChannels[*colour] + 1) * sample;
+    return header;
+}
+
+/// Rows are read as they come, unless the picture is sent in several scans: then all coefficients are kept.
+Result<ImageHeader> read_jpeg(std::string_view bytes) {
+    const ByteReader reader(bytes, true);
+    std::size_t segment = 2;
+    while (const auto mark = reader.read(segment, 2)) {
+        const std::uint32_t name = *mark & 0xFF;
+        if (*mark >> 8 != 0xFF) return broken();
+        if (name == 0xFF) {  // a byte that only fills
+            ++segment;
+            continue;
+        }
+        const bool alone = name == 0x01 || (name >= 0xD0 && name <= 0xD8);
+        const bool frame = name >= 0xC0 && name <= 0xCF && name != 0xC4 && name != 0xC8 && name != 0xCC;
+        const auto length = alone ? std::optional<std::uint32_t>(0) : reader.read(segment + 2, 2);
+        if (!length || name == 0xD9 || name == 0xDA) return broken();
+        if (frame) {
+            const auto height = reader.read(segment + 5, 2);
+            const auto width = reader.read(segment + 7, 2);
+            const auto channels = reader.read(segment + 9, 1);
+            if (!channels) return broken();
+            ImageHeader header{ImageFormat::Jpeg, *width, *height, 0};
+            // A baseline picture may come in several scans too, which its frame does not say.
+            constexpr uint64_t kCoefficient = 2, kBlock = 16;  // bytes; pixels that sides are rounded up to
+            header.decoder_bytes = (header.width + kBlock) * (header.height + kBlock) * *channels * kCoefficient;
+            return header;
+        }
+        segment += 2 + *length;
+    }
+    return broken();
+}
+
+constexpr std::size_t kRiffChunks = 12;  ///< where the first chunk of a WebP file stands
+constexpr std::size_t kRiffHeader = 8;   ///< a chunk's name and size
+
+Result<ImageHeader> read_webp(std::string_view bytes) {
+    constexpr uint64_t kDecoderBytes = 12;  // a pixel: two canvases of an animation, its frame, lossless references
+    const ByteReader reader(bytes, false);
+    const std::string_view chunk = bytes.substr(std::min(kRiffChunks, bytes.size()), 4);
+    const std::size_t data = kRiffChunks + kRiffHeader;
+    ImageHeader header{ImageFormat::WebP, 0, 0, 0};
+    if (chunk == "VP8X") {
+        const auto width = reader.read(data + 4, 3);
+        const auto height = reader.read(data + 7, 3);
+        if (width && height) header = {header.format, *width + uint64_t{1}, *height + uint64_t{1}, 0};
+    } else if (chunk == "VP8L") {
+        const auto bits = reader.read(data + 1, 4);
+        if (bits) header = {header.format, (*bits & 0x3FFF) + uint64_t{1}, (*bits >> 14 & 0x3FFF) + uint64_t{1}, 0};
+    } else if (chunk == "VP8 ") {
+        const auto width = reader.read(data + 6, 2);
+        const auto height = reader.read(data + 8, 2);
+        if (width && height) header = {header.format, *width & 0x3FFF, *height & 0x3FFF, 0};
+    }
+    header.decoder_bytes = header.pixels() * kDecoderBytes;
+    return header;
+}
+
+/// The first directory of a TIFF file or EXIF block.
+class TiffDirectory {
+public:
+    explicit TiffDirectory(std::string_view bytes) : reader_(bytes, bytes.starts_with("MM")) {
+        const auto begin = reader_.read(4, 4);
+        if (!begin) return;
+        begin_ = *begin;
+        entries_ = reader_.read(begin_, 2).value_or(0);
+    }
+
+    /// The first of an entry's numbers, of 16 or 32 bits.
+    std::optional<std::uint32_t> number(std::uint32_t tag) const {
+        constexpr std::uint32_t kShort = 3, kLong = 4;
+        for (std::size_t i = 0; i < entries_; ++i) {
+            const std::size_t entry = begin_ + 2 + 12 * i;
+            const auto name = reader_.read(entry, 2);
+            if (!name) return std::nullopt;
+            if (*name != tag) continue;
+            const auto type = reader_.read(entry + 2, 2);
+            const std::size_t size = type == kShort ? 2 : 4;
+            if (type != kShort && type != kLong) return std::nullopt;
+            const auto count = reader_.read(entry + 4, 4);
+            if (!count) return std::nullopt;
+            if (uint64_t{*count} * size <= 4) return reader_.read(entry + 8, size);
+            const auto elsewhere = reader_.read(entry + 8, 4);
+            return elsewhere ? reader_.read(*elsewhere, size) : std::nullopt;
+        }
+        return std::nullopt;
+    }
+
+private:
+    ByteReader reader_;
+    std::size_t begin_ = 0;
+    std::size_t entries_ = 0;
+};
+
+namespace tiff {
+constexpr std::uint32_t kWidth = 256;
+constexpr std::uint32_t kHeight = 257;
+constexpr std::uint32_t kBitsPerSample = 258;
+constexpr std::uint32_t kOrientation = 274;
+constexpr std::uint32_t kSamplesPerPixel = 277;
+}  // namespace tiff
+
+Result<ImageHeader> read_tiff(std::string_view bytes) {
+    const TiffDirectory directory(bytes);
+    const auto width = directory.number(tiff::kWidth);
+    const auto height = directory.number(tiff::kHeight);
+    if (!width || !height) return broken();
+    const auto bits = directory.number(tiff::kBitsPerSample);
+    // The reader takes what is missing for 8 where the format says 1, and returns memory that it never wrote.
+    if (!bits) {
+        return failure(ErrorCode::Unusable,
+                       "the image is of a kind that is not read: a TIFF that leaves out its bits per sample");
+    }
+    ImageHeader header{ImageFormat::Tiff, *width, *height, 0};
+    // A strip may be the whole picture: as it is stored, as it is read, and in colours of another kind.
+    const uint64_t samples = std::min(directory.number(tiff::kSamplesPerPixel).value_or(1), 5U);
+    const uint64_t pixel = samples * std::clamp((*bits + 7) / 8, 1U, 8U);
+    header.decoder_bytes = kConvertedBytes + (header.pixels() + kMostTilePixels) * (2 * pixel + 4);
+    return header;
+}
+
+Result<ImageHeader> read(std::string_view bytes, ImageFormat format) {
+    switch (format) {
+        case ImageFormat::Png:
+            return read_png(bytes);
+        case ImageFormat::Jpeg:
+            return read_jpeg(bytes);
+        case ImageFormat::WebP:
+            return read_webp(bytes);
+        case ImageFormat::Tiff:
+            return read_tiff(bytes);
+    }
+    return broken();
+}
+
+}  // namespace
+
+Result<ImageFormat> recognise_image(std::string_view bytes) {
+    using namespace std::string_view_literals;
+    if (bytes.empty()) return failure(ErrorCode::Malformed, "there is no image: the request is empty");
+    if (bytes.starts_with("\x89PNG\r\n\x1a\n"sv)) return ImageFormat::Png;
+    if (bytes.starts_with("\xff\xd8\xff"sv)) return ImageFormat::Jpeg;
+    if (bytes.starts_with("RIFF"sv) && bytes.substr(0, 12).ends_with("WEBP"sv)) return ImageFormat::WebP;
+    if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv)) return ImageFormat::Tiff;
+    return failure(ErrorCode::Unsupported, "this is not an image that can be read; PNG, JPEG, WebP and TIFF can");
+}
+
+Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels) {
+    const auto format = recognise_image(bytes);
+    if (!format) return tl::make_unexpected(format.error());
+    auto header = read(bytes, *format);
+    if (!header) return header;
+    if (header->width == 0 || header->height == 0) return broken();
+    if (header->width <= max_pixels / header->height) {
+        header->decoder_bytes += kReaderBytes + header->width * kRowBytes;
+        return header;
+    }
+    return failure(ErrorCode::LimitExceeded,
+                   "the image has " + std::to_string(header->width) + " x " + std::to_string(header->height) +
+                       " pixels; this server's limit (max-pixels) is " + std::to_string(max_pixels));
+}
+
+int webp_orientation(std::string_view bytes) {
+    const ByteReader reader(bytes, false);
+    std::size_t chunk = kRiffChunks;
+    while (const auto size = reader.read(chunk + 4, 4)) {
+        if (bytes.substr(chunk, 4) == "EXIF") {
+            std::string_view exif = bytes.substr(chunk + kRiffHeader, *size);
+            if (exif.starts_with("Exif")) exif.remove_prefix(std::min<std::size_t>(6, exif.size()));
+            return static_cast<int>(TiffDirectory(exif).number(tiff::kOrientation).value_or(1));
+        }
+        chunk += kRiffHeader + *size + *size % 2;
+    }
+    return 1;
+}
+
+}  // namespace ccdt::api

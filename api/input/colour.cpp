@@ -1,0 +1,45 @@
+#include "api/input/colour.h"
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "api/input/text.h"
+
+namespace ccdt::api {
+namespace {
+
+/// @param digits  one hexadecimal digit, which counts twice, or two
+std::optional<unsigned char> parse_channel(std::string_view digits) {
+    const auto value = parse_number<unsigned char>(digits, 16);
+    return value && digits.size() == 1 ? static_cast<unsigned char>(*value * 17) : value;
+}
+
+std::optional<Colour> parse_colour(std::string_view text) {
+    if ((text.size() != 4 && text.size() != 7) || text[0] != '#') return std::nullopt;
+    const std::size_t digits = text.size() / 3;
+    std::array<unsigned char, 3> channels{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto channel = parse_channel(text.substr(1 + i * digits, digits));
+        if (!channel) return std::nullopt;
+        channels[i] = *channel;
+    }
+    return Colour{channels[0], channels[1], channels[2]};
+}
+
+}  // namespace
+
+Result<Colour> read_colour(const Input& input) {
+    const auto text = read_text(input);
+    if (!text) return tl::make_unexpected(text.error());
+    if (const auto colour = parse_colour(*text)) return *colour;
+    return malformed(input, "must be a colour as #rgb or #rrggbb (in a query, # is written %23)");
+}
+
+Result<Colour> read_colour_or_none(const Input& input) {
+    const auto text = read_text(input);
+    if (text && *text == "transparent") return Colour{.transparent = true};
+    return read_colour(input);
+}
+
+}  // namespace ccdt::api

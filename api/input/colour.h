@@ -1,0 +1,28 @@
+#pragma once
+
+#include "api/input/option_reader.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// A colour of sRGB, or none.
+struct Colour {
+    unsigned char red = 0;
+    unsigned char green = 0;
+    unsigned char blue = 0;
+    bool transparent = false;
+
+    friend bool operator==(const Colour&, const Colour&) = default;
+};
+
+inline constexpr Colour kBlack = {0, 0, 0};
+inline constexpr Colour kWhite = {255, 255, 255};
+
+/// Reads `#rgb` or `#rrggbb`.
+/// Errors: Malformed.
+Result<Colour> read_colour(const Input& input);
+
+/// The same, or `transparent`.
+Result<Colour> read_colour_or_none(const Input& input);
+
+}  // namespace ccdt::api

@@ -1,0 +1,46 @@
+#include "api/input/domain_reader.h"
+
+#include <array>
+#include <optional>
+
+namespace ccdt::api {
+namespace {
+
+struct Members {
+    std::optional<std::size_t> type;  ///< index into kTypes
+    Rectangle sides;
+};
+
+constexpr std::array<std::string_view, 2> kTypes = {"rectangle", "torus"};
+
+constexpr std::array<OptionRule<Members>, 3> kRules = {{
+    {"/domain/type", [](const Input& i, const Limits&, Members& m) { return assign(m.type, read_choice(i, kTypes)); }},
+    {"/domain/width",
+     [](const Input& i, const Limits&, Members& m) { return assign(m.sides.width, read_number(i, kPositive)); }},
+    {"/domain/height",
+     [](const Input& i, const Limits&, Members& m) { return assign(m.sides.height, read_number(i, kPositive)); }},
+}};
+
+}  // namespace
+
+Result<Rectangle> read_rectangle(const Input& input) {
+    Members members;
+    const auto object = std::get<JsonValue>(input.value);
+    if (auto read = read_members<Members>(kRules, object, input.field, {}, members); !read) {
+        return tl::make_unexpected(read.error());
+    }
+    if (!members.type || members.sides.width == 0 || members.sides.height == 0) {
+        return malformed(input, "must have the members type, width and height");
+    }
+    members.sides.periodic = *members.type == 1;
+    return members.sides;
+}
+
+Result<Domain> make_domain(const Rectangle& rectangle) {
+    auto domain = rectangle.periodic ? Domain::torus(rectangle.width, rectangle.height)
+                                     : Domain::rectangle(rectangle.width, rectangle.height);
+    if (!domain) domain.error().field = "/domain";
+    return domain;
+}
+
+}  // namespace ccdt::api

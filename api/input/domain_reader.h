@@ -1,0 +1,23 @@
+#pragma once
+
+#include "api/input/option_reader.h"
+#include "core/geometry/domain.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// [0, width] x [0, height].
+struct Rectangle {
+    double width = 0;
+    double height = 0;
+    bool periodic = false;  ///< a torus: opposite sides are joined
+};
+
+/// Reads the member `domain`: `{"type":"rectangle"|"torus","width":w,"height":h}`.
+/// Errors: Malformed, with a JSON Pointer to what is wrong.
+Result<Rectangle> read_rectangle(const Input& input);
+
+/// Errors: those of Domain::rectangle and Domain::torus, with the field /domain.
+Result<Domain> make_domain(const Rectangle& rectangle);
+
+}  // namespace ccdt::api

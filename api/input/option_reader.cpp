@@ -1,0 +1,140 @@
+#include "api/input/option_reader.h"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "api/input/text.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr std::size_t kMaxMembers = 64;
+constexpr std::size_t kMaxExcerpt = 64;
+
+std::optional<std::uint64_t> integer_of(const Input& input) {
+    if (const auto* text = std::get_if<std::string_view>(&input.value)) return parse_number<std::uint64_t>(*text);
+    const auto json = std::get<JsonValue>(input.value);
+    if (!json.is_number()) return std::nullopt;
+    const double number = json.number();
+    if (number < 0 || number > static_cast<double>(kMaxInteger) || number != std::floor(number)) return std::nullopt;
+    return static_cast<std::uint64_t>(number);
+}
+
+std::optional<double> number_of(const Input& input) {
+    if (const auto* text = std::get_if<std::string_view>(&input.value)) return parse_number<double>(*text);
+    const auto json = std::get<JsonValue>(input.value);
+    if (!json.is_number()) return std::nullopt;
+    return json.number();
+}
+
+std::string shortest(double value) {
+    char digits[32];
+    return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
+}
+
+std::string describe(const Interval& allowed) {
+    const bool bounded = allowed.max < std::numeric_limits<double>::max();
+    std::string text = "must be a number ";
+    text += (allowed.above_min ? "above " : bounded ? "from " : "of at least ") + shortest(allowed.min);
+    if (bounded) text += (allowed.above_min ? ", at most " : " to ") + shortest(allowed.max);
+    return text;
+}
+
+}  // namespace
+
+tl::unexpected<Error> malformed(const Input& input, std::string_view what) {
+    return failure(ErrorCode::Malformed, input.name + ' ' + std::string(what), input.field);
+}
+
+Result<std::uint64_t> read_integer(const Input& input, std::uint64_t min, std::uint64_t max) {
+    const auto value = integer_of(input);
+    if (value && *value >= min && *value <= max) return *value;
+    return malformed(input, "must be an integer from " + std::to_string(min) + " to " + std::to_string(max));
+}
+
+Result<double> read_number(const Input& input, const Interval& allowed) {
+    const auto value = number_of(input);
+    const bool inside =
+        value && *value <= allowed.max && (allowed.above_min ? *value > allowed.min : *value >= allowed.min);
+    if (inside) return *value;
+    return malformed(input, describe(allowed));
+}
+
+Result<bool> read_boolean(const Input& input) {
+    if (const auto* text = std::get_if<std::string_view>(&input.value)) {
+        if (*text == "true" || *text == "1") return true;
+        if (*text == "false" || *text == "0") return false;
+    } else if (const auto json = std::get<JsonValue>(input.value); json.is_boolean()) {
+        return json.boolean();
+    }
+    return malformed(input, "must be true or false");
+}
+
+Result<std::string_view> read_text(const Input& input) {
+    if (const auto* text = std::get_if<std::string_view>(&input.value)) return *text;
+    const auto json = std::get<JsonValue>(input.value);
+    if (json.is_string()) return std::string_view(json.text());
+    return malformed(input, "must be a string");
+}
+
+Result<std::size_t> read_choice(const Input& input, std::span<const std::string_view> words) {
+    const auto text = read_text(input);
+    if (!text) return tl::make_unexpected(text.error());
+    const auto found = std::find(words.begin(), words.end(), *text);
+    if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
+    std::string list = "is '" + excerpt(*text) + "', but must be";
+    for (const auto word : words) {
+        list.append(word == words.front() ? " '" : " or '").append(word).append("'");
+    }
+    return malformed(input, list);
+}
+
+Result<std::size_t> read_sites(const Input& input, const Limits& limits) {
+    const auto sites = integer_of(input);
+    if (!sites || *sites == 0) {
+        return malformed(input, "must be an integer from 1 to " + std::to_string(limits.max_sites));
+    }
+    if (*sites > limits.max_sites) {
+        return failure(ErrorCode::LimitExceeded,
+                       input.name + " is " + std::to_string(*sites) + "; this server's limit (max-sites) is " +
+                           std::to_string(limits.max_sites),
+                       input.field);
+    }
+    return static_cast<std::size_t>(*sites);
+}
+
+std::string excerpt(std::string_view text) {
+    std::string result(text.substr(0, kMaxExcerpt));
+    if (text.size() > kMaxExcerpt) result += "...";
+    return result;
+}
+
+std::vector<Input> inputs_of(const std::vector<TextOption>& options) {
+    std::vector<Input> inputs;
+    inputs.reserve(options.size());
+    for (const auto& option : options) {
+        inputs.push_back({option.name, option.name, std::string_view(option.value)});
+    }
+    return inputs;
+}
+
+Result<std::vector<Input>> inputs_of(JsonValue object, std::string_view pointer) {
+    if (!object.is_object()) {
+        const std::string subject = pointer.empty() ? "the body" : std::string(pointer);
+        return failure(ErrorCode::Malformed, subject + " must be a JSON object", std::string(pointer));
+    }
+    if (object.size() > kMaxMembers) {
+        return failure(ErrorCode::Malformed, "a JSON object has more members than there are options",
+                       std::string(pointer));
+    }
+    std::vector<Input> inputs;
+    inputs.reserve(object.size());
+    for (const auto& [name, value] : object.members()) {
+        const std::string field = pointer_below(pointer, name);
+        inputs.push_back({pointer.empty() ? std::string(name) : field, field, value});
+    }
+    return inputs;
+}
+
+}  // namespace ccdt::api

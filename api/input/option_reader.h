@@ -1,0 +1,125 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "api/json/json_document.h"
+#include "api/options.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// One value of a request as it came: the text of a query parameter or form field, or a JSON value.
+struct Input {
+    std::string name;   ///< what messages call it
+    std::string field;  ///< for Error::field: the option's name if it came as text, else a JSON Pointer
+    std::variant<std::string_view, JsonValue> value;
+};
+
+/// The largest integer that a double, and so a JSON number, tells from its neighbours.
+inline constexpr std::uint64_t kMaxInteger = (std::uint64_t{1} << 53) - 1;
+
+/// Finite numbers that an option may take.
+struct Interval {
+    double min = 0;
+    double max = std::numeric_limits<double>::max();
+    bool above_min = false;  ///< min itself is not in it
+};
+
+/// Positive and finite.
+inline constexpr Interval kPositive = {.min = 0, .above_min = true};
+
+/// Readers take the whole text, or a JSON value of the right kind, and nothing that would have to be rounded
+/// or guessed at. Errors: Malformed, saying what the value must be, with the input's field.
+Result<std::uint64_t> read_integer(const Input& input, std::uint64_t min, std::uint64_t max);
+Result<double> read_number(const Input& input, const Interval& allowed);
+
+/// `true` or `false`; as text also `1` or `0`.
+Result<bool> read_boolean(const Input& input);
+
+/// A word, a colour, a base64 text; viewed where it came from.
+Result<std::string_view> read_text(const Input& input);
+
+/// One of a few words.
+/// @returns  its index
+Result<std::size_t> read_choice(const Input& input, std::span<const std::string_view> words);
+
+/// A number of sites or points.
+/// Errors besides: LimitExceeded above limits.max_sites, naming it.
+Result<std::size_t> read_sites(const Input& input, const Limits& limits);
+
+/// A Malformed error about an input: its name, then `what`.
+tl::unexpected<Error> malformed(const Input& input, std::string_view what);
+
+/// What a client sent, as messages quote it: the first few dozen bytes.
+std::string excerpt(std::string_view text);
+
+std::vector<Input> inputs_of(const std::vector<TextOption>& options);
+
+/// The members of a JSON object.
+/// @param pointer  to the object; empty for the whole body
+/// Errors: Malformed if it is none, or has far more members than anything here does.
+Result<std::vector<Input>> inputs_of(JsonValue object, std::string_view pointer);
+
+/// How one option is read, and what it sets.
+template <class Target>
+struct OptionRule {
+    std::string_view name;
+    Result<void> (*read)(const Input& input, const Limits& limits, Target& target);
+};
+
+/// For rules: keeps a value that was read, or passes the error on.
+template <class T, class Value>
+Result<void> assign(T& target, Result<Value> value) {
+    if (!value) return tl::make_unexpected(value.error());
+    target = static_cast<T>(*std::move(value));
+    return {};
+}
+
+/// Reads every input by the rule of its name, in the order they came.
+/// Errors: Malformed for a name without a rule, or one that came before; whatever a rule returns.
+template <class Target>
+Result<void> read_options(std::span<const OptionRule<Target>> rules, std::span<const Input> inputs,
+                          const Limits& limits, Target& target) {
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+        const Input& input = inputs[i];
+        const auto named_alike = [&](const auto& other) { return other.name == input.name; };
+        const auto rule = std::find_if(rules.begin(), rules.end(), named_alike);
+        if (rule == rules.end()) {
+            return failure(ErrorCode::Malformed, "unknown option '" + excerpt(input.name) + "'", excerpt(input.field));
+        }
+        const auto before = inputs.first(i);
+        if (std::any_of(before.begin(), before.end(), named_alike)) return malformed(input, "is given twice");
+        if (auto read = rule->read(input, limits, target); !read) return read;
+    }
+    return {};
+}
+
+/// Reads the members of a JSON object as options.
+/// @param pointer  to the object; empty for the whole body
+template <class Target>
+Result<void> read_members(std::span<const OptionRule<Target>> rules, JsonValue object, std::string_view pointer,
+                          const Limits& limits, Target& target) {
+    const auto inputs = inputs_of(object, pointer);
+    if (!inputs) return tl::make_unexpected(inputs.error());
+    return read_options(rules, *inputs, limits, target);
+}
+
+/// Reads a body that is a JSON object of options. The document goes once it is read: rules keep copies.
+/// Errors besides: those of JsonDocument::parse.
+template <class Target>
+Result<void> read_body(std::span<const OptionRule<Target>> rules, std::string_view body, const Limits& limits,
+                       Target& target) {
+    const auto document = JsonDocument::parse(body);
+    if (!document) return tl::make_unexpected(document.error());
+    return read_members(rules, document->root(), "", limits, target);
+}
+
+}  // namespace ccdt::api

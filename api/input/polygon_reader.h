@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/input/option_reader.h"
+#include "core/geometry/domain.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Polygons as a request gave them, and where in it they stood.
+struct PolygonInput {
+    /// How the request nests positions.
+    enum class Nesting {
+        Members,       ///< /polygon/vertex and /holes/ring/vertex
+        Polygon,       ///< .../coordinates/ring/vertex
+        MultiPolygon,  ///< .../coordinates/part/ring/vertex
+    };
+
+    static constexpr std::size_t kMaxCorners = 1'000'000;
+
+    std::vector<PolygonPart> parts;
+    Nesting nesting = Nesting::Members;
+    std::string coordinates;  ///< JSON Pointer to the coordinates; not used for Members
+
+    std::size_t corner_count() const;
+
+    /// The JSON Pointer, in the request, to what Domain::create calls `field`.
+    std::string locate(std::string_view field) const;
+};
+
+/// Reads `[[x,y],...]`.
+/// Errors: Malformed, with a JSON Pointer to what is wrong.
+Result<Ring> read_ring(const Input& input);
+
+/// Reads a list of rings.
+Result<std::vector<Ring>> read_rings(const Input& input);
+
+/// Reads a GeoJSON (RFC 7946) Polygon, MultiPolygon, or Feature of one. Ordinates after the second and members
+/// that are not geometry are passed over.
+/// Errors: Malformed, with a JSON Pointer to what is wrong; Unusable if it is empty.
+Result<PolygonInput> read_geometry(const Input& input);
+
+/// Errors: LimitExceeded for more than kMaxCorners corners.
+Result<void> check_size(const PolygonInput& polygon);
+
+}  // namespace ccdt::api

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "api/input/option_reader.h"
+#include "api/method.h"
+#include "core/ccdt/ccdt.h"
+
+namespace ccdt::api {
+
+/// Options that every endpoint shares; their names are its members'.
+Result<void> read_seed(const Input& input, Options& options);
+Result<void> read_iterations(const Input& input, Options& options);
+Result<void> read_passes(const Input& input, Options& options);
+Result<void> read_quality(const Input& input, Options& options);
+
+/// What a run that is stopped, by a deadline, comes to.
+enum class OnStop { Error, Partial };
+Result<void> read_on_deadline(const Input& input, OnStop& on_stop);
+
+/// Distributes, and takes a run that was stopped for a failure unless its part will do.
+Result<Distribution> distribute_all(const Domain& domain, const Density& density, const Options& options,
+                                    const Control& control, OnStop on_stop, Method method = Method::Ccdt);
+
+/// Errors: Stopped if it was asked for.
+Result<void> check_stop(const Control& control);
+
+}  // namespace ccdt::api

@@ -1,0 +1,163 @@
+#include "api/json/json_document.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+namespace ccdt::api {
+
+/// Takes the parser's events and stops it at the first that goes too far. The names are the library's.
+class JsonBuilder {
+public:
+    using Kind = JsonDocument::Kind;
+
+    bool null() { return add(Kind::Null, 0); }
+    bool boolean(bool value) { return add(Kind::Boolean, value ? 1 : 0); }
+    bool number_integer(std::int64_t value) { return add_number(static_cast<double>(value)); }
+    bool number_unsigned(std::uint64_t value) { return add_number(static_cast<double>(value)); }
+    bool number_float(double value, const std::string&) { return add_number(value); }
+    bool string(std::string& value) { return add_text(value); }
+    bool key(std::string& value) { return add_text(value); }
+    bool binary(nlohmann::json::binary_t&) { return fail(ErrorCode::Malformed, "the body is not JSON text"); }
+
+    bool start_array(std::size_t) { return open(Kind::Array); }
+    bool start_object(std::size_t) { return open(Kind::Object); }
+    bool end_array() { return close(1); }
+    bool end_object() { return names_differ() && close(2); }
+
+    bool parse_error(std::size_t position, const std::string&, const nlohmann::json::exception&) {
+        return fail(ErrorCode::Malformed, "the body is not valid JSON: error at byte " + std::to_string(position));
+    }
+
+    Result<JsonDocument> take() {
+        if (error_) return tl::unexpected<Error>(*std::move(error_));
+        return std::move(document_);
+    }
+
+private:
+    bool add(Kind kind, std::uint64_t payload) {
+        auto& nodes = document_.nodes_;
+        if (nodes.size() == JsonDocument::kMaxValues) {
+            return fail(ErrorCode::LimitExceeded, "the body holds more than " +
+                                                      std::to_string(JsonDocument::kMaxValues) +
+                                                      " JSON values, the most that is read");
+        }
+        nodes.push_back({payload, static_cast<std::uint32_t>(nodes.size() + 1), kind});
+        return true;
+    }
+
+    bool add_number(double value) { return add(Kind::Number, std::bit_cast<std::uint64_t>(value)); }
+
+    bool add_text(std::string& value) {
+        document_.texts_.push_back(std::move(value));
+        value.clear();
+        return add(Kind::String, document_.texts_.size() - 1);
+    }
+
+    bool open(Kind kind) {
+        if (open_.size() == JsonDocument::kMaxDepth) {
+            return fail(ErrorCode::Malformed,
+                        "the body nests deeper than " + std::to_string(JsonDocument::kMaxDepth) + " levels");
+        }
+        open_.push_back(static_cast<std::uint32_t>(document_.nodes_.size()));
+        return add(kind, 0);
+    }
+
+    /// @param nodes_per_child  1 for an array; 2, name and value, for an object
+    bool close(std::uint64_t nodes_per_child) {
+        auto& nodes = document_.nodes_;
+        const std::uint32_t start = open_.back();
+        open_.pop_back();
+        std::uint64_t children = 0;
+        for (std::uint32_t i = start + 1; i < nodes.size(); i = nodes[i].end) ++children;
+        nodes[start].payload = children / nodes_per_child;
+        nodes[start].end = static_cast<std::uint32_t>(nodes.size());
+        return true;
+    }
+
+    bool names_differ() {
+        const auto& nodes = document_.nodes_;
+        std::vector<std::string_view> names;
+        for (std::uint32_t i = open_.back() + 1; i < nodes.size(); i = nodes[i + 1].end) {
+            names.push_back(document_.texts_[nodes[i].payload]);
+        }
+        std::sort(names.begin(), names.end());
+        const auto twin = std::adjacent_find(names.begin(), names.end());
+        if (twin == names.end()) return true;
+        return fail(ErrorCode::Malformed,
+                    "a JSON object has the member '" + std::string(twin->substr(0, 64)) + "' twice");
+    }
+
+    bool fail(ErrorCode code, std::string message) {
+        error_ = Error{code, std::move(message), {}};
+        return false;
+    }
+
+    JsonDocument document_;
+    std::vector<std::uint32_t> open_;  ///< arrays and objects not yet closed
+    std::optional<Error> error_;
+};
+
+Result<JsonDocument> JsonDocument::parse(std::string_view text) {
+    JsonBuilder builder;
+    nlohmann::json::sax_parse(text.begin(), text.end(), &builder);
+    return builder.take();
+}
+
+JsonValue JsonDocument::root() const {
+    return {this, 0};
+}
+
+double JsonValue::number() const {
+    return std::bit_cast<double>(node().payload);
+}
+
+JsonValue::Iterator JsonValue::begin() const {
+    return Iterator({document_, index_ + 1});
+}
+
+JsonValue::Iterator JsonValue::end() const {
+    return Iterator({document_, node().end});
+}
+
+std::vector<JsonValue::Member> JsonValue::members() const {
+    std::vector<Member> members;
+    members.reserve(size());
+    for (Iterator i = begin(); i != end(); ++i) {
+        const JsonValue name = *i;
+        members.push_back({name.text(), *++i});
+    }
+    return members;
+}
+
+std::optional<JsonValue> JsonValue::find(std::string_view name) const {
+    for (Iterator i = begin(); i != end(); ++i) {
+        const bool found = (*i).text() == name;
+        ++i;
+        if (found) return *i;
+    }
+    return std::nullopt;
+}
+
+std::string pointer_below(std::string_view pointer, std::string_view member) {
+    std::string result(pointer);
+    result += '/';
+    for (const char c : member) {
+        if (c == '~') {
+            result += "~0";
+        } else if (c == '/') {
+            result += "~1";
+        } else {
+            result += c;
+        }
+    }
+    return result;
+}
+
+std::string pointer_below(std::string_view pointer, std::size_t element) {
+    return std::string(pointer) + '/' + std::to_string(element);
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,142 @@
+#include "api/json/json_writer.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <string_view>
+
+namespace ccdt::api {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  ///< becomes null
+constexpr std::size_t kLongestNumber = 24;
+constexpr std::size_t kUsualPoint = 41;  ///< `[x,y],` with 17 digits each
+
+void append_number(std::string& out, double value) {
+    if (!std::isfinite(value)) {  // JSON has no such numbers
+        out += "null";
+        return;
+    }
+    char digits[kLongestNumber];
+    out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+}
+
+void append_number(std::string& out, std::uint64_t value) {
+    char digits[kLongestNumber];
+    out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+}
+
+/// Writes an array, each element by `append_element(out, element)`.
+template <class Range, class AppendElement>
+void append_array(std::string& out, const Range& range, AppendElement append_element) {
+    out += '[';
+    bool first = true;
+    for (const auto& element : range) {
+        if (!first) out += ',';
+        first = false;
+        append_element(out, element);
+    }
+    out += ']';
+}
+
+void append_point(std::string& out, Point point) {
+    out += '[';
+    append_number(out, point.x);
+    out += ',';
+    append_number(out, point.y);
+    out += ']';
+}
+
+void append_points(std::string& out, std::span<const Point> points) {
+    out.reserve(out.size() + kUsualPoint * points.size());
+    append_array(out, points, append_point);
+}
+
+void append_indices(std::string& out, std::span<const std::uint32_t> indices) {
+    append_array(out, indices, [](std::string& to, std::uint32_t index) { append_number(to, std::uint64_t{index}); });
+}
+
+void append_mesh(std::string& out, const TriangleMesh& mesh) {
+    out += ",\"vertices\":";
+    append_points(out, mesh.vertices);
+    out += ",\"triangles\":";
+    append_array(out, mesh.triangles, append_indices);
+    out += ",\"boundary\":";
+    append_array(out, mesh.boundary, append_indices);
+}
+
+/// `,"name":value`
+template <class Number>
+void append_member(std::string& out, std::string_view name, Number value) {
+    out.append(",\"").append(name).append("\":");
+    append_number(out, value);
+}
+
+void append_trace(std::string& out, std::span<const double> trace) {
+    std::uint64_t iteration = 0;
+    append_array(out, trace, [&](std::string& to, double variation) {
+        to += "{\"iteration\":";
+        append_number(to, iteration++);
+        append_member(to, "variation", variation);
+        to += '}';
+    });
+}
+
+void append_numbers(std::string& out, std::span<const double> numbers) {
+    append_array(out, numbers, [](std::string& to, double number) { append_number(to, number); });
+}
+
+void append_spectrum(std::string& out, const Spectrum& spectrum) {
+    out += ",\"spectrum\":{\"values\":";
+    append_numbers(out, spectrum.values);
+    append_member(out, "width", static_cast<std::uint64_t>(spectrum.width));
+    append_member(out, "height", static_cast<std::uint64_t>(spectrum.height));
+    out += '}';
+}
+
+double rounded_to_microseconds(double milliseconds) {
+    return std::round(milliseconds * 1000) / 1000;
+}
+
+}  // namespace
+
+std::string write_distribution(const Distribution& distribution, const Report& report) {
+    std::string out = "{\"points\":";
+    append_points(out, distribution.points);
+    append_member(out, "sites", std::uint64_t{distribution.points.size()});
+    append_member(out, "seed", report.seed);
+    out.append(",\"method\":\"").append(report.method).append("\"");
+    append_member(out, "iterations", static_cast<std::uint64_t>(distribution.iterations));
+    append_member(out, "variation", distribution.variation());
+    out += ",\"trace\":";
+    append_trace(out, distribution.trace);
+    if (distribution.stopped) out += ",\"partial\":true";
+    append_member(out, "elapsed_ms", rounded_to_microseconds(report.elapsed_ms));
+    if (report.picture) {
+        append_member(out, "width", static_cast<std::uint64_t>(report.picture->width));
+        append_member(out, "height", static_cast<std::uint64_t>(report.picture->height));
+    }
+    if (distribution.mesh) append_mesh(out, *distribution.mesh);
+    out += "}\n";
+    return out;
+}
+
+std::string write_analysis(const Analysis& analysis, bool with_spectrum) {
+    std::string out = "{\"frequency\":";
+    append_numbers(out, analysis.frequency);
+    out += ",\"power\":";
+    append_numbers(out, analysis.power);
+    out += ",\"anisotropy_db\":";
+    append_numbers(out, analysis.anisotropy_db);
+    append_member(out, "min_distance", analysis.min_distance);
+    append_member(out, "mean_distance", analysis.mean_distance);
+    append_member(out, "low_frequency_power", analysis.low_frequency_power.value_or(kUnknown));
+    append_member(out, "sets", std::uint64_t{analysis.sets});
+    if (with_spectrum) append_spectrum(out, analysis.spectrum);
+    out += "}\n";
+    return out;
+}
+
+}  // namespace ccdt::api

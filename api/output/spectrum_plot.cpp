@@ -1,0 +1,277 @@
+#include "api/output/spectrum_plot.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "api/image/png_writer.h"
+#include "api/output/svg_drawing.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr double kWidth = 1500, kHeight = 540;
+constexpr Box kPoints{{40, 50}, {460, 470}};
+constexpr Box kSpectrum{{510, 50}, {930, 470}};
+constexpr Box kPower{{1010, 50}, {1410, 240}};
+constexpr Box kAnisotropy{{1010, 280}, {1410, 470}};
+
+constexpr double kTitle = 16, kLabel = 13, kTick = 12;  // sizes of letters
+constexpr std::string_view kFrame = R"(fill="none" stroke="#000")";
+constexpr std::string_view kTickLine = R"(stroke="#000")";
+constexpr std::string_view kReference = R"(stroke="#888" stroke-dasharray="5 4")";
+constexpr std::string_view kCurve = R"(fill="none" stroke="#1f5fa8" stroke-width="1.5" stroke-linejoin="round")";
+
+constexpr double kMostShown = 2500;  // points; more would be grey
+constexpr double kWhitest = 3;       // power
+
+std::string decimal(double value) {
+    char digits[32];
+    return {digits, std::to_chars(digits, digits + sizeof digits, std::round(value * 1e6) / 1e6 + 0.0).ptr};
+}
+
+/// Thousands set off by commas.
+std::string grouped(std::size_t number) {
+    std::string text = std::to_string(number);
+    for (std::size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, 1, ',');
+    return text;
+}
+
+double middle(double a, double b) {
+    return (a + b) / 2;
+}
+
+/// Values along one side of a chart.
+struct Axis {
+    double min;
+    double max;
+    double step;  ///< between ticks
+
+    /// From `min` to `max`, both moved outwards to ticks, of which there will be a handful.
+    static Axis around(double min, double max) {
+        const double raw = (max - min) / 4;
+        const double decade = std::pow(10, std::floor(std::log10(raw)));
+        double step = 10 * decade;
+        for (const double factor : {5, 2, 1}) {
+            if (factor * decade >= raw * (1 - 1e-9)) step = factor * decade;
+        }
+        return {std::floor(min / step + 1e-9) * step, std::ceil(max / step - 1e-9) * step, step};
+    }
+
+    double share(double value) const { return (value - min) / (max - min); }
+};
+
+/// A box with axes along its left and lower sides.
+struct Chart {
+    Box box;
+    Axis x;
+    Axis y;
+
+    Point at(double horizontal, double vertical) const {
+        return {box.min.x + x.share(horizontal) * box.width(), box.max.y - y.share(vertical) * box.height()};
+    }
+};
+
+/// Calls `draw(value)` for each tick.
+template <class Draw>
+void for_each_tick(const Axis& axis, Draw draw) {
+    const auto first = static_cast<long>(std::ceil(axis.min / axis.step - 1e-9));
+    const auto last = static_cast<long>(std::floor(axis.max / axis.step + 1e-9));
+    for (long tick = first; tick <= last; ++tick) draw(static_cast<double>(tick) * axis.step);
+}
+
+void draw_ticks_below(SvgDrawing& svg, const Chart& chart, bool labels) {
+    for_each_tick(chart.x, [&](double value) {
+        const Point at = chart.at(value, chart.y.min);
+        svg.line(at, at + Point{0, 5}, kTickLine);
+        if (labels) svg.text(at + Point{0, 19}, Anchor::Middle, kTick, decimal(value));
+    });
+}
+
+void draw_ticks_at_left(SvgDrawing& svg, const Chart& chart) {
+    for_each_tick(chart.y, [&](double value) {
+        const Point at = chart.at(chart.x.min, value);
+        svg.line(at - Point{5, 0}, at, kTickLine);
+        svg.text(at + Point{-9, 4}, Anchor::End, kTick, decimal(value));
+    });
+}
+
+void draw_title(SvgDrawing& svg, const Box& box, std::string_view words) {
+    svg.text({middle(box.min.x, box.max.x), box.min.y - 14}, Anchor::Middle, kTitle, words);
+}
+
+void draw_caption(SvgDrawing& svg, const Box& box, double distance, std::string_view words) {
+    svg.text({middle(box.min.x, box.max.x), box.max.y + distance}, Anchor::Middle, kLabel, words);
+}
+
+void draw_curve(SvgDrawing& svg, const Chart& chart, const std::vector<double>& x, const std::vector<double>& y) {
+    std::vector<Point> points;
+    for (std::size_t i = 0; i < x.size(); ++i) points.push_back(chart.at(x[i], y[i]));
+    svg.begin_clip(chart.box);
+    svg.polyline(points, kCurve);
+    svg.end_clip();
+}
+
+/// A level to compare the curve with.
+void draw_reference(SvgDrawing& svg, const Chart& chart, double level, std::string_view words) {
+    const Point end = chart.at(chart.x.max, level);
+    svg.line(chart.at(chart.x.min, level), end, kReference);
+    svg.text(end + Point{7, 4}, Anchor::Start, kTick, words);
+}
+
+/// What of the domain is shown, and how large.
+struct View {
+    Box shown;
+    Point centre;  ///< of the panel
+    double scale;
+
+    bool holds(Point p) const {
+        return p.x >= shown.min.x && p.x <= shown.max.x && p.y >= shown.min.y && p.y <= shown.max.y;
+    }
+    Point place(Point p) const {
+        return {centre.x + scale * (p.x - middle(shown.min.x, shown.max.x)),
+                centre.y - scale * (p.y - middle(shown.min.y, shown.max.y))};
+    }
+};
+
+/// The whole domain, or a part in its middle that would hold kMostShown points if they were spread evenly.
+View view_of(std::size_t points, const Box& domain) {
+    const double share = std::min(1.0, kMostShown / static_cast<double>(points));
+    const double side = std::sqrt(share * domain.width()) * std::sqrt(domain.height());
+    const auto half = [&](double length) { return (share < 1 ? std::min(length, side) : length) / 2; };
+    const Point centre{middle(domain.min.x, domain.max.x), middle(domain.min.y, domain.max.y)};
+    const Point reach{half(domain.width()), half(domain.height())};
+    return {{centre - reach, centre + reach},
+            {middle(kPoints.min.x, kPoints.max.x), middle(kPoints.min.y, kPoints.max.y)},
+            kPoints.width() / 2 / std::max(reach.x, reach.y)};
+}
+
+void draw_points(SvgDrawing& svg, const Analysis& analysis, std::span<const Point> points, const Domain& domain) {
+    const View view = view_of(points.size(), domain.bounds());
+    std::vector<Point> dots;
+    for (const Point& p : points) {
+        if (view.holds(p)) dots.push_back(view.place(p));
+    }
+    const Point low = view.place(view.shown.min), high = view.place(view.shown.max);
+    const Box frame{{low.x, high.y}, {high.x, low.y}};
+    svg.begin_clip(frame);
+    svg.dots(dots, std::clamp(0.18 * view.scale / analysis.unit, 0.8, 5.0));
+    svg.end_clip();
+    svg.rectangle(frame, kFrame);
+
+    draw_title(svg, kPoints, "Points");
+    std::string caption = grouped(points.size()) + " points";
+    if (dots.size() < points.size()) caption = "the middle: " + grouped(dots.size()) + " of " + caption;
+    if (analysis.sets > 1) caption += ", first of " + grouped(analysis.sets) + " sets";
+    draw_caption(svg, frame, 22, caption);
+}
+
+/// The spectrum as grey levels, the light in proportion to the power, y down.
+struct Periodogram {
+    Raster raster;
+    Point size;  ///< in frequencies, the last one perhaps beyond the spectrum
+};
+
+/// Mean power of the frequencies that share a pixel.
+/// @param column, row  of the pixel
+/// @param shrink       frequencies per pixel along each axis
+double block_mean(const Spectrum& spectrum, int column, int row, int shrink) {
+    double sum = 0, count = 0;
+    for (int r = row * shrink; r < std::min((row + 1) * shrink, spectrum.height); ++r) {
+        for (int c = column * shrink; c < std::min((column + 1) * shrink, spectrum.width); ++c) {
+            sum += spectrum.at(c - spectrum.width / 2, spectrum.height / 2 - r);
+            ++count;
+        }
+    }
+    return sum / count;
+}
+
+/// Many frequencies share pixels; few are given several each, since not every viewer enlarges without blurring.
+Periodogram draw_periodogram(const Spectrum& spectrum) {
+    constexpr int kMostPixels = 640, kFewestPixels = 480;
+    const int side = std::max(spectrum.width, spectrum.height);
+    const int shrink = (side + kMostPixels - 1) / kMostPixels;
+    const int repeat = (kFewestPixels + side - 1) / side;
+    const int columns = (spectrum.width + shrink - 1) / shrink, rows = (spectrum.height + shrink - 1) / shrink;
+    Periodogram result{{columns * repeat, rows * repeat, 0, {}}, {double(columns) * shrink, double(rows) * shrink}};
+    std::vector<std::uint8_t>& pixels = result.raster.coverage;
+    for (int row = 0; row < rows; ++row) {
+        std::vector<std::uint8_t> line;
+        for (int column = 0; column < columns; ++column) {
+            const double light = std::min(block_mean(spectrum, column, row, shrink) / kWhitest, 1.0);
+            line.insert(line.end(), static_cast<std::size_t>(repeat),
+                        static_cast<std::uint8_t>(std::lround(255 * light)));
+        }
+        for (int i = 0; i < repeat; ++i) pixels.insert(pixels.end(), line.begin(), line.end());
+    }
+    return result;
+}
+
+Result<void> draw_spectrum(SvgDrawing& svg, const Analysis& analysis, const Domain& domain, double max_frequency) {
+    const Periodogram periodogram = draw_periodogram(analysis.spectrum);
+    const auto png = write_png(periodogram.raster, true, {kWhite, kBlack});
+    if (!png) return tl::make_unexpected(png.error());
+
+    const Axis axis{-max_frequency, max_frequency, std::ceil(max_frequency / 4)};
+    const Chart chart{kSpectrum, axis, axis};
+    const Point step{1 / (domain.bounds().width() * analysis.unit), 1 / (domain.bounds().height() * analysis.unit)};
+    const Point low{-0.5 * analysis.spectrum.width * step.x, 0.5 * analysis.spectrum.height * step.y};
+    const Point high = low + Point{periodogram.size.x * step.x, -periodogram.size.y * step.y};
+    svg.begin_clip(kSpectrum);
+    svg.picture({chart.at(low.x, low.y), chart.at(high.x, high.y)}, *png);
+    svg.end_clip();
+    svg.rectangle(kSpectrum, kFrame);
+    draw_ticks_below(svg, chart, true);
+    draw_ticks_at_left(svg, chart);
+    draw_title(svg, kSpectrum, "Power spectrum");
+    draw_caption(svg, kSpectrum, 44, "black: no power; white: " + decimal(kWhitest) + " times white noise or more");
+    return {};
+}
+
+void draw_power(SvgDrawing& svg, const Analysis& analysis, const Axis& frequencies) {
+    const double highest = *std::ranges::max_element(analysis.power);
+    const Chart chart{kPower, frequencies, Axis::around(0, std::max(highest, 1.5))};
+    draw_title(svg, kPower, "Radially averaged power");
+    draw_reference(svg, chart, 1, "white noise");
+    draw_curve(svg, chart, analysis.frequency, analysis.power);
+    svg.rectangle(kPower, kFrame);
+    draw_ticks_below(svg, chart, false);
+    draw_ticks_at_left(svg, chart);
+}
+
+void draw_anisotropy(SvgDrawing& svg, const Analysis& analysis, const Axis& frequencies) {
+    constexpr double kMost = 40;  // dB; beyond lie rings that hold next to no power
+    const double isotropic = -10 * std::log10(static_cast<double>(analysis.sets));
+    const auto [low, high] = std::ranges::minmax(analysis.anisotropy_db);
+    const double least = std::max(std::min(low, isotropic - 5), isotropic - kMost);
+    const double most = std::min(std::max(high, isotropic + 5), isotropic + kMost);
+    const Chart chart{kAnisotropy, frequencies, Axis::around(least, most)};
+    draw_title(svg, kAnisotropy, "Anisotropy, dB");
+    draw_reference(svg, chart, isotropic, "isotropic");
+    draw_curve(svg, chart, analysis.frequency, analysis.anisotropy_db);
+    svg.rectangle(kAnisotropy, kFrame);
+    draw_ticks_below(svg, chart, true);
+    draw_ticks_at_left(svg, chart);
+    draw_caption(svg, kAnisotropy, 44, "frequency, in units of &#8730;(points / area)");
+}
+
+}  // namespace
+
+Result<std::string> plot_spectrum(const Analysis& analysis, std::span<const Point> points, const Domain& domain,
+                                  double max_frequency) {
+    SvgDrawing svg(kWidth, kHeight);
+    draw_points(svg, analysis, points, domain);
+    if (auto drawn = draw_spectrum(svg, analysis, domain, max_frequency); !drawn) {
+        return tl::make_unexpected(drawn.error());
+    }
+    const Axis frequencies{0, max_frequency, std::ceil(max_frequency / 8)};
+    draw_power(svg, analysis, frequencies);
+    draw_anisotropy(svg, analysis, frequencies);
+    return svg.finish();
+}
+
+}  // namespace ccdt::api

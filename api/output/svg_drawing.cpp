@@ -1,0 +1,103 @@
+#include "api/output/svg_drawing.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+namespace ccdt::api {
+namespace {
+
+std::string_view name_of(Anchor anchor) {
+    switch (anchor) {
+        case Anchor::Start:
+            return "start";
+        case Anchor::Middle:
+            return "middle";
+        case Anchor::End:
+            break;
+    }
+    return "end";
+}
+
+/// RFC 4648, section 4.
+std::string base64(std::string_view bytes) {
+    constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    text.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        std::uint32_t bits = 0;
+        for (std::size_t b = 0; b < 3; ++b) {
+            bits = bits << 8 | (i + b < bytes.size() ? static_cast<unsigned char>(bytes[i + b]) : 0U);
+        }
+        for (int shift = 18; shift >= 0; shift -= 6) text += kAlphabet[bits >> shift & 63];
+    }
+    const std::size_t padding = (3 - bytes.size() % 3) % 3;
+    text.replace(text.size() - padding, padding, padding, '=');
+    return text;
+}
+
+}  // namespace
+
+SvgDrawing::SvgDrawing(double width, double height) {
+    write(R"(<svg xmlns="http://www.w3.org/2000/svg" width=")", width, R"(" height=")", height, R"(" viewBox="0 0 )",
+          width, " ", height, "\" font-family=\"DejaVu Sans, Verdana, sans-serif\">\n");
+    rectangle({{0, 0}, {width, height}}, R"(fill="#fff")");
+}
+
+void SvgDrawing::text(Point at, Anchor anchor, double size, std::string_view words) {
+    write("<text x=\"", at.x, "\" y=\"", at.y, "\" font-size=\"", size, "\" text-anchor=\"", name_of(anchor), "\">",
+          words, "</text>\n");
+}
+
+void SvgDrawing::polyline(std::span<const Point> points, std::string_view style) {
+    write("<polyline points=\"");
+    for (const Point& p : points) write(p.x, ",", p.y, " ");
+    write("\" ", style, "/>\n");
+}
+
+void SvgDrawing::line(Point from, Point to, std::string_view style) {
+    write("<line x1=\"", from.x, "\" y1=\"", from.y, "\" x2=\"", to.x, "\" y2=\"", to.y, "\" ", style, "/>\n");
+}
+
+void SvgDrawing::rectangle(const Box& box, std::string_view style) {
+    write("<rect x=\"", box.min.x, "\" y=\"", box.min.y, "\" width=\"", box.width(), "\" height=\"", box.height(),
+          "\" ", style, "/>\n");
+}
+
+void SvgDrawing::dots(std::span<const Point> centres, double radius) {
+    // A path of no length with round caps: a third of the bytes of as many circles.
+    write("<path stroke=\"#000\" stroke-linecap=\"round\" stroke-width=\"", 2 * radius, "\" d=\"");
+    for (const Point& centre : centres) write("M", centre.x, " ", centre.y, "h0");
+    write("\"/>\n");
+}
+
+void SvgDrawing::picture(const Box& box, std::string_view png) {
+    write("<image x=\"", box.min.x, "\" y=\"", box.min.y, "\" width=\"", box.width(), "\" height=\"", box.height(),
+          R"(" preserveAspectRatio="none" style="image-rendering:pixelated" href="data:image/png;base64,)", base64(png),
+          "\"/>\n");
+}
+
+void SvgDrawing::begin_clip(const Box& box) {
+    write("<svg x=\"", box.min.x, "\" y=\"", box.min.y, "\" width=\"", box.width(), "\" height=\"", box.height(),
+          "\" viewBox=\"", box.min.x, " ", box.min.y, " ", box.width(), " ", box.height(), "\">\n");
+}
+
+void SvgDrawing::end_clip() {
+    write("</svg>\n");
+}
+
+std::string SvgDrawing::finish() {
+    write("</svg>\n");
+    return std::move(out_);
+}
+
+/// Two decimals at most, without trailing zeros.
+void SvgDrawing::append(double length) {
+    char digits[32];
+    const double rounded = std::round(length * 100) / 100 + 0.0;  // no -0
+    out_.append(digits, std::to_chars(digits, digits + sizeof digits, rounded).ptr);
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,84 @@
+#include "server/access/access.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include "api/input/text.h"
+#include "server/http/http.h"
+
+namespace ccdt::server {
+namespace {
+
+constexpr std::size_t kShortestKey = 16;
+constexpr std::size_t kLongestKey = 256;
+constexpr std::size_t kLongestName = 64;
+constexpr std::string_view kBlanks = " \t\r";
+
+/// Compares without leaving early: the time tells neither where two keys differ nor how long the real one is.
+bool is_same(std::string_view real, std::string_view shown) {
+    unsigned difference = real.size() == shown.size() ? 0 : 1;
+    for (std::size_t i = 0; i < kLongestKey; ++i) {
+        const char a = i < real.size() ? real[i] : '\0';
+        const char b = i < shown.size() ? shown[i] : '\0';
+        difference |= static_cast<unsigned>(static_cast<unsigned char>(a ^ b));
+    }
+    return difference == 0;
+}
+
+bool is_key(std::string_view text) {
+    return text.size() >= kShortestKey && text.size() <= kLongestKey &&
+           std::ranges::all_of(text, [](char c) { return c > ' ' && c < 0x7f; });
+}
+
+tl::unexpected<Error> wrong_line(std::size_t number, const std::string& why) {
+    return failure(ErrorCode::Malformed, "line " + std::to_string(number) + ": " + why);
+}
+
+}  // namespace
+
+Result<KeyRing> KeyRing::parse(std::string_view text) {
+    KeyRing ring;
+    for (std::size_t number = 1; !text.empty(); ++number) {
+        const auto line = api::trim(api::take_until(text, "\n"), kBlanks);
+        if (line.empty() || line.starts_with('#')) continue;
+        const auto separator = std::min(line.find_first_of(": \t"), line.size());
+        const auto name = line.substr(0, separator);
+        const auto key = api::trim(line.substr(std::min(separator + 1, line.size())), kBlanks);
+        if (!api::is_plain_name(name, kLongestName))
+            return wrong_line(number, "a name has up to 64 letters, digits, dots, dashes");
+        if (!is_key(key)) return wrong_line(number, "a key has 16 to 256 visible characters");
+        if (ring.find(key).value_or(std::string(name)) != name) return wrong_line(number, "another name has this key");
+        ring.entries_.push_back({std::string(name), std::string(key)});
+    }
+    if (ring.entries_.empty()) return failure(ErrorCode::Malformed, "there is no key");
+    return ring;
+}
+
+Result<KeyRing> KeyRing::read(const std::string& file) {
+    std::ifstream stream(file, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    if (!stream.is_open() || stream.bad()) return failure(ErrorCode::Unusable, file + ": cannot be read");
+    return parse(text).map_error([&](Error error) {
+        error.message.insert(0, file + ": ");
+        return error;
+    });
+}
+
+std::optional<std::string> KeyRing::find(std::string_view key) const {
+    const Entry* found = nullptr;
+    for (const Entry& entry : entries_) {
+        if (is_same(entry.key, key)) found = &entry;
+    }
+    return found == nullptr ? std::nullopt : std::optional(found->name);
+}
+
+std::string_view bearer_key(std::string_view authorization) {
+    constexpr std::string_view kScheme = "Bearer ";
+    if (!equals_ignoring_case(authorization.substr(0, kScheme.size()), kScheme)) return {};
+    return api::trim(authorization.substr(kScheme.size()), kBlanks);
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,55 @@
+#include "server/access/gate.h"
+
+#include <string_view>
+#include <utility>
+
+namespace ccdt::server {
+namespace {
+
+/// What browsers ask before a request from another origin, always without a key.
+bool is_preflight(const Request& request) {
+    return request.method == "OPTIONS" && !request.header("Origin").empty() &&
+           !request.header("Access-Control-Request-Method").empty();
+}
+
+bool is_open_to_all(const Request& request) {
+    return is_preflight(request) || request.path == "/health" || request.path.starts_with("/health/");
+}
+
+}  // namespace
+
+Result<void> Gate::read_keys() {
+    if (key_file_.empty()) return {};
+    auto ring = KeyRing::read(key_file_);
+    if (!ring) return tl::unexpected(std::move(ring.error()));
+    const std::lock_guard lock(mutex_);
+    keys_ = std::make_shared<const KeyRing>(std::move(*ring));
+    return {};
+}
+
+Gate::Verdict Gate::check(const Request& request, const std::string& address) {
+    if (is_open_to_all(request)) return {{}, address, {}};
+    const auto ring = keys();
+    const auto key = bearer_key(request.header("Authorization"));
+    const auto name = ring && !key.empty() ? ring->find(key) : std::nullopt;
+
+    Verdict verdict{name.value_or(""), name ? "key " + *name : address, {}};
+    const auto wait = verdict.client.empty() ? std::chrono::seconds(0) : limiter_.take(verdict.client);
+    if (wait.count() > 0) {
+        verdict.fault = Fault{429,
+                              "too many requests for this key or address (rate-limit)",
+                              {{"Retry-After", std::to_string(wait.count())}}};
+    } else if (ring && !name) {
+        verdict.fault = Fault{401,
+                              key.empty() ? "an API key is needed: Authorization: Bearer KEY" : "the key is unknown",
+                              {{"WWW-Authenticate", "Bearer"}}};
+    }
+    return verdict;
+}
+
+std::shared_ptr<const KeyRing> Gate::keys() const {
+    const std::lock_guard lock(mutex_);
+    return keys_;
+}
+
+}  // namespace ccdt::server

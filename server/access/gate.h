@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "core/result.h"
+#include "server/access/access.h"
+#include "server/access/rate_limiter.h"
+#include "server/config.h"
+#include "server/http/http.h"
+
+namespace ccdt::server {
+
+/// Decides whether a request may pass: it needs a key if there are any, and must not come too often.
+///
+/// The rate is counted by key, or by address for those without a good one, so that keys cannot be guessed fast. Over a
+/// Unix socket clients have no address, and are not limited without a key. Health checks and preflights always pass:
+/// balancers and browsers send no keys with them. May be used from any thread.
+class Gate {
+public:
+    struct Verdict {
+        std::string key;             ///< the name of the key that was shown; empty: none
+        std::string client;          ///< who asks: the key or the address
+        std::optional<Fault> fault;  ///< why the request may not pass
+    };
+
+    explicit Gate(const Config& config) : key_file_(config.api_key_file), limiter_(config.rate) {}
+
+    /// Reads the file of keys, if one is configured. After an error the keys are what they were.
+    Result<void> read_keys();
+
+    Verdict check(const Request& request, const std::string& address);
+
+private:
+    std::shared_ptr<const KeyRing> keys() const;
+
+    const std::string key_file_;
+    RateLimiter limiter_;
+
+    mutable std::mutex mutex_;  ///< guards the keys
+    std::shared_ptr<const KeyRing> keys_;
+};
+
+}  // namespace ccdt::server

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string_view>
+
+#include "api/image/image_codec.h"
+#include "server/http/unique_fd.h"
+
+namespace ccdt::server {
+
+/// What runs in the helper and its children.
+struct Decoder {
+    /// As api::decode_image.
+    std::function<Result<Picture>(std::string_view file, std::size_t max_pixels, const api::NewPlane& make_plane)>
+        decode;
+    std::function<void()> warm_up;  ///< what `decode` does but once; may be empty
+};
+
+/// The helper: takes orders, and has each done by a child in the sandbox.
+///
+/// The calling process, of one thread, becomes the helper's keeper: it starts another should the helper be killed.
+/// Orders that wait survive that; those in work are lost, and whoever waits for them learns it. Both end when the other
+/// end of `orders` is closed or their parent thread ends, however it ends, and so do the children.
+[[noreturn]] void run_decoder_helper(UniqueFd orders, const Decoder& decoder);
+
+}  // namespace ccdt::server

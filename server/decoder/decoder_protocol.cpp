@@ -1,0 +1,166 @@
+#include "server/decoder/decoder_protocol.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <new>
+#include <string_view>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+namespace ccdt::server {
+namespace {
+
+constexpr std::size_t kFiles = 3;
+constexpr std::size_t kLongestMessage = 1000;
+
+/// Where the planes begin.
+constexpr std::size_t kHeadSize = 4096;
+
+/// What a reply begins with; for an error its text follows.
+struct ReplyHead {
+    std::uint32_t is_picture = 0;
+    std::uint32_t code = 0;  ///< of the error
+    std::uint64_t message_size = 0;
+    std::int32_t width = 0;
+    std::int32_t height = 0;
+    std::uint32_t has_alpha = 0;
+};
+static_assert(sizeof(ReplyHead) + kLongestMessage <= kHeadSize);
+
+/// Gets the pages of values all at once, which takes half as long as by a fault each; where it fails, that way.
+void populate(float* values, std::size_t count, int advice) {
+    const std::size_t excess = reinterpret_cast<std::uintptr_t>(values) % static_cast<std::size_t>(getpagesize());
+    madvise(reinterpret_cast<std::byte*>(values) - excess, excess + count * sizeof(float), advice);
+}
+
+/// A message with room for the descriptors that travel with it.
+struct Envelope {
+    explicit Envelope(Order::Text& text) : body{&text, sizeof(text)} {
+        message.msg_iov = &body;
+        message.msg_iovlen = 1;
+        message.msg_control = files.data();
+        message.msg_controllen = files.size();
+    }
+
+    iovec body;
+    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(kFiles * sizeof(int))> files{};
+    msghdr message{};
+};
+
+}  // namespace
+
+bool send_order(int socket, const Order& order) {
+    Order::Text text = order.text;
+    Envelope envelope(text);
+    const std::array<int, kFiles> files = {order.file.get(), order.reply.get(), order.outcome.get()};
+    cmsghdr* const header = CMSG_FIRSTHDR(&envelope.message);
+    header->cmsg_level = SOL_SOCKET;
+    header->cmsg_type = SCM_RIGHTS;
+    header->cmsg_len = CMSG_LEN(sizeof(files));
+    std::memcpy(CMSG_DATA(header), files.data(), sizeof(files));
+    ssize_t sent = 0;
+    do sent = ::sendmsg(socket, &envelope.message, MSG_NOSIGNAL);
+    while (sent < 0 && errno == EINTR);
+    return sent == static_cast<ssize_t>(sizeof(text));
+}
+
+std::optional<Order> receive_order(int socket) {
+    Order order;
+    Envelope envelope(order.text);
+    ssize_t received = 0;
+    do received = ::recvmsg(socket, &envelope.message, MSG_CMSG_CLOEXEC);
+    while (received < 0 && errno == EINTR);
+    if (received <= 0) return std::nullopt;
+    std::array<int, kFiles> files{};
+    files.fill(-1);
+    const cmsghdr* const header = CMSG_FIRSTHDR(&envelope.message);
+    if (header != nullptr && header->cmsg_type == SCM_RIGHTS) {
+        std::memcpy(files.data(), CMSG_DATA(header), std::min(header->cmsg_len - CMSG_LEN(0), sizeof(files)));
+    }
+    order.file = UniqueFd(files[0]);
+    order.reply = UniqueFd(files[1]);
+    order.outcome = UniqueFd(files[2]);
+    return order;
+}
+
+UniqueFd make_reply_file(std::size_t max_pixels) {
+    UniqueFd file(memfd_create("reply", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+    const auto size = static_cast<off_t>(ReplyMemory::size(max_pixels));
+    // Shrunk under the server's eyes it would crash it.
+    if (!file || ftruncate(file.get(), size) != 0 ||
+        fcntl(file.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) {
+        return {};
+    }
+    return file;
+}
+
+std::size_t ReplyMemory::size(std::size_t max_pixels) {
+    return kHeadSize + 2 * sizeof(float) * max_pixels;
+}
+
+ReplyMemory::ReplyMemory(const UniqueFd& file, std::size_t max_pixels) : max_pixels_(max_pixels) {
+    const std::size_t bytes = size(max_pixels);
+    void* const begin = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file.get(), 0);
+    if (begin == MAP_FAILED) return;
+    memory_ = {static_cast<std::byte*>(begin), [bytes](std::byte* memory) { munmap(memory, bytes); }};
+}
+
+float* ReplyMemory::plane(std::size_t offset) const {
+    return reinterpret_cast<float*>(memory_.get() + kHeadSize) + offset;
+}
+
+std::shared_ptr<float[]> ReplyMemory::new_plane(std::size_t size) {
+    if (size > 2 * max_pixels_ - used_) throw std::bad_alloc();
+    float* const begin = plane(used_);
+    used_ += size;
+    populate(begin, size, MADV_POPULATE_WRITE);
+    return {memory_, begin};
+}
+
+bool ReplyMemory::write(const Result<Picture>& result) {
+    ReplyHead head;
+    if (result) {
+        const std::size_t pixels = result->luminance.size();
+        if (result->luminance.begin() != plane(0)) return false;
+        if (!result->alpha.empty() && result->alpha.begin() != plane(pixels)) return false;
+        head.is_picture = 1;
+        head.width = result->width;
+        head.height = result->height;
+        head.has_alpha = result->alpha.empty() ? 0 : 1;
+    } else {
+        const auto message = std::string_view(result.error().message).substr(0, kLongestMessage);
+        head.code = static_cast<std::uint32_t>(result.error().code);
+        head.message_size = message.size();
+        std::memcpy(memory_.get() + sizeof(head), message.data(), message.size());
+    }
+    std::memcpy(memory_.get(), &head, sizeof(head));
+    return true;
+}
+
+std::optional<Result<Picture>> ReplyMemory::read() const {
+    ReplyHead head;
+    std::memcpy(&head, memory_.get(), sizeof(head));
+    if (head.is_picture == 0) {
+        const bool known = head.code <= static_cast<std::uint32_t>(ErrorCode::Internal);
+        if (!known || head.message_size == 0 || head.message_size > kLongestMessage) return std::nullopt;
+        const auto* const text = reinterpret_cast<const char*>(memory_.get() + sizeof(head));
+        return failure(static_cast<ErrorCode>(head.code), {text, static_cast<std::size_t>(head.message_size)});
+    }
+    if (head.width < 1 || head.height < 1) return std::nullopt;
+    const auto width = static_cast<std::size_t>(head.width);
+    const auto height = static_cast<std::size_t>(head.height);
+    if (width > max_pixels_ / height) return std::nullopt;
+    populate(plane(0), (head.has_alpha != 0 ? 2 : 1) * width * height, MADV_POPULATE_READ);
+    const auto plane_at = [&](std::size_t offset) {
+        return Plane(std::shared_ptr<const float[]>(memory_, plane(offset)), width * height);
+    };
+    return Picture{head.width, head.height, plane_at(0), head.has_alpha != 0 ? plane_at(width * height) : Plane()};
+}
+
+}  // namespace ccdt::server

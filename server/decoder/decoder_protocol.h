@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "core/halftone/picture.h"
+#include "core/result.h"
+#include "server/decoder/decoder_sandbox.h"
+#include "server/http/unique_fd.h"
+
+namespace ccdt::server {
+
+/// What server, helper and decoding children say to each other. They are one program, so structs travel as they are.
+/// The server trusts the helper; it takes from a child only what makes sense.
+
+/// From the helper, once: it is ready.
+struct Hello {
+    std::int32_t filter_error = 0;  ///< errno for why system calls cannot be filtered; 0: they are
+};
+
+/// From the server to the helper: a file to decode.
+struct Order {
+    struct Text {
+        std::uint64_t bytes = 0;       ///< of the file
+        std::uint64_t max_pixels = 0;  ///< of the picture
+        DecoderLimits limits;
+    };
+    Text text;
+    UniqueFd file;
+    UniqueFd reply;    ///< made by make_reply_file
+    UniqueFd outcome;  ///< socket for Outcomes; once its other end is closed nobody waits for the child
+};
+
+/// What became of the order, of which the first counts: from the child, that its reply is written, or from the helper,
+/// that the child has ended or there was none.
+struct Outcome {
+    std::int32_t fork_error = 0;  ///< errno for why there was none; 0: there was
+    std::int32_t ended = 0;       ///< it crashed, was killed or gave up, unless it has said that it is done
+};
+
+/// False if there is no helper any more.
+bool send_order(int socket, const Order& order);
+
+/// Waits for an order. One whose descriptors did not arrive has none.
+/// @returns  none once the server has gone
+std::optional<Order> receive_order(int socket);
+
+/// Memory for a child's reply: takes no more than is written to, and can neither shrink nor grow.
+UniqueFd make_reply_file(std::size_t max_pixels);
+
+/// A child's reply, in memory that it shares with the server: no pixel is copied.
+class ReplyMemory {
+public:
+    /// Maps it; false afterwards if that failed.
+    ReplyMemory(const UniqueFd& file, std::size_t max_pixels);
+    explicit operator bool() const { return memory_ != nullptr; }
+
+    static std::size_t size(std::size_t max_pixels);
+
+    /// For the child: room for the planes of the picture, as api::NewPlane.
+    std::shared_ptr<float[]> new_plane(std::size_t size);
+
+    /// For the child. Planes must come from `new_plane`, luminance first; false if they do not.
+    bool write(const Result<Picture>& result);
+
+    /// For the server, once the child is done. Whatever the child wrote, the picture is of the size that it says, not
+    /// over the limit. Its values may be anything, and a child that was taken over can still change them.
+    /// @returns  none for what no honest child writes
+    std::optional<Result<Picture>> read() const;
+
+private:
+    float* plane(std::size_t offset) const;
+
+    std::size_t max_pixels_;
+    std::size_t used_ = 0;  ///< values that were given room
+    std::shared_ptr<std::byte> memory_;
+};
+
+}  // namespace ccdt::server

@@ -1,0 +1,152 @@
+#include "server/decoder/decoder_sandbox.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <seccomp.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "server/http/unique_fd.h"
+
+namespace ccdt::server {
+namespace {
+
+/// What allocating, computing and ending take. Everything else fails with EPERM, which libraries can live with, as
+/// when they look for a file that is not there.
+constexpr auto kAllowed = std::to_array<int>({
+    SCMP_SYS(read),
+    SCMP_SYS(brk),
+    SCMP_SYS(munmap),
+    SCMP_SYS(mremap),
+    SCMP_SYS(madvise),
+    SCMP_SYS(futex),
+    SCMP_SYS(clock_gettime),
+    SCMP_SYS(gettimeofday),
+    SCMP_SYS(getrandom),
+    SCMP_SYS(sched_yield),
+    SCMP_SYS(rt_sigreturn),
+    SCMP_SYS(rt_sigprocmask),
+    SCMP_SYS(exit),
+    SCMP_SYS(exit_group),
+    SCMP_SYS(restart_syscall),
+});
+
+/// Those that hand out memory, unless code is to run there.
+constexpr auto kAllowedWithoutExec = std::to_array<int>({SCMP_SYS(mmap), SCMP_SYS(mprotect)});
+
+Sandbox::Memory own_memory() {
+    Sandbox::Memory memory;
+    std::FILE* const file = std::fopen("/proc/self/statm", "re");
+    if (file == nullptr) return memory;
+    const bool read = std::fscanf(file, "%zu %*u %*u %*u %*u %zu", &memory.space, &memory.data) == 2;
+    std::fclose(file);
+    if (!read) return {};
+    const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    return {memory.space * page, memory.data * page};
+}
+
+bool add_rules(scmp_filter_ctx context) {
+    bool added = true;
+    for (const int call : kAllowed) added &= seccomp_rule_add(context, SCMP_ACT_ALLOW, call, 0) == 0;
+    for (const int call : kAllowedWithoutExec) {
+        const scmp_arg_cmp without_exec{2, SCMP_CMP_MASKED_EQ, PROT_EXEC, 0};
+        added &= seccomp_rule_add_array(context, SCMP_ACT_ALLOW, call, 1, &without_exec) == 0;
+    }
+    const scmp_arg_cmp to_output{0, SCMP_CMP_EQ, STDOUT_FILENO, 0};
+    return added && seccomp_rule_add_array(context, SCMP_ACT_ALLOW, SCMP_SYS(write), 1, &to_output) == 0;
+}
+
+/// The kernel's form of the filter: compiled once, not in every child.
+std::vector<sock_filter> compile(scmp_filter_ctx context) {
+    const UniqueFd file(memfd_create("filter", MFD_CLOEXEC));
+    if (!add_rules(context) || seccomp_export_bpf(context, file.get()) != 0) return {};
+    std::vector<sock_filter> program(static_cast<std::size_t>(lseek(file.get(), 0, SEEK_END)) / sizeof(sock_filter));
+    const auto bytes = std::as_writable_bytes(std::span(program));
+    if (pread(file.get(), bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) return {};
+    return program;
+}
+
+/// A limit that is stricter already stays.
+bool limit(__rlimit_resource resource, rlim_t most) {
+    rlimit now{};
+    if (getrlimit(resource, &now) != 0) return false;
+    const rlimit both{std::min(most, now.rlim_max), std::min(most, now.rlim_max)};
+    return setrlimit(resource, &both) == 0;
+}
+
+/// If the machine runs out of memory, this process ends rather than another. Where that cannot be said, the limit on
+/// memory has to do.
+void volunteer_for_out_of_memory() {
+    const UniqueFd file(open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
+    if (file) static_cast<void>(!write(file.get(), "1000", 4));
+}
+
+}  // namespace
+
+struct Sandbox::Filter {
+    std::vector<sock_filter> program;  ///< empty if there is none
+
+    static std::unique_ptr<const Filter> create() {
+        Filter filter;
+        if (const scmp_filter_ctx context = seccomp_init(SCMP_ACT_ERRNO(EPERM))) {
+            filter.program = compile(context);
+            seccomp_release(context);
+        }
+        return std::make_unique<const Filter>(std::move(filter));
+    }
+};
+
+Sandbox::Sandbox() : own_(own_memory()), filter_(Filter::create()), filter_error_(try_filter()) {}
+
+Sandbox::~Sandbox() = default;
+
+bool Sandbox::enter(const DecoderLimits& limits, std::size_t mapped) const {
+    volunteer_for_out_of_memory();
+    // No core file, and no way in for a debugger of the same user.
+    if (prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) != 0 || !limit_resources(limits, mapped)) return false;
+    return !kIsWhole || filter_error_ != 0 || filter_calls();
+}
+
+bool Sandbox::limit_resources(const DecoderLimits& limits, std::size_t mapped) const {
+    const auto seconds = std::chrono::ceil<std::chrono::seconds>(limits.time).count() + 1;
+    // The allocator reserves address space for threads, of which it may use little.
+    constexpr std::size_t kReserved = std::size_t{512} << 20;
+    const bool shut =
+        !kIsWhole || (limit(RLIMIT_DATA, own_.data + limits.memory) &&
+                      limit(RLIMIT_AS, own_.space + mapped + limits.memory + kReserved) && limit(RLIMIT_NOFILE, 0));
+    return shut && limit(RLIMIT_CPU, static_cast<rlim_t>(seconds)) && limit(RLIMIT_FSIZE, 0) && limit(RLIMIT_CORE, 0) &&
+           limit(RLIMIT_NPROC, 0);
+}
+
+bool Sandbox::filter_calls() const {
+    // Only read by the kernel, which asks for more all the same.
+    auto* const begin = const_cast<sock_filter*>(filter_->program.data());
+    const sock_fprog program{static_cast<unsigned short>(filter_->program.size()), begin};
+    return prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
+}
+
+int Sandbox::try_filter() const {
+    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return errno;
+    if (!kIsWhole || filter_->program.empty()) return ENOSYS;
+    const pid_t child = fork();
+    if (child < 0) return errno;
+    if (child == 0) _exit(filter_calls() ? 0 : errno);
+    int status = 0;
+    if (waitpid(child, &status, 0) != child) return errno;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : ENOSYS;
+}
+
+}  // namespace ccdt::server

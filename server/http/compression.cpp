@@ -1,0 +1,103 @@
+#include "server/http/compression.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <new>
+
+#include "api/input/text.h"
+#include "server/http/http.h"
+
+namespace ccdt::server {
+namespace {
+
+constexpr std::size_t kSmallest = 1'024;
+constexpr std::size_t kPiece = 262'144;
+constexpr int kLevel = 1;
+constexpr int kGzip = 16;  ///< added to the window's bits: a gzip header instead of zlib's
+constexpr int kMemoryLevel = 8;
+
+std::string_view take_item(std::string_view& list, std::string_view separator) {
+    return api::trim(api::take_until(list, separator));
+}
+
+/// The weight among a coding's parameters; one that cannot be read counts as 0.
+double weight_of(std::string_view parameters) {
+    while (!parameters.empty()) {
+        auto value = take_item(parameters, ";");
+        if (!equals_ignoring_case(take_item(value, "="), "q")) continue;
+        return api::parse_number<double>(value).value_or(0);
+    }
+    return 1;
+}
+
+/// A compressor that is freed in the end.
+class Deflater {
+public:
+    Deflater() {
+        if (deflateInit2(&stream_, kLevel, Z_DEFLATED, MAX_WBITS + kGzip, kMemoryLevel, Z_DEFAULT_STRATEGY) != Z_OK)
+            throw std::bad_alloc();
+    }
+    ~Deflater() { deflateEnd(&stream_); }
+    Deflater(const Deflater&) = delete;
+    Deflater& operator=(const Deflater&) = delete;
+
+    void add(std::string_view piece, bool last, std::string& target) {
+        // zlib's interface is older than const; it does not write there.
+        stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(piece.data()));
+        stream_.avail_in = static_cast<uInt>(piece.size());
+        do {
+            stream_.next_out = reinterpret_cast<Bytef*>(buffer_.data());
+            stream_.avail_out = static_cast<uInt>(buffer_.size());
+            deflate(&stream_, last ? Z_FINISH : Z_NO_FLUSH);
+            target.append(buffer_.data(), buffer_.size() - stream_.avail_out);
+        } while (stream_.avail_out == 0);
+    }
+
+private:
+    z_stream stream_{};
+    std::array<char, 16'384> buffer_{};
+};
+
+}  // namespace
+
+bool is_worth_compressing(std::string_view media_type, std::string_view body) {
+    const auto type = ::ccdt::server::media_type(media_type);
+    const bool is_text = type.starts_with("text/") || type == "application/json" || type.ends_with("+json") ||
+                         type.ends_with("+xml") || type == "application/javascript";
+    return is_text && type != "text/event-stream" && body.size() > kSmallest;
+}
+
+bool accepts_gzip(std::string_view accept_encoding) {
+    std::optional<double> gzip_weight;
+    double other_weight = 0;
+    double identity_weight = 0;
+    while (!accept_encoding.empty()) {
+        auto parameters = take_item(accept_encoding, ",");
+        const auto coding = take_item(parameters, ";");
+        const double weight = weight_of(parameters);
+        if (equals_ignoring_case(coding, "gzip") || equals_ignoring_case(coding, "x-gzip")) gzip_weight = weight;
+        if (equals_ignoring_case(coding, "identity")) identity_weight = weight;
+        if (coding == "*") other_weight = weight;
+    }
+    const double weight = gzip_weight.value_or(other_weight);
+    return weight > 0 && weight >= identity_weight;
+}
+
+std::optional<std::string> gzip(std::string_view text, const std::stop_token& stop) {
+    std::string compressed;
+    Deflater deflater;
+    bool last = false;
+    while (!last) {
+        if (stop.stop_requested()) return std::nullopt;
+        const auto piece = text.substr(0, kPiece);
+        text.remove_prefix(piece.size());
+        last = text.empty();
+        deflater.add(piece, last, compressed);
+    }
+    return compressed;
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "server/http/capacity.h"
+#include "server/http/http.h"
+#include "server/http/sockets.h"
+
+namespace ccdt::server {
+
+/// How long a client may take for its part. Under pressure it has less: see Capacity.
+struct Patience {
+    std::chrono::milliseconds header{10'000};  ///< for the whole head of a request
+    /// Longest pause within a body or an answer, and what it may take over that at the least rate, 32 KiB/s.
+    std::chrono::milliseconds body{30'000};
+    std::chrono::milliseconds idle{60'000};  ///< between two requests
+};
+
+/// One client's socket, with what was read from it and not yet used.
+///
+/// Belongs to the thread that serves the client. Requests are read one after another: the head, then, if whoever
+/// answers wants it, the body. A body that was not read to its end leaves the connection unusable: its bytes must
+/// never be taken for the next request. No wait is longer than the client's deadlines, whatever it sends or takes.
+class Connection {
+public:
+    using Milliseconds = std::chrono::milliseconds;
+
+    /// Does not own the socket. The capacity, if there is one, must outlive the connection.
+    explicit Connection(int socket, const Patience& patience = {}, Capacity* capacity = nullptr);
+
+    /// Waits for the first byte of the next request.
+    /// @param give_up  asked about five times a second with the time waited so far
+    /// @returns        false if the client closed the connection or the wait was given up
+    bool wait_for_request(const std::function<bool(Milliseconds waited)>& give_up);
+
+    /// Faults: 400 malformed, 408 too slow, 431 too large. The connection is then unusable.
+    Received<Request> read_head();
+
+    /// Reads the body that `request`, the last head read, announces; at most once for each head.
+    ///
+    /// Tells a client that waits for it to go ahead. Faults: 400 malformed, 408 too slow, 411 not announced, 413 more
+    /// bytes than the limit, at once if the head says so, 503 the clients' bodies take too much memory.
+    Received<std::string> read_body(const Request& request, std::size_t limit);
+
+    /// All of the last request was read: the next byte begins another.
+    bool between_requests() const { return between_requests_; }
+
+    /// The client closed its side. Half-closed counts: browsers and proxies close both.
+    bool client_gone() const;
+
+    /// False if the client takes nothing any more, or too slowly.
+    bool write(std::string_view bytes);
+
+    /// Closes our side. If bytes of the client were left unread, the rest of them is thrown away for a while: closing
+    /// with unread bytes resets the connection, and the client would lose the answer. A client that took its answer
+    /// too slowly is reset, or the system would keep the rest for it.
+    void close_gently();
+
+    /// Address and port of the client, for the log.
+    const std::string& client() const { return peer_.name; }
+
+    /// What limits by address count by; empty: nothing.
+    const std::string& address() const { return peer_.address; }
+
+    /// Who sent the current request, for taking turns: its address unless it is known better.
+    const std::string& client_name() const { return client_name_.empty() ? peer_.address : client_name_; }
+    void name_client(std::string name) { client_name_ = std::move(name); }
+
+    std::uint64_t bytes_in() const { return bytes_in_; }  ///< of the current request
+    std::uint64_t bytes_out() const { return bytes_out_; }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    using Deadline = std::function<Clock::time_point()>;
+
+    /// A body or an answer on its way; how it is framed does not count.
+    struct Transfer {
+        Clock::time_point begun;
+        Clock::time_point moved;  ///< when last
+        std::uint64_t bytes = 0;
+
+        void move(std::size_t more);
+    };
+
+    bool is_pressed() const { return capacity_ != nullptr && capacity_->is_pressed(); }
+    Clock::time_point deadline(const Transfer& transfer) const;
+    bool wait(short events, const Deadline& deadline) const;
+    Received<bool> fill(const Deadline& deadline);
+    Received<std::string> read_line();
+    Received<bool> append(std::string& body, std::uint64_t size, Held& held);
+    Received<std::string> read_plain(std::uint64_t size);
+    Received<std::string> read_chunked(std::size_t limit);
+    Received<bool> skip_trailers();
+    std::string take(std::size_t size);
+
+    const int socket_;
+    const Patience patience_;
+    Capacity* const capacity_;
+    const Peer peer_;
+    std::string client_name_;
+    std::string unread_;  ///< received, not yet used
+    Transfer body_;       ///< that of the current request
+    bool between_requests_ = true;
+    bool too_slow_ = false;  ///< the client, for its answer
+    std::uint64_t bytes_in_ = 0;
+    std::uint64_t bytes_out_ = 0;
+};
+
+}  // namespace ccdt::server

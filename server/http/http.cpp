@@ -1,0 +1,247 @@
+#include "server/http/http.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <utility>
+
+#include "api/input/text.h"
+
+namespace ccdt::server {
+namespace {
+
+constexpr std::string_view kLineEnd = "\r\n";
+constexpr std::size_t kLongestTarget = 8'192;
+
+char to_lower(char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+bool is_token_character(char c) {
+    return is_digit(c) || (to_lower(c) >= 'a' && to_lower(c) <= 'z') ||
+           std::string_view("!#$%&'*+-.^_`|~").find(c) != std::string_view::npos;
+}
+
+/// Of a name, an address or a port. Whatever else a host may hold, nobody's does.
+bool is_host_character(char c) {
+    return is_digit(c) || (to_lower(c) >= 'a' && to_lower(c) <= 'z') ||
+           std::string_view("-._~%!$&'()*+;=:[]").find(c) != std::string_view::npos;
+}
+
+bool is_token(std::string_view text) {
+    return !text.empty() && std::ranges::all_of(text, is_token_character);
+}
+
+bool is_control(char c) {
+    return (c >= 0 && c < ' ') || c == 0x7f;
+}
+
+int hex_value(char c) {
+    if (is_digit(c)) return c - '0';
+    const char small = to_lower(c);
+    return small >= 'a' && small <= 'f' ? small - 'a' + 10 : -1;
+}
+
+/// Undoes percent-encoding; a percent sign that begins none stays as it is.
+std::string decode_percent(std::string_view text, bool plus_is_space) {
+    std::string decoded;
+    decoded.reserve(text.size());
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const bool escape = text[i] == '%' && i + 2 < text.size();
+        const int high = escape ? hex_value(text[i + 1]) : -1;
+        const int low = escape ? hex_value(text[i + 2]) : -1;
+        if (high >= 0 && low >= 0) {
+            decoded += static_cast<char>(high * 16 + low);
+            i += 2;
+        } else {
+            decoded += plus_is_space && text[i] == '+' ? ' ' : text[i];
+        }
+    }
+    return decoded;
+}
+
+/// A proxy may send the whole URL as the target.
+std::string_view without_authority(std::string_view target) {
+    const auto scheme = target.find("://");
+    if (scheme == std::string_view::npos || target.front() == '/') return target;
+    const auto path = target.find('/', scheme + 3);
+    return path == std::string_view::npos ? "/" : target.substr(path);
+}
+
+Received<bool> parse_request_line(std::string_view line, Request& request) {
+    const auto method = api::take_until(line, " ");
+    const auto target = api::take_until(line, " ");
+    if (!is_token(method) || target.empty()) return fault(400, "the request line is malformed");
+    if (line != "HTTP/1.1" && line != "HTTP/1.0") return fault(400, "the protocol is not HTTP/1.1 or HTTP/1.0");
+    if (target.size() > kLongestTarget)
+        return fault(414, "the request target is longer than " + std::to_string(kLongestTarget) + " bytes");
+    if (std::ranges::any_of(target, is_control)) return fault(400, "the request target holds control characters");
+    request.method = method;
+    request.target = target;
+    request.is_http_1_0 = line == "HTTP/1.0";
+    request.keep_alive = !request.is_http_1_0;
+
+    auto rest = without_authority(target);
+    rest = rest.substr(0, rest.find('#'));
+    request.path = decode_percent(api::take_until(rest, "?"), false);
+    request.query = rest;
+    return true;
+}
+
+Received<bool> parse_header(std::string_view line, Request& request) {
+    const auto colon = line.find(':');
+    if (colon == std::string_view::npos || !is_token(line.substr(0, colon)))
+        return fault(400, "a header line is malformed");
+    const auto value = api::trim(line.substr(colon + 1));
+    if (std::ranges::any_of(value, [](char c) { return is_control(c) && c != '\t'; }))
+        return fault(400, "a header's value holds control characters");
+    request.headers.push_back({std::string(line.substr(0, colon)), std::string(value)});
+    return true;
+}
+
+Received<bool> read_content_length(std::string_view value, Request& request) {
+    if (request.content_length) return fault(400, "there is more than one Content-Length");
+    request.content_length = api::parse_number<std::uint64_t>(value);
+    if (!request.content_length) return fault(400, "Content-Length is not a number");
+    return true;
+}
+
+Received<bool> read_transfer_encoding(std::string_view value, Request& request) {
+    if (request.chunked || !equals_ignoring_case(value, "chunked"))
+        return fault(400, "the only Transfer-Encoding understood is one `chunked`");
+    request.chunked = true;
+    return true;
+}
+
+void read_connection(std::string_view value, Request& request) {
+    while (!value.empty()) {
+        const auto option = api::trim(api::take_until(value, ","));
+        if (equals_ignoring_case(option, "close")) request.keep_alive = false;
+        if (equals_ignoring_case(option, "keep-alive")) request.keep_alive = true;
+    }
+}
+
+Received<bool> read_framing(Request& request) {
+    for (const auto& [name, value] : request.headers) {
+        Received<bool> read = true;
+        if (equals_ignoring_case(name, "Content-Length")) read = read_content_length(value, request);
+        if (equals_ignoring_case(name, "Transfer-Encoding")) read = read_transfer_encoding(value, request);
+        if (!read) return read;
+        if (equals_ignoring_case(name, "Connection")) read_connection(value, request);
+        if (equals_ignoring_case(name, "Expect"))
+            request.expects_continue = !request.is_http_1_0 && equals_ignoring_case(value, "100-continue");
+    }
+    if (request.chunked && (request.content_length || request.is_http_1_0))
+        return fault(400, "Transfer-Encoding does not go with Content-Length or HTTP/1.0");
+    return true;
+}
+
+}  // namespace
+
+bool equals_ignoring_case(std::string_view a, std::string_view b) {
+    return std::ranges::equal(a, b, {}, to_lower, to_lower);
+}
+
+std::string_view Request::header(std::string_view name) const {
+    const auto found =
+        std::ranges::find_if(headers, [&](const Header& header) { return equals_ignoring_case(header.name, name); });
+    return found == headers.end() ? std::string_view() : found->value;
+}
+
+Received<Request> parse_head(std::string_view head) {
+    Request request;
+    auto parsed = parse_request_line(api::take_until(head, kLineEnd), request);
+    while (parsed && head != kLineEnd) {
+        if (head.empty()) return fault(400, "the head of the request is not complete");
+        parsed = parse_header(api::take_until(head, kLineEnd), request);
+    }
+    if (parsed) parsed = read_framing(request);
+    if (!parsed) return tl::unexpected(parsed.error());
+    return request;
+}
+
+std::optional<Fault> find_fault(const Request& request) {
+    const auto has_name = [](std::string_view name) {
+        return [name](const Header& header) { return equals_ignoring_case(header.name, name); };
+    };
+    const auto hosts = std::ranges::count_if(request.headers, has_name("Host"));
+    if (hosts > 1 || (hosts == 0 && !request.is_http_1_0)) return Fault{400, "there must be one Host header", {}};
+    if (!std::ranges::all_of(request.header("Host"), is_host_character))
+        return Fault{400, "the Host header is malformed", {}};
+    const bool expects = std::ranges::any_of(request.headers, has_name("Expect"));
+    if (expects && !request.is_http_1_0 && !request.expects_continue)
+        return Fault{417, "the only Expect understood is 100-continue", {}};
+    return std::nullopt;
+}
+
+std::vector<api::TextOption> parse_query(std::string_view query) {
+    std::vector<api::TextOption> options;
+    while (!query.empty()) {
+        auto value = api::take_until(query, "&");
+        if (value.empty()) continue;
+        const auto name = api::take_until(value, "=");
+        options.push_back({decode_percent(name, true), decode_percent(value, true)});
+    }
+    return options;
+}
+
+std::string media_type(std::string_view content_type) {
+    std::string type(api::trim(content_type.substr(0, content_type.find(';'))));
+    std::ranges::transform(type, type.begin(), to_lower);
+    return type;
+}
+
+std::string header_parameter(std::string_view value, std::string_view name) {
+    api::take_until(value, ";");
+    while (!value.empty()) {
+        const auto key = api::trim(api::take_until(value, "="));
+        value = value.substr(std::min(value.find_first_not_of(" \t"), value.size()));
+        std::string content;
+        if (value.starts_with('"')) {
+            std::size_t i = 1;
+            for (; i < value.size() && value[i] != '"'; ++i) {
+                if (value[i] == '\\' && i + 1 < value.size()) ++i;
+                content += value[i];
+            }
+            value.remove_prefix(std::min(i, value.size()));
+            api::take_until(value, ";");
+        } else {
+            content = api::trim(api::take_until(value, ";"));
+        }
+        if (equals_ignoring_case(key, name)) return content;
+    }
+    return {};
+}
+
+std::string_view status_phrase(int status) {
+    constexpr auto kPhrases = std::to_array<std::pair<int, std::string_view>>({
+        {200, "OK"},
+        {204, "No Content"},
+        {400, "Bad Request"},
+        {401, "Unauthorized"},
+        {404, "Not Found"},
+        {405, "Method Not Allowed"},
+        {406, "Not Acceptable"},
+        {408, "Request Timeout"},
+        {411, "Length Required"},
+        {413, "Content Too Large"},
+        {414, "URI Too Long"},
+        {415, "Unsupported Media Type"},
+        {417, "Expectation Failed"},
+        {422, "Unprocessable Content"},
+        {429, "Too Many Requests"},
+        {431, "Request Header Fields Too Large"},
+        {499, "Client Closed Request"},
+        {500, "Internal Server Error"},
+        {503, "Service Unavailable"},
+        {504, "Gateway Timeout"},
+    });
+    const auto* found = std::ranges::find(kPhrases, status, &std::pair<int, std::string_view>::first);
+    return found == kPhrases.end() ? "Error" : found->second;
+}
+
+}  // namespace ccdt::server

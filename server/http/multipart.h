@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/http/http.h"
+
+namespace ccdt::server {
+
+/// A field of a form: its name and where in the body its content lies.
+struct FormPart {
+    std::string name;
+    std::size_t begin = 0;
+    std::size_t size = 0;
+
+    std::string_view content(std::string_view body) const { return body.substr(begin, size); }
+};
+
+/// Finds the parts of a multipart/form-data body. Nothing is copied but the names.
+///
+/// Faults (400): no boundary in the content type, a part without a name, a body that ends before its last boundary.
+Received<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view content_type);
+
+}  // namespace ccdt::server

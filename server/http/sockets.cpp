@@ -1,0 +1,169 @@
+#include "server/http/sockets.h"
+
+#include <arpa/inet.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <utility>
+
+namespace ccdt::server {
+namespace {
+
+constexpr int kBacklog = 1024;
+constexpr int kKind = SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK;
+constexpr std::string_view kPathPrefix = "unix:";
+
+tl::unexpected<Error> cannot_listen(const std::string& where, const std::string& why) {
+    return failure(ErrorCode::Unusable, "cannot listen on " + where + ": " + why);
+}
+
+const sockaddr* generic(const void* address) {
+    return static_cast<const sockaddr*>(address);
+}
+
+int listen_on(int family, const sockaddr* address, socklen_t size) {
+    const int descriptor = socket(family, kKind, 0);
+    if (descriptor < 0) return -1;
+    const int yes = 1;
+    // Not SO_REUSEPORT, with which a second instance starts and takes half of the clients.
+    if (family != AF_UNIX) setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+    if (bind(descriptor, address, size) == 0 && listen(descriptor, kBacklog) == 0) return descriptor;
+    const int reason = errno;
+    close(descriptor);
+    errno = reason;
+    return -1;
+}
+
+bool has_listener(const sockaddr_un& address) {
+    const int descriptor = socket(AF_UNIX, kKind, 0);
+    const bool connected = connect(descriptor, generic(&address), sizeof(address)) == 0;
+    // EAGAIN: its queue is full, so there is one.
+    const bool listens = connected || errno == EAGAIN;
+    close(descriptor);
+    return listens;
+}
+
+/// Removes a socket that a server left behind when it died.
+void remove_stale(const sockaddr_un& address) {
+    struct stat found {};
+    const bool is_socket = lstat(address.sun_path, &found) == 0 && S_ISSOCK(found.st_mode);
+    if (is_socket && !has_listener(address)) unlink(address.sun_path);
+}
+
+std::string host_of(const in6_addr& address) {
+    std::array<char, INET6_ADDRSTRLEN> text{};
+    if (IN6_IS_ADDR_V4MAPPED(&address)) return inet_ntop(AF_INET, &address.s6_addr[12], text.data(), text.size());
+    return inet_ntop(AF_INET6, &address, text.data(), text.size());
+}
+
+std::string network_of(in6_addr address) {
+    if (!IN6_IS_ADDR_V4MAPPED(&address)) std::fill(address.s6_addr + 8, address.s6_addr + 16, std::uint8_t{0});
+    return host_of(address);
+}
+
+}  // namespace
+
+Peer describe_peer(const sockaddr_storage& address) {
+    if (address.ss_family == AF_INET) {
+        sockaddr_in of{};
+        std::memcpy(&of, &address, sizeof(of));
+        std::array<char, INET_ADDRSTRLEN> text{};
+        const std::string host = inet_ntop(AF_INET, &of.sin_addr, text.data(), text.size());
+        return {host + ":" + std::to_string(ntohs(of.sin_port)), host};
+    }
+    if (address.ss_family == AF_INET6) {
+        sockaddr_in6 of{};
+        std::memcpy(&of, &address, sizeof(of));
+        const std::string host = host_of(of.sin6_addr);
+        const std::string shown = host.find(':') == std::string::npos ? host : "[" + host + "]";
+        return {shown + ":" + std::to_string(ntohs(of.sin6_port)), network_of(of.sin6_addr)};
+    }
+    return {address.ss_family == AF_UNIX ? "unix" : "-", ""};
+}
+
+Peer peer_of(int socket) {
+    sockaddr_storage address{};
+    socklen_t size = sizeof(address);
+    if (getpeername(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {"-", ""};
+    return describe_peer(address);
+}
+
+Result<ListeningSocket> ListeningSocket::open(const std::string& bind, int port) {
+    if (bind.starts_with(kPathPrefix)) return open_path(bind.substr(kPathPrefix.size()));
+    return open_port(bind, port);
+}
+
+Result<ListeningSocket> ListeningSocket::open_path(const std::string& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    if (path.empty() || path.size() >= sizeof(address.sun_path))
+        return cannot_listen(path, "a path has 1 to " + std::to_string(sizeof(address.sun_path) - 1) + " bytes");
+    path.copy(address.sun_path, path.size());
+    remove_stale(address);
+    ListeningSocket opened(listen_on(AF_UNIX, generic(&address), sizeof(address)));
+    if (opened.descriptor_ < 0) return cannot_listen(path, std::strerror(errno));
+    struct stat ours {};
+    if (lstat(path.c_str(), &ours) == 0) {
+        opened.path_ = path;
+        opened.device_ = ours.st_dev;
+        opened.inode_ = ours.st_ino;
+    }
+    return opened;
+}
+
+Result<ListeningSocket> ListeningSocket::open_port(const std::string& host, int port) {
+    const std::string where = host + " port " + std::to_string(port);
+    addrinfo hints{};
+    hints.ai_socktype = SOCK_STREAM;
+    hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
+    addrinfo* found = nullptr;
+    if (getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) != 0)
+        return cannot_listen(where, "the address is unknown");
+    const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> addresses(found, freeaddrinfo);
+    ListeningSocket opened(-1);
+    for (const addrinfo* each = found; each != nullptr && opened.descriptor_ < 0; each = each->ai_next)
+        opened.descriptor_ = listen_on(each->ai_family, each->ai_addr, each->ai_addrlen);
+    if (opened.descriptor_ < 0) return cannot_listen(where, std::strerror(errno));
+
+    sockaddr_storage bound{};
+    socklen_t size = sizeof(bound);
+    getsockname(opened.descriptor_, reinterpret_cast<sockaddr*>(&bound), &size);
+    // The port lies at the same place in the addresses of both families.
+    sockaddr_in of{};
+    std::memcpy(&of, &bound, sizeof(of));
+    opened.port_ = ntohs(of.sin_port);
+    return opened;
+}
+
+ListeningSocket::ListeningSocket(ListeningSocket&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      port_(other.port_),
+      path_(std::exchange(other.path_, {})),
+      device_(other.device_),
+      inode_(other.inode_) {}
+
+ListeningSocket::~ListeningSocket() {
+    // A server that was started meanwhile may have put its own in the place.
+    struct stat now {};
+    if (!path_.empty() && lstat(path_.c_str(), &now) == 0 && now.st_dev == device_ && now.st_ino == inode_)
+        unlink(path_.c_str());
+    if (descriptor_ >= 0) close(descriptor_);
+}
+
+void allow_open_files(std::size_t count) {
+    rlimit limit{};
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= count) return;
+    limit.rlim_cur = std::min<rlim_t>(count, limit.rlim_max);
+    setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,197 @@
+#include "server/work/worker_pool.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace ccdt::server {
+namespace {
+
+/// Weight of the newest job in the running average: the last ten or so decide.
+constexpr double kNewestWeight = 0.2;
+
+constexpr double kLongestBacklog = 3600;
+
+/// An expectation may be wrong by so much; more says that the job failed early, or that its worker was held up.
+constexpr double kLeastPace = 0.1, kMostPace = 10;
+
+double seconds_since(WorkerPool::Clock::time_point start) {
+    return std::chrono::duration<double>(WorkerPool::Clock::now() - start).count();
+}
+
+/// Has the calling thread give way to those that read requests, answer at once or do short jobs.
+void yield_to_other_threads() {
+    constexpr int kNice = 10;
+    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+}
+
+}  // namespace
+
+WorkerPool::WorkerPool(std::size_t workers, std::size_t capacity, std::size_t memory)
+    : worker_count_(workers), capacity_(capacity), memory_(memory) {
+    assert(workers >= 1);
+    memory_.on_return([this] {
+        { const std::lock_guard lock(mutex_); }  // or a worker that has just looked would miss it
+        job_waits_.notify_all();
+    });
+    workers_.reserve(workers + 1);
+    for (std::size_t i = 0; i <= workers; ++i) {
+        const Lane lane = i < workers ? Lane::Any : Lane::Short;
+        workers_.emplace_back([this, lane](const std::stop_token& closing) { work(lane, closing); });
+    }
+}
+
+WorkerPool::~WorkerPool() {
+    for (auto& worker : workers_) worker.request_stop();
+    const std::lock_guard lock(mutex_);
+    for (auto& [id, job] : running_) job.stop.request_stop();
+}
+
+std::optional<WorkerPool::JobId> WorkerPool::submit(const std::string& client, Job job, const api::Cost& cost) {
+    assert(cost.memory <= memory_.total());
+    const bool is_short = cost.seconds <= kShort;
+    const std::lock_guard lock(mutex_);
+    if (!has_room_locked(client, is_short)) return std::nullopt;
+    (is_short ? short_ : long_).push(client, cost.seconds, {++last_id_, cost, Clock::now(), std::move(job)});
+    job_waits_.notify_all();  // not each of them may take it
+    return last_id_;
+}
+
+WorkerPool::Cancelled WorkerPool::cancel(JobId id) {
+    std::optional<Waiting> dropped;  // destroyed after the lock is released: its captures may be large
+    const std::lock_guard lock(mutex_);
+    if (const auto job = running_.find(id); job != running_.end()) {
+        job->second.stop.request_stop();
+        if (!job->second.cancelled) job->second.cancelled = Clock::now();
+        return Cancelled::Running;
+    }
+    const auto is_meant = [id](const Waiting& job) { return job.id == id; };
+    dropped = long_.withdraw(is_meant);
+    if (!dropped) dropped = short_.withdraw(is_meant);
+    if (!dropped) return Cancelled::Unknown;
+    if (is_idle_locked()) idle_.notify_all();
+    job_waits_.notify_all();  // it may have kept others waiting for memory
+    return Cancelled::Queued;
+}
+
+bool WorkerPool::is_full(std::string_view client, bool may_be_short) const {
+    const std::lock_guard lock(mutex_);
+    return !has_room_locked(client, false) && !(may_be_short && has_room_locked(client, true));
+}
+
+void WorkerPool::drain() {
+    std::unique_lock lock(mutex_);
+    idle_.wait(lock, [this] { return is_idle_locked(); });
+}
+
+std::chrono::seconds WorkerPool::backlog() const {
+    const std::lock_guard lock(mutex_);
+    const double seconds = std::clamp(waiting_seconds_locked(), 1.0, kLongestBacklog);
+    return std::chrono::seconds(static_cast<std::int64_t>(std::ceil(seconds)));
+}
+
+WorkerPool::Load WorkerPool::load() const {
+    const std::lock_guard lock(mutex_);
+    Load load{.workers = worker_count_, .busy = running_.size(), .waiting = waiting_locked(), .capacity = capacity_};
+    for (const Queue* queue : {&long_, &short_}) {
+        if (!queue->empty())
+            load.oldest_seconds = std::max(load.oldest_seconds, seconds_since(queue->begin()->item.came));
+    }
+    if (load.waiting > 0) load.backlog_seconds = waiting_seconds_locked();
+    for (const auto& [id, job] : running_) {
+        if (job.cancelled) load.overdue_seconds = std::max(load.overdue_seconds, seconds_since(*job.cancelled));
+    }
+    return load;
+}
+
+void WorkerPool::work(Lane lane, const std::stop_token& closing) {
+    if (lane == Lane::Any) yield_to_other_threads();
+    std::unique_lock lock(mutex_);
+    while (true) {
+        std::optional<Waiting> job;
+        std::optional<MemoryBudget::Lease> memory;
+        const bool found = job_waits_.wait(lock, closing, [&] {
+            if (!job) job = take_job_locked(lane, memory);
+            return job.has_value();
+        });
+        if (!found || closing.stop_requested()) {
+            lock.unlock();  // giving the memory back takes it
+            return;
+        }
+        const JobId id = job->id;
+        const std::stop_token stop = begin_locked(*job, lane);
+
+        lock.unlock();
+        run(job->job, stop);
+        job.reset();  // what it holds may be large, and is freed without the lock
+        memory.reset();
+        lock.lock();
+        finish_locked(id);
+    }
+}
+
+void WorkerPool::run(const Job& job, const std::stop_token& stop) {
+    try {
+        job(stop);
+    } catch (...) {
+        // A worker outlives any job; whoever waits for the result has the job report its own failure.
+    }
+}
+
+/// Jobs that a free thread will take at once do not count as waiting.
+bool WorkerPool::has_room_locked(std::string_view client, bool is_short) const {
+    const auto is_any = [](const auto& job) { return job.second.lane == Lane::Any; };
+    const auto busy = static_cast<std::size_t>(std::ranges::count_if(running_, is_any));
+    const std::size_t free = is_short ? worker_count_ + 1 - running_.size() : worker_count_ - busy;
+    const Queue& queue = is_short ? short_ : long_;
+    if (queue.size() < capacity_ + free) return true;
+    return queue.size() < 2 * capacity_ + free && !queue.has(client);
+}
+
+/// Long jobs first, as short ones have a thread of their own. Of each queue only the next is looked at: if it has to
+/// wait for memory, so do those behind it.
+std::optional<WorkerPool::Waiting> WorkerPool::take_job_locked(Lane lane, std::optional<MemoryBudget::Lease>& memory) {
+    for (Queue* queue : {&long_, &short_}) {
+        if (queue->empty() || (queue == &long_ && lane == Lane::Short)) continue;
+        memory = memory_.take(queue->next().item.cost.memory);
+        if (memory) return queue->take_next();
+    }
+    return std::nullopt;
+}
+
+std::stop_token WorkerPool::begin_locked(const Waiting& job, Lane lane) {
+    const auto& running = running_.emplace(job.id, Running{{}, lane, job.cost.seconds, Clock::now()}).first->second;
+    return running.stop.get_token();
+}
+
+void WorkerPool::finish_locked(JobId id) {
+    const auto job = running_.find(id);
+    if (!job->second.cancelled && job->second.expected > 0) {
+        const double taken = seconds_since(job->second.started) / job->second.expected;
+        pace_ += kNewestWeight * (std::clamp(taken, kLeastPace, kMostPace) - pace_);
+    }
+    running_.erase(job);
+    if (is_idle_locked()) idle_.notify_all();
+}
+
+/// Until a job that came now would begin.
+double WorkerPool::waiting_seconds_locked() const {
+    double expected = 0;
+    for (const Queue* queue : {&long_, &short_}) {
+        for (const auto& waiting : *queue) expected += waiting.cost;
+    }
+    double pace = pace_;
+    for (const auto& [id, job] : running_) {
+        const double gone = seconds_since(job.started);
+        // A job that already took longer than at this pace says more than those before it.
+        if (job.expected > 0) pace = std::max(pace, std::min(gone / job.expected, kMostPace));
+        expected += std::max(job.expected - gone / pace, 0.0);
+    }
+    return expected * pace / static_cast<double>(worker_count_);
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,177 @@
+#include "api/image/image_codec.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "tests/api/files.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr std::size_t kMaxPixels = 1'000'000;
+constexpr float kTolerance = 0.003F;  // JPEG's
+
+float srgb_to_linear(float value) {
+    return value <= 0.04045F ? value / 12.92F : std::pow((value + 0.055F) / 1.055F, 2.4F);
+}
+
+float luminance_at(const Picture& picture, int x, int y) {
+    return picture
+        .luminance[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + static_cast<std::size_t>(x)];
+}
+
+/// The test picture: four quadrants, 24 x 16.
+void expect_quadrants(const Picture& picture, float (*decode)(float), const std::string& name) {
+    ASSERT_EQ(picture.width, 24) << name;
+    ASSERT_EQ(picture.height, 16) << name;
+    ASSERT_EQ(picture.luminance.size(), 24U * 16U) << name;
+    EXPECT_TRUE(picture.alpha.empty()) << name;
+    const std::vector<std::vector<float>> shades = {{0, 85}, {170, 255}};
+    for (int y = 0; y < 16; ++y) {
+        for (int x = 0; x < 24; ++x) {
+            const float shade = shades[static_cast<std::size_t>(y / 8)][static_cast<std::size_t>(x / 12)];
+            ASSERT_NEAR(luminance_at(picture, x, y), decode(shade / 255), kTolerance) << name << ' ' << x << ' ' << y;
+        }
+    }
+}
+
+TEST(ImageCodec, DecodesEveryFormatAlike) {
+    for (const auto* name : {"grey.jpg", "progressive.jpg", "cmyk.jpg", "lossy.webp", "lossless.webp", "grey-16.png",
+                             "palette.png", "lzw.tif", "big-endian.tif", "tiled.tif"}) {
+        const auto picture = decode_image(fixture(name), kMaxPixels);
+        ASSERT_TRUE(picture) << name << ": " << picture.error().message;
+        expect_quadrants(*picture, srgb_to_linear, name);
+    }
+}
+
+TEST(ImageCodec, LeavesLinearLightAsItIs) {
+    for (const auto* name : {"linear.png", "float.tif"}) {
+        const auto picture = decode_image(fixture(name), kMaxPixels);
+        ASSERT_TRUE(picture) << name << ": " << picture.error().message;
+        expect_quadrants(
+            *picture, [](float value) { return value; }, name);
+    }
+}
+
+TEST(ImageCodec, TurnsThePictureUpright) {
+    std::vector<std::string> names = {"orientation-6.webp", "orientation-6.tif", "orientation-6.png"};
+    for (int i = 1; i <= 8; ++i) names.push_back("orientation-" + std::to_string(i) + ".jpg");
+    for (const auto& name : names) {
+        const auto picture = decode_image(fixture(name), kMaxPixels);
+        ASSERT_TRUE(picture) << name << ": " << picture.error().message;
+        expect_quadrants(*picture, srgb_to_linear, name);
+    }
+}
+
+TEST(ImageCodec, WeighsColoursAndKeepsAlpha) {
+    for (const auto* name : {"rgba.png", "rgba.webp", "premultiplied.tif"}) {
+        const auto picture = decode_image(fixture(name), kMaxPixels);
+        ASSERT_TRUE(picture) << name << ": " << picture.error().message;
+        ASSERT_EQ(picture->alpha.size(), 24U) << name;
+        for (int x = 1; x < 6; ++x) {
+            EXPECT_NEAR(picture->alpha[static_cast<std::size_t>(x)], static_cast<float>(x) / 5, 1e-6) << name;
+            EXPECT_NEAR(luminance_at(*picture, x, 0), 0.2126, 1e-4) << name;
+            EXPECT_NEAR(luminance_at(*picture, x, 1), 0.7152, 1e-4) << name;
+            EXPECT_NEAR(luminance_at(*picture, x, 2), 0.0722, 1e-4) << name;
+            // Multiplied by alpha, it keeps only as many shades as alpha leaves.
+            EXPECT_NEAR(luminance_at(*picture, x, 3), srgb_to_linear(128.0F / 255), 0.01) << name;
+        }
+        EXPECT_EQ(picture->alpha[0], 0) << name;
+    }
+}
+
+TEST(ImageCodec, ReadsGreyWithAlphaAndTransparentPalettes) {
+    const auto grey = decode_image(fixture("grey-alpha.png"), kMaxPixels);
+    ASSERT_TRUE(grey);
+    EXPECT_NEAR(grey->alpha[1], 0.2, 1e-6);
+    EXPECT_NEAR(luminance_at(*grey, 1, 0), 1, 1e-6);
+    const auto palette = decode_image(fixture("palette-transparent.png"), kMaxPixels);
+    ASSERT_TRUE(palette);
+    EXPECT_EQ(palette->alpha, (Plane{1, 0, 1, 1}));
+    EXPECT_NEAR(luminance_at(*palette, 2, 0), 0.7152, 1e-4);
+}
+
+TEST(ImageCodec, ReadsPhotographs) {
+    const auto picture = decode_image(photograph("chelsea.png"), kMaxPixels);
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(picture->width, 451);
+    EXPECT_EQ(picture->height, 300);
+}
+
+TEST(ImageCodec, ChecksTheSizeBeforeThePixels) {
+    for (const auto* name : {"bomb.png", "bomb.webp"}) {
+        const auto picture = decode_image(fixture(name), 64'000'000);
+        ASSERT_FALSE(picture) << name;
+        EXPECT_EQ(picture.error().code, ErrorCode::LimitExceeded) << name;
+        EXPECT_NE(picture.error().message.find("max-pixels"), std::string::npos);
+        EXPECT_NE(picture.error().message.find("64000000"), std::string::npos);
+    }
+    constexpr std::size_t kPixels = std::size_t{24} * 16;
+    EXPECT_TRUE(decode_image(fixture("grey.jpg"), kPixels));
+    EXPECT_FALSE(decode_image(fixture("grey.jpg"), kPixels - 1));
+}
+
+TEST(ImageCodec, RefusesTiffsTheReaderFallsOver) {
+    for (const auto* name : {"bits-missing.tif", "huge-tile.tif"}) {
+        const auto picture = decode_image(fixture(name), kMaxPixels);
+        ASSERT_FALSE(picture) << name;
+        EXPECT_EQ(picture.error().code, ErrorCode::Unusable) << name;
+    }
+}
+
+TEST(ImageCodec, FindsShortenedFiles) {
+    std::vector<std::string> files = {photograph("chelsea.png")};
+    for (const auto* name :
+         {"lossless.webp", "lossy.webp", "tiled.tif", "orientation-1.jpg", "grey.jpg", "big-endian.tif"}) {
+        files.push_back(fixture(name));
+    }
+    for (const auto& file : files) {
+        for (const double share : {0.1, 0.5, 0.9}) {
+            const auto size = static_cast<std::size_t>(share * static_cast<double>(file.size()));
+            const auto picture = decode_image(file.substr(0, size), kMaxPixels);
+            ASSERT_FALSE(picture) << file.substr(0, 4) << ' ' << share;
+            EXPECT_NE(picture.error().code, ErrorCode::Internal);
+            EXPECT_EQ(picture.error().message.find('/'), std::string::npos) << "may name a file of the server";
+        }
+    }
+}
+
+TEST(ImageCodec, SurvivesDamagedFiles) {
+    std::mt19937 random(7);
+    for (const auto* name :
+         {"orientation-6.jpg", "progressive.jpg", "cmyk.jpg", "orientation-6.webp", "rgba.webp", "lossy.webp",
+          "palette-transparent.png", "grey-16.png", "lzw.tif", "tiled.tif", "premultiplied.tif", "orientation-6.tif"}) {
+        const std::string file = fixture(name);
+        for (int round = 0; round < 200; ++round) {
+            std::string damaged = file;
+            for (unsigned i = 0; i < 1 + random() % 4; ++i) {
+                damaged[random() % damaged.size()] = static_cast<char>(random() % 256);
+            }
+            const auto picture = decode_image(damaged, kMaxPixels);
+            if (!picture) continue;
+            for (const float value : picture->luminance) ASSERT_TRUE(value >= 0 && value <= 1) << name;
+            for (const float value : picture->alpha) ASSERT_TRUE(value >= 0 && value <= 1) << name;
+        }
+    }
+}
+
+TEST(ImageCodec, DecodesTheSameOnManyThreads) {
+    const std::string file = fixture("lzw.tif");
+    const auto expected = decode_image(file, kMaxPixels);
+    std::vector<std::jthread> threads;
+    threads.reserve(4);
+    for (int i = 0; i < 4; ++i) {
+        threads.emplace_back([&] {
+            for (int round = 0; round < 20; ++round) {
+                EXPECT_EQ(decode_image(file, kMaxPixels)->luminance, expected->luminance);
+            }
+        });
+    }
+}
+
+}  // namespace
+}  // namespace ccdt::api

@@ -1,0 +1,90 @@
+#include "api/image/image_header.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/api/files.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr std::size_t kMaxPixels = 1'000'000;
+
+TEST(ImageHeader, ReadsTheSizeOfEveryFormat) {
+    for (const auto* name : {"grey.jpg", "progressive.jpg", "cmyk.jpg", "lossy.webp", "lossless.webp", "grey-16.png",
+                             "palette.png", "lzw.tif", "big-endian.tif", "tiled.tif", "float.tif"}) {
+        const auto header = read_image_header(fixture(name), kMaxPixels);
+        ASSERT_TRUE(header) << name << ": " << header.error().message;
+        EXPECT_EQ(header->width, 24U) << name;
+        EXPECT_EQ(header->height, 16U) << name;
+    }
+    const auto animated = read_image_header(fixture("orientation-6.webp"), kMaxPixels);  // an extended file
+    ASSERT_TRUE(animated);
+    EXPECT_EQ(animated->pixels(), 24U * 16U);
+}
+
+TEST(ImageHeader, TellsWhatADecoderTakes) {
+    const auto decoder_bytes = [](const char* name) {
+        return read_image_header(fixture(name), kMaxPixels)->decoder_bytes;
+    };
+    const auto by_rows = decoder_bytes("grey-16.png");
+    EXPECT_LT(by_rows, 32U << 20);
+    EXPECT_GE(decoder_bytes("cmyk.jpg"), by_rows + 24U * 16U * 4U * 2U);
+    EXPECT_GE(decoder_bytes("lossless.webp"), by_rows + 24U * 16U * 8U);
+    EXPECT_GE(decoder_bytes("float.tif"), by_rows + 24U * 16U * 4U);
+}
+
+TEST(ImageHeader, RefusesTooManyPixels) {
+    for (const auto* name : {"bomb.png", "bomb.webp"}) {
+        const auto header = read_image_header(fixture(name), 64'000'000);
+        ASSERT_FALSE(header) << name;
+        EXPECT_EQ(header.error().code, ErrorCode::LimitExceeded) << name;
+        EXPECT_NE(header.error().message.find("max-pixels"), std::string::npos);
+    }
+    constexpr std::size_t kPixels = std::size_t{24} * 16;
+    EXPECT_TRUE(read_image_header(fixture("grey.jpg"), kPixels));
+    EXPECT_FALSE(read_image_header(fixture("grey.jpg"), kPixels - 1));
+}
+
+TEST(ImageHeader, RefusesOtherFormats) {
+    for (const auto& bytes : {fixture("pixel.gif"), std::string("hello"), std::string("BM"), std::string("\x89PNG")}) {
+        const auto header = read_image_header(bytes, kMaxPixels);
+        ASSERT_FALSE(header);
+        EXPECT_EQ(header.error().code, ErrorCode::Unsupported);
+        EXPECT_NE(header.error().message.find("PNG, JPEG, WebP"), std::string::npos);
+    }
+    EXPECT_EQ(read_image_header("", kMaxPixels).error().code, ErrorCode::Malformed);
+}
+
+TEST(ImageHeader, TakesAnyLengthOfFile) {
+    for (const auto* name : {"progressive.jpg", "lossy.webp", "lossless.webp", "orientation-6.webp", "palette.png",
+                             "big-endian.tif", "tiled.tif"}) {
+        const std::string file = fixture(name);
+        for (std::size_t size = 12; size < file.size(); ++size) {
+            const auto header = read_image_header(std::string_view(file).substr(0, size), kMaxPixels);
+            if (header) {
+                EXPECT_EQ(header->pixels(), 24U * 16U) << name << ' ' << size;
+            } else {
+                EXPECT_EQ(header.error().code, ErrorCode::Unusable) << name << ' ' << size;
+            }
+        }
+    }
+}
+
+TEST(ImageHeader, FindsTheFrameOfAJpegBehindOtherSegments) {
+    std::string file = fixture("grey.jpg");
+    file.insert(2, std::string("\xff\xff\xff\xfe\x00\x04\xff\xc0", 8));  // filling, a comment that looks like a frame
+    const auto header = read_image_header(file, kMaxPixels);
+    ASSERT_TRUE(header);
+    EXPECT_EQ(header->width, 24U);
+}
+
+TEST(ImageHeader, ReadsTheOrientationOfAWebP) {
+    EXPECT_EQ(webp_orientation(fixture("orientation-6.webp")), 6);
+    EXPECT_EQ(webp_orientation(fixture("lossy.webp")), 1);
+}
+
+}  // namespace
+}  // namespace ccdt::api

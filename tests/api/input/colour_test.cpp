@@ -1,0 +1,33 @@
+#include "api/input/colour.h"
+
+#include <gtest/gtest.h>
+
+namespace ccdt::api {
+namespace {
+
+Input text(std::string_view value) {
+    return {"background", "background", value};
+}
+
+TEST(Colour, ReadsShortAndLongForms) {
+    EXPECT_EQ(*read_colour(text("#fa0")), (Colour{255, 170, 0}));
+    EXPECT_EQ(*read_colour(text("#01Fe7f")), (Colour{1, 254, 127}));
+}
+
+TEST(Colour, RefusesEverythingElse) {
+    for (const auto* wrong : {"", "#", "fa0", "#fa", "#fa00", "#ggg", "#-10", "#12345", "#1234567", "red", "#12 456"}) {
+        const auto colour = read_colour(text(wrong));
+        ASSERT_FALSE(colour) << wrong;
+        EXPECT_EQ(colour.error().code, ErrorCode::Malformed);
+        EXPECT_EQ(colour.error().field, "background");
+    }
+}
+
+TEST(Colour, IsTransparentOnlyWhereItMayBe) {
+    EXPECT_FALSE(read_colour(text("transparent")));
+    EXPECT_TRUE(read_colour_or_none(text("transparent"))->transparent);
+    EXPECT_EQ(*read_colour_or_none(text("#fff")), kWhite);
+}
+
+}  // namespace
+}  // namespace ccdt::api

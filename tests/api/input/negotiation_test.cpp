@@ -1,0 +1,71 @@
+#include "api/input/negotiation.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace ccdt::api {
+namespace {
+
+constexpr std::array<Format, 2> kMade = {{{"png", "image/png"}, {"json", "application/json"}}};
+constexpr std::size_t kPng = 0;
+constexpr std::size_t kJson = 1;
+
+TEST(Negotiation, FollowsTheHeader) {
+    EXPECT_EQ(*negotiate("application/json", kMade), kJson);
+    EXPECT_EQ(*negotiate("image/png", kMade), kPng);
+    EXPECT_EQ(*negotiate("image/*", kMade), kPng);
+    EXPECT_EQ(*negotiate("APPLICATION/Json; charset=utf-8", kMade), kJson);
+    EXPECT_EQ(*negotiate("text/html, application/*", kMade), kJson);
+}
+
+TEST(Negotiation, PrefersTheServersOrderBetweenEquals) {
+    EXPECT_EQ(*negotiate("", kMade), kPng);
+    EXPECT_EQ(*negotiate("*/*", kMade), kPng);
+    EXPECT_EQ(*negotiate("application/json, image/png", kMade), kPng);
+    EXPECT_EQ(*negotiate("text/html,application/xhtml+xml,application/xml;q=0.9,image/webp,*/*;q=0.8", kMade), kPng);
+}
+
+TEST(Negotiation, WeighsQualities) {
+    EXPECT_EQ(*negotiate("image/png;q=0.5, application/json;q=0.6", kMade), kJson);
+    EXPECT_EQ(*negotiate("image/png ; Q=0.5 , */* ; q=0.501", kMade), kJson);
+    EXPECT_EQ(*negotiate("image/png;level=1;q=0.2,*/*;q=0.1", kMade), kPng);
+}
+
+TEST(Negotiation, LetsTheMostSpecificRangeDecide) {
+    EXPECT_EQ(*negotiate("*/*, image/png;q=0.1", kMade), kJson);
+    EXPECT_EQ(*negotiate("image/*;q=0, */*", kMade), kJson);
+    EXPECT_EQ(*negotiate("image/*;q=0.1, image/png, application/json;q=0.9", kMade), kPng);
+}
+
+TEST(Negotiation, RefusesWhatNobodyWants) {
+    for (const auto* accept :
+         {"text/html", "image/webp", "*/*;q=0", "image/png;q=0, application/json;q=0.0", "text/*"}) {
+        const auto chosen = negotiate(accept, kMade);
+        ASSERT_FALSE(chosen) << accept;
+        EXPECT_EQ(chosen.error().code, ErrorCode::NotAcceptable);
+        EXPECT_NE(chosen.error().message.find("image/png, application/json"), std::string::npos);
+    }
+}
+
+TEST(Negotiation, PassesOverWhatItCannotUnderstand) {
+    EXPECT_EQ(*negotiate("garbage", kMade), kPng);
+    EXPECT_EQ(*negotiate(",,,;;;", kMade), kPng);
+    EXPECT_EQ(*negotiate("image/png;q=2, application/json", kMade), kJson);
+    EXPECT_EQ(*negotiate("image/png;q=nan, application/json", kMade), kJson);
+    EXPECT_EQ(*negotiate("*/png, application/json", kMade), kJson);
+    EXPECT_EQ(*negotiate("text/x;a=\"image/png,\\\"\", application/json", kMade), kJson);
+    EXPECT_EQ(*negotiate("application/json;a=\"unclosed", kMade), kJson);
+}
+
+TEST(Format, IsChosenByName) {
+    EXPECT_EQ(*read_format({"format", "format", "json"}, kMade), kJson);
+    const auto svg = read_format({"format", "format", "svg"}, kMade);
+    ASSERT_FALSE(svg);
+    EXPECT_EQ(svg.error().code, ErrorCode::Malformed);
+    EXPECT_EQ(svg.error().field, "format");
+    EXPECT_EQ(svg.error().message, "this server does not make 'svg' here; it makes png, json");
+}
+
+}  // namespace
+}  // namespace ccdt::api

@@ -1,0 +1,116 @@
+#include "api/input/option_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace ccdt::api {
+namespace {
+
+Input text(std::string_view value) {
+    return {"option", "option", value};
+}
+
+/// A JSON value and the document it lives in.
+struct Json {
+    explicit Json(std::string_view source) : document(*JsonDocument::parse(source)) {}
+    operator Input() const { return {"option", "/option", document.root()}; }
+
+    JsonDocument document;
+};
+
+TEST(OptionReader, ReadsIntegersFromText) {
+    EXPECT_EQ(*read_integer(text("0"), 0, 10), 0U);
+    EXPECT_EQ(*read_integer(text("9007199254740991"), 0, kMaxInteger), kMaxInteger);
+    for (const auto* wrong :
+         {"", " 1", "1 ", "+1", "-1", "12abc", "3.7", "1e3", "0x10", "11", "nan", "99999999999999999999999"}) {
+        const auto value = read_integer(text(wrong), 0, 10);
+        ASSERT_FALSE(value) << wrong;
+        EXPECT_EQ(value.error().code, ErrorCode::Malformed);
+        EXPECT_EQ(value.error().field, "option");
+        EXPECT_EQ(value.error().message, "option must be an integer from 0 to 10");
+    }
+}
+
+TEST(OptionReader, ReadsIntegersFromJson) {
+    EXPECT_EQ(*read_integer(Json("7"), 0, 10), 7U);
+    EXPECT_EQ(*read_integer(Json("7.0"), 0, 10), 7U);
+    EXPECT_EQ(*read_integer(Json("9007199254740991"), 0, kMaxInteger), kMaxInteger);
+    for (const auto* wrong :
+         {"-1", "3.7", "1e30", "9007199254740992", "18446744073709551617", "\"7\"", "true", "null", "[7]", "{}"}) {
+        EXPECT_FALSE(read_integer(Json(wrong), 0, kMaxInteger)) << wrong;
+    }
+}
+
+TEST(OptionReader, ReadsNumbers) {
+    constexpr Interval allowed = {.min = 0.1, .max = 16};
+    EXPECT_EQ(*read_number(text("0.1"), allowed), 0.1);
+    EXPECT_EQ(*read_number(text("1e1"), allowed), 10);
+    EXPECT_EQ(*read_number(Json("16"), allowed), 16);
+    for (const auto* wrong : {"", "0.09", "16.1", "nan", "inf", "-1", "1,5", "2x", "1e999", "0x1p1"}) {
+        const auto value = read_number(text(wrong), allowed);
+        ASSERT_FALSE(value) << wrong;
+        EXPECT_EQ(value.error().message, "option must be a number from 0.1 to 16");
+    }
+    EXPECT_FALSE(read_number(Json("\"1\""), allowed));
+    EXPECT_FALSE(read_number(text("0"), kPositive));
+    EXPECT_FALSE(read_number(text("inf"), kPositive));
+    EXPECT_EQ(*read_number(text("1e-300"), kPositive), 1e-300);
+}
+
+TEST(OptionReader, ReadsBooleans) {
+    EXPECT_TRUE(*read_boolean(text("true")));
+    EXPECT_TRUE(*read_boolean(text("1")));
+    EXPECT_FALSE(*read_boolean(text("false")));
+    EXPECT_FALSE(*read_boolean(text("0")));
+    EXPECT_TRUE(*read_boolean(Json("true")));
+    for (const auto* wrong : {"", "True", "yes", "on", "2"}) EXPECT_FALSE(read_boolean(text(wrong))) << wrong;
+    for (const auto* wrong : {"1", "0", "\"true\"", "null"}) EXPECT_FALSE(read_boolean(Json(wrong))) << wrong;
+}
+
+TEST(OptionReader, ReadsChoices) {
+    constexpr std::array<std::string_view, 2> words = {"linear", "perceptual"};
+    EXPECT_EQ(*read_choice(text("perceptual"), words), 1U);
+    EXPECT_EQ(*read_choice(Json("\"linear\""), words), 0U);
+    EXPECT_EQ(read_choice(text("loud"), words).error().message,
+              "option is 'loud', but must be 'linear' or 'perceptual'");
+    EXPECT_FALSE(read_choice(Json("1"), words));
+}
+
+TEST(OptionReader, TellsTooManySitesFromNoNumber) {
+    const Limits limits = {.max_sites = 100};
+    EXPECT_EQ(*read_sites(text("100"), limits), 100U);
+    EXPECT_EQ(read_sites(text("0"), limits).error().code, ErrorCode::Malformed);
+    const auto many = read_sites(text("101"), limits);
+    EXPECT_EQ(many.error().code, ErrorCode::LimitExceeded);
+    EXPECT_EQ(many.error().message, "option is 101; this server's limit (max-sites) is 100");
+}
+
+struct Target {
+    bool flag = false;
+};
+
+constexpr std::array<OptionRule<Target>, 1> kRules = {{
+    {"flag", [](const Input& i, const Limits&, Target& t) { return assign(t.flag, read_boolean(i)); }},
+}};
+
+Result<void> read_flags(const std::vector<TextOption>& options) {
+    Target target;
+    return read_options<Target>(kRules, inputs_of(options), {}, target);
+}
+
+TEST(OptionReader, NamesUnknownAndRepeatedOptions) {
+    EXPECT_TRUE(read_flags({{"flag", "1"}}));
+    EXPECT_EQ(read_flags({{"flga", "1"}}).error().message, "unknown option 'flga'");
+    EXPECT_EQ(read_flags({{"flga", "1"}}).error().field, "flga");
+    EXPECT_EQ(read_flags({{"flag", "1"}, {"flag", "1"}}).error().message, "flag is given twice");
+}
+
+TEST(OptionReader, KeepsMessagesShort) {
+    const auto read = read_flags({{std::string(1'000'000, 'x'), "1"}});
+    EXPECT_LT(read.error().message.size(), 200U);
+    EXPECT_LT(read.error().field.size(), 200U);
+}
+
+}  // namespace
+}  // namespace ccdt::api

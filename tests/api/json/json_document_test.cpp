@@ -1,0 +1,84 @@
+#include "api/json/json_document.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace ccdt::api {
+namespace {
+
+TEST(JsonDocument, KeepsValuesInOrder) {
+    const auto document = JsonDocument::parse(R"({"a":[1,-2.5,true,null,"x"],"b":{},"c":[[],[3]]})");
+    ASSERT_TRUE(document);
+    const JsonValue root = document->root();
+    ASSERT_TRUE(root.is_object());
+    EXPECT_EQ(root.size(), 3U);
+    const auto members = root.members();
+    EXPECT_EQ(members[0].name, "a");
+    EXPECT_EQ(members[1].name, "b");
+    EXPECT_EQ(members[2].name, "c");
+    std::vector<JsonValue> elements;
+    for (const JsonValue element : members[0].value) elements.push_back(element);
+    ASSERT_EQ(elements.size(), 5U);
+    EXPECT_EQ(elements[0].number(), 1);
+    EXPECT_EQ(elements[1].number(), -2.5);
+    EXPECT_TRUE(elements[2].boolean());
+    EXPECT_FALSE(elements[3].is_number() || elements[3].is_boolean() || elements[3].is_string());
+    EXPECT_EQ(elements[4].text(), "x");
+    EXPECT_EQ(members[1].value.size(), 0U);
+    EXPECT_EQ(members[2].value.size(), 2U);
+}
+
+TEST(JsonDocument, FindsMembersByName) {
+    const auto document = JsonDocument::parse(R"({"a":{"b":1},"b":2})");
+    EXPECT_EQ(document->root().find("b")->number(), 2);
+    EXPECT_FALSE(document->root().find("c"));
+}
+
+TEST(JsonDocument, RefusesWhatIsNotJson) {
+    for (const auto* wrong : {"", " ", "{", "[1,]", "{\"a\"}", "nul", "01", "1 2", "\"\x80\"", "[1e999]", "NaN",
+                              "{'a':1}", "[1]x", "\"\\ud800\""}) {
+        const auto document = JsonDocument::parse(wrong);
+        ASSERT_FALSE(document) << wrong;
+        EXPECT_EQ(document.error().code, ErrorCode::Malformed);
+        EXPECT_NE(document.error().message.find("not valid JSON"), std::string::npos);
+    }
+}
+
+TEST(JsonDocument, StopsAtDepth) {
+    const auto nested = [](std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); };
+    EXPECT_TRUE(JsonDocument::parse(nested(JsonDocument::kMaxDepth)));
+    EXPECT_FALSE(JsonDocument::parse(nested(JsonDocument::kMaxDepth + 1)));
+    const auto million = JsonDocument::parse(std::string(1'000'000, '['));
+    ASSERT_FALSE(million);
+    EXPECT_EQ(million.error().code, ErrorCode::Malformed);
+    EXPECT_NE(million.error().message.find("deeper"), std::string::npos);
+}
+
+TEST(JsonDocument, StopsAtTooManyValues) {
+    std::string text = "[";
+    for (std::size_t i = 0; i < JsonDocument::kMaxValues; ++i) text += "0,";
+    text += "0]";
+    const auto document = JsonDocument::parse(text);
+    ASSERT_FALSE(document);
+    EXPECT_EQ(document.error().code, ErrorCode::LimitExceeded);
+}
+
+TEST(JsonDocument, RefusesTwoMembersOfOneName) {
+    EXPECT_TRUE(JsonDocument::parse(R"({"a":{"a":1},"b":{"a":1}})"));
+    for (const auto* wrong : {R"({"a":1,"a":1})", R"([{"b":{"x":1,"y":2,"x":3}}])", R"({"a":1,"\u0061":2})"}) {
+        const auto document = JsonDocument::parse(wrong);
+        ASSERT_FALSE(document) << wrong;
+        EXPECT_EQ(document.error().code, ErrorCode::Malformed);
+        EXPECT_NE(document.error().message.find("twice"), std::string::npos);
+    }
+}
+
+TEST(JsonPointer, EscapesNames) {
+    EXPECT_EQ(pointer_below("", "a/b~c"), "/a~1b~0c");
+    EXPECT_EQ(pointer_below("/polygon", std::size_t{17}), "/polygon/17");
+}
+
+}  // namespace
+}  // namespace ccdt::api

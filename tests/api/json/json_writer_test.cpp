@@ -1,0 +1,76 @@
+#include "api/json/json_writer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace ccdt::api {
+namespace {
+
+Distribution example() {
+    Distribution distribution;
+    distribution.points = {{0.1, 1e300}, {-0.0, 5e-324}, {1.0 / 3, 123456789.125}};
+    distribution.iterations = 1;
+    distribution.trace = {0.5, 0.25};
+    return distribution;
+}
+
+TEST(JsonWriter, WritesEveryMember) {
+    const auto json = nlohmann::json::parse(write_distribution(example(), {9007199254740991, 12.34567, {}}));
+    EXPECT_EQ(json.at("sites"), 3);
+    EXPECT_EQ(json.at("seed"), 9007199254740991);
+    EXPECT_EQ(json.at("method"), "ccdt");
+    EXPECT_EQ(json.at("iterations"), 1);
+    EXPECT_EQ(json.at("variation"), 0.25);
+    EXPECT_EQ(json.at("trace"),
+              nlohmann::json::parse(R"([{"iteration":0,"variation":0.5},{"iteration":1,"variation":0.25}])"));
+    EXPECT_EQ(json.at("elapsed_ms"), 12.346);
+    EXPECT_EQ(json.size(), 8U);
+}
+
+TEST(JsonWriter, TellsTheVariationOfThePolishedPoints) {
+    Distribution distribution = example();
+    distribution.polished = 0.375;
+    const auto json = nlohmann::json::parse(write_distribution(distribution, {}));
+    EXPECT_EQ(json.at("variation"), 0.375);
+    EXPECT_EQ(json.at("trace").size(), 2U);
+}
+
+TEST(JsonWriter, WritesNumbersThatReadBackTheSame) {
+    const Distribution distribution = example();
+    const auto json = nlohmann::json::parse(write_distribution(distribution, {}));
+    const auto& points = json.at("points");
+    ASSERT_EQ(points.size(), distribution.points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        EXPECT_EQ(points[i][0].get<double>(), distribution.points[i].x);
+        EXPECT_EQ(points[i][1].get<double>(), distribution.points[i].y);
+    }
+}
+
+TEST(JsonWriter, WritesTheShortestNumbers) {
+    EXPECT_TRUE(write_distribution(example(), {}).starts_with("{\"points\":[[0.1,1e+300],"));
+}
+
+TEST(JsonWriter, NeverWritesWhatJsonDoesNotHave) {
+    Distribution distribution = example();
+    distribution.trace = {std::nan(""), std::numeric_limits<double>::infinity()};
+    const auto json = nlohmann::json::parse(write_distribution(distribution, {}));
+    EXPECT_TRUE(json.at("variation").is_null());
+    EXPECT_TRUE(json.at("trace")[0].at("variation").is_null());
+}
+
+TEST(JsonWriter, WritesMeshAndPictureWhereThereIsOne) {
+    Distribution distribution = example();
+    distribution.mesh = TriangleMesh{{{0, 0}, {1, 0}, {0, 1}}, {{0, 1, 2}}, {{0, 1, 2}, {}}};
+    const auto json = nlohmann::json::parse(write_distribution(distribution, {0, 0, PictureSize{640, 480}}));
+    EXPECT_EQ(json.at("width"), 640);
+    EXPECT_EQ(json.at("height"), 480);
+    EXPECT_EQ(json.at("vertices").size(), 3U);
+    EXPECT_EQ(json.at("triangles"), nlohmann::json::parse("[[0,1,2]]"));
+    EXPECT_EQ(json.at("boundary"), nlohmann::json::parse("[[0,1,2],[]]"));
+}
+
+}  // namespace
+}  // namespace ccdt::api

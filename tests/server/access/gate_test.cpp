@@ -1,0 +1,92 @@
+#include "server/access/gate.h"
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace ccdt::server {
+namespace {
+
+const std::string kKey = "0123456789abcdef";
+
+class GateTest : public testing::Test {
+protected:
+    GateTest() { config_.api_key_file = file_; }
+    ~GateTest() override { std::filesystem::remove(file_); }
+
+    void write(const std::string& text) const { std::ofstream(file_) << text; }
+
+    static Request request(const std::string& key, const std::string& line = "GET /x") {
+        const std::string header = key.empty() ? "" : "Authorization: Bearer " + key + "\r\n";
+        return *parse_head(line + " HTTP/1.1\r\n" + header + "\r\n");
+    }
+
+    const std::string file_ = testing::TempDir() + "ccdt_keys_" + std::to_string(::getpid());
+    Config config_;
+};
+
+TEST_F(GateTest, AsksForAKeyIfThereAreAny) {
+    write("alice:" + kKey);
+    Gate gate(config_);
+    ASSERT_TRUE(gate.read_keys());
+    EXPECT_EQ(gate.check(request(kKey), "a").key, "alice");
+    EXPECT_FALSE(gate.check(request(kKey), "a").fault);
+    EXPECT_EQ(gate.check(request(""), "a").fault->status, 401);
+    EXPECT_EQ(gate.check(request(kKey + "x"), "a").fault->headers.front().name, "WWW-Authenticate");
+    for (const char* line : {"GET /health", "GET /health/ready", "OPTIONS /health"})
+        EXPECT_FALSE(gate.check(request("", line), "a").fault) << line;
+    for (const char* line : {"GET /healthy", "OPTIONS /halftone", "OPTIONS *"})
+        EXPECT_TRUE(gate.check(request("", line), "a").fault) << line;
+}
+
+TEST_F(GateTest, LetsPreflightsPass) {
+    write("alice:" + kKey);
+    Gate gate(config_);
+    ASSERT_TRUE(gate.read_keys());
+    const auto passes = [&](const std::string& method, const std::string& headers) {
+        return !gate.check(*parse_head(method + " /halftone HTTP/1.1\r\n" + headers + "\r\n"), "a").fault;
+    };
+    const std::string origin = "Origin: https://example.org\r\n", asked = "Access-Control-Request-Method: POST\r\n";
+    EXPECT_TRUE(passes("OPTIONS", origin + asked));
+    EXPECT_FALSE(passes("OPTIONS", origin));
+    EXPECT_FALSE(passes("OPTIONS", asked));
+    EXPECT_FALSE(passes("POST", origin + asked));
+}
+
+TEST_F(GateTest, LetsEverybodyPassWithoutAFile) {
+    config_.api_key_file.clear();
+    Gate gate(config_);
+    EXPECT_TRUE(gate.read_keys());
+    EXPECT_FALSE(gate.check(request(""), "a").fault);
+    EXPECT_EQ(gate.check(request(kKey), "a").key, "");
+}
+
+TEST_F(GateTest, KeepsItsKeysIfTheFileIsBroken) {
+    write("alice:" + kKey);
+    Gate gate(config_);
+    ASSERT_TRUE(gate.read_keys());
+    write("nonsense");
+    EXPECT_FALSE(gate.read_keys());
+    EXPECT_EQ(gate.check(request(kKey), "a").key, "alice");
+    write("bob:" + kKey);
+    EXPECT_TRUE(gate.read_keys());
+    EXPECT_EQ(gate.check(request(kKey), "a").key, "bob");
+}
+
+TEST_F(GateTest, CountsByKeyAndElseByAddress) {
+    write("alice:" + kKey);
+    config_.rate = {.per_second = 0.001, .burst = 1};
+    Gate gate(config_);
+    ASSERT_TRUE(gate.read_keys());
+    EXPECT_FALSE(gate.check(request(kKey), "a").fault);
+    EXPECT_EQ(gate.check(request(kKey), "b").fault->status, 429);
+    EXPECT_EQ(gate.check(request("x"), "a").fault->status, 401);
+    EXPECT_EQ(gate.check(request("y"), "a").fault->status, 429);
+    EXPECT_EQ(gate.check(request("y"), "").fault->status, 401) << "nothing to count by";
+}
+
+}  // namespace
+}  // namespace ccdt::server

@@ -1,0 +1,122 @@
+#include "server/http/http.h"
+
+#include <gtest/gtest.h>
+
+namespace ccdt::server {
+namespace {
+
+Received<Request> parse_with(const std::string& headers, const std::string& line = "POST /a HTTP/1.1") {
+    return parse_head(line + "\r\n" + headers + "\r\n");
+}
+
+TEST(ParseHead, ReadsLineAndHeaders) {
+    const auto request = parse_head("POST /a%20b?x=1&y HTTP/1.1\r\nHost: h\r\nX-Thing:  a b \r\nEmpty:\r\n\r\n");
+    ASSERT_TRUE(request);
+    EXPECT_EQ(request->method, "POST");
+    EXPECT_EQ(request->target, "/a%20b?x=1&y");
+    EXPECT_EQ(request->path, "/a b");
+    EXPECT_EQ(request->query, "x=1&y");
+    EXPECT_EQ(request->header("x-thing"), "a b");
+    EXPECT_EQ(request->header("empty"), "");
+    EXPECT_EQ(request->header("missing"), "");
+    EXPECT_TRUE(request->keep_alive);
+    EXPECT_FALSE(request->is_framed());
+}
+
+TEST(ParseHead, FindsThePathOfAWholeUrl) {
+    EXPECT_EQ(parse_with("", "GET http://host:80/health?a#b HTTP/1.1")->path, "/health");
+    EXPECT_EQ(parse_with("", "GET http://host HTTP/1.1")->path, "/");
+    EXPECT_EQ(parse_with("", "GET /x://y HTTP/1.1")->path, "/x://y");
+}
+
+TEST(ParseHead, ReadsHowTheBodyIsFramed) {
+    EXPECT_EQ(parse_with("Content-Length: 12\r\n")->content_length, 12u);
+    EXPECT_TRUE(parse_with("transfer-encoding: Chunked\r\n")->chunked);
+    EXPECT_TRUE(parse_with("Expect: 100-continue\r\n")->expects_continue);
+}
+
+TEST(ParseHead, RefusesAmbiguousFraming) {
+    for (const char* headers :
+         {"Content-Length: abc\r\n", "Content-Length: 10abc\r\n", "Content-Length: -1\r\n", "Content-Length: +1\r\n",
+          "Content-Length: 1, 1\r\n", "Content-Length:\r\n", "Content-Length: 99999999999999999999\r\n",
+          "Content-Length: 1\r\nContent-Length: 1\r\n", "Content-Length: 1\r\nTransfer-Encoding: chunked\r\n",
+          "Transfer-Encoding: gzip, chunked\r\n", "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n",
+          "Transfer-Encoding: identity\r\n"}) {
+        const auto request = parse_with(headers);
+        ASSERT_FALSE(request) << headers;
+        EXPECT_EQ(request.error().status, 400);
+    }
+    EXPECT_FALSE(parse_with("Transfer-Encoding: chunked\r\n", "POST / HTTP/1.0"));
+}
+
+TEST(ParseHead, RefusesMalformedHeads) {
+    for (const char* line : {"", "GET", "GET /", "GET  / HTTP/1.1", "GET / HTTP/2", "GET / HTTP/1.1 ", "G@T / HTTP/1.1",
+                             "GET /\x01 HTTP/1.1", "GET / /b HTTP/1.1"})
+        EXPECT_FALSE(parse_with("", line)) << line;
+    for (const char* headers :
+         {"no colon\r\n", "Name : spaced\r\n", ": unnamed\r\n", " folded\r\n", "A: b\nC: d\r\n", "A: b\x7f\r\n"})
+        EXPECT_FALSE(parse_with(headers)) << headers;
+    EXPECT_FALSE(parse_head("GET / HTTP/1.1\r\nA: b\r\n"));
+    EXPECT_FALSE(parse_head(""));
+}
+
+TEST(ParseHead, HeedsNoExpectationOfAnOldClient) {
+    EXPECT_FALSE(parse_with("Expect: 100-continue\r\n", "POST / HTTP/1.0")->expects_continue);
+}
+
+TEST(ParseHead, RefusesALongTarget) {
+    EXPECT_TRUE(parse_with("", "GET /" + std::string(8191, 'x') + " HTTP/1.1"));
+    EXPECT_EQ(parse_with("", "GET /" + std::string(8192, 'x') + " HTTP/1.1").error().status, 414);
+}
+
+TEST(FindFault, WantsOneHost) {
+    for (const char* host : {"h", "example.org:80", "[::1]:8080", "192.0.2.1", ""})
+        EXPECT_FALSE(find_fault(*parse_with("Host: " + std::string(host) + "\r\n"))) << host;
+    for (const char* headers : {"", "Host: a\r\nHost: a\r\n", "Host: a b\r\n", "Host: a/b\r\n", "Host: \xff\r\n"})
+        EXPECT_EQ(find_fault(*parse_with(headers))->status, 400) << headers;
+    EXPECT_FALSE(find_fault(*parse_with("", "GET / HTTP/1.0")));
+}
+
+TEST(FindFault, KnowsOneExpectation) {
+    EXPECT_FALSE(find_fault(*parse_with("Host: h\r\nExpect: 100-Continue\r\n")));
+    EXPECT_EQ(find_fault(*parse_with("Host: h\r\nExpect: tea\r\n"))->status, 417);
+    EXPECT_FALSE(find_fault(*parse_with("Expect: tea\r\n", "POST / HTTP/1.0")));
+}
+
+TEST(ParseHead, KnowsWhetherTheConnectionStays) {
+    EXPECT_TRUE(parse_with("")->keep_alive);
+    EXPECT_FALSE(parse_with("Connection: close\r\n")->keep_alive);
+    EXPECT_FALSE(parse_with("Connection: foo, Close\r\n")->keep_alive);
+    EXPECT_FALSE(parse_with("", "GET / HTTP/1.0")->keep_alive);
+    EXPECT_TRUE(parse_with("Connection: Keep-Alive\r\n", "GET / HTTP/1.0")->keep_alive);
+}
+
+TEST(ParseQuery, KeepsOrderAndRepetitions) {
+    const auto options = parse_query("b=1&a=2&b=1&&empty=&none&c=x%3Dy%26+z&bad=%zz%4");
+    ASSERT_EQ(options.size(), 7u);
+    EXPECT_EQ(options[0].name + options[1].name + options[2].name, "bab");
+    EXPECT_EQ(options[0].value, "1");
+    EXPECT_EQ(options[2].value, "1");
+    EXPECT_EQ(options[3].value, "");
+    EXPECT_EQ(options[4].name, "none");
+    EXPECT_EQ(options[5].value, "x=y& z");
+    EXPECT_EQ(options[6].value, "%zz%4");
+    EXPECT_TRUE(parse_query("").empty());
+}
+
+TEST(MediaType, IsInSmallLettersWithoutParameters) {
+    EXPECT_EQ(media_type("Application/JSON; charset=utf-8"), "application/json");
+    EXPECT_EQ(media_type(""), "");
+}
+
+TEST(HeaderParameter, IsFoundPlainAndQuoted) {
+    EXPECT_EQ(header_parameter("multipart/form-data; boundary=abc; x=y", "boundary"), "abc");
+    EXPECT_EQ(header_parameter("multipart/form-data;Boundary=\"a;b\\\"c\" ; x=y", "boundary"), "a;b\"c");
+    EXPECT_EQ(header_parameter("form-data; filename=\"name=x\"; name=\"y\"", "name"), "y");
+    EXPECT_EQ(header_parameter("form-data; name=\"unclosed", "name"), "unclosed");
+    EXPECT_EQ(header_parameter("boundary=abc", "boundary"), "");
+    EXPECT_EQ(header_parameter("", "boundary"), "");
+}
+
+}  // namespace
+}  // namespace ccdt::server

@@ -1,0 +1,354 @@
+#include "server/work/worker_pool.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <future>
+#include <latch>
+#include <stdexcept>
+#include <string>
+
+namespace ccdt::server {
+namespace {
+
+const std::string kClient = "client";
+constexpr bool kMayBeShort = false;
+constexpr api::Cost kShortJob{0, WorkerPool::kShort};
+constexpr api::Cost kLongJob{0, 1};
+
+/// A job that runs until it is let go.
+class Gate {
+public:
+    WorkerPool::Job job() {
+        return [this](const std::stop_token&) {
+            started_.set_value();
+            opened_.wait();
+        };
+    }
+    void wait_until_started() { started_.get_future().wait(); }
+    void open() { open_.set_value(); }
+
+private:
+    std::promise<void> started_;
+    std::promise<void> open_;
+    std::shared_future<void> opened_ = open_.get_future().share();
+};
+
+TEST(WorkerPool, DoesEveryJob) {
+    std::atomic<int> done = 0;
+    WorkerPool pool(3, 100);
+    for (int i = 0; i < 100; ++i) ASSERT_TRUE(pool.submit(kClient, [&](const std::stop_token&) { ++done; }));
+    pool.drain();
+    EXPECT_EQ(done, 100);
+}
+
+TEST(WorkerPool, RunsAsManyJobsAtOnceAsItHasWorkers) {
+    std::latch all(3);
+    WorkerPool pool(3, 0);
+    for (int i = 0; i < 3; ++i)
+        ASSERT_TRUE(pool.submit(kClient, [&](const std::stop_token&) { all.arrive_and_wait(); }));
+    pool.drain();
+}
+
+TEST(WorkerPool, RefusesWhatItsQueueCannotHold) {
+    Gate gate;
+    std::atomic<int> done = 0;
+    const auto count = [&](const std::stop_token&) { ++done; };
+    WorkerPool pool(1, 2);
+    ASSERT_TRUE(pool.submit(kClient, gate.job()));
+    gate.wait_until_started();
+    EXPECT_FALSE(pool.is_full(kClient, kMayBeShort));
+    EXPECT_TRUE(pool.submit(kClient, count));
+    EXPECT_TRUE(pool.submit(kClient, count));
+    EXPECT_TRUE(pool.is_full(kClient, kMayBeShort));
+    EXPECT_FALSE(pool.submit(kClient, count));
+    gate.open();
+    pool.drain();
+    EXPECT_EQ(done, 2);
+    EXPECT_TRUE(pool.submit(kClient, count));
+    pool.drain();
+    EXPECT_EQ(done, 3);
+}
+
+TEST(WorkerPool, KeepsTheOrderOfTheQueue) {
+    Gate gate;
+    std::string order;
+    WorkerPool pool(1, 10);
+    ASSERT_TRUE(pool.submit(kClient, gate.job()));
+    for (const char letter : std::string("abcde"))
+        ASSERT_TRUE(pool.submit(kClient, [&order, letter](const std::stop_token&) { order += letter; }));
+    gate.open();
+    pool.drain();
+    EXPECT_EQ(order, "abcde");
+}
+
+TEST(WorkerPool, StopsARunningJob) {
+    std::promise<void> started;
+    WorkerPool pool(1, 0);
+    const auto id = pool.submit(kClient, [&](const std::stop_token& stop) {
+        started.set_value();
+        while (!stop.stop_requested()) std::this_thread::yield();
+    });
+    ASSERT_TRUE(id);
+    started.get_future().wait();
+    EXPECT_EQ(pool.cancel(*id), WorkerPool::Cancelled::Running);
+    pool.drain();
+    EXPECT_EQ(pool.cancel(*id), WorkerPool::Cancelled::Unknown);
+}
+
+TEST(WorkerPool, ForgetsAWaitingJob) {
+    Gate gate;
+    bool ran = false;
+    WorkerPool pool(1, 1);
+    ASSERT_TRUE(pool.submit(kClient, gate.job()));
+    gate.wait_until_started();
+    const auto id = pool.submit(kClient, [&](const std::stop_token&) { ran = true; });
+    ASSERT_TRUE(id);
+    EXPECT_TRUE(pool.is_full(kClient, kMayBeShort));
+    EXPECT_EQ(pool.cancel(*id), WorkerPool::Cancelled::Queued);
+    EXPECT_FALSE(pool.is_full(kClient, kMayBeShort));
+    gate.open();
+    pool.drain();
+    EXPECT_FALSE(ran);
+}
+
+TEST(WorkerPool, OutlivesJobsThatThrow) {
+    bool ran = false;
+    WorkerPool pool(1, 2);
+    ASSERT_TRUE(pool.submit(kClient, [](const std::stop_token&) { throw std::runtime_error("x"); }));
+    ASSERT_TRUE(pool.submit(kClient, [&](const std::stop_token&) { ran = true; }));
+    pool.drain();
+    EXPECT_TRUE(ran);
+}
+
+TEST(WorkerPool, StopsItsJobsWhenDestroyed) {
+    std::promise<void> started;
+    bool stopped = false;
+    {
+        WorkerPool pool(1, 1);
+        ASSERT_TRUE(pool.submit(kClient, [&](const std::stop_token& stop) {
+            started.set_value();
+            while (!stop.stop_requested()) std::this_thread::yield();
+            stopped = true;
+        }));
+        started.get_future().wait();
+        ASSERT_TRUE(pool.submit(kClient, [](const std::stop_token&) { ADD_FAILURE() << "a dropped job ran"; }));
+    }
+    EXPECT_TRUE(stopped);
+}
+
+TEST(WorkerPool, EstimatesItsBacklog) {
+    Gate gate;
+    WorkerPool pool(1, 100);
+    EXPECT_EQ(pool.backlog(), std::chrono::seconds(1)) << "nothing is known, nothing waits";
+    // One job that takes at least 30 ms, by the clock it is measured with.
+    ASSERT_TRUE(pool.submit(kClient, [](const std::stop_token&) {
+        const auto end = WorkerPool::Clock::now() + std::chrono::milliseconds(30);
+        while (WorkerPool::Clock::now() < end) std::this_thread::yield();
+    }));
+    pool.drain();
+    ASSERT_TRUE(pool.submit(kClient, gate.job()));
+    gate.wait_until_started();
+    for (int i = 0; i < 99; ++i) ASSERT_TRUE(pool.submit(kClient, [](const std::stop_token&) {}));
+    EXPECT_GE(pool.backlog(), std::chrono::seconds(3));
+    gate.open();
+    pool.drain();
+}
+
+/// Order in which jobs that wait behind another are done, by their clients.
+std::string order_of(const std::vector<std::string>& clients) {
+    Gate gate;
+    std::string order;
+    WorkerPool pool(1, 10);
+    EXPECT_TRUE(pool.submit("first", gate.job()));
+    gate.wait_until_started();
+    for (const std::string& client : clients) {
+        EXPECT_TRUE(pool.submit(client, [&order, client](const std::stop_token&) { order += client; }));
+    }
+    gate.open();
+    pool.drain();
+    return order;
+}
+
+TEST(WorkerPool, LetsClientsTakeTurns) {
+    EXPECT_EQ(order_of({"a", "a", "a", "b", "c", "b"}), "abcaba");
+    EXPECT_EQ(order_of({"a", "b", "b", "a"}), "abba");
+    EXPECT_EQ(order_of({"a", "a", "a"}), "aaa");
+}
+
+TEST(WorkerPool, GivesNoCreditForTurnsThatWereNotTaken) {
+    Gate first;
+    std::string order;
+    const auto note = [&order](const std::string& client) {
+        return [&order, client](const std::stop_token&) { order += client; };
+    };
+    WorkerPool pool(1, 10);
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(pool.submit("a", note("a")));
+    ASSERT_TRUE(pool.submit("a", first.job()));
+    first.wait_until_started();
+    for (int i = 0; i < 2; ++i) ASSERT_TRUE(pool.submit("b", note("b")));
+    for (int i = 0; i < 2; ++i) ASSERT_TRUE(pool.submit("a", note("a")));
+    first.open();
+    pool.drain();
+    EXPECT_EQ(order, "aaababa");
+}
+
+TEST(WorkerPool, LetsNewcomersIntoAFullQueue) {
+    Gate gate;
+    const auto nothing = [](const std::stop_token&) {};
+    WorkerPool pool(1, 2);
+    ASSERT_TRUE(pool.submit("a", gate.job()));
+    gate.wait_until_started();
+    EXPECT_TRUE(pool.submit("a", nothing));
+    EXPECT_TRUE(pool.submit("a", nothing));
+    EXPECT_TRUE(pool.is_full("a", kMayBeShort));
+    EXPECT_FALSE(pool.submit("a", nothing));
+    EXPECT_FALSE(pool.is_full("b", kMayBeShort));
+    EXPECT_TRUE(pool.submit("b", nothing));
+    EXPECT_FALSE(pool.submit("b", nothing));
+    EXPECT_TRUE(pool.submit("c", nothing));
+    EXPECT_FALSE(pool.submit("d", nothing));
+    gate.open();
+    pool.drain();
+}
+
+TEST(WorkerPool, LetsClientsTakeTurnsByWhatTheirJobsCost) {
+    Gate gate;
+    std::string order;
+    WorkerPool pool(1, 20);
+    ASSERT_TRUE(pool.submit("first", gate.job()));
+    gate.wait_until_started();
+    const auto submit = [&](const std::string& client, double seconds) {
+        EXPECT_TRUE(pool.submit(client, [&order, client](const std::stop_token&) { order += client; }, {0, seconds}));
+    };
+    for (int i = 0; i < 3; ++i) submit("a", 3);
+    for (int i = 0; i < 7; ++i) submit("b", 1);
+    gate.open();
+    pool.drain();
+    EXPECT_EQ(order, "abbbabbbab");
+}
+
+TEST(FairQueue, RemembersNobodyOnceItIsEmpty) {
+    FairQueue<char> queue;
+    queue.push("costly", 1000, 'x');
+    EXPECT_EQ(queue.take_next(), 'x');
+    queue.push("costly", 1, 'a');
+    queue.push("cheap", 1, 'b');
+    queue.push("costly", 1, 'c');
+    queue.push("cheap", 1, 'd');
+    std::string order;
+    while (!queue.empty()) order += queue.take_next();
+    EXPECT_EQ(order, "abcd");
+}
+
+TEST(FairQueue, ForgetsWhatWasWithdrawn) {
+    FairQueue<char> queue;
+    queue.push("a", 1, 'x');
+    queue.push("a", 1000, 'y');
+    EXPECT_EQ(queue.withdraw([](char item) { return item == 'y'; }), 'y');
+    EXPECT_FALSE(queue.withdraw([](char item) { return item == 'y'; }));
+    queue.push("b", 2, 'b');
+    queue.push("a", 1, 'c');
+    queue.push("b", 1, 'd');
+    std::string order;
+    while (!queue.empty()) order += queue.take_next();
+    EXPECT_EQ(order, "xbcd");
+}
+
+TEST(WorkerPool, LetsShortJobsPassLongOnes) {
+    Gate gate, longer;
+    std::promise<void> done;
+    WorkerPool pool(1, 1);
+    ASSERT_TRUE(pool.submit("a", gate.job(), kLongJob));
+    gate.wait_until_started();
+    ASSERT_TRUE(pool.submit("a", longer.job(), kLongJob));
+    EXPECT_TRUE(pool.is_full("a", kMayBeShort));
+    EXPECT_FALSE(pool.is_full("a"));
+    EXPECT_FALSE(pool.submit(
+        "a", [](const std::stop_token&) {}, kLongJob));
+    ASSERT_TRUE(pool.submit(
+        "a", [&](const std::stop_token&) { done.set_value(); }, kShortJob));
+    done.get_future().wait();
+    gate.open();
+    longer.open();
+    pool.drain();
+}
+
+TEST(WorkerPool, KeepsOneThreadForShortJobs) {
+    Gate first, second, shorter;
+    std::atomic<bool> ran = false;
+    WorkerPool pool(2, 2);
+    ASSERT_TRUE(pool.submit("a", first.job(), kLongJob));
+    ASSERT_TRUE(pool.submit("b", second.job(), kLongJob));
+    first.wait_until_started();
+    second.wait_until_started();
+    ASSERT_TRUE(pool.submit(
+        "c", [&](const std::stop_token&) { ran = true; }, kLongJob));
+    ASSERT_TRUE(pool.submit("d", shorter.job(), kShortJob));
+    shorter.wait_until_started();
+    EXPECT_EQ(pool.load().busy, 3U);
+    EXPECT_FALSE(ran);
+    for (Gate* gate : {&shorter, &first, &second}) gate->open();
+    pool.drain();
+    EXPECT_TRUE(ran);
+}
+
+TEST(WorkerPool, BeginsAJobOnlyWhenItsMemoryIsThere) {
+    constexpr std::size_t kMemory = 100;
+    Gate large;
+    std::atomic<std::size_t> seen = 0;
+    WorkerPool pool(4, 10, kMemory);
+    ASSERT_TRUE(pool.submit("a", large.job(), {60, 1}));
+    large.wait_until_started();
+    EXPECT_EQ(pool.memory().taken(), 60U);
+    const auto note = [&](const std::stop_token&) {
+        seen = std::max<std::size_t>(seen, pool.memory().taken());
+        EXPECT_LE(pool.memory().taken(), kMemory);
+    };
+    for (int i = 0; i < 8; ++i) ASSERT_TRUE(pool.submit("b", note, {50, 1}));
+    EXPECT_EQ(seen, 0U);
+    large.open();
+    pool.drain();
+    EXPECT_GE(seen, 50U);
+    EXPECT_EQ(pool.memory().taken(), 0U);
+}
+
+TEST(WorkerPool, GoesOnWhenMemoryHeldElsewhereComesBack) {
+    std::promise<void> done;
+    WorkerPool pool(1, 10, 100);
+    auto lease = std::make_optional(pool.memory().hold(70));
+    ASSERT_TRUE(pool.submit("a", [&](const std::stop_token&) { done.set_value(); }, {50, 1}));
+    auto ran = done.get_future();
+    EXPECT_EQ(pool.load().waiting, 1U);
+    lease.reset();
+    ran.wait();
+    pool.drain();
+}
+
+TEST(MemoryBudget, GivesNoMoreThanItHas) {
+    int told = 0;
+    MemoryBudget budget(100);
+    budget.on_return([&] { ++told; });
+    auto first = budget.take(60);
+    ASSERT_TRUE(first);
+    EXPECT_FALSE(budget.take(41));
+    EXPECT_FALSE(budget.take(std::numeric_limits<std::size_t>::max()));
+    auto second = budget.take(40);
+    ASSERT_TRUE(second);
+    {
+        const auto held = budget.hold(10);
+        EXPECT_EQ(budget.taken(), 110U);
+        EXPECT_FALSE(budget.take(1));
+    }
+    MemoryBudget::Lease moved = *std::move(first);
+    first.reset();
+    EXPECT_EQ(budget.taken(), 100U);
+    EXPECT_EQ(told, 1);
+    moved = {};
+    second.reset();
+    EXPECT_EQ(budget.taken(), 0U);
+    EXPECT_EQ(told, 3);
+}
+
+}  // namespace
+}  // namespace ccdt::server
