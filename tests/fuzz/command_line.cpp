@@ -1,0 +1,70 @@
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "server/config.h"
+#include "tests/fuzz/checks.h"
+
+namespace ccdt::fuzz {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// Lines up to an empty one.
+std::vector<std::string> take_lines(std::string_view& text) {
+    std::vector<std::string> lines;
+    while (!text.empty()) {
+        const auto line = take_line(text);
+        if (line.empty()) break;
+        lines.emplace_back(line.substr(0, line.find('\0')));
+    }
+    return lines;
+}
+
+void check_duration(milliseconds duration) {
+    CCDT_CHECK(duration >= milliseconds(1) && duration <= std::chrono::hours(24));
+}
+
+void check_config(const server::Config& config) {
+    CCDT_CHECK(!config.bind.empty() && config.port >= 0 && config.port <= 65'535);
+    CCDT_CHECK(config.workers >= 1 && config.workers <= 1024);
+    CCDT_CHECK(config.max_body >= 1 && config.memory >= 1);
+    CCDT_CHECK(config.limits.max_sites >= 1 && config.limits.max_pixels >= 1);
+    for (const auto duration :
+         {config.timeout, config.drain_timeout, config.patience.header, config.patience.body, config.patience.idle})
+        check_duration(duration);
+    CCDT_CHECK(config.capacity.connections >= 1 && config.capacity.bytes <= config.memory);
+    CCDT_CHECK(config.rate.per_second >= 0 && std::isfinite(config.rate.per_second) && config.rate.burst >= 1);
+    for (const auto& origin : config.cors_origins) {
+        CCDT_CHECK(!origin.empty());
+        for (const char c : origin) CCDT_CHECK(c > ' ' && c < 0x7f && c != ',');
+    }
+}
+
+}  // namespace
+}  // namespace ccdt::fuzz
+
+/// Lines with arguments, an empty line, lines with what the environment holds: NAME=value.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace ccdt;
+    auto text = fuzz::text_of(data, size);
+    const auto lines = fuzz::take_lines(text);
+    const auto variables = fuzz::take_lines(text);
+    std::vector<const char*> arguments;
+    for (const auto& line : lines) arguments.push_back(line.c_str());
+    const auto environment = [&](const char* name) -> const char* {
+        const std::size_t length = std::strlen(name);
+        for (const auto& variable : variables) {
+            if (variable.starts_with(name) && variable[length] == '=') return variable.c_str() + length + 1;
+        }
+        return nullptr;
+    };
+    const auto parsed = server::parse_command_line(arguments, environment);
+    if (!parsed) {
+        fuzz::check_error(parsed.error());
+    } else if (parsed->action == server::CommandLine::Action::Serve) {
+        fuzz::check_config(parsed->config);
+    }
+    return 0;
+}
