@@ -54,13 +54,15 @@ bool is_whole_png(const ByteReader& reader, std::string_view bytes) {
 /// Rows are read as they come, unless they are interlaced.
 Result<ImageHeader> read_png(std::string_view bytes) {
     constexpr uint64_t kChannels[] = {1, 1, 3, 3, 2, 1, 4};  // by colour type; a palette's become three
+    constexpr std::uint32_t kHeaderChunk = 0x49484452;       // IHDR
     const ByteReader reader(bytes, true);
     const auto width = reader.read(16, 4);
     const auto height = reader.read(20, 4);
     const auto depth = reader.read(24, 1);
     const auto colour = reader.read(25, 1);
     const auto interlaced = reader.read(28, 1);
-    if (bytes.substr(12, 4) != "IHDR" || !interlaced || *colour > 6 || !is_whole_png(reader, bytes)) return broken();
+    if (reader.read(12, 4) != kHeaderChunk || !interlaced || *colour > 6 || !is_whole_png(reader, bytes))
+        return broken();
     ImageHeader header{ImageFormat::Png, *width, *height, 0};
     const uint64_t sample = *depth > 8 ? 2 : 1;
     // One more for the transparency that a chunk may give any of them.

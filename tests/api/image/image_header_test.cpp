@@ -59,15 +59,17 @@ TEST(ImageHeader, RefusesOtherFormats) {
 }
 
 TEST(ImageHeader, TakesAnyLengthOfFile) {
+    constexpr std::size_t kLongestSignature = 12;
     for (const auto* name : {"progressive.jpg", "lossy.webp", "lossless.webp", "orientation-6.webp", "palette.png",
                              "big-endian.tif", "tiled.tif"}) {
         const std::string file = fixture(name);
-        for (std::size_t size = 12; size < file.size(); ++size) {
+        for (std::size_t size = 1; size < file.size(); ++size) {
             const auto header = read_image_header(std::string_view(file).substr(0, size), kMaxPixels);
             if (header) {
                 EXPECT_EQ(header->pixels(), 24U * 16U) << name << ' ' << size;
             } else {
-                EXPECT_EQ(header.error().code, ErrorCode::Unusable) << name << ' ' << size;
+                const bool may_be_other = size < kLongestSignature && header.error().code == ErrorCode::Unsupported;
+                EXPECT_TRUE(may_be_other || header.error().code == ErrorCode::Unusable) << name << ' ' << size;
             }
         }
     }
