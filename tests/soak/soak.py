@@ -36,6 +36,11 @@ class Watched(Server):
         return " total=" not in line
 
 
+def is_expected(line):
+    """Sanitizers need system calls that the decoder's filter would not let through, so there is none with them."""
+    return SANITIZED and "system calls cannot be filtered" in line
+
+
 class Fatal(Exception):
     """There is no point in going on."""
 
@@ -242,7 +247,7 @@ def main():
             failed.append("no computation was given up for a client that had left")
         if server.stop() != 0:
             failed.append("the server did not end well")
-        if errors := [line for line in server.log().splitlines() if " error " in line]:
+        if errors := [line for line in server.log().splitlines() if " error " in line and not is_expected(line)]:
             failed.append("errors in the log: " + "\n".join(errors[:5]))
     print("\nFAILED: " + "; ".join(failed) if failed else "\npassed")
     return 1 if failed else 0
