@@ -1,0 +1,340 @@
+#include "core/tour/short_path.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <initializer_list>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "core/geometry/delaunay.h"
+
+namespace ccdt {
+namespace {
+
+using Stop = std::uint32_t;  ///< where the pen stops: a point, by its place along Hilbert's curve
+
+constexpr std::size_t kMostNeighbours = 8;
+constexpr std::uint32_t kLongestChange = 25'000;  ///< stops that one improvement may move in memory
+constexpr std::uint32_t kLongestRun = 3;          ///< stops that are moved elsewhere together
+constexpr double kLeastGain = 1e-12;              ///< of the points' extent; less may be rounding
+constexpr std::size_t kStopStride = 256;          ///< stops between two looks at the stop token
+
+/// Place along Hilbert's curve of a point of the unit square, as 24 bits of each coordinate tell it.
+std::uint64_t hilbert_key(Point p) {
+    constexpr std::uint32_t kSide = 1U << 24;
+    auto x = static_cast<std::uint32_t>(p.x * (kSide - 1));
+    auto y = static_cast<std::uint32_t>(p.y * (kSide - 1));
+    std::uint64_t key = 0;
+    for (std::uint32_t half = kSide / 2; half > 0; half /= 2) {
+        const bool right = (x & half) != 0;
+        const bool upper = (y & half) != 0;
+        key = key << 2 | (right ? (upper ? 2U : 3U) : (upper ? 1U : 0U));
+        if (upper) continue;
+        if (right) {
+            x = ~x;
+            y = ~y;
+        }
+        std::swap(x, y);
+    }
+    return key;
+}
+
+/// Moved and scaled into the unit square.
+std::vector<Point> normalised(std::span<const Point> points) {
+    Box box{points.front(), points.front()};
+    for (const Point& p : points) {
+        box.min = {std::min(box.min.x, p.x), std::min(box.min.y, p.y)};
+        box.max = {std::max(box.max.x, p.x), std::max(box.max.y, p.y)};
+    }
+    const double extent = std::max({box.width(), box.height(), std::numeric_limits<double>::min()});
+    std::vector<Point> result;
+    result.reserve(points.size());
+    for (const Point& p : points) result.push_back({(p.x - box.min.x) / extent, (p.y - box.min.y) / extent});
+    return result;
+}
+
+std::vector<std::uint32_t> along_hilbert(std::span<const Point> points) {
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed;
+    keyed.reserve(points.size());
+    for (const Point& p : points) keyed.emplace_back(hilbert_key(p), static_cast<std::uint32_t>(keyed.size()));
+    std::sort(keyed.begin(), keyed.end());
+    std::vector<std::uint32_t> order(points.size());
+    std::transform(keyed.begin(), keyed.end(), order.begin(), [](const auto& each) { return each.second; });
+    return order;
+}
+
+double distance(Point a, Point b) {
+    return std::sqrt(dot(a - b, a - b));
+}
+
+/// The nearest few of each point's neighbours in the triangulation, nearest first.
+class Neighbours {
+public:
+    Neighbours(std::span<const Point> points, const std::stop_token& stop) : begins_(points.size() + 1) {
+        const auto triangulation = constrained_delaunay(points, {}, stop);
+        const auto count = static_cast<std::uint32_t>(points.size());
+        const auto for_each_edge = [&](auto&& take) {
+            for (const auto& triangle : triangulation->triangles) {
+                for (std::size_t i = 0; i < 3; ++i) {
+                    const std::uint32_t from = triangle.corners[i];
+                    const std::uint32_t to = triangle.corners[(i + 1) % 3];
+                    if (from < count && to < count) take(from, to);
+                }
+            }
+        };
+        for_each_edge([this](std::uint32_t from, std::uint32_t) { ++begins_[from + 1]; });
+        std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
+        lists_.resize(begins_.back());
+        std::vector<std::uint32_t> ends(begins_.begin(), begins_.end() - 1);
+        for_each_edge([&](std::uint32_t from, std::uint32_t to) { lists_[ends[from]++] = to; });
+        for (std::uint32_t from = 0; from < count; ++from) {
+            if (from % kStopStride == 0 && stop.stop_requested()) return;
+            sort(points, from);
+        }
+    }
+
+    std::span<const Stop> of(Stop stop) const {
+        const auto all = std::span(lists_).subspan(begins_[stop], begins_[stop + 1] - begins_[stop]);
+        return all.first(std::min(all.size(), kMostNeighbours));
+    }
+
+private:
+    void sort(std::span<const Point> points, std::uint32_t from) {
+        const auto key = [&](std::uint32_t to) { return std::pair(distance(points[from], points[to]), to); };
+        std::sort(lists_.begin() + begins_[from], lists_.begin() + begins_[from + 1],
+                  [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    }
+
+    std::vector<std::uint32_t> begins_;  ///< [n + 1]
+    std::vector<Stop> lists_;
+};
+
+/// A closed tour, kept as an array.
+class Tour {
+public:
+    explicit Tour(std::uint32_t size) : stops_(size), places_(size) {
+        std::iota(stops_.begin(), stops_.end(), 0U);
+        std::iota(places_.begin(), places_.end(), 0U);
+    }
+
+    std::uint32_t size() const { return static_cast<std::uint32_t>(stops_.size()); }
+    Stop next(Stop stop) const { return at(places_[stop] + 1); }
+    Stop previous(Stop stop) const { return at(places_[stop] + size() - 1); }
+
+    /// Steps forward from one to another.
+    std::uint32_t steps(Stop from, Stop to) const { return wrapped(places_[to] + size() - places_[from]); }
+
+    /// Turns around the way from one forward to another, unless that moves too many.
+    bool reverse(Stop first, Stop last) {
+        std::uint32_t inner = steps(first, last) + 1;
+        if (2 * inner > size()) {  // the rest turned around makes the same tour
+            const Stop after = next(last);
+            last = previous(first);
+            first = after;
+            inner = size() - inner;
+        }
+        if (inner > kLongestChange) return false;
+        std::uint32_t i = places_[first];
+        std::uint32_t j = places_[last];
+        for (std::uint32_t k = 0; k < inner / 2; ++k) {
+            const Stop left = stops_[i];
+            put(stops_[j], i);
+            put(left, j);
+            i = wrapped(i + 1);
+            j = wrapped(j + size() - 1);
+        }
+        return true;
+    }
+
+    /// Takes a run of stops out and puts it back after another, unless that moves too many.
+    /// @param first  of the run, which goes forward from there
+    /// @param after  not in the run
+    bool move(Stop first, std::uint32_t length, Stop after, bool turned) {
+        std::array<Stop, kLongestRun> run{};
+        for (std::uint32_t i = 0; i < length; ++i) run[i] = at(places_[first] + i);
+        const std::uint32_t ahead = steps(run[length - 1], after);
+        const std::uint32_t behind = size() - length - ahead;
+        if (std::min(ahead, behind) > kLongestChange) return false;
+        std::uint32_t place = places_[first];
+        if (ahead <= behind) {
+            for (std::uint32_t k = 0; k < ahead; ++k, place = wrapped(place + 1)) put(at(place + length), place);
+        } else {
+            for (std::uint32_t k = 0; k < behind; ++k) {
+                place = wrapped(place + size() - 1);
+                put(stops_[place], wrapped(place + length));
+            }
+        }
+        if (turned) std::reverse(run.begin(), run.begin() + length);
+        for (std::uint32_t i = 0; i < length; ++i) put(run[i], wrapped(place + i));
+        return true;
+    }
+
+private:
+    /// @param place  < 2 * size
+    std::uint32_t wrapped(std::uint32_t place) const { return place < size() ? place : place - size(); }
+    Stop at(std::uint32_t place) const { return stops_[wrapped(place)]; }
+    void put(Stop stop, std::uint32_t place) {
+        stops_[place] = stop;
+        places_[stop] = place;
+    }
+
+    std::vector<Stop> stops_;            ///< by place
+    std::vector<std::uint32_t> places_;  ///< by stop
+};
+
+/// Stops whose surroundings have changed, each once, first in first out.
+class Queue {
+public:
+    explicit Queue(std::uint32_t size) : ring_(size), waiting_(size, true), count_(size) {
+        std::iota(ring_.begin(), ring_.end(), 0U);
+    }
+
+    bool empty() const { return count_ == 0; }
+
+    void push(Stop stop) {
+        if (waiting_[stop]) return;
+        waiting_[stop] = true;
+        ring_[(first_ + count_++) % ring_.size()] = stop;
+    }
+
+    Stop pop() {
+        const Stop stop = ring_[first_];
+        first_ = (first_ + 1) % ring_.size();
+        --count_;
+        waiting_[stop] = false;
+        return stop;
+    }
+
+private:
+    std::vector<Stop> ring_;
+    std::vector<bool> waiting_;
+    std::size_t first_ = 0;
+    std::size_t count_;
+};
+
+/// Shortens an open path. It is kept as a closed tour with one stop more, the gap, which is next to everything: the
+/// path's ends lie on both sides of it.
+class Shortener {
+public:
+    Shortener(std::span<const Point> points, const Neighbours& neighbours)
+        : points_(points),
+          neighbours_(neighbours),
+          gap_(static_cast<Stop>(points.size())),
+          tour_(gap_ + 1),
+          queue_(gap_) {}
+
+    void run(const std::stop_token& stop) {
+        for (std::size_t i = 0; !queue_.empty(); ++i) {
+            if (i % kStopStride == 0 && stop.stop_requested()) return;
+            const Stop each = queue_.pop();
+            while (exchange(each) || relocate(each)) {
+            }
+        }
+    }
+
+    std::vector<Stop> path() const {
+        std::vector<Stop> path;
+        path.reserve(points_.size());
+        for (Stop stop = tour_.next(gap_); stop != gap_; stop = tour_.next(stop)) path.push_back(stop);
+        return path;
+    }
+
+private:
+    double way(Stop a, Stop b) const { return a == gap_ || b == gap_ ? 0 : distance(points_[a], points_[b]); }
+
+    void revisit(std::initializer_list<Stop> stops) {
+        for (const Stop stop : stops) {
+            if (stop != gap_) queue_.push(stop);
+        }
+    }
+
+    /// 2-opt: the ways from a to its next (or previous) stop and from a near c to its own are exchanged for one between
+    /// a and c and one between those.
+    bool exchange(Stop a) {
+        for (const bool forward : {true, false}) {
+            const auto beside = [&](Stop stop) { return forward ? tour_.next(stop) : tour_.previous(stop); };
+            const Stop b = beside(a);
+            const double left = way(a, b);
+            for (const Stop c : neighbours_.of(a)) {
+                const double joined = way(a, c);
+                if (joined >= left) break;
+                const Stop d = beside(c);
+                if (left + way(c, d) - joined - way(b, d) < kLeastGain) continue;
+                if (!(forward ? tour_.reverse(b, c) : tour_.reverse(a, d))) continue;
+                revisit({a, b, c, d});
+                return true;
+            }
+        }
+        return false;
+    }
+
+    /// Or-opt: a run of stops that begins or ends at a goes between a near stop and one beside that.
+    bool relocate(Stop a) {
+        Stop forward = a;
+        Stop backward = a;
+        for (std::uint32_t length = 1; length <= kLongestRun && length + 2 < tour_.size(); ++length) {
+            if (relocate(a, a, forward, length)) return true;
+            if (length > 1 && relocate(a, backward, a, length)) return true;
+            forward = tour_.next(forward);
+            backward = tour_.previous(backward);
+        }
+        return false;
+    }
+
+    /// @param a  the run's first or last stop, which goes next to the near one
+    bool relocate(Stop a, Stop first, Stop last, std::uint32_t length) {
+        const Stop before = tour_.previous(first);
+        const Stop behind = tour_.next(last);
+        const Stop other = a == first ? last : first;
+        const double saved = way(before, first) + way(last, behind) - way(before, behind);
+        const auto in_run = [&](Stop stop) { return tour_.steps(first, stop) < length; };
+        for (const Stop c : neighbours_.of(a)) {
+            const double joined = way(a, c);
+            if (joined >= saved) break;
+            if (in_run(c)) continue;
+            for (const bool ahead : {true, false}) {
+                const Stop d = ahead ? tour_.next(c) : tour_.previous(c);
+                if (in_run(d) || saved - joined - way(other, d) + way(c, d) < kLeastGain) continue;
+                const bool turned = ahead ? a != first : a == first;
+                if (!tour_.move(first, length, ahead ? c : d, turned)) continue;
+                revisit({before, behind, a, other, c, d});
+                return true;
+            }
+        }
+        return false;
+    }
+
+    std::span<const Point> points_;
+    const Neighbours& neighbours_;
+    Stop gap_;
+    Tour tour_;
+    Queue queue_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> short_path(std::span<const Point> points, const std::stop_token& stop) {
+    if (points.empty()) return {};
+    const std::vector<Point> unit = normalised(points);
+    const std::vector<std::uint32_t> start = along_hilbert(unit);
+    // Points that are near in the plane are then near in memory, too.
+    std::vector<Point> sorted(unit.size());
+    std::transform(start.begin(), start.end(), sorted.begin(), [&](std::uint32_t i) { return unit[i]; });
+    const Neighbours neighbours(sorted, stop);
+    Shortener shortener(sorted, neighbours);
+    shortener.run(stop);
+    std::vector<std::uint32_t> path = shortener.path();
+    for (std::uint32_t& each : path) each = start[each];
+    return path;
+}
+
+double path_length(std::span<const Point> points) {
+    double length = 0;
+    for (std::size_t i = 1; i < points.size(); ++i) length += distance(points[i - 1], points[i]);
+    return length;
+}
+
+}  // namespace ccdt
