@@ -7,6 +7,7 @@
 #include "api/input/negotiation.h"
 #include "api/input/polygon_reader.h"
 #include "api/json/json_writer.h"
+#include "api/output/formats.h"
 #include "api/output/spectrum_plot.h"
 #include "api/output/svg_renderer.h"
 #include "api/stopwatch.h"
@@ -20,8 +21,7 @@ constexpr Interval kFrequencies = {.min = 1, .max = 16};
 constexpr double kPixelsPerUnit = 2;  // of a plot
 
 /// In the order of AnalyzeFormat, which is the server's preference.
-constexpr std::array<Format, 3> kFormats = {
-    {{"json", "application/json"}, {"png", "image/png"}, {"svg", "image/svg+xml"}}};
+constexpr std::array<Format, 3> kFormats = {kJson, kPng, kSvg};
 
 /// A request on its way: what is given is known, whether it fits together is not.
 struct Draft {
@@ -122,7 +122,7 @@ Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control
     auto body = encode(request, *analysis, *domain);
     timings.encode = watch.lap();
     if (!body) return tl::make_unexpected(body.error());
-    return Answer{std::string(kFormats[static_cast<std::size_t>(request.format)].media_type), *std::move(body)};
+    return Answer{kFormats[static_cast<std::size_t>(request.format)].content_type(), *std::move(body)};
 }
 
 }  // namespace ccdt::api

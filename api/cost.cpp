@@ -95,7 +95,7 @@ double drawn_pixels(const HalftoneRequest& request, const Limits& limits) {
 }
 
 Estimate drawing(const HalftoneRequest& request, double sites, const Limits& limits) {
-    if (request.format == HalftoneFormat::Json) return {sites * 150, sites * 0.3 * kMicrosecond};
+    if (request.format != HalftoneFormat::Png) return {sites * 150, sites * 0.3 * kMicrosecond};
     const double pixels = drawn_pixels(request, limits);
     return {sites * 150 + pixels * 6, pixels * (request.antialias ? 0.04 : 0.005) * kMicrosecond};
 }

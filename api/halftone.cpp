@@ -12,6 +12,8 @@
 #include "api/input/negotiation.h"
 #include "api/input/run_options.h"
 #include "api/json/json_writer.h"
+#include "api/output/formats.h"
+#include "api/output/point_table.h"
 #include "api/stopwatch.h"
 #include "core/halftone/dots.h"
 
@@ -22,10 +24,11 @@ constexpr Interval kScales = {.min = 0.1, .max = 16};
 constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
 
 /// In the order of HalftoneFormat, which is the server's preference.
-constexpr std::array<Format, 2> kFormats = {{{"png", "image/png"}, {"json", "application/json"}}};
+constexpr std::array<Format, 4> kFormats = {kPng, kJson, kCsv, kNpy};
 
-std::string_view media_type(HalftoneFormat format) {
-    return kFormats[static_cast<std::size_t>(format)].media_type;
+/// Whether an answer is drawn on a canvas.
+bool is_drawn(HalftoneFormat format) {
+    return format == HalftoneFormat::Png;
 }
 
 Result<void> read_dot(const Input& input, std::optional<double>& dot) {
@@ -142,7 +145,7 @@ Result<Plan> plan_dots(const HalftoneRequest& request, const Limits& limits, con
                        request.image_field);
     }
     plan.sites = request.sites ? *request.sites : default_sites(coverage, limits.max_sites);
-    if (request.format == HalftoneFormat::Png) {
+    if (is_drawn(request.format)) {
         const double scale = default_scale(coverage, plan.sites);
         auto planned = assign(plan.canvas, plan_canvas(request, plan.picture, scale, limits));
         if (!planned) return tl::make_unexpected(planned.error());
@@ -173,6 +176,30 @@ Inks inks_of(const HalftoneRequest& request) {
 Result<std::string> draw(const HalftoneRequest& request, const Plan& plan, const Distribution& distribution) {
     const Raster raster = draw_dots(distribution.points, plan.canvas, {request.dot, plan.ink, request.antialias});
     return write_png(raster, request.antialias, inks_of(request));
+}
+
+std::string write(HalftoneFormat format, const Distribution& distribution, const Report& report,
+                  const std::stop_token& stop) {
+    switch (format) {
+        case HalftoneFormat::Json:
+            return write_distribution(distribution, report, stop);
+        case HalftoneFormat::Csv:
+            return write_csv(distribution.points, stop);
+        case HalftoneFormat::Npy:
+            return write_npy(distribution.points);
+        case HalftoneFormat::Png:
+            break;
+    }
+    return {};
+}
+
+Result<std::string> encode(const HalftoneRequest& request, const Plan& plan, const Distribution& distribution,
+                           double elapsed, const Control& control) {
+    if (is_drawn(request.format)) return draw(request, plan, distribution);
+    const std::stop_token stop = stop_of_writing(control, request.on_deadline);
+    std::string body = write(request.format, distribution, {request.run.seed, elapsed, plan.picture}, stop);
+    if (auto going = check_stop(stop); !going) return tl::make_unexpected(going.error());
+    return body;
 }
 
 }  // namespace
@@ -213,26 +240,21 @@ Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits
     auto plan = plan_dots(request, limits, decode, control);
     timings.decode = watch.lap();
     if (!plan) return tl::make_unexpected(plan.error());
-    if (auto going = check_stop(control); !going) return tl::make_unexpected(going.error());
+    if (auto going = check_stop(control.stop); !going) return tl::make_unexpected(going.error());
 
     const auto distribution = place_dots(request, *plan, control);
     timings.optimise = watch.lap();
     if (!distribution) return tl::make_unexpected(distribution.error());
 
+    auto body = encode(request, *plan, *distribution, timings.decode + timings.optimise, control);
+    timings.encode = watch.lap();
+    if (!body) return tl::make_unexpected(body.error());
     Answer answer;
-    answer.media_type = media_type(request.format);
+    answer.media_type = kFormats[static_cast<std::size_t>(request.format)].content_type();
+    answer.body = *std::move(body);
     answer.sites = plan->sites;
     answer.pixels = static_cast<std::size_t>(plan->picture.width) * static_cast<std::size_t>(plan->picture.height);
     answer.partial = distribution->stopped;
-    if (request.format == HalftoneFormat::Json) {
-        answer.body =
-            write_distribution(*distribution, {request.run.seed, timings.decode + timings.optimise, plan->picture});
-    } else {
-        auto png = draw(request, *plan, *distribution);
-        if (!png) return tl::make_unexpected(png.error());
-        answer.body = *std::move(png);
-    }
-    timings.encode = watch.lap();
     return answer;
 }
 

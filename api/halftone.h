@@ -17,7 +17,8 @@
 
 namespace ccdt::api {
 
-enum class HalftoneFormat { Png, Json };
+/// What an answer is made as.
+enum class HalftoneFormat { Png, Json, Csv, Npy };
 
 struct HalftoneRequest {
     ImageFile image;
@@ -58,7 +59,7 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
 /// @param decode   reads the picture
 /// @param control  a stop ends it within a pass, with nothing to show for it unless its part is asked for
 /// @param timings  filled as far as it came
-/// @returns        a PNG file, or the points as JSON
+/// @returns        a file of the format that the request wants
 /// Errors: those of `decode`; Unusable for a picture without ink; LimitExceeded if the output would have more
 /// than limits.max_pixels; Stopped. Same request, same bytes, but for `elapsed_ms` in JSON.
 Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,

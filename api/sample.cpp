@@ -10,6 +10,8 @@
 #include "api/input/negotiation.h"
 #include "api/input/run_options.h"
 #include "api/json/json_writer.h"
+#include "api/output/formats.h"
+#include "api/output/point_table.h"
 #include "api/stopwatch.h"
 #include "core/density/density.h"
 #include "core/halftone/tone.h"
@@ -17,7 +19,8 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::array<Format, 1> kFormats = {{{"json", "application/json"}}};
+/// In the order of SampleFormat, which is the server's preference.
+constexpr std::array<Format, 4> kFormats = {kJson, kCsv, kGeoJson, kNpy};
 constexpr std::uint64_t kMaxSide = std::numeric_limits<int>::max();
 
 struct DensityDraft {
@@ -34,7 +37,7 @@ struct Draft {
     std::optional<std::vector<Ring>> holes;
     std::optional<PolygonInput> geometry;
     std::optional<Rectangle> rectangle;
-    std::optional<std::size_t> format;
+    std::optional<std::size_t> format;  ///< index into kFormats
     GivenOptions given;
 };
 
@@ -186,10 +189,33 @@ Result<Density> make_density(const SampleRequest& request, const Limits& limits,
 
 Result<Distribution> place_points(const SampleRequest& request, const Domain& domain, const Density& density,
                                   const Control& control) {
-    if (auto going = check_stop(control); !going) return tl::make_unexpected(going.error());
+    if (auto going = check_stop(control.stop); !going) return tl::make_unexpected(going.error());
     auto distribution = distribute_all(domain, density, request.run, control, request.on_deadline, request.method);
     if (!distribution && !distribution.error().field.empty()) distribution.error().field.insert(0, "/");
     return distribution;
+}
+
+std::string write(SampleFormat format, const Distribution& distribution, const Report& report,
+                  const std::stop_token& stop) {
+    switch (format) {
+        case SampleFormat::Json:
+            return write_distribution(distribution, report, stop);
+        case SampleFormat::Csv:
+            return write_csv(distribution.points, stop);
+        case SampleFormat::GeoJson:
+            return write_feature(distribution, report, stop);
+        case SampleFormat::Npy:
+            return write_npy(distribution.points);
+    }
+    return {};
+}
+
+Result<std::string> encode(const SampleRequest& request, const Distribution& distribution, const Report& report,
+                           const Control& control) {
+    const std::stop_token stop = stop_of_writing(control, request.on_deadline);
+    std::string body = write(request.format, distribution, report, stop);
+    if (auto going = check_stop(stop); !going) return tl::make_unexpected(going.error());
+    return body;
 }
 
 }  // namespace
@@ -203,8 +229,11 @@ Result<SampleRequest> parse_sample(std::string_view body, std::string_view accep
     }
     if (auto settled = settle_domain(draft); !settled) return tl::make_unexpected(settled.error());
     if (!draft.format) {
-        if (auto chosen = negotiate(accept, kFormats); !chosen) return tl::make_unexpected(chosen.error());
+        if (auto chosen = assign(draft.format, negotiate(accept, kFormats)); !chosen) {
+            return tl::make_unexpected(chosen.error());
+        }
     }
+    draft.request.format = static_cast<SampleFormat>(*draft.format);
     return std::move(draft.request);
 }
 
@@ -221,13 +250,15 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     timings.optimise = watch.lap();
     if (!distribution) return tl::make_unexpected(distribution.error());
 
+    const double elapsed = timings.decode + timings.optimise;
+    auto body = encode(request, *distribution, {request.run.seed, elapsed, {}, name_of(request.method)}, control);
+    timings.encode = watch.lap();
+    if (!body) return tl::make_unexpected(body.error());
     Answer answer;
-    answer.media_type = kFormats[0].media_type;
+    answer.media_type = kFormats[static_cast<std::size_t>(request.format)].content_type();
+    answer.body = *std::move(body);
     answer.sites = request.run.sites;
     answer.partial = distribution->stopped;
-    const double elapsed = timings.decode + timings.optimise;
-    answer.body = write_distribution(*distribution, {request.run.seed, elapsed, {}, name_of(request.method)});
-    timings.encode = watch.lap();
     return answer;
 }
 

@@ -29,11 +29,15 @@ struct DensityImage {
     ImageFile file;
 };
 
+/// What an answer is made as.
+enum class SampleFormat { Json, Csv, GeoJson, Npy };
+
 struct SampleRequest {
     std::variant<PolygonInput, Rectangle> domain;
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
     Options run;
     Method method = Method::Ccdt;
+    SampleFormat format = SampleFormat::Json;
     OnStop on_deadline = OnStop::Error;
 };
 
@@ -46,13 +50,13 @@ struct SampleRequest {
 /// Cheap: whether polygons are simple is left to run_sample, and so is decoding.
 Result<SampleRequest> parse_sample(std::string_view body, std::string_view accept, const Limits& limits);
 
-/// Builds the domain and the density, distributes, writes JSON.
+/// Builds the domain and the density, distributes, writes the points as the request wants them.
 ///
 /// @param decode   reads a density image
 /// @param control  a stop ends it within a pass, with nothing to show for it unless its part is asked for
 /// @param timings  filled as far as it came
 /// Errors: Unusable for a polygon that is not simple or a density of zero; those of `decode`; Stopped. The
-/// field is a JSON Pointer. Same request, same bytes, but for `elapsed_ms`.
+/// field is a JSON Pointer. Same request, same bytes, but for `elapsed_ms` in JSON.
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
                           const Control& control, Timings& timings);
 

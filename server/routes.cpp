@@ -169,6 +169,7 @@ Response Routes::answer(const Request& request, const std::optional<Fault>& faul
     try {
         auto outcome = fault ? Outcome(problem(*fault)) : dispatch(route, request, connection);
         response = outcome ? std::move(*outcome) : describe(std::move(outcome.error()), id);
+        if (route != nullptr && request.method == "POST") response.headers.push_back({"Vary", "Accept"});
         negotiate_coding(request, response);
     } catch (const std::exception& exception) {
         response = describe(problem(500, exception.what()).value(), id);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "api/input/option_reader.h"
@@ -11,8 +12,11 @@ namespace ccdt::api {
 
 /// What an answer can be made as.
 struct Format {
-    std::string_view name;        ///< of the option `format`
-    std::string_view media_type;  ///< in Accept and Content-Type
+    std::string_view name;             ///< of the option `format`
+    std::string_view media_type;       ///< in Accept and Content-Type
+    std::string_view parameters = {};  ///< after it in Content-Type
+
+    std::string content_type() const { return std::string(media_type) += parameters; }
 };
 
 /// Picks a format by name.

@@ -48,8 +48,12 @@ Result<Distribution> distribute_all(const Domain& domain, const Density& density
     return distribution;
 }
 
-Result<void> check_stop(const Control& control) {
-    if (control.stop.stop_requested()) return stopped();
+std::stop_token stop_of_writing(const Control& control, OnStop on_stop) {
+    return on_stop == OnStop::Partial ? std::stop_token() : control.stop;
+}
+
+Result<void> check_stop(const std::stop_token& stop) {
+    if (stop.stop_requested()) return stopped();
     return {};
 }
 

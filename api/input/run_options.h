@@ -20,7 +20,10 @@ Result<void> read_on_deadline(const Input& input, OnStop& on_stop);
 Result<Distribution> distribute_all(const Domain& domain, const Density& density, const Options& options,
                                     const Control& control, OnStop on_stop, Method method = Method::Ccdt);
 
+/// What writing an answer listens to: nothing, where a part will do and is to be told in full.
+std::stop_token stop_of_writing(const Control& control, OnStop on_stop);
+
 /// Errors: Stopped if it was asked for.
-Result<void> check_stop(const Control& control);
+Result<void> check_stop(const std::stop_token& stop);
 
 }  // namespace ccdt::api

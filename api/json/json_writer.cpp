@@ -7,24 +7,25 @@
 #include <span>
 #include <string_view>
 
+#include "api/output/numbers.h"
+
 namespace ccdt::api {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  ///< becomes null
-constexpr std::size_t kLongestNumber = 24;
-constexpr std::size_t kUsualPoint = 41;  ///< `[x,y],` with 17 digits each
+constexpr std::size_t kUsualPoint = 41;                                ///< `[x,y],` with 17 digits each
+constexpr std::size_t kStopStride = 4'096;                             ///< points between two looks at the stop token
 
 void append_number(std::string& out, double value) {
     if (!std::isfinite(value)) {  // JSON has no such numbers
         out += "null";
         return;
     }
-    char digits[kLongestNumber];
-    out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+    append_shortest(out, value);
 }
 
 void append_number(std::string& out, std::uint64_t value) {
-    char digits[kLongestNumber];
+    char digits[20];
     out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
 }
 
@@ -49,18 +50,25 @@ void append_point(std::string& out, Point point) {
     out += ']';
 }
 
-void append_points(std::string& out, std::span<const Point> points) {
+/// Stopped, it ends early.
+void append_points(std::string& out, std::span<const Point> points, const std::stop_token& stop) {
     out.reserve(out.size() + kUsualPoint * points.size());
-    append_array(out, points, append_point);
+    out += '[';
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (i % kStopStride == 0 && stop.stop_requested()) break;
+        if (i > 0) out += ',';
+        append_point(out, points[i]);
+    }
+    out += ']';
 }
 
 void append_indices(std::string& out, std::span<const std::uint32_t> indices) {
     append_array(out, indices, [](std::string& to, std::uint32_t index) { append_number(to, std::uint64_t{index}); });
 }
 
-void append_mesh(std::string& out, const TriangleMesh& mesh) {
+void append_mesh(std::string& out, const TriangleMesh& mesh, const std::stop_token& stop) {
     out += ",\"vertices\":";
-    append_points(out, mesh.vertices);
+    append_points(out, mesh.vertices, stop);
     out += ",\"triangles\":";
     append_array(out, mesh.triangles, append_indices);
     out += ",\"boundary\":";
@@ -96,30 +104,46 @@ void append_spectrum(std::string& out, const Spectrum& spectrum) {
     out += '}';
 }
 
+/// Members that tell where points come from.
+void append_run(std::string& out, const Distribution& distribution, const Report& report) {
+    out += "\"sites\":";
+    append_number(out, std::uint64_t{distribution.points.size()});
+    append_member(out, "seed", report.seed);
+    out.append(",\"method\":\"").append(report.method).append("\"");
+    append_member(out, "iterations", static_cast<std::uint64_t>(distribution.iterations));
+    append_member(out, "variation", distribution.variation());
+    if (distribution.stopped) out += ",\"partial\":true";
+}
+
 double rounded_to_microseconds(double milliseconds) {
     return std::round(milliseconds * 1000) / 1000;
 }
 
 }  // namespace
 
-std::string write_distribution(const Distribution& distribution, const Report& report) {
+std::string write_distribution(const Distribution& distribution, const Report& report, const std::stop_token& stop) {
     std::string out = "{\"points\":";
-    append_points(out, distribution.points);
-    append_member(out, "sites", std::uint64_t{distribution.points.size()});
-    append_member(out, "seed", report.seed);
-    out.append(",\"method\":\"").append(report.method).append("\"");
-    append_member(out, "iterations", static_cast<std::uint64_t>(distribution.iterations));
-    append_member(out, "variation", distribution.variation());
+    append_points(out, distribution.points, stop);
+    out += ',';
+    append_run(out, distribution, report);
     out += ",\"trace\":";
     append_trace(out, distribution.trace);
-    if (distribution.stopped) out += ",\"partial\":true";
     append_member(out, "elapsed_ms", rounded_to_microseconds(report.elapsed_ms));
     if (report.picture) {
         append_member(out, "width", static_cast<std::uint64_t>(report.picture->width));
         append_member(out, "height", static_cast<std::uint64_t>(report.picture->height));
     }
-    if (distribution.mesh) append_mesh(out, *distribution.mesh);
+    if (distribution.mesh) append_mesh(out, *distribution.mesh, stop);
     out += "}\n";
+    return out;
+}
+
+std::string write_feature(const Distribution& distribution, const Report& report, const std::stop_token& stop) {
+    std::string out = R"({"type":"Feature","properties":{)";
+    append_run(out, distribution, report);
+    out += R"(},"geometry":{"type":"MultiPoint","coordinates":)";
+    append_points(out, distribution.points, stop);
+    out += "}}\n";
     return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 
@@ -26,7 +27,13 @@ struct Report {
 
 /// Writes the JSON answer of /sample and /halftone; also the mesh, if there is one, and that a run was stopped. Numbers
 /// are the shortest that read back to the same double. Same input, same bytes. About 0.1 microseconds a number.
-std::string write_distribution(const Distribution& distribution, const Report& report);
+/// Stopped, it ends early, with nothing of use.
+std::string write_distribution(const Distribution& distribution, const Report& report,
+                               const std::stop_token& stop = {});
+
+/// Writes points as GeoJSON (RFC 7946): a Feature whose geometry is a MultiPoint, with what the report tells, but for
+/// times, among its properties. Stopped, it ends early, with nothing of use.
+std::string write_feature(const Distribution& distribution, const Report& report, const std::stop_token& stop = {});
 
 /// Writes the JSON answer of /analyze, the spectrum only if it is asked for. Same input, same bytes.
 std::string write_analysis(const Analysis& analysis, bool with_spectrum);

@@ -1,10 +1,10 @@
 #include "api/output/svg_drawing.h"
 
-#include <charconv>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
+
+#include "api/output/numbers.h"
 
 namespace ccdt::api {
 namespace {
@@ -95,9 +95,7 @@ std::string SvgDrawing::finish() {
 
 /// Two decimals at most, without trailing zeros.
 void SvgDrawing::append(double length) {
-    char digits[32];
-    const double rounded = std::round(length * 100) / 100 + 0.0;  // no -0
-    out_.append(digits, std::to_chars(digits, digits + sizeof digits, rounded).ptr);
+    append_rounded(out_, length, 2);
 }
 
 }  // namespace ccdt::api

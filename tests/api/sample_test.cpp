@@ -110,7 +110,7 @@ TEST(SampleRequest, PointsAtWhatIsWrong) {
         {kSquare + sites + R"(,"quality":2)", "/quality"},
         {kSquare + sites + R"(,"mesh":1)", "/mesh"},
         {kSquare + sites + R"(,"method":"lloyd")", "/method"},
-        {kSquare + sites + R"(,"format":"png")", "/format"},
+        {kSquare + sites + R"(,"format":"bmp")", "/format"},
         {kSquare + sites + R"(,"x":1)", "/x"},
         {R"("polygon":7)" + sites, "/polygon"},
         {R"("polygon":[[0,0],[1,0],[1]])" + sites, "/polygon/2"},
@@ -174,9 +174,12 @@ TEST(SampleRequest, StopsAtLimits) {
 
 TEST(SampleRequest, KnowsWhatIsAccepted) {
     const std::string body = '{' + kSquare + R"(,"sites":10)";
-    EXPECT_TRUE(parse(body + '}', "application/*"));
-    EXPECT_EQ(parse(body + '}', "image/png").error().code, ErrorCode::NotAcceptable);
-    EXPECT_TRUE(parse(body + R"(,"format":"json"})", "image/png"));
+    EXPECT_EQ(parse(body + '}', "application/*")->format, SampleFormat::Json);
+    EXPECT_EQ(parse(body + '}', "application/json;q=0.5, text/csv")->format, SampleFormat::Csv);
+    EXPECT_EQ(parse(body + '}', "application/geo+json")->format, SampleFormat::GeoJson);
+    EXPECT_EQ(parse(body + '}', "application/x-npy")->format, SampleFormat::Npy);
+    EXPECT_EQ(parse(body + '}', "text/html").error().code, ErrorCode::NotAcceptable);
+    EXPECT_EQ(parse(body + R"(,"format":"csv"})", "text/html")->format, SampleFormat::Csv);
 }
 
 TEST(Sample, GivesExactlyTheSitesInsideThePolygon) {
@@ -193,6 +196,19 @@ TEST(Sample, GivesExactlyTheSitesInsideThePolygon) {
         const double y = point[1];
         EXPECT_TRUE(x > 0 && x < 4 && y > 0 && y < 4);
         EXPECT_FALSE(x > 1 && x < 3 && y > 1 && y < 3);
+    }
+}
+
+TEST(Sample, NamesWhatItMakes) {
+    const std::vector<std::pair<std::string, std::string>> types = {{"json", "application/json"},
+                                                                    {"csv", "text/csv; header=present"},
+                                                                    {"geojson", "application/geo+json"},
+                                                                    {"npy", "application/x-npy"}};
+    for (const auto& [format, type] : types) {
+        const auto result = answer('{' + kSquare + R"(,"sites":10,"format":")" + format + "\"}");
+        ASSERT_TRUE(result) << format;
+        EXPECT_EQ(result->media_type, type);
+        EXPECT_EQ(result->sites, 10U);
     }
 }
 

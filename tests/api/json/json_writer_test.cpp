@@ -72,5 +72,24 @@ TEST(JsonWriter, WritesMeshAndPictureWhereThereIsOne) {
     EXPECT_EQ(json.at("boundary"), nlohmann::json::parse("[[0,1,2],[]]"));
 }
 
+TEST(JsonWriter, WritesAFeatureOfGeoJson) {
+    const auto json = nlohmann::json::parse(write_feature(example(), {5, 12.3, {}, "odt"}));
+    EXPECT_EQ(json.size(), 3U);
+    EXPECT_EQ(json.at("type"), "Feature");
+    EXPECT_EQ(json.at("geometry").size(), 2U);
+    EXPECT_EQ(json.at("geometry").at("type"), "MultiPoint");
+    EXPECT_EQ(json.at("geometry").at("coordinates"),
+              nlohmann::json::parse(write_distribution(example(), {})).at("points"));
+    EXPECT_EQ(json.at("properties"),
+              nlohmann::json::parse(R"({"sites":3,"seed":5,"method":"odt","iterations":1,"variation":0.25})"));
+}
+
+TEST(JsonWriter, TellsOfARunThatWasStopped) {
+    Distribution distribution = example();
+    distribution.stopped = true;
+    EXPECT_TRUE(nlohmann::json::parse(write_feature(distribution, {})).at("properties").at("partial"));
+    EXPECT_TRUE(nlohmann::json::parse(write_distribution(distribution, {})).at("partial"));
+}
+
 }  // namespace
 }  // namespace ccdt::api

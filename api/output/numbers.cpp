@@ -1,0 +1,18 @@
+#include "api/output/numbers.h"
+
+#include <charconv>
+#include <cmath>
+
+namespace ccdt::api {
+
+void append_shortest(std::string& out, double value) {
+    char digits[24];
+    out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+}
+
+void append_rounded(std::string& out, double value, int decimals) {
+    const double unit = std::pow(10, decimals);
+    append_shortest(out, std::round(value * unit) / unit + 0.0);  // no -0
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+namespace ccdt::api {
+
+/// Writes the shortest decimal number that reads back to the same double; "nan" and "inf" for what is no number.
+void append_shortest(std::string& out, double value);
+
+/// Writes a number rounded to so many decimals, without trailing zeros.
+void append_rounded(std::string& out, double value, int decimals);
+
+}  // namespace ccdt::api

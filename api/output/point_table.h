@@ -1,0 +1,18 @@
+#pragma once
+
+#include <span>
+#include <stop_token>
+#include <string>
+
+#include "core/geometry/point.h"
+
+namespace ccdt::api {
+
+/// Writes points as comma-separated values (RFC 4180): a header `x,y`, then a line for each. Numbers are the shortest
+/// that read back to the same double. Stopped, it ends early, with nothing of use.
+std::string write_csv(std::span<const Point> points, const std::stop_token& stop = {});
+
+/// Writes points as an array of NumPy, float64 [n, 2]. Source: NEP 1, format version 1.0.
+std::string write_npy(std::span<const Point> points);
+
+}  // namespace ccdt::api

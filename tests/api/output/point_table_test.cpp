@@ -1,0 +1,48 @@
+#include "api/output/point_table.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <vector>
+
+namespace ccdt::api {
+namespace {
+
+const std::vector<Point> kPoints = {{0.1, 1e300}, {-0.0, 5e-324}, {1.0 / 3, 2}};
+
+std::stop_token stopped_token() {
+    std::stop_source source;
+    source.request_stop();
+    return source.get_token();
+}
+
+TEST(Csv, HasAHeaderAndTheShortestNumbers) {
+    EXPECT_EQ(write_csv(kPoints), "x,y\r\n0.1,1e+300\r\n-0,5e-324\r\n0.3333333333333333,2\r\n");
+    EXPECT_EQ(write_csv({}), "x,y\r\n");
+}
+
+TEST(Csv, EndsOnceItIsStopped) {
+    EXPECT_EQ(write_csv(kPoints, stopped_token()), "x,y\r\n");
+}
+
+TEST(Npy, HasTheHeaderThatItsFormatWants) {
+    for (const std::size_t count : {0U, 1U, 9U, 10U, 12'345U}) {
+        const std::string file = write_npy(std::vector<Point>(count));
+        ASSERT_TRUE(file.starts_with(std::string("\x93NUMPY\x01\x00", 8)));
+        const auto length = static_cast<std::size_t>(static_cast<unsigned char>(file[8])) +
+                            256 * static_cast<std::size_t>(static_cast<unsigned char>(file[9]));
+        EXPECT_EQ((10 + length) % 64, 0U);
+        EXPECT_EQ(file[10 + length - 1], '\n');
+        EXPECT_EQ(file.size(), 10 + length + count * 16);
+        EXPECT_NE(file.find("'shape': (" + std::to_string(count) + ", 2)"), std::string::npos);
+    }
+}
+
+TEST(Npy, HoldsTheNumbersThemselves) {
+    const std::string file = write_npy(kPoints);
+    ASSERT_GE(file.size(), 48U);
+    EXPECT_EQ(std::memcmp(file.data() + file.size() - 48, kPoints.data(), 48), 0);
+}
+
+}  // namespace
+}  // namespace ccdt::api
