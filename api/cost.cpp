@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "api/json/json_document.h"
 #include "core/baselines/ccvt.h"
@@ -94,10 +96,58 @@ double drawn_pixels(const HalftoneRequest& request, const Limits& limits) {
     return std::min({pixels * kLargestScale * kLargestScale, kMostCanvasPixels, most});
 }
 
+/// Ordering dots along a short path, and writing them.
+Estimate plotting(double sites) {
+    return {sites * 500, sites * 3.5 * kMicrosecond};
+}
+
+/// @param radius  of the dots, in pixels; each may cover all
+Estimate rasterising(double sites, double pixels, std::optional<double> radius, bool antialias) {
+    const double covered = sites * std::min(pixels, radius ? 4 * *radius * *radius : 0);
+    return {sites * 150 + pixels * 6, (pixels * (antialias ? 0.04 : 0.005) + covered * 0.001) * kMicrosecond};
+}
+
 Estimate drawing(const HalftoneRequest& request, double sites, const Limits& limits) {
-    if (request.format != HalftoneFormat::Png) return {sites * 150, sites * 0.3 * kMicrosecond};
-    const double pixels = drawn_pixels(request, limits);
-    return {sites * 150 + pixels * 6, pixels * (request.antialias ? 0.04 : 0.005) * kMicrosecond};
+    const bool is_vector = request.format == HalftoneFormat::Svg;
+    if (request.format != HalftoneFormat::Png && !is_vector) return {sites * 150, sites * 0.3 * kMicrosecond};
+    const bool antialias = request.antialias || is_vector;
+    const Estimate raster = rasterising(sites, drawn_pixels(request, limits), request.dot, antialias);
+    return is_vector ? then(raster, plotting(sites)) : raster;
+}
+
+Box bounds_of(const std::variant<PolygonInput, Rectangle>& domain) {
+    if (const auto* rectangle = std::get_if<Rectangle>(&domain)) return {{0, 0}, {rectangle->width, rectangle->height}};
+    constexpr double kFar = std::numeric_limits<double>::max();
+    Box box{{kFar, kFar}, {-kFar, -kFar}};
+    for (const auto& part : std::get<PolygonInput>(domain).parts) {
+        for (const Point& p : part.outer) {
+            box.min = {std::min(box.min.x, p.x), std::min(box.min.y, p.y)};
+            box.max = {std::max(box.max.x, p.x), std::max(box.max.y, p.y)};
+        }
+    }
+    return box;
+}
+
+/// Pixels at most: a chosen width depends on the area, which of a polygon is not known yet.
+double drawn_pixels(const SampleRequest& request, const Box& box, const Limits& limits) {
+    const auto most = static_cast<double>(limits.max_pixels);
+    if (request.width) return std::min(*request.width * (*request.width * box.height() / box.width() + 1), most);
+    const double chosen =
+        std::holds_alternative<PolygonInput>(request.domain)
+            ? kMostCanvasPixels
+            : std::max(kLeastSide * kLeastSide, static_cast<double>(request.run.sites) * kPixelPitch * kPixelPitch);
+    return std::min({chosen, kMostCanvasPixels, most});
+}
+
+Estimate drawing(const SampleRequest& request, const Limits& limits) {
+    const auto sites = static_cast<double>(request.run.sites);
+    if (request.format == SampleFormat::Svg) return plotting(sites);
+    if (request.format != SampleFormat::Png) return {sites * 150, sites * 0.3 * kMicrosecond};
+    const Box box = bounds_of(request.domain);
+    const double pixels = drawn_pixels(request, box, limits);
+    const double scale = request.width ? *request.width / box.width() : std::sqrt(pixels / box.width() / box.height());
+    const auto radius = request.dot ? std::optional(*request.dot * scale) : std::nullopt;
+    return rasterising(sites, pixels, radius, true);
 }
 
 std::size_t bytes_of(const PolygonInput& polygon) {
@@ -115,7 +165,7 @@ Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
     return cost(then(then(decoding(request.image), placing), drawn));
 }
 
-Cost cost_of(const SampleRequest& request) {
+Cost cost_of(const SampleRequest& request, const Limits& limits) {
     const auto* image = std::get_if<DensityImage>(&request.density);
     const auto* grid = std::get_if<DensityGrid>(&request.density);
     Estimate density;
@@ -123,7 +173,8 @@ Cost cost_of(const SampleRequest& request) {
     if (grid != nullptr) density = weighing(static_cast<double>(grid->values.size()));
     const bool is_uniform = image == nullptr && grid == nullptr;
     const Estimate placing = bounding(request.domain) + density + distributing(request.method, request.run, is_uniform);
-    return cost(image != nullptr ? then(decoding(image->file), placing) : placing);
+    const Estimate made = then(placing, drawing(request, limits));
+    return cost(image != nullptr ? then(decoding(image->file), made) : made);
 }
 
 Cost cost_of(const AnalyzeRequest& request) {

@@ -16,7 +16,7 @@ namespace ccdt::api {
 /// decides are sites, pixels, corners, the method, its iterations and passes. A halftone that leaves its sites or its
 /// scale to the picture costs as much as any picture of its size can make it.
 Cost cost_of(const HalftoneRequest& request, const Limits& limits);
-Cost cost_of(const SampleRequest& request);
+Cost cost_of(const SampleRequest& request, const Limits& limits);
 Cost cost_of(const AnalyzeRequest& request);
 
 /// Of reading a JSON body: of parse_sample and the like.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -24,11 +23,11 @@ constexpr Interval kScales = {.min = 0.1, .max = 16};
 constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
 
 /// In the order of HalftoneFormat, which is the server's preference.
-constexpr std::array<Format, 4> kFormats = {kPng, kJson, kCsv, kNpy};
+constexpr std::array<Format, 5> kFormats = {kPng, kJson, kSvg, kCsv, kNpy};
 
 /// Whether an answer is drawn on a canvas.
 bool is_drawn(HalftoneFormat format) {
-    return format == HalftoneFormat::Png;
+    return format == HalftoneFormat::Png || format == HalftoneFormat::Svg;
 }
 
 Result<void> read_dot(const Input& input, std::optional<double>& dot) {
@@ -52,7 +51,7 @@ struct Draft {
     std::optional<std::size_t> format;  ///< index into kFormats
 };
 
-constexpr std::array<OptionRule<Draft>, 14> kRules = {{
+constexpr std::array<OptionRule<Draft>, 16> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
@@ -68,6 +67,8 @@ constexpr std::array<OptionRule<Draft>, 14> kRules = {{
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.foreground, read_colour(i)); }},
     {"background",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.background, read_colour_or_none(i)); }},
+    {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
+    {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
     {"format", [](const Input& i, const Limits&, Draft& d) { return assign(d.format, read_format(i, kFormats)); }},
 }};
 
@@ -98,23 +99,15 @@ double mean(const std::vector<float>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-Canvas scaled(PictureSize picture, double scale) {
-    static constexpr long kMaxSide = std::numeric_limits<int>::max();
-    const auto side = [scale](int pixels) {
-        return static_cast<int>(std::clamp(std::lround(pixels * scale), 1L, kMaxSide));
-    };
-    return {side(picture.width), side(picture.height), scale};
-}
-
-bool fits(const Canvas& canvas, std::size_t max_pixels) {
-    return static_cast<std::size_t>(canvas.width) <= max_pixels / static_cast<std::size_t>(canvas.height);
+Box box_of(PictureSize picture) {
+    return {{0, 0}, {static_cast<double>(picture.width), static_cast<double>(picture.height)}};
 }
 
 /// A chosen scale gives way to the limit; one that was asked for does not.
 Result<Canvas> plan_canvas(const HalftoneRequest& request, PictureSize picture, double preferred_scale,
                            const Limits& limits) {
     if (request.scale) {
-        const Canvas canvas = scaled(picture, *request.scale);
+        const Canvas canvas = canvas_of(box_of(picture), *request.scale);
         if (fits(canvas, limits.max_pixels)) return canvas;
         return failure(ErrorCode::LimitExceeded,
                        "scale makes an output of " + std::to_string(canvas.width) + " x " +
@@ -122,11 +115,8 @@ Result<Canvas> plan_canvas(const HalftoneRequest& request, PictureSize picture, 
                            std::to_string(limits.max_pixels),
                        "scale");
     }
-    const double pixels = static_cast<double>(picture.width) * picture.height;
-    const double largest = std::sqrt(static_cast<double>(limits.max_pixels) / pixels);
-    double scale = std::min(preferred_scale, largest);
-    while (scale > 1 && !fits(scaled(picture, scale), limits.max_pixels)) scale = std::max(1.0, scale * 0.999);
-    return scaled(picture, scale);
+    const Box box = box_of(picture);
+    return canvas_of(box, fitting_scale(box, preferred_scale, limits.max_pixels));
 }
 
 Result<Plan> plan_dots(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
@@ -173,9 +163,17 @@ Inks inks_of(const HalftoneRequest& request) {
             request.background.value_or(request.invert ? kBlack : kWhite)};
 }
 
-Result<std::string> draw(const HalftoneRequest& request, const Plan& plan, const Distribution& distribution) {
-    const Raster raster = draw_dots(distribution.points, plan.canvas, {request.dot, plan.ink, request.antialias});
-    return write_png(raster, request.antialias, inks_of(request));
+Result<std::string> draw(const HalftoneRequest& request, const Plan& plan, std::span<const Point> points,
+                         const Control& control) {
+    const std::stop_token stop = stop_of_writing(control, request.on_deadline);
+    const bool is_vector = request.format == HalftoneFormat::Svg;
+    const bool antialias = request.antialias || is_vector;
+    Raster raster = draw_dots(points, plan.canvas, {request.dot, plan.ink, antialias}, stop);
+    if (!is_vector) return write_png(raster, request.antialias, inks_of(request), request.drawing.width_mm);
+    raster.coverage = {};  // only the radius is of use
+    const Page page{box_of(plan.picture), false, false, plan.canvas, request.drawing.width_mm};
+    return write_svg(points, page, raster.radius / plan.canvas.scale, request.drawing.style, inks_of(request),
+                     control.stop, stop);
 }
 
 std::string write(HalftoneFormat format, const Distribution& distribution, const Report& report,
@@ -188,6 +186,7 @@ std::string write(HalftoneFormat format, const Distribution& distribution, const
         case HalftoneFormat::Npy:
             return write_npy(distribution.points);
         case HalftoneFormat::Png:
+        case HalftoneFormat::Svg:
             break;
     }
     return {};
@@ -195,9 +194,10 @@ std::string write(HalftoneFormat format, const Distribution& distribution, const
 
 Result<std::string> encode(const HalftoneRequest& request, const Plan& plan, const Distribution& distribution,
                            double elapsed, const Control& control) {
-    if (is_drawn(request.format)) return draw(request, plan, distribution);
     const std::stop_token stop = stop_of_writing(control, request.on_deadline);
-    std::string body = write(request.format, distribution, {request.run.seed, elapsed, plan.picture}, stop);
+    const Report report{request.run.seed, elapsed, plan.picture};
+    auto body = is_drawn(request.format) ? draw(request, plan, distribution.points, control)
+                                         : Result<std::string>(write(request.format, distribution, report, stop));
     if (auto going = check_stop(stop); !going) return tl::make_unexpected(going.error());
     return body;
 }

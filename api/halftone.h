@@ -11,6 +11,7 @@
 #include "api/input/colour.h"
 #include "api/input/run_options.h"
 #include "api/options.h"
+#include "api/output/point_drawing.h"
 #include "core/ccdt/ccdt.h"
 #include "core/halftone/tone.h"
 #include "core/result.h"
@@ -18,7 +19,7 @@
 namespace ccdt::api {
 
 /// What an answer is made as.
-enum class HalftoneFormat { Png, Json, Csv, Npy };
+enum class HalftoneFormat { Png, Json, Svg, Csv, Npy };
 
 struct HalftoneRequest {
     ImageFile image;
@@ -33,6 +34,7 @@ struct HalftoneRequest {
     std::optional<Colour> foreground;  ///< none: black, inverted white
     std::optional<Colour> background;  ///< none: white, inverted black
     HalftoneFormat format = HalftoneFormat::Png;
+    DrawingOptions drawing;
     OnStop on_deadline = OnStop::Error;
 };
 

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "api/image/embedded_image.h"
+#include "api/image/png_writer.h"
 #include "api/input/negotiation.h"
 #include "api/input/run_options.h"
 #include "api/json/json_writer.h"
@@ -20,8 +22,10 @@ namespace ccdt::api {
 namespace {
 
 /// In the order of SampleFormat, which is the server's preference.
-constexpr std::array<Format, 4> kFormats = {kJson, kCsv, kGeoJson, kNpy};
+constexpr std::array<Format, 6> kFormats = {kJson, kCsv, kGeoJson, kNpy, kSvg, kPng};
 constexpr std::uint64_t kMaxSide = std::numeric_limits<int>::max();
+
+constexpr std::uint64_t kMaxWidth = 65'535;
 
 struct DensityDraft {
     std::optional<int> width;
@@ -105,7 +109,7 @@ Result<void> read_density(const Input& input, const Limits& limits, Draft& draft
     return settle_density(input, std::move(density), draft.request);
 }
 
-constexpr std::array<OptionRule<Draft>, 15> kRules = {{
+constexpr std::array<OptionRule<Draft>, 19> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.run.sites, read_sites(i, l)); }},
     {"polygon", [](const Input& i, const Limits&, Draft& d) { return assign(d.polygon, read_ring(i)); }},
     {"holes", [](const Input& i, const Limits&, Draft& d) { return assign(d.holes, read_rings(i)); }},
@@ -120,6 +124,11 @@ constexpr std::array<OptionRule<Draft>, 15> kRules = {{
     {"tolerance", read_given<read_tolerance, &GivenOptions::tolerance>},
     {"method", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.method, read_method(i)); }},
     {"mesh", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.run.keep_mesh, read_boolean(i)); }},
+    {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
+    {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
+    {"width",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_integer(i, 1, kMaxWidth)); }},
+    {"dot", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.dot, read_number(i, kPositive)); }},
     {"format", [](const Input& i, const Limits&, Draft& d) { return assign(d.format, read_format(i, kFormats)); }},
 }};
 
@@ -195,6 +204,38 @@ Result<Distribution> place_points(const SampleRequest& request, const Domain& do
     return distribution;
 }
 
+/// From dot to dot, in units of the domain, if they were evenly spread.
+double pitch_of(const Domain& domain, std::size_t sites) {
+    return std::sqrt(domain.area() / static_cast<double>(sites));
+}
+
+/// A width that was asked for is kept, and may be too much; a chosen one gives way to the limit.
+Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const Limits& limits) {
+    Page page{domain.bounds(), true, domain.is_torus(), {}, request.drawing.width_mm};
+    const Box& box = page.box;
+    const double longer = std::max(box.width(), box.height());
+    const double wished =
+        std::clamp(kPixelPitch / pitch_of(domain, request.run.sites), kLeastSide / longer, kMostSide / longer);
+    const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMostCanvasPixels));
+    page.canvas = canvas_of(box, request.width ? *request.width / box.width() : fitting_scale(box, wished, most));
+    if (request.format != SampleFormat::Png || fits(page.canvas, limits.max_pixels)) return page;
+    return failure(ErrorCode::LimitExceeded,
+                   "width makes a picture of " + std::to_string(page.canvas.width) + " x " +
+                       std::to_string(page.canvas.height) + " pixels; this server's limit (max-pixels) is " +
+                       std::to_string(limits.max_pixels),
+                   "/width");
+}
+
+Result<std::string> draw(const SampleRequest& request, const Domain& domain, const Page& page,
+                         std::span<const Point> points, const Control& control) {
+    const std::stop_token stop = stop_of_writing(control, request.on_deadline);
+    const double radius = request.dot.value_or(pitch_of(domain, points.size()) / 4);
+    if (request.format == SampleFormat::Svg) {
+        return write_svg(points, page, radius, request.drawing.style, {}, control.stop, stop);
+    }
+    return write_png(draw_points(points, page, radius, stop), true, {}, page.width_mm);
+}
+
 std::string write(SampleFormat format, const Distribution& distribution, const Report& report,
                   const std::stop_token& stop) {
     switch (format) {
@@ -206,14 +247,23 @@ std::string write(SampleFormat format, const Distribution& distribution, const R
             return write_feature(distribution, report, stop);
         case SampleFormat::Npy:
             return write_npy(distribution.points);
+        case SampleFormat::Svg:
+        case SampleFormat::Png:
+            break;
     }
     return {};
 }
 
-Result<std::string> encode(const SampleRequest& request, const Distribution& distribution, const Report& report,
-                           const Control& control) {
+bool is_drawn(SampleFormat format) {
+    return format == SampleFormat::Svg || format == SampleFormat::Png;
+}
+
+Result<std::string> encode(const SampleRequest& request, const Domain& domain, const Page& page,
+                           const Distribution& distribution, double elapsed, const Control& control) {
     const std::stop_token stop = stop_of_writing(control, request.on_deadline);
-    std::string body = write(request.format, distribution, report, stop);
+    const Report report{request.run.seed, elapsed, {}, name_of(request.method)};
+    auto body = is_drawn(request.format) ? draw(request, domain, page, distribution.points, control)
+                                         : Result<std::string>(write(request.format, distribution, report, stop));
     if (auto going = check_stop(stop); !going) return tl::make_unexpected(going.error());
     return body;
 }
@@ -242,6 +292,8 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     Stopwatch watch;
     const auto domain = make_domain(request, control.stop);
     if (!domain) return tl::make_unexpected(domain.error());
+    const auto page = plan_page(request, *domain, limits);
+    if (!page) return tl::make_unexpected(page.error());
     const auto density = make_density(request, limits, decode, control);
     timings.decode = watch.lap();
     if (!density) return tl::make_unexpected(density.error());
@@ -251,7 +303,7 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     if (!distribution) return tl::make_unexpected(distribution.error());
 
     const double elapsed = timings.decode + timings.optimise;
-    auto body = encode(request, *distribution, {request.run.seed, elapsed, {}, name_of(request.method)}, control);
+    auto body = encode(request, *domain, *page, *distribution, elapsed, control);
     timings.encode = watch.lap();
     if (!body) return tl::make_unexpected(body.error());
     Answer answer;

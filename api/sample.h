@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -12,6 +13,7 @@
 #include "api/input/run_options.h"
 #include "api/method.h"
 #include "api/options.h"
+#include "api/output/point_drawing.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 
@@ -30,7 +32,7 @@ struct DensityImage {
 };
 
 /// What an answer is made as.
-enum class SampleFormat { Json, Csv, GeoJson, Npy };
+enum class SampleFormat { Json, Csv, GeoJson, Npy, Svg, Png };
 
 struct SampleRequest {
     std::variant<PolygonInput, Rectangle> domain;
@@ -38,8 +40,16 @@ struct SampleRequest {
     Options run;
     Method method = Method::Ccdt;
     SampleFormat format = SampleFormat::Json;
+    DrawingOptions drawing;
+    std::optional<int> width;   ///< of a drawing, in pixels; none: chosen
+    std::optional<double> dot;  ///< radius in units of the domain; none: chosen
     OnStop on_deadline = OnStop::Error;
 };
+
+/// Of a drawing whose width is chosen: pixels from dot to dot, if they were evenly spread, and on the longer side.
+inline constexpr double kPixelPitch = 8;
+inline constexpr double kLeastSide = 512;
+inline constexpr double kMostSide = 16'384;
 
 /// Reads a request: a JSON object.
 ///
@@ -55,8 +65,9 @@ Result<SampleRequest> parse_sample(std::string_view body, std::string_view accep
 /// @param decode   reads a density image
 /// @param control  a stop ends it within a pass, with nothing to show for it unless its part is asked for
 /// @param timings  filled as far as it came
-/// Errors: Unusable for a polygon that is not simple or a density of zero; those of `decode`; Stopped. The
-/// field is a JSON Pointer. Same request, same bytes, but for `elapsed_ms` in JSON.
+/// Errors: Unusable for a polygon that is not simple or a density of zero; those of `decode`; LimitExceeded if a
+/// drawing would have more than limits.max_pixels; Stopped. The field is a JSON Pointer. Same request, same bytes, but
+/// for `elapsed_ms` in JSON.
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
                           const Control& control, Timings& timings);
 

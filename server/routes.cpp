@@ -274,7 +274,7 @@ Routes::Plan Routes::plan(api::HalftoneRequest request) const {
 }
 
 Routes::Plan Routes::plan(api::SampleRequest request) const {
-    const auto cost = api::cost_of(request);
+    const auto cost = api::cost_of(request, config_.limits);
     return plan_for(std::move(request), cost, [this](const auto& parsed, const Control& control, auto& timings) {
         return api::run_sample(parsed, config_.limits, decode_, control, timings);
     });

@@ -29,6 +29,7 @@ struct Layout {
     bool grey = false;
     std::array<png_byte, 256> stored{};  ///< by coverage: the grey value or palette index
     Palette palette;                     ///< unless grey
+    png_uint_32 pixels_per_metre = 0;    ///< 0: the file tells none
 };
 
 double to_linear(unsigned char value) {
@@ -135,6 +136,8 @@ void write_header(png_structp png, png_infop info, const Raster& raster, const L
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (!layout.grey) png_set_PLTE(png, info, palette.colours.data(), palette.size);
     if (!layout.grey && palette.transparent) png_set_tRNS(png, info, palette.alphas.data(), palette.size, nullptr);
+    const png_uint_32 density = layout.pixels_per_metre;
+    if (density > 0) png_set_pHYs(png, info, density, density, PNG_RESOLUTION_METER);
     png_write_info(png, info);
 }
 
@@ -155,8 +158,12 @@ bool write_all(png_structp png, png_infop info, const Raster& raster, const Layo
 
 }  // namespace
 
-Result<std::string> write_png(const Raster& raster, bool antialias, const Inks& inks) {
-    const Layout layout = layout_of(antialias, inks);
+Result<std::string> write_png(const Raster& raster, bool antialias, const Inks& inks, std::optional<double> width_mm) {
+    Layout layout = layout_of(antialias, inks);
+    if (width_mm) {
+        const double density = std::round(1000 * raster.width / *width_mm);
+        layout.pixels_per_metre = static_cast<png_uint_32>(std::clamp(density, 1.0, double{PNG_UINT_31_MAX}));
+    }
     std::vector<png_byte> row(static_cast<std::size_t>(raster.width));
     Sink sink;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_error, on_warning);

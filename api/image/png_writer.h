@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "api/input/colour.h"
@@ -8,18 +9,15 @@
 
 namespace ccdt::api {
 
-struct Inks {
-    Colour foreground = kBlack;  ///< of the dots; not transparent
-    Colour background = kWhite;
-};
-
 /// Encodes a raster as a PNG file.
 ///
 /// @param antialias  false: the raster holds 0 and 255 only and becomes 1 bit a pixel; true: 8 bits a pixel.
 ///                   Grey where both inks are (binary: black and white), otherwise a palette.
 /// Partly covered pixels are mixed in linear light, so that from afar they look as light as dots of that area;
 /// over a transparent background they are the foreground with the coverage as alpha.
+/// @param width_mm   of the picture; none: the file tells no physical size
 /// Same input, same bytes. Errors: Internal if memory runs out.
-Result<std::string> write_png(const Raster& raster, bool antialias, const Inks& inks);
+Result<std::string> write_png(const Raster& raster, bool antialias, const Inks& inks,
+                              std::optional<double> width_mm = {});
 
 }  // namespace ccdt::api

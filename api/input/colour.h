@@ -18,6 +18,11 @@ struct Colour {
 inline constexpr Colour kBlack = {0, 0, 0};
 inline constexpr Colour kWhite = {255, 255, 255};
 
+struct Inks {
+    Colour foreground = kBlack;  ///< of the dots; not transparent
+    Colour background = kWhite;
+};
+
 /// Reads `#rgb` or `#rrggbb`.
 /// Errors: Malformed.
 Result<Colour> read_colour(const Input& input);

@@ -15,10 +15,13 @@ constexpr double kPi = 3.141592653589793;
 /// Squared distance from each pixel's centre to the nearest dot's, where that is within a reach.
 class DistanceMap {
 public:
-    DistanceMap(std::span<const Point> dots, const Canvas& canvas, double reach)
+    DistanceMap(std::span<const Point> dots, const Canvas& canvas, double reach, const std::stop_token& stop)
         : squared_(static_cast<std::size_t>(canvas.width) * static_cast<std::size_t>(canvas.height),
                    std::numeric_limits<float>::infinity()) {
-        for (const Point& dot : dots) add(canvas.scale * dot, canvas, reach);
+        for (const Point& dot : dots) {
+            if (stop.stop_requested()) return;
+            add(canvas.scale * dot, canvas, reach);
+        }
     }
 
     const std::vector<float>& squared() const { return squared_; }
@@ -106,17 +109,19 @@ struct Fitted {
 };
 
 /// Finds the radius for the mean coverage, looking further out until the reach is enough.
-Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options) {
+Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
+                  const std::stop_token& stop) {
     const double pixels = static_cast<double>(canvas.width) * canvas.height;
     const double mean_coverage = std::clamp(options.mean_coverage, 0.0, 1.0);
     const auto wanted = static_cast<std::size_t>(std::lround(mean_coverage * pixels));
     const double alone = std::sqrt(mean_coverage * pixels / (kPi * static_cast<double>(dots.size())));
     const double furthest = std::hypot(canvas.width, canvas.height) + 1;
     for (double reach = std::min(1.4 * alone + 2, furthest);; reach = std::min(1.6 * reach, furthest)) {
-        DistanceMap map(dots, canvas, reach);
+        DistanceMap map(dots, canvas, reach, stop);
         const float squared = map.smallest(std::max(wanted, std::size_t{1}));
         const double margin = options.antialias ? 1 : 0;
-        if (reach < furthest && !(std::sqrt(static_cast<double>(squared)) + margin < reach)) continue;
+        if (reach < furthest && !stop.stop_requested() && !(std::sqrt(static_cast<double>(squared)) + margin < reach))
+            continue;
         const double radius = options.antialias ? antialiased_radius(map.squared(), mean_coverage, reach)
                               : wanted == 0     ? -1
                                                 : std::min(std::sqrt(static_cast<double>(squared)), reach);
@@ -126,15 +131,16 @@ Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOp
 
 }  // namespace
 
-Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options) {
+Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
+                 const std::stop_token& stop) {
     assert(canvas.width >= 1 && canvas.height >= 1);
     if (dots.empty()) {
         return {canvas.width, canvas.height, 0,
                 std::vector<std::uint8_t>(static_cast<std::size_t>(canvas.width) *
                                           static_cast<std::size_t>(canvas.height))};
     }
-    const Fitted fitted = options.radius ? Fitted{DistanceMap(dots, canvas, *options.radius + 1), *options.radius}
-                                         : fit_radius(dots, canvas, options);
+    const Fitted fitted = options.radius ? Fitted{DistanceMap(dots, canvas, *options.radius + 1, stop), *options.radius}
+                                         : fit_radius(dots, canvas, options, stop);
     Raster raster{canvas.width, canvas.height, std::max(0.0, fitted.radius), {}};
     const std::vector<float>& squared = fitted.map.squared();
     raster.coverage.resize(squared.size());

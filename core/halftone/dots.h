@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "core/geometry/point.h"
@@ -36,7 +37,9 @@ struct DotOptions {
 /// needed are covered with it) or to one part in 10,000 (antialiased).
 ///
 /// @param canvas  at least 1 x 1
-/// O(pixels + dots).
-Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options);
+/// @param stop    asked at each dot; a stop ends it early, with nothing of use
+/// O(pixels + dots), and the area of all dots.
+Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
+                 const std::stop_token& stop = {});
 
 }  // namespace ccdt

@@ -95,7 +95,7 @@ TEST_P(SampleCost, IsNeverPassed) {
         Timings timings;
         if (!run_sample(*request, {}, decode_inline(), {}, timings)) _exit(1);
     };
-    expect_near(cost_of(*request), GetParam().most, work, GetParam().name);
+    expect_near(cost_of(*request, {}), GetParam().most, work, GetParam().name);
 }
 
 const std::string kSquare = R"("domain":{"type":"rectangle","width":1,"height":1})";
@@ -116,7 +116,12 @@ INSTANTIATE_TEST_SUITE_P(
                     SampleCase{"cvt", R"("sites":10000,"method":"cvt","iterations":3,)" + kTorus},
                     SampleCase{"odt", R"("sites":100000,"method":"odt","iterations":3,)" + kSquare},
                     SampleCase{"ccvt", R"("sites":4096,"method":"ccvt","iterations":3,)" + kSquare},
-                    SampleCase{"random", R"("sites":200000,"method":"random",)" + kSquare}),
+                    SampleCase{"random", R"("sites":200000,"method":"random",)" + kSquare},
+                    SampleCase{"csv", R"("sites":200000,"method":"random","format":"csv",)" + kSquare},
+                    SampleCase{"geojson", R"("sites":200000,"method":"random","format":"geojson",)" + kSquare},
+                    SampleCase{"svg", R"("sites":200000,"method":"random","format":"svg",)" + kSquare},
+                    SampleCase{"png", R"("sites":100000,"method":"random","format":"png",)" + kSquare},
+                    SampleCase{"wide", R"("sites":1000,"method":"random","format":"png","width":4000,)" + kSquare}),
     [](const auto& each) { return each.param.name; });
 
 struct HalftoneCase {
@@ -145,7 +150,8 @@ INSTANTIATE_TEST_SUITE_P(
                     HalftoneCase{"draft", {{"sites", "65536"}, {"quality", "draft"}, {"scale", "1"}}},
                     HalftoneCase{"large", {{"sites", "2000"}, {"scale", "12"}}},
                     HalftoneCase{"smooth", {{"sites", "2000"}, {"scale", "12"}, {"antialias", "true"}}},
-                    HalftoneCase{"points", {{"sites", "65536"}, {"format", "json"}}}),
+                    HalftoneCase{"points", {{"sites", "65536"}, {"format", "json"}}},
+                    HalftoneCase{"vectors", {{"sites", "65536"}, {"format", "svg"}, {"scale", "4"}}}),
     [](const auto& each) { return each.param.name; });
 
 TEST(AnalyzeCost, IsNeverPassed) {
@@ -183,7 +189,7 @@ TEST(ParsingCost, IsNeverPassed) {
 }
 
 TEST(Cost, KnowsShortRequests) {
-    const auto seconds = [](const std::string& body) { return cost_of(*parse_sample(body, "", {})).seconds; };
+    const auto seconds = [](const std::string& body) { return cost_of(*parse_sample(body, "", {}), {}).seconds; };
     EXPECT_LT(seconds(R"({"sites":1000,)" + kSquare + '}'), 0.02);
     EXPECT_GT(seconds(R"({"sites":20000,)" + kSquare + '}'), 0.02);
     EXPECT_GT(seconds(R"({"sites":1000,"iterations":1000,)" + kSquare + '}'), 0.02);

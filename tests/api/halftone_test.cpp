@@ -92,8 +92,8 @@ TEST(HalftoneOptions, AreRefusedByName) {
                            {"tone", "loud"},
                            {"foreground", "transparent"},
                            {"background", ""},
-                           {"format", "svg"},
-                           {"format", "webp"},
+                           {"format", "bmp"},
+                           {"format", "geojson"},
                            {"sights", "10"},
                            {"image", "aGVsbG8="},
                            {"method", "ccdt"}};

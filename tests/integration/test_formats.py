@@ -2,14 +2,21 @@
 
 import csv
 import io
+import pathlib
+import re
+import subprocess
+import tempfile
 import unittest
+from xml.etree import ElementTree
 
 import numpy
 import shapely.geometry
+from PIL import Image
 
-from harness import PICTURES, ServerCase, polygon, post_json
+from harness import PICTURES, ServerCase, linear, pixels, polygon, post_json, rings_of
 
 CAMERA = (PICTURES / "camera.png").read_bytes()
+SVG = "{http://www.w3.org/2000/svg}"
 ITALY = {"sites": 500, "seed": 4, "geometry": polygon("Italy-110m.geojson")}
 
 
@@ -95,6 +102,131 @@ class Points(FormatCase):
         array = self.dots("?sites=700&format=npy")
         self.assertEqual(array.type, "application/x-npy")
         numpy.testing.assert_array_equal(by_numpy(array.body), expected)
+
+
+def rendered(svg, shape):
+    """Share of each pixel that is inked, as librsvg sees it."""
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = pathlib.Path(folder) / "dots.svg", pathlib.Path(folder) / "dots.png"
+        source.write_bytes(svg)
+        height, width = shape
+        subprocess.run(["rsvg-convert", "--width", str(width), "--height", str(height), "--background-color", "white",
+                        "--output", str(target), str(source)], check=True)
+        return 1 - pixels(target.read_bytes(), "L") / 255
+
+
+def drawn(png):
+    """The same of our own drawings, which mix in linear light."""
+    return 1 - numpy.vectorize(linear)(numpy.arange(256))[pixels(png, "L")]
+
+
+def check_png(file):
+    with tempfile.NamedTemporaryFile(suffix=".png") as stored:
+        stored.write(file)
+        stored.flush()
+        subprocess.run(["pngcheck", "-q", stored.name], check=True)
+
+
+def centres(svg):
+    """Of the dots, in the order in which they are drawn."""
+    root = ElementTree.fromstring(svg)
+    circles = [(float(c.get("cx")), float(c.get("cy"))) for c in root.iter(SVG + "circle")]
+    paths = " ".join(path.get("d") for path in root.iter(SVG + "path"))
+    strokes = re.findall(r"M(\S+) (\S+)h\S+", paths)
+    return numpy.array(circles or strokes, dtype=float)
+
+
+def length(points):
+    return numpy.linalg.norm(numpy.diff(points, axis=0), axis=1).sum()
+
+
+class Drawings(FormatCase):
+    """Pictures of points, in pixels and in millimetres."""
+
+    def same_picture(self, svg, png):
+        ours = drawn(png)
+        theirs = rendered(svg, ours.shape)
+        self.assertEqual(ours.shape, theirs.shape)
+        # Our soft rims add a twelfth of a square pixel times pi to each dot.
+        self.assertLess(abs(ours.mean() - theirs.mean()), 0.04 * ours.mean())
+        self.assertLess(numpy.abs(ours - theirs).mean(), 0.1 * ours.mean())
+
+    def test_svg_holds_the_points(self):
+        points = numpy.array(post_json(self.server, "/sample", ITALY).json()["points"])
+        corners = numpy.concatenate(rings_of(ITALY["geometry"]))
+        left, top = corners[:, 0].min(), corners[:, 1].max()
+        expected = (points - (left, top)) * (1, -1)
+        for style in ("fill", "stroke"):
+            svg = self.made("svg", style=style, **ITALY)
+            self.assertEqual(svg.type, "image/svg+xml")
+            found = centres(svg.body)
+            numpy.testing.assert_allclose(found, expected[self.nearest(found, expected)], atol=2e-5)
+            self.assertEqual(len(set(self.nearest(found, expected))), 500)
+
+    @staticmethod
+    def nearest(found, expected):
+        return numpy.linalg.norm(found[:, None] - expected[None], axis=2).argmin(axis=1)
+
+    def test_pens_travel_little(self):
+        domain = {"type": "rectangle", "width": 2, "height": 1}
+        points = numpy.array(self.sample(sites=4000, domain=domain)["points"])
+        svg = self.made("svg", sites=4000, domain=domain, width_mm=200).body
+        path = length(centres(svg))
+        self.assertLess(path, 0.65 * 100 * length(points))
+        told = re.search(rb"<desc>4000 dots along a path of (\S+) mm; in their original order it is (\S+) mm</desc>", svg)
+        self.assertAlmostEqual(float(told[1]), path, delta=0.1)
+        self.assertAlmostEqual(float(told[2]), 100 * length(points), delta=0.1)
+
+    def test_svg_has_its_size_in_millimetres(self):
+        svg = self.made("svg", sites=50, width_mm=150, style="stroke", dot=0.01,
+                        domain={"type": "rectangle", "width": 2, "height": 1})
+        root = ElementTree.fromstring(svg.body)
+        self.assertEqual((root.get("width"), root.get("height"), root.get("viewBox")), ("150mm", "75mm", "0 0 150 75"))
+        self.assertEqual(root.find(SVG + "g").get("stroke-width"), "1.5")
+        self.assertIsNone(root.find(SVG + "rect"))
+
+    def test_svg_looks_like_png(self):
+        for body in ({**ITALY, "width": 700}, {**ITALY, "style": "stroke", "dot": 0.1},
+                     {"sites": 300, "domain": {"type": "rectangle", "width": 1e6, "height": 2e6}, "width_mm": 90}):
+            with self.subTest(body=list(body)):
+                png = self.made("png", **body)
+                self.assertEqual(png.type, "image/png")
+                check_png(png.body)
+                self.same_picture(self.made("svg", **body).body, png.body)
+
+    def test_halftone_svg_looks_like_png(self):
+        for query in ("?sites=3000", "?sites=2000&scale=2&dot=4", "?sites=1000&style=stroke&width_mm=120"):
+            with self.subTest(query=query):
+                svg = self.dots(query + "&format=svg")
+                self.assertEqual(svg.type, "image/svg+xml")
+                self.same_picture(svg.body, self.dots(query + "&antialias=true").body)
+
+    def test_halftone_svg_has_its_colours(self):
+        svg = self.dots("?sites=10&format=svg&foreground=%23f80&background=%23012").body
+        root = ElementTree.fromstring(svg)
+        self.assertEqual(root.find(SVG + "rect").get("fill"), "#001122")
+        self.assertEqual(root.find(SVG + "g").get("fill"), "#ff8800")
+
+    def test_png_has_its_size(self):
+        body = {"sites": 100, "domain": {"type": "rectangle", "width": 3, "height": 1}, "width": 600}
+        image = Image.open(io.BytesIO(self.made("png", width_mm=150, **body).body))
+        self.assertEqual((image.size, image.mode), ((600, 200), "L"))
+        self.assertAlmostEqual(image.info["dpi"][0], 600 / 150 * 25.4, delta=0.02)
+        self.assertNotIn("dpi", Image.open(io.BytesIO(self.made("png", **body).body)).info)
+        halftone = Image.open(io.BytesIO(self.dots("?sites=50&scale=1&width_mm=100").body))
+        self.assertAlmostEqual(halftone.info["dpi"][0], 512 / 100 * 25.4, delta=0.02)
+
+    def test_torus_tiles(self):
+        body = {"sites": 64, "width": 640, "domain": {"type": "torus", "width": 1, "height": 1}, "dot": 0.02}
+        inked = drawn(self.made("png", **body).body)
+        self.assertAlmostEqual(inked.mean(), 64 * numpy.pi * 0.02 ** 2, delta=1e-3)
+
+    def test_what_is_wrong_is_named(self):
+        square = {"sites": 5, "domain": {"type": "rectangle", "width": 1, "height": 100}}
+        for options, status, word in (({"format": "png", "width": 60_000}, 413, "max-pixels"),
+                                      ({"width": 0}, 400, "/width"), ({"width_mm": 0}, 400, "/width_mm"),
+                                      ({"style": "dots"}, 400, "stroke"), ({"dot": 0}, 400, "/dot")):
+            self.assert_problem(post_json(self.server, "/sample", {**square, **options}), status, word)
 
 
 class Accepted(FormatCase):

@@ -1,0 +1,205 @@
+#include "api/output/point_drawing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include "api/output/numbers.h"
+#include "core/tour/short_path.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr Interval kWidths = {.min = 1, .max = 10'000};
+constexpr std::size_t kChunk = 10'000;  // dots between two looks at the stop token; libxml2 reads paths of up to 10 MB
+constexpr std::size_t kUsualDot = 64;   // bytes
+constexpr int kDigits = 6;              // of a page's longer side
+constexpr int kMostDecimals = 300;
+
+/// Points as they lie on the page, from its upper left corner, in units of it.
+class Placing {
+public:
+    Placing(const Page& page, double unit) : page_(page), unit_(unit) {}
+
+    Point operator()(Point p) const {
+        const Box& box = page_.box;
+        return {(p.x - box.min.x) * unit_, (page_.y_up ? box.max.y - p.y : p.y - box.min.y) * unit_};
+    }
+
+private:
+    const Page& page_;
+    double unit_;
+};
+
+std::string hexadecimal(const Colour& colour) {
+    constexpr std::string_view kHex = "0123456789abcdef";
+    std::string text = "#";
+    for (const unsigned value : {colour.red, colour.green, colour.blue}) {
+        text += kHex[value >> 4];
+        text += kHex[value & 15];
+    }
+    return text;
+}
+
+/// An SVG document of dots in the making.
+class DotDocument {
+public:
+    DotDocument(const Page& page, std::size_t dots)
+        : unit_(page.width_mm ? *page.width_mm / page.box.width() : 1),
+          width_(page.box.width() * unit_),
+          height_(page.box.height() * unit_),
+          decimals_(
+              std::min(kDigits - static_cast<int>(std::floor(std::log10(std::max(width_, height_)))), kMostDecimals)) {
+        decimals_ = std::max(decimals_, 0);
+        out_.reserve(dots * kUsualDot);
+        write(R"(<svg xmlns="http://www.w3.org/2000/svg" width=")");
+        if (page.width_mm) {
+            write(width_, R"(mm" height=")", height_, "mm");
+        } else {
+            write(std::to_string(page.canvas.width), R"(" height=")", std::to_string(page.canvas.height));
+        }
+        write(R"(" viewBox="0 0 )", width_, " ", height_, "\">\n");
+    }
+
+    /// User units per unit of the points.
+    double unit() const { return unit_; }
+
+    void describe(std::size_t dots, double path, double original, std::string_view unit) {
+        write("<desc>", std::to_string(dots), " dots along a path of ", path, unit, "; in their original order it is ",
+              original, unit, "</desc>\n");
+    }
+
+    void paper(const Colour& colour) {
+        if (colour.transparent) return;
+        write(R"(<rect width=")", width_, R"(" height=")", height_, R"(" fill=")", hexadecimal(colour), "\"/>\n");
+    }
+
+    void discs(std::span<const Point> centres, double radius, const Colour& colour, const std::stop_token& stop) {
+        write(R"(<g fill=")", hexadecimal(colour), "\">\n");
+        for (std::size_t i = 0; i < centres.size() && !stop.stop_requested(); i += kChunk) {
+            for (const Point& c : chunk(centres, i)) {
+                write(R"(<circle cx=")", c.x, R"(" cy=")", c.y, R"(" r=")", radius, "\"/>\n");
+            }
+        }
+        write("</g>\n");
+    }
+
+    /// Of some length: programs for plotters leave out strokes of none.
+    void strokes(std::span<const Point> centres, double radius, const Colour& colour, const std::stop_token& stop) {
+        const double length = std::max(radius / 50, std::pow(10, -decimals_));
+        write(R"(<g fill="none" stroke=")", hexadecimal(colour), R"(" stroke-width=")", 2 * radius,
+              "\" stroke-linecap=\"round\">\n");
+        for (std::size_t i = 0; i < centres.size() && !stop.stop_requested(); i += kChunk) {
+            write("<path d=\"");
+            for (const Point& c : chunk(centres, i)) write("M", c.x, " ", c.y, "h", length, "\n");
+            write("\"/>\n");
+        }
+        write("</g>\n");
+    }
+
+    std::string finish() {
+        write("</svg>\n");
+        return std::move(out_);
+    }
+
+private:
+    static std::span<const Point> chunk(std::span<const Point> all, std::size_t first) {
+        return all.subspan(first, std::min(kChunk, all.size() - first));
+    }
+
+    void append(std::string_view words) { out_ += words; }
+    void append(double length) { append_rounded(out_, length, decimals_); }
+
+    template <class... Parts>
+    void write(const Parts&... parts) {
+        (append(parts), ...);
+    }
+
+    double unit_;
+    double width_;
+    double height_;
+    int decimals_;
+    std::string out_;
+};
+
+std::vector<Point> placed(std::span<const Point> points, const Placing& place) {
+    std::vector<Point> result(points.size());
+    std::transform(points.begin(), points.end(), result.begin(), place);
+    return result;
+}
+
+/// Adds the copies of dots that reach in from beyond the border of a torus.
+void add_copies(std::vector<Point>& dots, Point size, double radius) {
+    for (const bool along_x : {true, false}) {
+        const double period = along_x ? size.x : size.y;
+        const std::size_t count = dots.size();
+        for (std::size_t i = 0; i < count; ++i) {
+            const double at = along_x ? dots[i].x : dots[i].y;
+            const Point step = along_x ? Point{period, 0} : Point{0, period};
+            if (at < radius) dots.push_back(dots[i] + step);
+            if (at > period - radius) dots.push_back(dots[i] - step);
+        }
+    }
+}
+
+}  // namespace
+
+Result<void> read_width_mm(const Input& input, DrawingOptions& options) {
+    return assign(options.width_mm, read_number(input, kWidths));
+}
+
+Result<void> read_style(const Input& input, DrawingOptions& options) {
+    static constexpr std::array<std::string_view, 2> kWords = {"fill", "stroke"};
+    return assign(options.style, read_choice(input, kWords));
+}
+
+Canvas canvas_of(const Box& box, double scale) {
+    static constexpr double kMaxSide = std::numeric_limits<int>::max();
+    const auto side = [scale](double length) {
+        return static_cast<int>(std::clamp(std::round(length * scale), 1.0, kMaxSide));
+    };
+    return {side(box.width()), side(box.height()), scale};
+}
+
+bool fits(const Canvas& canvas, std::size_t max_pixels) {
+    return static_cast<std::size_t>(canvas.width) <= max_pixels / static_cast<std::size_t>(canvas.height);
+}
+
+double fitting_scale(const Box& box, double wished, std::size_t max_pixels) {
+    double scale = std::min(wished, std::sqrt(static_cast<double>(max_pixels) / box.width() / box.height()));
+    while (!fits(canvas_of(box, scale), max_pixels)) scale *= 0.999;
+    return scale;
+}
+
+std::string write_svg(std::span<const Point> points, const Page& page, double radius, DotStyle style, const Inks& inks,
+                      const std::stop_token& hurry, const std::stop_token& stop) {
+    DotDocument document(page, points.size());
+    const Placing place(page, document.unit());
+    std::vector<Point> dots;
+    dots.reserve(points.size());
+    for (const std::uint32_t i : short_path(points, hurry)) dots.push_back(place(points[i]));
+    document.describe(points.size(), path_length(dots), document.unit() * path_length(points),
+                      page.width_mm ? " mm" : "");
+    if (style == DotStyle::Stroke) {
+        document.strokes(dots, radius * document.unit(), inks.foreground, stop);
+    } else {
+        document.paper(inks.background);
+        document.discs(dots, radius * document.unit(), inks.foreground, stop);
+    }
+    return document.finish();
+}
+
+Raster draw_points(std::span<const Point> points, const Page& page, double radius, const std::stop_token& stop) {
+    const double scale = page.canvas.scale;
+    std::vector<Point> dots = placed(points, Placing(page, scale));
+    if (page.periodic) add_copies(dots, scale * Point{page.box.width(), page.box.height()}, radius * scale + 1);
+    Canvas canvas = page.canvas;
+    canvas.scale = 1;
+    return draw_dots(dots, canvas, {radius * scale, 0, true}, stop);
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,119 @@
+#include "api/output/point_drawing.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace ccdt::api {
+namespace {
+
+const std::vector<Point> kPoints = {{11, 21}, {19, 21}, {12.34567891, 24}};
+const Box kBox = {{10, 20}, {20, 25}};
+
+Page page(std::optional<double> width_mm = {}) {
+    return {kBox, true, false, canvas_of(kBox, 4), width_mm};
+}
+
+std::stop_token stopped_token() {
+    std::stop_source source;
+    source.request_stop();
+    return source.get_token();
+}
+
+double mean(const Raster& raster) {
+    return std::accumulate(raster.coverage.begin(), raster.coverage.end(), 0.0) / 255 /
+           static_cast<double>(raster.coverage.size());
+}
+
+TEST(Svg, DrawsDiscsFromTheUpperLeftCorner) {
+    EXPECT_EQ(write_svg(kPoints, page(), 0.5, DotStyle::Fill, {}),
+              R"(<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20" viewBox="0 0 10 5">
+<desc>3 dots along a path of 10.5873; in their original order it is 15.29931</desc>
+<rect width="10" height="5" fill="#ffffff"/>
+<g fill="#000000">
+<circle cx="1" cy="4" r="0.5"/>
+<circle cx="2.34568" cy="1" r="0.5"/>
+<circle cx="9" cy="4" r="0.5"/>
+</g>
+</svg>
+)");
+}
+
+TEST(Svg, IsInMillimetresIfItHasAWidthInThem) {
+    const std::string svg = write_svg(kPoints, page(100), 0.5, DotStyle::Fill, {{1, 2, 3}, {.transparent = true}});
+    EXPECT_NE(svg.find(R"(width="100mm" height="50mm" viewBox="0 0 100 50")"), std::string::npos);
+    EXPECT_NE(svg.find(" mm;"), std::string::npos);
+    EXPECT_NE(svg.find(R"(<g fill="#010203">)"), std::string::npos);
+    EXPECT_NE(svg.find(R"(<circle cx="23.4568" cy="10" r="5"/>)"), std::string::npos);
+    EXPECT_EQ(svg.find("<rect"), std::string::npos);
+}
+
+TEST(Svg, GivesPensAStrokeForEachDotAndNoPaper) {
+    const std::string svg = write_svg(kPoints, page(100), 0.5, DotStyle::Stroke, {});
+    EXPECT_NE(svg.find(R"(stroke-width="10" stroke-linecap="round">)"), std::string::npos);
+    EXPECT_NE(svg.find("<path d=\"M10 40h0.1\nM23.4568 10h0.1\nM90 40h0.1\n\"/>"), std::string::npos);
+    EXPECT_EQ(svg.find("<rect"), std::string::npos);
+}
+
+TEST(Svg, BreaksPathsThatWouldBeTooLongToRead) {
+    std::vector<Point> points;
+    for (int i = 0; i < 20'001; ++i) points.push_back({10 + i * 4e-4, 22});
+    const std::string svg = write_svg(points, page(), 1e-4, DotStyle::Stroke, {});
+    EXPECT_EQ(std::count(svg.begin(), svg.end(), 'M'), 20'001);
+    std::size_t paths = 0;
+    for (auto at = svg.find("<path"); at != std::string::npos; at = svg.find("<path", at + 1)) ++paths;
+    EXPECT_EQ(paths, 3U);
+    EXPECT_EQ(svg.find("h0\n"), std::string::npos);
+}
+
+TEST(Svg, KeepsItsDigitsAtAnySize) {
+    for (const double size : {1e-9, 1.0, 1e12}) {
+        const Box box{{0, 0}, {size, size}};
+        const std::vector<Point> points = {{size / 3, size / 3}};
+        const std::string svg = write_svg(points, {box, false, false, canvas_of(box, 1), {}}, size, DotStyle::Fill, {});
+        const auto at = svg.find("cx=\"") + 4;
+        EXPECT_NEAR(std::stod(svg.substr(at)) / size, 1.0 / 3, 1e-6) << size;
+    }
+}
+
+TEST(Svg, EndsOnceItIsStopped) {
+    EXPECT_EQ(write_svg(kPoints, page(), 0.5, DotStyle::Fill, {}, {}, stopped_token()).find("<circle"),
+              std::string::npos);
+    const std::string hurried = write_svg(kPoints, page(), 0.5, DotStyle::Fill, {}, stopped_token());
+    EXPECT_NE(hurried.find("<circle"), std::string::npos);
+}
+
+TEST(Points, AreDrawnUpsideDownIfTheirYRunsUp) {
+    const Raster raster = draw_points(std::vector<Point>{{11, 21}}, page(), 0.5);
+    ASSERT_EQ(raster.width, 40);
+    ASSERT_EQ(raster.height, 20);
+    EXPECT_EQ(raster.coverage[16 * 40 + 4], 255);
+    // A soft rim adds a twelfth to the squared radius.
+    EXPECT_NEAR(mean(raster), 3.14159 * (4 + 1.0 / 12) / 800, 1e-4);
+}
+
+TEST(Points, OnATorusLoseNoInk) {
+    Page torus{{{0, 0}, {10, 5}}, true, true, canvas_of({{0, 0}, {10, 5}}, 16), {}};
+    const double share = 3.14159265 * 0.25 / 50;
+    for (const Point p : {Point{5, 2.5}, Point{0.1, 2.5}, Point{9.95, 2.5}, Point{5, 0.2}, Point{0.1, 4.9}}) {
+        EXPECT_NEAR(mean(draw_points(std::vector<Point>{p}, torus, 0.5)), share, 0.02 * share) << p.x << ' ' << p.y;
+    }
+    torus.periodic = false;
+    EXPECT_LT(mean(draw_points(std::vector<Point>{{0.1, 4.9}}, torus, 0.5)), 0.5 * share);
+}
+
+TEST(Canvas, GivesWayToALimit) {
+    const Box box{{0, 0}, {3, 1}};
+    EXPECT_EQ(fitting_scale(box, 10, 300), 10);
+    const double scale = fitting_scale(box, 1000, 300);
+    EXPECT_TRUE(fits(canvas_of(box, scale), 300));
+    EXPECT_GT(scale, 9.5);
+    EXPECT_FALSE(fits(canvas_of(box, 11), 300));
+    const Canvas thin = canvas_of({{0, 0}, {1, 1e-9}}, 10);
+    EXPECT_EQ(thin.width, 10);
+    EXPECT_EQ(thin.height, 1);
+}
+
+}  // namespace
+}  // namespace ccdt::api
