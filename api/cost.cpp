@@ -108,11 +108,22 @@ Estimate rasterising(double sites, double pixels, std::optional<double> radius, 
 }
 
 Estimate drawing(const HalftoneRequest& request, double sites, const Limits& limits) {
-    const bool is_vector = request.format == HalftoneFormat::Svg;
-    if (request.format != HalftoneFormat::Png && !is_vector) return {sites * 150, sites * 0.3 * kMicrosecond};
-    const bool antialias = request.antialias || is_vector;
-    const Estimate raster = rasterising(sites, drawn_pixels(request, limits), request.dot, antialias);
-    return is_vector ? then(raster, plotting(sites)) : raster;
+    const double pixels = drawn_pixels(request, limits);
+    const auto raster = [&](bool antialias) { return rasterising(sites, pixels, request.dot, antialias); };
+    switch (request.format) {
+        case HalftoneFormat::Png:
+        case HalftoneFormat::Tiff:
+            return raster(request.antialias);
+        case HalftoneFormat::WebP:
+            return raster(request.antialias) + Estimate{pixels * 16, pixels * 0.1 * kMicrosecond};
+        case HalftoneFormat::Svg:
+            return then(raster(true), plotting(sites));
+        case HalftoneFormat::Json:
+        case HalftoneFormat::Csv:
+        case HalftoneFormat::Npy:
+            break;
+    }
+    return {sites * 150, sites * 0.3 * kMicrosecond};
 }
 
 Box bounds_of(const std::variant<PolygonInput, Rectangle>& domain) {

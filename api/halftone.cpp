@@ -8,6 +8,8 @@
 
 #include "api/image/embedded_image.h"
 #include "api/image/png_writer.h"
+#include "api/image/tiff_writer.h"
+#include "api/image/webp_writer.h"
 #include "api/input/negotiation.h"
 #include "api/input/run_options.h"
 #include "api/json/json_writer.h"
@@ -23,11 +25,13 @@ constexpr Interval kScales = {.min = 0.1, .max = 16};
 constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
 
 /// In the order of HalftoneFormat, which is the server's preference.
-constexpr std::array<Format, 5> kFormats = {kPng, kJson, kSvg, kCsv, kNpy};
+constexpr std::array<Format, 7> kFormats = {kPng, kJson, kSvg, kCsv, kNpy, kWebP, kTiff};
 
 /// Whether an answer is drawn on a canvas.
 bool is_drawn(HalftoneFormat format) {
-    return format == HalftoneFormat::Png || format == HalftoneFormat::Svg;
+    constexpr std::array kDrawn = {HalftoneFormat::Png, HalftoneFormat::Svg, HalftoneFormat::WebP,
+                                   HalftoneFormat::Tiff};
+    return std::ranges::find(kDrawn, format) != kDrawn.end();
 }
 
 Result<void> read_dot(const Input& input, std::optional<double>& dot) {
@@ -103,6 +107,16 @@ Box box_of(PictureSize picture) {
     return {{0, 0}, {static_cast<double>(picture.width), static_cast<double>(picture.height)}};
 }
 
+/// Errors: LimitExceeded for a canvas that is larger than what the format holds.
+Result<void> check_side(HalftoneFormat format, const Canvas& canvas) {
+    if (format != HalftoneFormat::WebP || std::max(canvas.width, canvas.height) <= kMaxWebPSide) return {};
+    return failure(ErrorCode::LimitExceeded,
+                   "the output would have " + std::to_string(canvas.width) + " x " + std::to_string(canvas.height) +
+                       " pixels; WebP holds at most " + std::to_string(kMaxWebPSide) +
+                       " a side: take a smaller scale or another format",
+                   "scale");
+}
+
 /// A chosen scale gives way to the limit; one that was asked for does not.
 Result<Canvas> plan_canvas(const HalftoneRequest& request, PictureSize picture, double preferred_scale,
                            const Limits& limits) {
@@ -139,6 +153,9 @@ Result<Plan> plan_dots(const HalftoneRequest& request, const Limits& limits, con
         const double scale = default_scale(coverage, plan.sites);
         auto planned = assign(plan.canvas, plan_canvas(request, plan.picture, scale, limits));
         if (!planned) return tl::make_unexpected(planned.error());
+        if (auto checked = check_side(request.format, plan.canvas); !checked) {
+            return tl::make_unexpected(checked.error());
+        }
     }
     auto density = Density::grid(plan.picture.width, plan.picture.height, std::span<const float>(coverage));
     if (!density) return failure(density.error().code, density.error().message, request.image_field);
@@ -163,13 +180,21 @@ Inks inks_of(const HalftoneRequest& request) {
             request.background.value_or(request.invert ? kBlack : kWhite)};
 }
 
+Result<std::string> write_raster(const HalftoneRequest& request, const Raster& raster, const std::stop_token& stop) {
+    const Inks inks = inks_of(request);
+    const auto width_mm = request.drawing.width_mm;
+    if (request.format == HalftoneFormat::WebP) return write_webp(raster, inks, stop);
+    if (request.format == HalftoneFormat::Tiff) return write_tiff(raster, request.antialias, inks, width_mm, stop);
+    return write_png(raster, request.antialias, inks, width_mm);
+}
+
 Result<std::string> draw(const HalftoneRequest& request, const Plan& plan, std::span<const Point> points,
                          const Control& control) {
     const std::stop_token stop = stop_of_writing(control, request.on_deadline);
     const bool is_vector = request.format == HalftoneFormat::Svg;
     const bool antialias = request.antialias || is_vector;
     Raster raster = draw_dots(points, plan.canvas, {request.dot, plan.ink, antialias}, stop);
-    if (!is_vector) return write_png(raster, request.antialias, inks_of(request), request.drawing.width_mm);
+    if (!is_vector) return write_raster(request, raster, stop);
     raster.coverage = {};  // only the radius is of use
     const Page page{box_of(plan.picture), false, false, plan.canvas, request.drawing.width_mm};
     return write_svg(points, page, raster.radius / plan.canvas.scale, request.drawing.style, inks_of(request),
@@ -187,6 +212,8 @@ std::string write(HalftoneFormat format, const Distribution& distribution, const
             return write_npy(distribution.points);
         case HalftoneFormat::Png:
         case HalftoneFormat::Svg:
+        case HalftoneFormat::WebP:
+        case HalftoneFormat::Tiff:
             break;
     }
     return {};

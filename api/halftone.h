@@ -19,7 +19,7 @@
 namespace ccdt::api {
 
 /// What an answer is made as.
-enum class HalftoneFormat { Png, Json, Svg, Csv, Npy };
+enum class HalftoneFormat { Png, Json, Svg, Csv, Npy, WebP, Tiff };
 
 struct HalftoneRequest {
     ImageFile image;
@@ -63,7 +63,7 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
 /// @param timings  filled as far as it came
 /// @returns        a file of the format that the request wants
 /// Errors: those of `decode`; Unusable for a picture without ink; LimitExceeded if the output would have more
-/// than limits.max_pixels; Stopped. Same request, same bytes, but for `elapsed_ms` in JSON.
+/// than limits.max_pixels, or more than WebP holds; Stopped. Same request, same bytes, but for `elapsed_ms` in JSON.
 Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                             const Control& control, Timings& timings);
 

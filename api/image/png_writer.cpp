@@ -12,80 +12,47 @@
 #include <exception>
 #include <vector>
 
+#include "api/image/shades.h"
+
 namespace ccdt::api {
 namespace {
-
-/// What each coverage looks like: colours and alphas of a palette, the first `size` in use.
-struct Palette {
-    std::array<png_color, 256> colours{};
-    std::array<png_byte, 256> alphas{};
-    int size = 0;
-    bool transparent = false;
-};
 
 /// How pixels are stored, settled before libpng runs.
 struct Layout {
     int bit_depth = 8;
     bool grey = false;
+    bool transparent = false;
     std::array<png_byte, 256> stored{};  ///< by coverage: the grey value or palette index
-    Palette palette;                     ///< unless grey
-    png_uint_32 pixels_per_metre = 0;    ///< 0: the file tells none
+    std::array<png_color, 256> colours{};
+    std::array<png_byte, 256> alphas{};
+    int palette_size = 0;              ///< of colours and alphas; 0: grey
+    png_uint_32 pixels_per_metre = 0;  ///< 0: the file tells none
 };
 
-double to_linear(unsigned char value) {
-    const double share = value / 255.0;
-    return share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
-}
-
-png_byte to_srgb(double linear) {
-    const double share = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-    return static_cast<png_byte>(std::lround(255 * std::clamp(share, 0.0, 1.0)));
-}
-
-png_byte mix(unsigned char background, unsigned char foreground, double coverage) {
-    return to_srgb((1 - coverage) * to_linear(background) + coverage * to_linear(foreground));
-}
-
-png_color mix(const Inks& inks, double coverage) {
-    const Colour& over = inks.foreground;
-    const Colour& under = inks.background.transparent ? inks.foreground : inks.background;
-    return {mix(under.red, over.red, coverage), mix(under.green, over.green, coverage),
-            mix(under.blue, over.blue, coverage)};
-}
-
 /// @param size  of the palette; its last entry is full coverage
-Palette palette_of(const Inks& inks, int size) {
-    Palette palette;
-    palette.size = size;
-    palette.transparent = inks.background.transparent;
-    for (int i = 0; i < size; ++i) {
-        const double coverage = static_cast<double>(i) / (size - 1);
-        palette.colours[static_cast<std::size_t>(i)] = mix(inks, coverage);
-        palette.alphas[static_cast<std::size_t>(i)] = static_cast<png_byte>(std::lround(255 * coverage));
+void fill_palette(Layout& layout, const Shades& shades, std::size_t size) {
+    layout.palette_size = static_cast<int>(size);
+    for (std::size_t i = 0; i < size; ++i) {
+        const auto& shade = shades[i * 255 / (size - 1)];
+        layout.colours[i] = {shade[0], shade[1], shade[2]};
+        layout.alphas[i] = shade[3];
     }
-    return palette;
-}
-
-bool is_grey(const Colour& colour) {
-    return !colour.transparent && colour.red == colour.green && colour.green == colour.blue;
 }
 
 Layout layout_of(bool antialias, const Inks& inks) {
-    Layout layout;
-    if (antialias) {
-        layout.palette = palette_of(inks, 256);
-        layout.grey = is_grey(inks.foreground) && is_grey(inks.background);
-        for (std::size_t i = 0; i < 256; ++i) {
-            layout.stored[i] = layout.grey ? layout.palette.colours[i].red : static_cast<png_byte>(i);
-        }
-        return layout;
-    }
+    const Shades shades = shades_of(inks);
     const bool black_dots = inks.foreground == kBlack && inks.background == kWhite;
     const bool white_dots = inks.foreground == kWhite && inks.background == kBlack;
-    layout.bit_depth = 1;
-    layout.grey = black_dots || white_dots;
-    layout.palette = palette_of(inks, 2);
-    layout.stored[black_dots ? 0 : 255] = 1;
+    Layout layout;
+    layout.transparent = inks.background.transparent;
+    layout.grey = antialias ? are_grey(inks) : black_dots || white_dots;
+    if (!layout.grey) fill_palette(layout, shades, antialias ? 256 : 2);
+    if (!antialias) {
+        layout.bit_depth = 1;
+        layout.stored[black_dots ? 0 : 255] = 1;
+        return layout;
+    }
+    for (std::size_t i = 0; i < 256; ++i) layout.stored[i] = layout.grey ? shades[i][0] : static_cast<png_byte>(i);
     return layout;
 }
 
@@ -124,7 +91,6 @@ void append(png_structp png, png_bytep data, std::size_t size) {
 void on_warning(png_structp, png_const_charp) {}
 
 void write_header(png_structp png, png_infop info, const Raster& raster, const Layout& layout) {
-    const Palette& palette = layout.palette;
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     // Runs are nearly all there is to find in discs: searching for more costs 2 to 40 times the time and saves at
     // most a tenth, most often nothing.
@@ -134,8 +100,10 @@ void write_header(png_structp png, png_infop info, const Raster& raster, const L
     png_set_IHDR(png, info, static_cast<png_uint_32>(raster.width), static_cast<png_uint_32>(raster.height),
                  layout.bit_depth, layout.grey ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_PALETTE, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    if (!layout.grey) png_set_PLTE(png, info, palette.colours.data(), palette.size);
-    if (!layout.grey && palette.transparent) png_set_tRNS(png, info, palette.alphas.data(), palette.size, nullptr);
+    if (!layout.grey) png_set_PLTE(png, info, layout.colours.data(), layout.palette_size);
+    if (!layout.grey && layout.transparent) {
+        png_set_tRNS(png, info, layout.alphas.data(), layout.palette_size, nullptr);
+    }
     const png_uint_32 density = layout.pixels_per_metre;
     if (density > 0) png_set_pHYs(png, info, density, density, PNG_RESOLUTION_METER);
     png_write_info(png, info);

@@ -13,8 +13,7 @@ namespace ccdt::api {
 ///
 /// @param antialias  false: the raster holds 0 and 255 only and becomes 1 bit a pixel; true: 8 bits a pixel.
 ///                   Grey where both inks are (binary: black and white), otherwise a palette.
-/// Partly covered pixels are mixed in linear light, so that from afar they look as light as dots of that area;
-/// over a transparent background they are the foreground with the coverage as alpha.
+/// What pixels look like: see Shades.
 /// @param width_mm   of the picture; none: the file tells no physical size
 /// Same input, same bytes. Errors: Internal if memory runs out.
 Result<std::string> write_png(const Raster& raster, bool antialias, const Inks& inks,

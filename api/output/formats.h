@@ -11,5 +11,7 @@ inline constexpr Format kGeoJson = {"geojson", "application/geo+json"};
 inline constexpr Format kNpy = {"npy", "application/x-npy"};  // NumPy has registered none
 inline constexpr Format kSvg = {"svg", "image/svg+xml"};
 inline constexpr Format kPng = {"png", "image/png"};
+inline constexpr Format kWebP = {"webp", "image/webp"};
+inline constexpr Format kTiff = {"tiff", "image/tiff"};
 
 }  // namespace ccdt::api

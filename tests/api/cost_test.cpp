@@ -151,6 +151,10 @@ INSTANTIATE_TEST_SUITE_P(
                     HalftoneCase{"large", {{"sites", "2000"}, {"scale", "12"}}},
                     HalftoneCase{"smooth", {{"sites", "2000"}, {"scale", "12"}, {"antialias", "true"}}},
                     HalftoneCase{"points", {{"sites", "65536"}, {"format", "json"}}},
+                    HalftoneCase{"webp", {{"sites", "2000"}, {"scale", "12"}, {"format", "webp"}}},
+                    HalftoneCase{"smooth_webp",
+                                 {{"sites", "2000"}, {"scale", "12"}, {"format", "webp"}, {"antialias", "true"}}},
+                    HalftoneCase{"tiff", {{"sites", "2000"}, {"scale", "12"}, {"format", "tiff"}}},
                     HalftoneCase{"vectors", {{"sites", "65536"}, {"format", "svg"}, {"scale", "4"}}}),
     [](const auto& each) { return each.param.name; });
 

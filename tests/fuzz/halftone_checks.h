@@ -17,7 +17,7 @@ inline void check_request(const api::HalftoneRequest& request) {
     CCDT_CHECK(!request.scale || (*request.scale >= 0.1 && *request.scale <= 16));
     CCDT_CHECK(!request.dot || (*request.dot > 0 && *request.dot <= 65536));
     CCDT_CHECK(!request.foreground || !request.foreground->transparent);
-    CCDT_CHECK(request.format <= api::HalftoneFormat::Npy);
+    CCDT_CHECK(request.format <= api::HalftoneFormat::Tiff);
     CCDT_CHECK(request.image.header.pixels() >= 1);
 }
 

@@ -13,7 +13,7 @@ import numpy
 import shapely.geometry
 from PIL import Image
 
-from harness import PICTURES, ServerCase, linear, pixels, polygon, post_json, rings_of
+from harness import PICTURES, ServerCase, file_of, flat, linear, pixels, polygon, post_json, rings_of
 
 CAMERA = (PICTURES / "camera.png").read_bytes()
 SVG = "{http://www.w3.org/2000/svg}"
@@ -229,6 +229,59 @@ class Drawings(FormatCase):
             self.assert_problem(post_json(self.server, "/sample", {**square, **options}), status, word)
 
 
+def told_by_tiffinfo(file):
+    """What the file says of itself; that it can be read to its end, too."""
+    with tempfile.NamedTemporaryFile(suffix=".tiff") as stored:
+        stored.write(file)
+        stored.flush()
+        told = subprocess.run(["tiffinfo", "-d", stored.name], capture_output=True, text=True, check=True)
+        return told.stdout.split("Strip 0")[0], told.stderr
+
+
+class Pictures(FormatCase):
+    """A halftone is the same to the pixel in every format that holds pixels."""
+
+    def test_same_pixels(self):
+        for query in ("?sites=800&scale=2", "?sites=800&scale=2&antialias=true", "?sites=300&invert=true&scale=1",
+                      "?sites=300&scale=1&foreground=%23306&background=%23fed",
+                      "?sites=300&scale=1.5&foreground=%23306&background=transparent&antialias=true"):
+            expected = self.dots(query).picture("RGBA")
+            for name in ("webp", "tiff"):
+                with self.subTest(query=query, format=name):
+                    answer = self.dots(f"{query}&format={name}")
+                    self.assertEqual(answer.type, "image/" + name)
+                    numpy.testing.assert_array_equal(answer.picture("RGBA"), expected)
+
+    def test_webp_is_lossless_and_small(self):
+        webp = self.dots("?sites=5000&scale=3&format=webp").body
+        self.assertEqual(webp[12:16], b"VP8L")
+        self.assertLess(len(webp), len(self.dots("?sites=5000&scale=3").body))
+
+    def test_tiff_of_black_and_white(self):
+        told, complaints = told_by_tiffinfo(self.dots("?sites=5000&scale=2&format=tiff&width_mm=65.024").body)
+        self.assertEqual(complaints, "")
+        for line in ("Image Width: 1024 Image Length: 1024", "Resolution: 400, 400 pixels/inch", "Bits/Sample: 1",
+                     "Compression Scheme: CCITT Group 4", "Photometric Interpretation: min-is-white"):
+            self.assertIn(line, told)
+
+    def test_tiff_of_greys_and_colours(self):
+        for query, lines in (("&antialias=true", ("min-is-black", "Bits/Sample: 8")),
+                             ("&foreground=%23306", ("RGB color", "Samples/Pixel: 3")),
+                             ("&background=transparent", ("RGB color", "Samples/Pixel: 4", "unassoc-alpha"))):
+            with self.subTest(query=query):
+                told, complaints = told_by_tiffinfo(self.dots("?sites=50&scale=1&format=tiff" + query).body)
+                self.assertEqual(complaints, "")
+                for line in (*lines, "Compression Scheme: AdobeDeflate"):
+                    self.assertIn(line, told)
+                self.assertNotIn("pixels/inch", told)
+
+    def test_webp_holds_no_long_sides(self):
+        strip = file_of(flat(40, 2048, 8))
+        answer = self.ask("/halftone?sites=10&scale=9&format=webp", data=strip)
+        self.assert_problem(answer, 413, "16383", "scale")
+        self.assertEqual(self.ask("/halftone?sites=10&scale=7&format=webp", data=strip).status, 200)
+
+
 class Accepted(FormatCase):
     """Accept chooses where `format` does not."""
 
@@ -245,7 +298,8 @@ class Accepted(FormatCase):
                 self.assertEqual(answer.headers["vary"], "Accept")
 
     def test_of_a_halftone(self):
-        for accept, type_ in (("image/*", "image/png"), ("text/csv;q=0.2, application/x-npy;q=0.3", "application/x-npy"),
+        for accept, type_ in (("image/*", "image/png"), ("image/webp, */*;q=0.1", "image/webp"),
+                              ("image/png;q=0.5, image/tiff", "image/tiff"), ("text/csv;q=0.2, application/x-npy;q=0.3", "application/x-npy"),
                               ("*/*", "image/png")):
             with self.subTest(accept=accept):
                 answer = self.dots("?sites=5", "--header", "Accept: " + accept)

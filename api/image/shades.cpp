@@ -1,0 +1,47 @@
+#include "api/image/shades.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace ccdt::api {
+namespace {
+
+double to_linear(unsigned char value) {
+    const double share = value / 255.0;
+    return share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
+}
+
+std::uint8_t to_srgb(double linear) {
+    const double share = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(share, 0.0, 1.0)));
+}
+
+std::uint8_t mix(unsigned char background, unsigned char foreground, double coverage) {
+    return to_srgb((1 - coverage) * to_linear(background) + coverage * to_linear(foreground));
+}
+
+bool is_grey(const Colour& colour) {
+    return !colour.transparent && colour.red == colour.green && colour.green == colour.blue;
+}
+
+}  // namespace
+
+Shades shades_of(const Inks& inks) {
+    const Colour& over = inks.foreground;
+    const Colour& under = inks.background.transparent ? inks.foreground : inks.background;
+    Shades shades{};
+    for (std::size_t i = 0; i < shades.size(); ++i) {
+        const double coverage = static_cast<double>(i) / 255;
+        const auto alpha = static_cast<std::uint8_t>(inks.background.transparent ? i : 255);
+        shades[i] = {mix(under.red, over.red, coverage), mix(under.green, over.green, coverage),
+                     mix(under.blue, over.blue, coverage), alpha};
+    }
+    return shades;
+}
+
+bool are_grey(const Inks& inks) {
+    return is_grey(inks.foreground) && is_grey(inks.background);
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,165 @@
+#include "api/image/tiff_writer.h"
+
+#include <tiffio.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <vector>
+
+#include "api/image/shades.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr double kMillimetresPerInch = 25.4;
+
+/// A file in memory.
+struct MemoryFile {
+    std::string bytes;
+    std::size_t place = 0;
+};
+
+MemoryFile& file_of(thandle_t handle) {
+    return *static_cast<MemoryFile*>(handle);
+}
+
+tmsize_t read(thandle_t handle, void* target, tmsize_t size) {
+    MemoryFile& file = file_of(handle);
+    const std::size_t rest = file.bytes.size() - std::min(file.place, file.bytes.size());
+    const std::size_t count = std::min(rest, static_cast<std::size_t>(size));
+    std::memcpy(target, file.bytes.data() + file.bytes.size() - rest, count);
+    file.place += count;
+    return static_cast<tmsize_t>(count);
+}
+
+tmsize_t write(thandle_t handle, void* source, tmsize_t size) {
+    MemoryFile& file = file_of(handle);
+    const auto count = static_cast<std::size_t>(size);
+    try {
+        if (file.bytes.size() < file.place + count) file.bytes.resize(file.place + count);
+    } catch (const std::exception&) {
+        return 0;
+    }
+    std::memcpy(file.bytes.data() + file.place, source, count);
+    file.place += count;
+    return size;
+}
+
+toff_t seek(thandle_t handle, toff_t offset, int whence) {
+    MemoryFile& file = file_of(handle);
+    const std::size_t base = whence == SEEK_CUR ? file.place : whence == SEEK_END ? file.bytes.size() : 0;
+    return file.place = base + offset;
+}
+
+int close(thandle_t) {
+    return 0;
+}
+
+toff_t size(thandle_t handle) {
+    return file_of(handle).bytes.size();
+}
+
+int keep_quiet(TIFF*, void*, const char*, const char*, va_list) {
+    return 1;
+}
+
+struct Close {
+    void operator()(TIFF* tiff) const { TIFFClose(tiff); }
+    void operator()(TIFFOpenOptions* options) const { TIFFOpenOptionsFree(options); }
+};
+using Tiff = std::unique_ptr<TIFF, Close>;
+
+Tiff open(MemoryFile& file) {
+    const std::unique_ptr<TIFFOpenOptions, Close> options(TIFFOpenOptionsAlloc());
+    if (!options) return nullptr;
+    TIFFOpenOptionsSetErrorHandlerExtR(options.get(), keep_quiet, nullptr);
+    TIFFOpenOptionsSetWarningHandlerExtR(options.get(), keep_quiet, nullptr);
+    // Little-endian on every machine.
+    return Tiff(TIFFClientOpenExt("", "wl", &file, read, write, seek, close, size, nullptr, nullptr, options.get()));
+}
+
+/// How pixels are stored.
+struct Layout {
+    bool bilevel = false;
+    std::uint16_t channels = 1;
+    std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
+    Shades shades{};
+};
+
+Layout layout_of(bool antialias, const Inks& inks) {
+    const bool black_dots = inks.foreground == kBlack && inks.background == kWhite;
+    const bool white_dots = inks.foreground == kWhite && inks.background == kBlack;
+    Layout layout;
+    layout.shades = shades_of(inks);
+    if (!antialias && (black_dots || white_dots)) {
+        layout.bilevel = true;
+        layout.photometric = black_dots ? PHOTOMETRIC_MINISWHITE : PHOTOMETRIC_MINISBLACK;
+    } else if (!are_grey(inks)) {
+        layout.channels = inks.background.transparent ? 4 : 3;
+        layout.photometric = PHOTOMETRIC_RGB;
+    }
+    return layout;
+}
+
+/// Turns one row of coverages into a row of the file. Of bilevel ones a set bit is a dot.
+void pack_row(const std::uint8_t* coverage, std::size_t width, const Layout& layout, std::uint8_t* row) {
+    if (layout.bilevel) {
+        std::fill(row, row + (width + 7) / 8, std::uint8_t{0});
+        for (std::size_t x = 0; x < width; ++x) {
+            if (coverage[x] != 0) row[x / 8] = static_cast<std::uint8_t>(row[x / 8] | 128U >> x % 8);
+        }
+        return;
+    }
+    for (std::size_t x = 0; x < width; ++x) row = std::copy_n(layout.shades[coverage[x]].begin(), layout.channels, row);
+}
+
+bool write_header(TIFF* tiff, const Raster& raster, const Layout& layout, std::optional<double> width_mm) {
+    const std::uint16_t alpha = EXTRASAMPLE_UNASSALPHA;
+    const double resolution = width_mm ? raster.width / *width_mm * kMillimetresPerInch : 1;
+    return TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(raster.width)) &&
+           TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(raster.height)) &&
+           TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, layout.bilevel ? 1 : 8) &&
+           TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, layout.channels) &&
+           TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, layout.photometric) &&
+           (layout.channels < 4 || TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &alpha)) &&
+           TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) &&
+           TIFFSetField(tiff, TIFFTAG_COMPRESSION,
+                        layout.bilevel ? COMPRESSION_CCITTFAX4 : COMPRESSION_ADOBE_DEFLATE) &&
+           (layout.bilevel || TIFFSetField(tiff, TIFFTAG_ZIPQUALITY, 1)) &&
+           TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, width_mm ? RESUNIT_INCH : RESUNIT_NONE) &&
+           TIFFSetField(tiff, TIFFTAG_XRESOLUTION, resolution) && TIFFSetField(tiff, TIFFTAG_YRESOLUTION, resolution) &&
+           TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, TIFFDefaultStripSize(tiff, 0));
+}
+
+bool write_rows(TIFF* tiff, const Raster& raster, const Layout& layout, const std::stop_token& stop) {
+    const auto width = static_cast<std::size_t>(raster.width);
+    std::vector<std::uint8_t> row(width * layout.channels);
+    for (std::size_t y = 0; y < static_cast<std::size_t>(raster.height); ++y) {
+        if (stop.stop_requested()) return false;
+        pack_row(raster.coverage.data() + y * width, width, layout, row.data());
+        if (TIFFWriteScanline(tiff, row.data(), static_cast<std::uint32_t>(y), 0) < 0) return false;
+    }
+    return TIFFFlush(tiff) != 0;
+}
+
+}  // namespace
+
+Result<std::string> write_tiff(const Raster& raster, bool antialias, const Inks& inks, std::optional<double> width_mm,
+                               const std::stop_token& stop) {
+    const Layout layout = layout_of(antialias, inks);
+    MemoryFile file;
+    Tiff tiff = open(file);
+    const bool written =
+        tiff && write_header(tiff.get(), raster, layout, width_mm) && write_rows(tiff.get(), raster, layout, stop);
+    tiff.reset();
+    if (written) return std::move(file.bytes);
+    if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped while the picture was encoded");
+    return failure(ErrorCode::Internal, "the picture could not be encoded");
+}
+
+}  // namespace ccdt::api
