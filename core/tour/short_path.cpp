@@ -323,7 +323,9 @@ std::vector<std::uint32_t> short_path(std::span<const Point> points, const std::
     // Points that are near in the plane are then near in memory, too.
     std::vector<Point> sorted(unit.size());
     std::transform(start.begin(), start.end(), sorted.begin(), [&](std::uint32_t i) { return unit[i]; });
+    if (stop.stop_requested()) return start;
     const Neighbours neighbours(sorted, stop);
+    if (stop.stop_requested()) return start;
     Shortener shortener(sorted, neighbours);
     shortener.run(stop);
     std::vector<std::uint32_t> path = shortener.path();
