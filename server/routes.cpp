@@ -18,6 +18,7 @@
 #include "server/http/compression.h"
 #include "server/http/cors.h"
 #include "server/http/multipart.h"
+#include "server/page/page.h"
 
 namespace ccdt::server {
 namespace {
@@ -145,6 +146,7 @@ int http_status(ErrorCode code) {
 }
 
 constexpr Routes::Route Routes::kRoutes[] = {
+    {"/", "GET", "GET, HEAD, OPTIONS", &Routes::page},
     {"/halftone", "POST", "POST, OPTIONS", &Routes::halftone},
     {"/sample", "POST", "POST, OPTIONS", &Routes::sample},
     {"/analyze", "POST", "POST, OPTIONS", &Routes::analyze},
@@ -181,6 +183,7 @@ Response Routes::answer(const Request& request, const std::optional<Fault>& faul
 }
 
 const Routes::Route* Routes::find_route(std::string_view path) {
+    if (find_page_file(path) != nullptr) path = "/";  // one route for all of them
     const auto* route = std::ranges::find(kRoutes, path, &Route::path);
     return route == std::end(kRoutes) ? nullptr : route;
 }
@@ -196,6 +199,10 @@ Routes::Outcome Routes::dispatch(const Route* route, const Request& request, Con
         return refused;
     }
     return (this->*route->handler)(request, connection);
+}
+
+Routes::Outcome Routes::page(const Request& request, Connection&) {
+    return page_response(*find_page_file(request.path), request.header("If-None-Match"));
 }
 
 Routes::Outcome Routes::live(const Request&, Connection&) {

@@ -96,6 +96,7 @@ private:
     Outcome halftone(const Request& request, Connection& connection);
     Outcome sample(const Request& request, Connection& connection);
     Outcome analyze(const Request& request, Connection& connection);
+    Outcome page(const Request& request, Connection& connection);
     Outcome live(const Request& request, Connection& connection);
     Outcome ready(const Request& request, Connection& connection);
     Outcome metrics(const Request& request, Connection& connection);

@@ -3,6 +3,8 @@
 #include <string_view>
 #include <utility>
 
+#include "server/page/page.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -12,8 +14,14 @@ bool is_preflight(const Request& request) {
            !request.header("Access-Control-Request-Method").empty();
 }
 
+/// A browser that opens the page sends no key; the page asks for it.
+bool is_of_page(const Request& request) {
+    return (request.method == "GET" || request.method == "HEAD") && find_page_file(request.path) != nullptr;
+}
+
 bool is_open_to_all(const Request& request) {
-    return is_preflight(request) || request.path == "/health" || request.path.starts_with("/health/");
+    return is_preflight(request) || is_of_page(request) || request.path == "/health" ||
+           request.path.starts_with("/health/");
 }
 
 }  // namespace

@@ -221,6 +221,7 @@ std::string_view status_phrase(int status) {
     constexpr auto kPhrases = std::to_array<std::pair<int, std::string_view>>({
         {200, "OK"},
         {204, "No Content"},
+        {304, "Not Modified"},
         {400, "Bad Request"},
         {401, "Unauthorized"},
         {404, "Not Found"},

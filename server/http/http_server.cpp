@@ -280,7 +280,7 @@ private:
     /// cpp-httplib decides on some headers by the request it saw, which is not the client's.
     static void correct_headers(httplib::Response& response) {
         erase_header(response, "Accept-Ranges");
-        if (response.status == 204) erase_header(response, "Content-Length");
+        if (response.status == 204 || response.status == 304) erase_header(response, "Content-Length");
         if (answering->last) erase_header(response, "Keep-Alive");
         if (answering->last) response.set_header("Connection", "close");
         if (!answering->last && answering->request.is_http_1_0) response.set_header("Connection", "keep-alive");

@@ -18,7 +18,8 @@ import unittest
 import numpy
 from PIL import Image
 
-DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+DATA = ROOT / "tests" / "data"
 PICTURES = DATA / "images"
 POLYGONS = DATA / "polygons"
 

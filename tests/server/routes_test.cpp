@@ -79,6 +79,13 @@ TEST_F(RoutesTest, RefusesNewWorkWhileDraining) {
     EXPECT_FALSE(header(refused, "Retry-After").empty());
 }
 
+TEST_F(RoutesTest, CountsThePageAsOneRoute) {
+    EXPECT_EQ(ask("GET / HTTP/1.1").route, "/");
+    EXPECT_EQ(ask("GET /assets/main.js HTTP/1.1").route, "/");
+    EXPECT_EQ(ask("GET /assets/nothing.js HTTP/1.1").status, 404);
+    EXPECT_EQ(header(ask("POST /assets/main.js HTTP/1.1"), "Allow"), "GET, HEAD, OPTIONS");
+}
+
 TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
     EXPECT_EQ(header(ask("GET /health HTTP/1.1"), "Access-Control-Allow-Origin"), "");
 }

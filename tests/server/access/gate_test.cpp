@@ -42,6 +42,16 @@ TEST_F(GateTest, AsksForAKeyIfThereAreAny) {
         EXPECT_TRUE(gate.check(request("", line), "a").fault) << line;
 }
 
+TEST_F(GateTest, LetsThePagePass) {
+    write("alice:" + kKey);
+    Gate gate(config_);
+    ASSERT_TRUE(gate.read_keys());
+    for (const char* line : {"GET /", "HEAD /", "GET /assets/main.js"})
+        EXPECT_FALSE(gate.check(request("", line), "a").fault) << line;
+    for (const char* line : {"POST /", "OPTIONS /", "GET /assets/", "GET /assets/nothing.js"})
+        EXPECT_TRUE(gate.check(request("", line), "a").fault) << line;
+}
+
 TEST_F(GateTest, LetsPreflightsPass) {
     write("alice:" + kKey);
     Gate gate(config_);

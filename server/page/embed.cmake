@@ -1,0 +1,54 @@
+# Writes a source with the page's files in it: cmake -DFOLDER=... -DFILES=a,b -DOUTPUT=... -P embed.cmake
+# index.html is served at /, the others at /assets/ and their names.
+
+set(type_html "text/html; charset=utf-8")
+set(type_css "text/css; charset=utf-8")
+set(type_js "text/javascript; charset=utf-8")
+set(type_svg "image/svg+xml")
+set(type_jpg "image/jpeg")
+
+string(REPLACE "," ";" names "${FILES}")
+set(arrays)
+set(entries)
+set(number 0)
+foreach(name IN LISTS names)
+    file(READ "${FOLDER}/${name}" bytes HEX)
+    file(SHA256 "${FOLDER}/${name}" digest)
+    string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
+    string(REGEX REPLACE "^.*\\." "" extension "${name}")
+    if(NOT DEFINED type_${extension})
+        message(FATAL_ERROR "${name}: no media type is known for it")
+    endif()
+    set(path "/assets/${name}")
+    if(name STREQUAL "index.html")
+        set(path "/")
+    endif()
+    string(APPEND arrays "const unsigned char content${number}[] = {${bytes}};\n")
+    string(APPEND entries "    {\"${path}\", \"${type_${extension}}\", \"${digest}\", text(content${number})},\n")
+    math(EXPR number "${number} + 1")
+endforeach()
+
+file(WRITE "${OUTPUT}" "#include \"server/page/page_files.h\"
+
+#include <cstddef>
+
+namespace ccdt::server {
+namespace {
+
+template <std::size_t size>
+std::string_view text(const unsigned char (&bytes)[size]) {
+    return {reinterpret_cast<const char*>(bytes), size};
+}
+
+${arrays}
+const PageFile files[] = {
+${entries}};
+
+}  // namespace
+
+std::span<const PageFile> page_files() {
+    return files;
+}
+
+}  // namespace ccdt::server
+")

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <span>
+
+#include "server/page/page.h"
+
+namespace ccdt::server {
+
+/// All files of the page. The source is written by the build; see embed.cmake.
+std::span<const PageFile> page_files();
+
+}  // namespace ccdt::server

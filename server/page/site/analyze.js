@@ -1,0 +1,112 @@
+// How even what was made is, beside white noise and the other methods.
+
+import { postJson } from "./api.js";
+import { chart } from "./chart.js";
+import { count, make } from "./dom.js";
+import { Panel } from "./panel.js";
+import { largestSquare, ringsOf, unitTorus } from "./shape.js";
+
+const methods = [["random", "White noise"], ["cvt", "CVT"], ["odt", "ODT"], ["ccvt", "CCVT"], ["ccdt", "CCDT"]];
+const mostToAnalyze = 131072;
+const mostToCompare = 1024;  // CCVT takes a second for these
+const whitest = 2.5;  // power
+
+/** The points in the largest square that fits into a shape, from its corner on. */
+function windowOf({ points, shape }) {
+  if (shape.domain) return { points, domain: shape.domain };
+  const { x, y, side } = largestSquare(ringsOf(shape));
+  const inside = points.map(([px, py]) => [px - x, py - y])
+    .filter(([px, py]) => px >= 0 && py >= 0 && px <= side && py <= side);
+  return { points: inside, domain: { type: "rectangle", width: side, height: side } };
+}
+
+const notes = {
+  torus: "The points tile the plane, and are measured around the torus.",
+  rectangle: "The rectangle is taken for a window on a larger pattern.",
+  polygon: "Measured are the points in the largest square inside the shape, a window on a larger pattern.",
+  halftone: "The picture's own light and dark is part of this spectrum: that is the low power near the middle and left.",
+};
+
+export class Analyze extends Panel {
+  constructor(element, { halftone, sample }) {
+    super(element);
+    Object.assign(this, { halftone, sample });
+    this.source = this.find("#source");
+    this.source.addEventListener("change", () => this.refresh());
+    this.find(".again").addEventListener("click", () => this.refresh());
+  }
+
+  /** @returns  {points, domain, note} of what was made */
+  async #made(signal) {
+    if (this.source.value === "halftone") {
+      const { points, width, height } = await (await this.halftone.ask("json", signal)).json();
+      return { points, domain: { type: "rectangle", width, height }, note: notes.halftone };
+    }
+    const { shape } = this.sample;
+    if (!shape) throw new Error("there are no points yet: make some under Sample");
+    const result = this.sample.result ?? (await this.sample.fetch(signal));
+    return { ...windowOf(result), note: notes[result.shape.domain?.type ?? "polygon"] };
+  }
+
+  refresh() {
+    if (this.element.hidden) return;
+    this.wish(async (signal) => {
+      this.results = [];
+      this.#show();
+      const { points, domain, note } = await this.#made(signal);
+      if (points.length > mostToAnalyze) throw new Error(`only up to ${count(mostToAnalyze)} points are analyzed here; these are ${count(points.length)}`);
+      if (points.length < 2) throw new Error("there are too few points in the largest square inside the shape");
+      this.find(".note").textContent = note;
+      await this.#measure("What was made", points, domain, signal);
+      const sites = Math.min(points.length, mostToCompare);
+      for (const [method, name] of methods) {
+        const other = await postJson("/sample", { sites, method, domain: unitTorus, seed: 1 }, signal);
+        await this.#measure(name, other.points, unitTorus, signal);
+      }
+      this.status.textContent = `Compared with ${count(sites)} points of each method on a torus`;
+    });
+  }
+
+  async #measure(name, points, domain, signal) {
+    const figures = await postJson("/analyze", { points, domain, spectrum: true }, signal);
+    this.results.push({ name, number: points.length, ...figures });
+    this.#show();
+  }
+
+  #show() {
+    this.find(".spectra").replaceChildren(...this.results.map((result, i) => spectrumFigure(result, i)));
+    this.find("tbody").replaceChildren(...this.results.map(row));
+    const place = this.find(".power");
+    place.querySelector("svg")?.remove();
+    if (this.results.length === 0) return;
+    place.append(chart({
+      label: "Power by frequency; the table below has the figures",
+      size: { width: Math.max(place.clientWidth, 320), height: place.clientWidth < 600 ? 240 : 320 },
+      x: { min: 0, max: 4, ticks: [0, 1, 2, 3, 4] },
+      y: { min: 0.00001, max: 10, ticks: [0.00001, 0.0001, 0.001, 0.01, 0.1, 1, 10], log: true },
+      curves: this.results.map(({ frequency, power }, i) => ({
+        points: frequency.map((f, j) => [f, power[j]]), name: `curve-${i}`,
+      })).reverse(),
+    }));
+  }
+}
+
+const figure = (value) => (value === null ? "\u2013" : value < 0.01 ? value.toExponential(1) : value.toFixed(3));
+
+function row(result) {
+  const cells = [count(result.number), figure(result.min_distance), figure(result.mean_distance), figure(result.low_frequency_power)];
+  return make("tr", {}, make("th", { scope: "row", textContent: result.name }), ...cells.map((textContent) => make("td", { textContent })));
+}
+
+/** Black is no power, white `whitest`; frequency 0 is in the middle. */
+function spectrumFigure({ name, spectrum }, index) {
+  const { width, height, values } = spectrum;
+  const image = new ImageData(width, height);
+  values.forEach((power, i) => {
+    const grey = 255 * Math.sqrt(Math.min(power / whitest, 1));
+    image.data.set([grey, grey, grey, 255], 4 * i);
+  });
+  const canvas = make("canvas", { width, height, attributes: { role: "img", "aria-label": `Spectrum: ${name}` } });
+  canvas.getContext("2d").putImageData(image, 0, 0);
+  return make("figure", { className: `curve-${index}` }, canvas, make("figcaption", { textContent: name }));
+}

@@ -1,0 +1,88 @@
+// Requests to the server that the page came from.
+
+const keyName = "ccdt-key";
+
+/** A refusal: what the server said, in words, and which options it said it about. */
+export class Problem extends Error {
+  constructor(status, detail, errors = []) {
+    super(detail);
+    this.status = status;
+    this.errors = errors;
+  }
+}
+
+/** Whether the server has asked for a key. */
+export const hasKey = () => sessionStorage.getItem(keyName) !== null;
+export const setKey = (key) => sessionStorage.setItem(keyName, key);
+
+function headers(type) {
+  const list = {};
+  if (type) list["Content-Type"] = type;
+  if (hasKey()) list.Authorization = `Bearer ${sessionStorage.getItem(keyName)}`;
+  return list;
+}
+
+async function problemOf(response) {
+  const isProblem = response.headers.get("Content-Type")?.startsWith("application/problem+json");
+  const told = isProblem ? await response.json() : { detail: `the server answered ${response.status}` };
+  if (response.status === 401) document.dispatchEvent(new CustomEvent("keyneeded", { detail: told.detail }));
+  return new Problem(response.status, told.detail, told.errors);
+}
+
+/** Posts, and returns the response if it is a good one; else throws a Problem. */
+export async function post(path, body, { type, signal } = {}) {
+  let response;
+  try {
+    response = await fetch(path, { method: "POST", body, signal, headers: headers(type) });
+  } catch (error) {
+    if (error.name === "AbortError") throw error;
+    throw new Problem(0, "the server cannot be reached");
+  }
+  if (!response.ok) throw await problemOf(response);
+  return response;
+}
+
+export const postJson = async (path, body, signal) =>
+  (await post(path, JSON.stringify(body), { type: "application/json", signal })).json();
+
+/**
+ * Runs the newest of many wishes. A draft lets the draft before it end, so that something is seen while a slider
+ * moves; anything else cancels what is under way.
+ */
+export class Newest {
+  #running = null;
+  #next = null;
+
+  constructor({ started, ended }) {
+    this.started = started;
+    this.ended = ended;
+  }
+
+  wish(work, draft = false) {
+    this.#next = null;
+    if (this.#running?.draft && draft) {
+      this.#next = work;
+      return;
+    }
+    this.#running?.cancel.abort();
+    this.#run(work, draft);
+  }
+
+  async #run(work, draft) {
+    const run = { draft, cancel: new AbortController() };
+    this.#running = run;
+    this.started(draft);
+    let problem = null;
+    try {
+      await work(run.cancel.signal);
+    } catch (error) {
+      if (error.name !== "AbortError") problem = error;
+    }
+    if (this.#running !== run) return;
+    this.#running = null;
+    const next = this.#next;
+    this.#next = null;
+    if (next) this.#run(next, true);
+    else this.ended(problem);
+  }
+}

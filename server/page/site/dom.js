@@ -1,0 +1,36 @@
+// Making elements and files.
+
+/** An element with properties, attributes under `attributes`, and children. */
+export function make(tag, { attributes = {}, ...properties } = {}, ...children) {
+  const element = Object.assign(document.createElement(tag), properties);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  element.append(...children);
+  return element;
+}
+
+let saved = null;
+
+/** What was saved before is let go only now: some browsers begin to save after this has returned. */
+export function save(blob, name) {
+  if (saved) URL.revokeObjectURL(saved);
+  saved = URL.createObjectURL(blob);
+  make("a", { href: saved, download: name }).click();
+}
+
+/** Hands over files that are dropped on an element. */
+export function acceptDrops(element, take) {
+  const mark = (over) => (event) => {
+    event.preventDefault();
+    element.classList.toggle("over", over);
+  };
+  element.addEventListener("dragover", mark(true));
+  element.addEventListener("dragleave", mark(false));
+  element.addEventListener("drop", (event) => {
+    mark(false)(event);
+    if (event.dataTransfer.files.length > 0) take(event.dataTransfer.files[0]);
+  });
+}
+
+export const count = (number) => number.toLocaleString("en");
+export const seconds = (start) => `${((performance.now() - start) / 1000).toFixed(2)} s`;
+export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -1,0 +1,117 @@
+// The options of a request as labelled inputs, each with the place where the server's objection to it is shown.
+
+import { make } from "./dom.js";
+
+let made = 0;
+
+/** A slider beside a number. Numbers beyond the slider's ends may be typed; the server is asked whether it takes them. */
+function numberInputs(field, id) {
+  const number = make("input", { id, type: "number", value: field.value, step: field.step ?? "any" });
+  const toSlider = field.log ? Math.log : (x) => x;
+  const fromSlider = field.log ? (x) => Number(Math.exp(x).toPrecision(3)) : (x) => x;
+  const slider = make("input", {
+    type: "range", min: toSlider(field.min), max: toSlider(field.max), step: field.log ? 0.01 : field.step,
+    attributes: { "aria-label": `${field.label}, slider` },
+  });
+  slider.value = toSlider(field.value);
+  slider.addEventListener("input", () => { number.value = Math.round(fromSlider(Number(slider.value)) * 100) / 100; });
+  number.addEventListener("input", () => { slider.value = toSlider(Number(number.value)); });
+  return { number, slider, all: [number, slider] };
+}
+
+function numberField(field, id, change) {
+  const { number, slider, all } = numberInputs(field, id);
+  const entry = make("div", { className: "entry" });
+  const auto = field.auto && make("input", { type: "checkbox", checked: true });
+  const settle = () => all.forEach((input) => { input.disabled = auto?.checked ?? false; });
+  if (auto) {
+    entry.append(make("label", {}, auto, "auto"));
+    auto.addEventListener("change", () => { settle(); change(false); });
+  }
+  settle();
+  entry.append(number);
+  slider.addEventListener("input", () => change(true));
+  slider.addEventListener("change", () => change(false));
+  number.addEventListener("change", () => change(false));
+  const value = () => (auto?.checked ? undefined : number.value === "" ? "" : Number(number.value));
+  return { input: number, parts: [entry, slider], value };
+}
+
+function choiceField(field, id, change) {
+  const select = make("select", { id }, ...field.choices.map(([value, text]) => new Option(text, value)));
+  select.addEventListener("change", () => change(false));
+  return { input: select, parts: [select], value: () => select.value };
+}
+
+function checkField(field, id, change) {
+  const box = make("input", { id, type: "checkbox", checked: field.checked ?? false });
+  box.addEventListener("change", () => change(false));
+  return { input: box, parts: [box], value: () => box.checked };
+}
+
+function colourField(field, id, change) {
+  const well = make("input", { id, type: "color", value: field.value });
+  const entry = make("div", { className: "entry" });
+  const none = field.transparent && make("input", { type: "checkbox" });
+  if (none) entry.append(make("label", {}, none, "transparent"));
+  none?.addEventListener("change", () => { well.disabled = none.checked; change(false); });
+  entry.append(well);
+  well.addEventListener("input", () => change(true));
+  well.addEventListener("change", () => change(false));
+  return { input: well, parts: [entry], value: () => (none?.checked ? "transparent" : well.value) };
+}
+
+const makers = { number: numberField, choice: choiceField, check: checkField, colour: colourField };
+
+/**
+ * Fields in a form. `change(draft)` is called while a slider moves, with true, and when it rests.
+ * A field has `name`, `label`, `kind`, `value` (the default, which is left out of requests).
+ */
+export class Fields {
+  #entries = [];
+
+  constructor(form, fields, change) {
+    form.addEventListener("submit", (event) => event.preventDefault());
+    for (const field of fields) this.#add(form, field, change);
+  }
+
+  #add(form, field, change) {
+    const id = `field-${++made}`;
+    const entry = { field, ...makers[field.kind](field, id, change) };
+    entry.error = make("p", { id: `${id}-error`, className: "error" });
+    entry.input.setAttribute("aria-describedby", entry.error.id);
+    entry.element = make("div", { className: "field", attributes: { "data-name": field.name } },
+      make("label", { htmlFor: id, textContent: field.label }), ...entry.parts, entry.error);
+    form.append(entry.element);
+    this.#entries.push(entry);
+  }
+
+  #find(name) {
+    return this.#entries.find((entry) => entry.field.name === name);
+  }
+
+  /** What differs from the server's defaults, by name. */
+  values() {
+    const all = this.#entries.map((entry) => [entry.field.name, entry.value(), entry.field.standard]);
+    return Object.fromEntries(all.filter(([, value, standard]) => value !== undefined && value !== standard));
+  }
+
+  enable(name, enabled) {
+    this.#find(name).input.disabled = !enabled;
+  }
+
+  /** Puts each objection beside the field that it is about; returns those that belong to none. */
+  show(errors) {
+    for (const entry of this.#entries) {
+      entry.error.textContent = "";
+      entry.input.removeAttribute("aria-invalid");
+    }
+    return errors.filter(({ pointer, detail }) => {
+      const entry = this.#find(pointer.replace(/^\//, "").split("/")[0]);
+      if (!entry) return true;
+      entry.error.textContent = detail;
+      entry.input.setAttribute("aria-invalid", "true");
+      return false;
+    });
+  }
+}

@@ -1,0 +1,144 @@
+// A picture becomes dots.
+
+import { post } from "./api.js";
+import { acceptDrops, count, seconds } from "./dom.js";
+import { Fields } from "./fields.js";
+import { Panel } from "./panel.js";
+import { Snippets } from "./snippets.js";
+import { Viewport } from "./viewport.js";
+
+const draftOptions = { quality: "draft", iterations: 1, passes: 2 };
+const thumbWidth = 32;
+
+const fields = [
+  { kind: "number", name: "sites", label: "Dots", value: 20000, min: 200, max: 200000, step: 1, log: true },
+  { kind: "number", name: "dot", label: "Radius, pixels", value: 3, min: 0.5, max: 12, step: 0.1, auto: true },
+  { kind: "choice", name: "tone", label: "Tone", standard: "linear", choices: [["linear", "linear"], ["perceptual", "perceptual: lighter"]] },
+  { kind: "check", name: "invert", label: "Invert", standard: false },
+  { kind: "check", name: "antialias", label: "Soft rims", checked: true, standard: false },
+  { kind: "colour", name: "foreground", label: "Dots' colour", value: "#000000", standard: "#000000" },
+  { kind: "colour", name: "background", label: "Paper", value: "#ffffff", standard: "#ffffff", transparent: true },
+  { kind: "choice", name: "quality", label: "Quality", standard: "standard", choices: [["standard", "standard"], ["draft", "draft: faster"], ["best", "best: slower"]] },
+  { kind: "number", name: "seed", label: "Seed", value: 0, min: 0, max: 100, step: 1, standard: 0 },
+];
+
+export class Halftone extends Panel {
+  #picture = null;
+  #original = null;
+  #dots = null;
+
+  constructor(element) {
+    super(element);
+    this.divider = this.find(".divider");
+    this.viewport = new Viewport(this.find("canvas"), this.find(".zoom"), (...args) => this.#draw(...args));
+    this.fields = new Fields(this.find("form"), fields, (draft) => this.refresh(draft));
+    this.snippets = new Snippets(this.find(".snippets"));
+    this.divider.addEventListener("input", () => this.viewport.redraw());
+    this.addDownloads(["png", "svg", "csv", "json"], "dots", (format, signal) => this.ask(format, signal));
+    this.#listenForPictures();
+  }
+
+  #listenForPictures() {
+    this.thumbs = [...this.element.querySelectorAll(".thumb")];
+    for (const thumb of this.thumbs) thumb.addEventListener("click", () => this.chooseSample(thumb.dataset.sample));
+    this.find(".file").addEventListener("change", ({ target }) => {
+      if (target.files.length > 0) this.#choose(target.files[0], { name: target.files[0].name });
+      target.value = "";
+    });
+    acceptDrops(this.find(".drop"), (file) => this.#choose(file, { name: file.name }));
+    document.addEventListener("paste", (event) => {
+      const [file] = event.clipboardData.files;
+      if (file && !this.element.hidden) this.#choose(file, { name: file.name });
+    });
+  }
+
+  async chooseSample(name) {
+    const path = `/assets/samples/${name}`;
+    this.element.dataset.state = "busy";
+    await this.#choose(await (await fetch(path)).blob(), { name, path });
+  }
+
+  /** A picture that the browser cannot draw, such as a TIFF, still has its dots drawn by the server. */
+  async #choose(blob, { name, path }) {
+    this.element.dataset.state = "busy";
+    this.#picture = { blob, name, path };
+    this.#dots = null;
+    for (const thumb of this.thumbs) thumb.setAttribute("aria-pressed", String(path?.endsWith(thumb.dataset.sample) ?? false));
+    const picture = this.#picture;
+    const original = await createImageBitmap(blob).catch(() => null);
+    if (picture !== this.#picture) return;
+    this.#original = original;
+    this.refresh(false);
+  }
+
+  /** A radius is in pixels of the output, whose scale then must stay what it was when the radius was seen. */
+  #options() {
+    const options = this.fields.values();
+    if (options.dot !== undefined && this.#original && this.#dots)
+      options.scale = Math.round((100 * this.#dots.width) / this.#original.width) / 100;
+    return options;
+  }
+
+  /** What the panel shows, in a format. */
+  ask(format, signal) {
+    return this.#post({ ...this.#options(), format }, signal);
+  }
+
+  #post(options, signal) {
+    if (!this.#picture) throw new Error("choose a picture first");
+    return post(`/halftone?${new URLSearchParams(options)}`, this.#picture.blob, { signal, type: "application/octet-stream" });
+  }
+
+  refresh(draft = false) {
+    if (!this.#picture) return;
+    const options = this.#options();
+    this.snippets.showHalftone({ picture: this.#picture, options });
+    this.wish(async (signal) => {
+      const start = performance.now();
+      const response = await this.#post({ ...options, ...(draft ? draftOptions : {}) }, signal);
+      const dots = await createImageBitmap(await response.blob());
+      if (signal.aborted) return;
+      this.#show(dots);
+      if (!draft) this.status.textContent = `${count(Number(options.sites))} dots, ${dots.width} \u00d7 ${dots.height} pixels, ${seconds(start)}`;
+    }, draft);
+  }
+
+  /** Place and zoom stay while the picture does, though the scale of its output may change. */
+  #show(dots) {
+    this.#dots = dots;
+    const { width, height } = this.#original ?? dots;
+    this.viewport.unit = dots.width / width / devicePixelRatio;
+    this.viewport.content = { width, height };
+  }
+
+  place(errors) {
+    const left = this.fields.show(errors);
+    const aboutPicture = left.filter(({ pointer }) => pointer === "image");
+    this.find(".picture-error").textContent = aboutPicture.map(({ detail }) => detail).join("; ");
+    return left.filter((error) => !aboutPicture.includes(error));
+  }
+
+  #draw(context, view) {
+    if (!this.#dots) return;
+    const { width, height } = this.#original ?? this.#dots;
+    const place = [view.x, view.y, width * view.scale, height * view.scale];
+    const pixel = (view.scale * width * devicePixelRatio) / this.#dots.width;
+    context.imageSmoothingEnabled = pixel < 1;
+    context.imageSmoothingQuality = "high";
+    context.drawImage(this.#dots, ...place);
+    this.divider.hidden = this.#original === null;
+    if (this.#original) this.#drawOriginal(context, view, place);
+  }
+
+  #drawOriginal(context, view, place) {
+    const share = Number(this.divider.value) / 100;
+    const end = thumbWidth / 2 + share * (view.size.width - thumbWidth);
+    context.save();
+    context.beginPath();
+    context.rect(0, 0, share === 0 ? 0 : end, view.size.height);
+    context.clip();
+    context.imageSmoothingEnabled = true;
+    context.drawImage(this.#original, ...place);
+    context.restore();
+  }
+}

@@ -1,0 +1,53 @@
+// What the three panels have in common: progress, status, errors.
+
+import { hasKey, Newest } from "./api.js";
+import { make, save } from "./dom.js";
+
+export class Panel {
+  constructor(element) {
+    this.element = element;
+    this.progress = element.querySelector("progress");
+    this.status = element.querySelector(".status");
+    this.error = element.querySelector(".general");
+    this.newest = new Newest({
+      started: () => { this.progress.hidden = false; },
+      ended: (problem) => { this.progress.hidden = true; this.show(problem); },
+    });
+  }
+
+  find(selector) {
+    return this.element.querySelector(selector);
+  }
+
+  /** Shows a problem, or that there is none; `place(errors)` returns those that it has no place for. */
+  show(problem) {
+    this.element.dataset.state = problem ? "failed" : "done";
+    const left = this.place(problem?.errors ?? []);
+    const isToldElsewhere = !problem || (problem.errors?.length > 0 && left.length === 0) ||
+      (problem.status === 401 && !hasKey());
+    this.error.textContent = isToldElsewhere ? "" : problem.message;
+    if (problem) this.status.textContent = "";
+  }
+
+  place(errors) {
+    return errors;
+  }
+
+  /** Asks for work; a draft while something moves. */
+  wish(work, draft = false) {
+    this.element.dataset.state = "busy";
+    this.newest.wish(work, draft);
+  }
+
+  /** Buttons that save what `ask(format, signal)` answers. */
+  addDownloads(formats, name, ask) {
+    const place = this.find(".downloads");
+    for (const format of formats) {
+      const button = make("button", { type: "button", textContent: format === "geojson" ? "GeoJSON" : format.toUpperCase() });
+      button.addEventListener("click", () => this.wish(async (signal) => {
+        save(await (await ask(format, signal)).blob(), `${name}.${format}`);
+      }));
+      place.append(button);
+    }
+  }
+}

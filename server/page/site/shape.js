@@ -1,0 +1,88 @@
+// Shapes to sample: what the request says of them, their outlines, their extent.
+
+export const unitTorus = { type: "torus", width: 1, height: 1 };
+export const rectangle = { type: "rectangle", width: 1.5, height: 1 };
+
+export const firstPolygon = {
+  polygon: [[0.1, 0.1], [0.75, 0.04], [1.4, 0.16], [1.3, 0.62], [1.42, 0.94], [0.85, 0.8], [0.36, 0.96], [0.06, 0.6]],
+  holes: [[[0.5, 0.32], [0.78, 0.28], [0.86, 0.52], [0.6, 0.62]]],
+};
+
+/** The geometry of a GeoJSON file: its own, its feature's, or the first of its features that has an area. */
+export function geometryOf(json) {
+  if (json?.type === "FeatureCollection") return json.features.map(geometryOf).find(Boolean) ?? null;
+  if (json?.type === "Feature") return geometryOf(json.geometry);
+  return ["Polygon", "MultiPolygon"].includes(json?.type) ? { type: json.type, coordinates: json.coordinates } : null;
+}
+
+const boxRing = ({ width, height }) => [[0, 0], [width, 0], [width, height], [0, height]];
+
+/** The rings of a shape, of which one that is inside an odd number of others is a hole. */
+export function ringsOf(shape) {
+  if (shape.domain) return [boxRing(shape.domain)];
+  if (shape.polygon) return [shape.polygon, ...(shape.holes ?? [])];
+  const { type, coordinates } = shape.geometry;
+  return type === "Polygon" ? coordinates : coordinates.flat();
+}
+
+export function boundsOf(rings) {
+  const bounds = { minX: Infinity, minY: Infinity, maxX: -Infinity, maxY: -Infinity };
+  for (const [x, y] of rings.flat()) {
+    bounds.minX = Math.min(bounds.minX, x);
+    bounds.maxX = Math.max(bounds.maxX, x);
+    bounds.minY = Math.min(bounds.minY, y);
+    bounds.maxY = Math.max(bounds.maxY, y);
+  }
+  return bounds;
+}
+
+function signedArea(ring) {
+  let twice = 0;
+  ring.forEach(([x, y], i) => {
+    const [nextX, nextY] = ring[(i + 1) % ring.length];
+    twice += x * nextY - nextX * y;
+  });
+  return twice / 2;
+}
+
+export function isInside([x, y], rings) {
+  let odd = false;
+  for (const ring of rings) {
+    ring.forEach(([ax, ay], i) => {
+      const [bx, by] = ring[(i + 1) % ring.length];
+      if (ay > y !== by > y && x < ax + ((y - ay) / (by - ay)) * (bx - ax)) odd = !odd;
+    });
+  }
+  return odd;
+}
+
+export function areaOf(rings) {
+  return Math.abs(rings.reduce((sum, ring, i) => {
+    const isHole = isInside(ring[0], rings.filter((_, j) => j !== i));
+    return sum + (isHole ? -1 : 1) * Math.abs(signedArea(ring));
+  }, 0));
+}
+
+/**
+ * About the largest square inside: the largest of a grid's cells' squares whose nodes are all inside.
+ * @returns  {x, y, side}, side 0 if there is none
+ */
+export function largestSquare(rings, cells = 96) {
+  const { minX, minY, maxX, maxY } = boundsOf(rings);
+  const step = Math.max(maxX - minX, maxY - minY) / cells;
+  const columns = Math.floor((maxX - minX) / step) + 1;
+  const rows = Math.floor((maxY - minY) / step) + 1;
+  let best = { x: minX, y: minY, side: 0 };
+  let above = new Array(columns).fill(0);
+  for (let row = 0; row < rows; ++row) {
+    const current = [];
+    for (let column = 0; column < columns; ++column) {
+      const inside = isInside([minX + column * step, minY + row * step], rings);
+      current.push(inside ? 1 + Math.min(above[column], above[column - 1] ?? 0, current[column - 1] ?? 0) : 0);
+      const side = (current[column] - 1) * step;
+      if (side > best.side) best = { x: minX + column * step - side, y: minY + row * step - side, side };
+    }
+    above = current;
+  }
+  return best;
+}

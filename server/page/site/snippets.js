@@ -1,0 +1,108 @@
+// The request on the page as lines that work elsewhere when pasted.
+
+import { hasKey } from "./api.js";
+import { make } from "./dom.js";
+
+const shellQuoted = (text) => `'${text.replaceAll("'", "'\\''")}'`;
+const query = (options) => {
+  const text = new URLSearchParams(options).toString();
+  return text && `?${text}`;
+};
+const authorizations = {
+  curl: ' -H "Authorization: Bearer $CCDT_KEY"',
+  fetch: ", headers: {Authorization: `Bearer ${process.env.CCDT_KEY}`}",
+  python: ', headers={"Authorization": "Bearer " + os.environ["CCDT_KEY"]}',
+};
+
+/** A picture that the server has comes from there, another from the folder that one is in. */
+function halftoneSnippets({ picture, options }) {
+  const url = `${location.origin}/halftone${query(options)}`;
+  const at = picture.path && location.origin + picture.path;
+  const allow = (kind) => (hasKey() ? authorizations[kind] : "");
+  const output = `dots.${options.format ?? "png"}`;
+  const file = JSON.stringify(picture.name);
+  const curl = at
+    ? `curl -s ${shellQuoted(at)} |\n  curl${allow("curl")} --data-binary @- ${shellQuoted(url)} -o ${output}`
+    : `curl${allow("curl")} --data-binary ${shellQuoted(`@${picture.name}`)} \\\n  ${shellQuoted(url)} -o ${output}`;
+  const read = at
+    ? `const picture = await (await fetch("${at}")).blob();`
+    : `const {readFile} = await import("node:fs/promises");\nconst picture = await readFile(${file});`;
+  const script = `${read}
+const answer = await fetch("${url}",
+  {method: "POST", body: picture${allow("fetch")}});
+if (!answer.ok) throw new Error(await answer.text());
+const dots = await answer.blob();
+console.log(dots.type, dots.size);`;
+  const python = `${hasKey() ? "import os\n" : ""}from urllib.request import Request, urlopen
+
+picture = ${at ? `urlopen("${at}").read()` : `open(${file}, "rb").read()`}
+request = Request("${url}", picture${allow("python")})
+with urlopen(request) as answer, open("${output}", "wb") as file:
+    file.write(answer.read())`;
+  return { curl, "fetch()": script, Python: python };
+}
+
+function sampleSnippets({ body }) {
+  const url = `${location.origin}/sample`;
+  const text = JSON.stringify(body);
+  const allow = (kind) => (hasKey() ? authorizations[kind] : "");
+  const curl = `curl${allow("curl")} -d ${shellQuoted(text)} \\\n  ${url} -o points.json`;
+  const script = `const answer = await fetch("${url}",
+  {method: "POST", body: JSON.stringify(${text})${allow("fetch")}});
+if (!answer.ok) throw new Error(await answer.text());
+const {points, variation} = await answer.json();
+console.log(points.length, variation);`;
+  const python = `import json
+${hasKey() ? "import os\n" : ""}from urllib.request import Request, urlopen
+
+body = json.loads(r'''${text}''')
+request = Request("${url}", json.dumps(body).encode()${allow("python")})
+with urlopen(request) as answer:
+    result = json.load(answer)
+print(len(result["points"]), result["variation"])`;
+  return { curl, "fetch()": script, Python: python };
+}
+
+/** Shows one kind of snippet at a time, and copies it. */
+export class Snippets {
+  #texts = {};
+  #kind = "curl";
+
+  constructor(element) {
+    const kinds = ["curl", "fetch()", "Python"].map((kind) => {
+      const button = make("button", { type: "button", textContent: kind });
+      button.addEventListener("click", () => { this.#kind = kind; this.#refresh(); });
+      return button;
+    });
+    const copy = make("button", { type: "button", className: "copy", textContent: "Copy" });
+    copy.addEventListener("click", () => this.#copy());
+    this.buttons = kinds;
+    this.copy = copy;
+    this.text = make("pre", { tabIndex: 0, attributes: { role: "region", "aria-label": "The request" } });
+    element.append(make("div", { className: "kinds" }, ...kinds, copy), this.text);
+  }
+
+  /** Browsers let pages write to the clipboard only over HTTPS and on the same machine; elsewhere the text is selected. */
+  async #copy() {
+    getSelection().selectAllChildren(this.text);
+    if (!navigator.clipboard) return;
+    await navigator.clipboard.writeText(this.text.textContent);
+    this.copy.textContent = "Copied";
+  }
+
+  #refresh() {
+    for (const button of this.buttons) button.setAttribute("aria-pressed", String(button.textContent === this.#kind));
+    this.text.textContent = this.#texts[this.#kind] ?? "";
+    this.copy.textContent = "Copy";
+  }
+
+  showHalftone(request) {
+    this.#texts = halftoneSnippets(request);
+    this.#refresh();
+  }
+
+  showSample(request) {
+    this.#texts = sampleSnippets(request);
+    this.#refresh();
+  }
+}

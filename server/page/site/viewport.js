@@ -1,0 +1,170 @@
+// A canvas whose content is moved and zoomed by mouse, touch, keys and buttons.
+
+import { make } from "./dom.js";
+
+const zoomStep = 1.25;
+const arrows = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+export class Viewport {
+  #canvas;
+  #draw;
+  #content = { width: 1, height: 1 };
+  #fitted = true;
+  #pointers = new Map();
+  #scheduled = false;
+  #fit = 1;
+  scale = 1;
+  x = 0;
+  y = 0;
+
+  /** The scale that is called 100 %; null: that which fits. */
+  unit = null;
+
+  /**
+   * @param canvas   in a frame that gives it its size
+   * @param bar      where the buttons go
+   * @param draw     called with a context in which 1 is a CSS pixel, and this
+   * @param options  margin in CSS pixels; press(point), which may take a press for itself by returning what is to be
+   *                 called with each point that follows and then with null
+   */
+  constructor(canvas, bar, draw, { margin = 16, press = () => null } = {}) {
+    this.#canvas = canvas;
+    this.#draw = draw;
+    this.margin = margin;
+    this.press = press;
+    this.#addButtons(bar);
+    this.#listen();
+    new ResizeObserver(() => this.#resize()).observe(canvas);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redraw());
+  }
+
+  get size() {
+    return { width: this.#canvas.clientWidth, height: this.#canvas.clientHeight };
+  }
+
+  /** What is shown is that large, in its own units. */
+  set content({ width, height }) {
+    const same = width === this.#content.width && height === this.#content.height;
+    this.#content = { width, height };
+    if (same) this.redraw();
+    else this.fit();
+  }
+
+  fit() {
+    const { width, height } = this.size;
+    if (width === 0) return;
+    this.#fitted = true;
+    const room = (side) => Math.max(side - 2 * this.margin, 1);
+    this.#fit = Math.min(room(width) / this.#content.width, room(height) / this.#content.height);
+    this.scale = this.#fit;
+    this.x = (width - this.scale * this.#content.width) / 2;
+    this.y = (height - this.scale * this.#content.height) / 2;
+    this.redraw();
+  }
+
+  zoom(factor, at = { x: this.size.width / 2, y: this.size.height / 2 }) {
+    const scale = Math.min(Math.max(this.scale * factor, this.#fit / 4), this.#fit * 1000);
+    this.x = at.x - ((at.x - this.x) * scale) / this.scale;
+    this.y = at.y - ((at.y - this.y) * scale) / this.scale;
+    this.scale = scale;
+    this.#fitted = false;
+    this.redraw();
+  }
+
+  move(x, y) {
+    this.x += x;
+    this.y += y;
+    this.#fitted = false;
+    this.redraw();
+  }
+
+  toContent({ x, y }) {
+    return { x: (x - this.x) / this.scale, y: (y - this.y) / this.scale };
+  }
+
+  redraw() {
+    if (this.#scheduled) return;
+    this.#scheduled = true;
+    requestAnimationFrame(() => {
+      this.#scheduled = false;
+      const context = this.#canvas.getContext("2d");
+      const ratio = devicePixelRatio;
+      context.setTransform(ratio, 0, 0, ratio, 0, 0);
+      context.clearRect(0, 0, this.size.width, this.size.height);
+      this.#draw(context, this);
+      this.percent.textContent = `${Math.round(100 * this.scale / (this.unit ?? this.#fit))} %`;
+    });
+  }
+
+  #resize() {
+    const { width, height } = this.size;
+    if (width === 0) return;
+    this.#canvas.width = Math.round(width * devicePixelRatio);
+    this.#canvas.height = Math.round(height * devicePixelRatio);
+    if (this.#fitted) this.fit();
+    else this.redraw();
+  }
+
+  #addButtons(bar) {
+    const button = (text, label, act) => {
+      const element = make("button", { type: "button", textContent: text, attributes: { "aria-label": label } });
+      element.addEventListener("click", act);
+      return element;
+    };
+    this.percent = make("output", { attributes: { "aria-label": "Zoom", "aria-live": "off" } });
+    bar.append(button("\u2212", "Zoom out", () => this.zoom(1 / zoomStep)), this.percent,
+      button("+", "Zoom in", () => this.zoom(zoomStep)), button("Fit", "Fit", () => this.fit()));
+  }
+
+  #listen() {
+    const canvas = this.#canvas;
+    canvas.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      this.zoom(Math.exp(-event.deltaY * (event.deltaMode === 0 ? 0.002 : 0.06)), this.#place(event));
+    }, { passive: false });
+    canvas.addEventListener("pointerdown", (event) => this.#down(event));
+    canvas.addEventListener("pointermove", (event) => this.#moved(event));
+    for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => this.#up(event));
+    canvas.addEventListener("keydown", (event) => this.#key(event));
+  }
+
+  #place(event) {
+    return { x: event.offsetX, y: event.offsetY };
+  }
+
+  #down(event) {
+    if (event.button !== 0) return;
+    this.#canvas.setPointerCapture(event.pointerId);
+    const at = this.#place(event);
+    this.taken = this.#pointers.size === 0 ? this.press(at) : null;
+    this.#pointers.set(event.pointerId, at);
+  }
+
+  #moved(event) {
+    const before = this.#pointers.get(event.pointerId);
+    if (!before) return;
+    const at = this.#place(event);
+    this.#pointers.set(event.pointerId, at);
+    if (this.taken) return this.taken(at);
+    const other = [...this.#pointers].find(([id]) => id !== event.pointerId)?.[1];
+    if (!other) return this.move(at.x - before.x, at.y - before.y);
+    const distance = (p) => Math.max(Math.hypot(p.x - other.x, p.y - other.y), 1);
+    this.zoom(distance(at) / distance(before), { x: (at.x + other.x) / 2, y: (at.y + other.y) / 2 });
+  }
+
+  #up(event) {
+    if (!this.#pointers.delete(event.pointerId)) return;
+    this.taken?.(null);
+    this.taken = null;
+  }
+
+  #key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === "+" || event.key === "=") this.zoom(zoomStep);
+    else if (event.key === "-") this.zoom(1 / zoomStep);
+    else if (event.key === "0") this.fit();
+    else if (arrows[event.key]) this.move(...arrows[event.key].map((step) => 40 * step));
+    else return;
+    event.preventDefault();
+  }
+}

@@ -1,0 +1,87 @@
+"""GET /: the page, as it comes over the wire."""
+
+import gzip
+import pathlib
+import re
+import tempfile
+import unittest
+
+from harness import ROOT, Server, ServerCase, ask
+
+SITE = ROOT / "server" / "page" / "site"
+
+
+def path_of(file):
+    name = file.relative_to(SITE).as_posix()
+    return "/" if name == "index.html" else "/assets/" + name
+
+
+FILES = {path_of(file): file.read_bytes() for file in SITE.rglob("*") if file.is_file()}
+
+
+class Page(ServerCase):
+    flags = ("--cors-origin=https://a.example",)
+
+    def test_has_all_files(self):
+        self.assertGreater(len(FILES), 10)
+        for path, content in FILES.items():
+            answer = self.ask(path)
+            self.assertEqual((answer.status, answer.body), (200, content), path)
+            self.assertEqual(answer.headers["x-content-type-options"], "nosniff")
+            self.assertEqual(answer.headers["cache-control"], "no-cache")
+
+    def test_refers_to_nothing_that_is_not_there(self):
+        for path, content in FILES.items():
+            if path.endswith((".js", "/")):
+                for name in re.findall(rb'(?:src|href)="([^"]+)"', content):
+                    self.assertIn(name.decode(), FILES, path)
+                for name in re.findall(rb'from "\./([^"]+)"', content):
+                    self.assertIn("/assets/" + name.decode(), FILES, path)
+
+    def test_names_no_other_host(self):
+        for path, content in FILES.items():
+            if not path.endswith(".jpg"):
+                hosts = set(re.findall(rb"https?://[^\s\"'`)]+", content)) - {b"http://www.w3.org/2000/svg"}
+                self.assertEqual(hosts, set(), path)
+
+    def test_is_small(self):
+        script = sum(len(gzip.compress(content)) for path, content in FILES.items() if not path.endswith(".jpg"))
+        self.assertLess(script, 40_000)
+        for path, content in FILES.items():
+            self.assertLess(len(content), 60_000, path)
+
+    def test_is_compressed_and_revalidated(self):
+        answer = self.ask("/", "--header", "Accept-Encoding: gzip")
+        self.assertEqual(answer.headers["content-encoding"], "gzip")
+        self.assertEqual(gzip.decompress(answer.body), FILES["/"])
+        again = self.ask("/", "--header", "If-None-Match: " + answer.headers["etag"])
+        self.assertEqual((again.status, again.body), (304, b""))
+        self.assertEqual(again.headers["etag"], answer.headers["etag"])
+        self.assertNotIn("content-length", again.headers)
+        self.assertNotIn("content-type", again.headers)
+
+    def test_takes_get_and_head(self):
+        head = self.ask("/", "--head")
+        self.assertEqual((head.status, head.headers["content-length"]), (200, str(len(FILES["/"]))))
+        self.assertEqual(self.ask("/", data=b"x").status, 405)
+        self.assert_problem(self.ask("/assets/nothing.js"), 404)
+        self.assert_problem(self.ask("/index.html"), 404)
+
+    def test_other_origins_get_it_as_configured(self):
+        answer = self.ask("/", "--header", "Origin: https://a.example")
+        self.assertEqual(answer.headers["access-control-allow-origin"], "https://a.example")
+
+
+class Keys(unittest.TestCase):
+    def test_the_page_needs_none(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "keys"
+            file.write_text("alice:alice-0123456789abcdef\n")
+            with Server(f"--api-key-file={file}") as server:
+                for path, content in FILES.items():
+                    self.assertEqual(ask(server, path).body, content)
+                self.assertEqual(ask(server, "/", data=b"x").status, 401)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,54 @@
+#include "server/page/page.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+namespace ccdt::server {
+namespace {
+
+std::string header(const Response& response, std::string_view name) {
+    const auto found = std::ranges::find(response.headers, name, &Header::name);
+    return found == response.headers.end() ? "" : found->value;
+}
+
+TEST(Page, HasItsFilesWithTheirTypes) {
+    ASSERT_NE(find_page_file("/"), nullptr);
+    EXPECT_TRUE(find_page_file("/")->content.starts_with("<!doctype html>"));
+    EXPECT_EQ(find_page_file("/")->media_type, "text/html; charset=utf-8");
+    EXPECT_EQ(find_page_file("/assets/main.js")->media_type, "text/javascript; charset=utf-8");
+    EXPECT_EQ(find_page_file("/assets/samples/cat.jpg")->media_type, "image/jpeg");
+    EXPECT_TRUE(find_page_file("/assets/samples/cat.jpg")->content.starts_with("\xff\xd8\xff"));
+    for (const char* path : {"", "/index.html", "/assets", "/assets/", "/assets/index.html", "/assets/../config.h"})
+        EXPECT_EQ(find_page_file(path), nullptr) << path;
+}
+
+TEST(Page, LetsNothingInFromElsewhere) {
+    const auto response = page_response(*find_page_file("/"), "");
+    const auto policy = header(response, "Content-Security-Policy");
+    EXPECT_TRUE(policy.starts_with("default-src 'none';"));
+    EXPECT_EQ(policy.find("unsafe"), std::string::npos);
+    EXPECT_EQ(header(response, "X-Content-Type-Options"), "nosniff");
+}
+
+TEST(Page, IsSentOnlyOnceWhileItStaysAsItIs) {
+    const PageFile& file = *find_page_file("/");
+    const Response whole = page_response(file, "");
+    EXPECT_EQ(whole.status, 200);
+    EXPECT_EQ(whole.body, file.content);
+    const std::string tag = header(whole, "ETag");
+    EXPECT_TRUE(tag.starts_with("W/\""));
+    for (const std::string& known : {tag, tag.substr(2), "\"a\", " + tag, std::string("*")}) {
+        const Response response = page_response(file, known);
+        EXPECT_EQ(response.status, 304) << known;
+        EXPECT_TRUE(response.body.empty());
+        EXPECT_EQ(header(response, "ETag"), tag);
+    }
+    const std::string other = header(page_response(*find_page_file("/assets/main.js"), ""), "ETag");
+    for (const std::string& unknown : {other, std::string("W/"), std::string("\"\""), tag.substr(0, tag.size() - 1)})
+        EXPECT_EQ(page_response(file, unknown).status, 200) << unknown;
+}
+
+}  // namespace
+}  // namespace ccdt::server
