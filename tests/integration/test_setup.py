@@ -8,7 +8,7 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-SCRIPTS = ("server/run", "tests/run", "tests/bench/service/run", "tests/fuzz/run", "tests/soak/run", ".ci/run",
+SCRIPTS = ("server/run", "tests/run", "tests/bench/service/run", "tests/fuzz/run", "tests/page/install", "tests/soak/run", ".ci/run",
            "docker/packages", "docker/install")
 LIST = ROOT / "docker" / "packages.txt"
 

@@ -1,0 +1,36 @@
+// With API keys the page is open to all, and asks for a key when the server does.
+
+import assert from "node:assert/strict";
+import { mkdtempSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { test } from "node:test";
+
+import { run, settled, useBrowser } from "./harness.js";
+
+const key = "page-0123456789abcdef";
+const folder = mkdtempSync(path.join(tmpdir(), "ccdt-page-"));
+const file = path.join(folder, "keys");
+writeFileSync(file, `page:${key}\n`);
+const world = useBrowser({ flags: [`--api-key-file=${file}`] });
+
+test("asks for a key, and again if it is wrong", async () => {
+  const { page } = world;
+  await page.goto(world.url);
+  await page.waitForSelector("#access:not([hidden])");
+  assert.match(await page.textContent("#key-error"), /API key is needed/);
+  await page.fill("#key", "x".repeat(20));
+  await page.click("#access button");
+  await page.waitForSelector("#key-error:text('unknown')");
+  await page.fill("#key", key);
+  await page.click("#access button");
+  await settled(page, "halftone");
+  assert.ok(await page.isHidden("#access"));
+  await page.reload();
+  await settled(page, "halftone");
+
+  const curl = await page.textContent("#halftone pre");
+  assert.ok(!curl.includes(key));
+  await run("bash", ["-c", curl], { cwd: folder, env: { ...process.env, CCDT_KEY: key } });
+  assert.match(await run("file", ["dots.png"], { cwd: folder }), /PNG image data/);
+});

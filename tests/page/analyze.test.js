@@ -1,0 +1,52 @@
+// The spectrum of what was made, beside white noise and the other methods.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { looksAsKept, settled, useBrowser } from "./harness.js";
+
+const world = useBrowser();
+
+const rows = () => world.page.locator("#analyze tbody tr").evaluateAll((all) =>
+  all.map((row) => [...row.cells].map((cell) => cell.textContent)));
+
+test("analyzes points of the plane and compares them", async () => {
+  await world.page.goto(`${world.url}/#sample`);
+  await settled(world.page, "sample");
+  await world.page.selectOption("#shape", "torus");
+  await settled(world.page, "sample");
+  await world.page.click("#tab-analyze");
+  await settled(world.page, "analyze");
+  const found = await rows();
+  assert.deepEqual(found.map(([name]) => name), ["What was made", "White noise", "CVT", "ODT", "CCVT", "CCDT"]);
+  const [made, noise] = found.map((cells) => cells.slice(1).map((cell) => Number(cell.replace(",", ""))));
+  assert.equal(made[0], 1000);
+  assert.ok(made[3] < 0.01 && noise[3] > 0.5 && noise[3] < 1.5, String([made, noise]));
+  assert.ok(made[1] > 0.7 && noise[1] < 0.2);
+  await looksAsKept(world, world.page.locator("#analyze .spectra"), "analyze-spectra");
+  await looksAsKept(world, world.page.locator("#analyze .power"), "analyze-power");
+});
+
+test("analyzes the largest square inside a polygon", async () => {
+  await world.page.goto(`${world.url}/#sample`);
+  await settled(world.page, "sample");
+  await world.page.click("#tab-analyze");
+  await settled(world.page, "analyze");
+  const [[, number]] = await rows();
+  assert.ok(Number(number) > 100 && Number(number) < 400, number);
+  assert.match(await world.page.textContent("#analyze .note"), /largest square/);
+});
+
+test("analyzes the dots of a picture", async () => {
+  await world.page.goto(world.url);
+  await settled(world.page, "halftone");
+  const sites = world.page.locator("#halftone [data-name=sites] input[type=number]");
+  await sites.fill("2000");
+  await sites.blur();
+  await settled(world.page, "halftone");
+  await world.page.click("#tab-analyze");
+  await settled(world.page, "analyze");
+  await world.page.selectOption("#source", "halftone");
+  await settled(world.page, "analyze");
+  assert.equal((await rows())[0][1], "2,000");
+});

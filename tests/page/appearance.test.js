@@ -1,0 +1,54 @@
+// In light and dark, wide and narrow, by keyboard and for screen readers.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { axe, looksAsKept, settled, useBrowser } from "./harness.js";
+
+const world = useBrowser();
+const panels = ["halftone", "sample", "analyze"];
+
+async function openAll(context, visit) {
+  const page = await context.newPage();
+  await page.goto(world.url);
+  for (const panel of panels) {
+    await page.click(`#tab-${panel}`);
+    await settled(page, panel);
+    await visit(page, panel);
+  }
+  await context.close();
+}
+
+for (const colorScheme of ["light", "dark"]) {
+  for (const [size, viewport] of [["wide", { width: 1280, height: 860 }], ["narrow", { width: 390, height: 844 }]]) {
+    test(`is accessible and fits: ${colorScheme}, ${size}`, async () => {
+      const context = await world.browser.newContext({ colorScheme, viewport, bypassCSP: true });
+      await openAll(context, async (page, panel) => {
+        await page.addScriptTag({ path: axe });
+        const found = await page.evaluate(() => window.axe.run(document));
+        assert.deepEqual(found.violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), [], panel);
+        const width = await page.evaluate(() => document.documentElement.scrollWidth);
+        assert.ok(width <= viewport.width, `${panel} is ${width} wide`);
+        if (panel !== "analyze") await looksAsKept(world, page, `page-${panel}-${colorScheme}-${size}`);
+      });
+    });
+  }
+}
+
+test("works by keyboard alone", async () => {
+  const { page } = world;
+  await page.goto(world.url);
+  await settled(page, "halftone");
+  await page.keyboard.press("Tab");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "tab-halftone");
+  await page.keyboard.press("ArrowRight");
+  await settled(page, "sample");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "tab-sample");
+  await page.keyboard.press("ArrowLeft");
+  await settled(page, "halftone");
+  await page.focus("#halftone [data-name=sites] input[type=range]");
+  const before = await page.textContent("#halftone pre");
+  await page.keyboard.press("ArrowLeft");
+  await settled(page, "halftone");
+  assert.notEqual(await page.textContent("#halftone pre"), before);
+});

@@ -1,0 +1,53 @@
+// What the server objects to stands beside the field that it is about.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { settled, useBrowser } from "./harness.js";
+
+const world = useBrowser({ flags: ["--max-sites=50000"] });
+
+test("options out of range", async () => {
+  const { page } = world;
+  await page.goto(world.url);
+  await settled(page, "halftone");
+  const field = page.locator("#halftone [data-name=sites]");
+  const input = field.locator("input[type=number]");
+  await input.fill("50001");
+  await input.blur();
+  await settled(page, "halftone", "failed");
+  assert.match(await field.locator(".error").textContent(), /50000/);
+  assert.equal(await input.getAttribute("aria-invalid"), "true");
+  assert.equal(await input.getAttribute("aria-describedby"), await field.locator(".error").getAttribute("id"));
+  assert.equal(await page.textContent("#halftone .general"), "");
+  await input.fill("500");
+  await input.blur();
+  await settled(page, "halftone");
+  assert.equal(await field.locator(".error").textContent(), "");
+});
+
+test("a picture that is none", async () => {
+  const { page } = world;
+  await page.goto(world.url);
+  await settled(page, "halftone");
+  await page.setInputFiles("#halftone .file", { name: "letter.txt", mimeType: "text/plain", buffer: Buffer.from("Dear reader") });
+  await settled(page, "halftone", "failed");
+  assert.match(await page.textContent("#halftone .controls .picture-error, #halftone .general"), /image|picture/);
+});
+
+test("a shape that crosses itself, and a file without one", async () => {
+  const { page } = world;
+  await page.goto(`${world.url}/#sample`);
+  await settled(page, "sample");
+  await page.click("#sample summary");
+  await page.fill("#corners", '{"polygon": [[0, 0], [1, 1], [1, 0], [0, 1]]}');
+  await page.locator("#corners").blur();
+  await settled(page, "sample", "failed");
+  assert.match(await page.textContent("#shape-error"), /cross/);
+  await page.fill("#corners", "corners");
+  await page.locator("#corners").blur();
+  assert.match(await page.textContent("#shape-error"), /must be JSON/);
+  await page.setInputFiles("#sample .file", { name: "empty.json", mimeType: "application/json", buffer: Buffer.from("{}") });
+  await settled(page, "sample", "failed");
+  assert.match(await page.textContent("#shape-error"), /empty.json holds no GeoJSON/);
+});

@@ -1,0 +1,164 @@
+// A picture becomes dots.
+
+import assert from "node:assert/strict";
+import { mkdtemp, readFile, rm } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { test } from "node:test";
+
+import { data, looksAsKept, run, settled, slide, useBrowser } from "./harness.js";
+
+const world = useBrowser();
+const picture = path.join(data, "images/camera.png");
+const slider = (name) => world.page.locator(`#halftone [data-name=${name}] input[type=range]`);
+const number = (name) => world.page.locator(`#halftone [data-name=${name}] input[type=number]`);
+
+async function open() {
+  await world.page.goto(world.url);
+  await settled(world.page, "halftone");
+}
+
+/** All requests for dots from now on, with how they ended. */
+function watchRequests() {
+  const seen = [];
+  const isDots = (request) => request.url().includes("/halftone?");
+  world.page.on("request", (request) => { if (isDots(request)) seen.push({ request, url: request.url() }); });
+  world.page.on("requestfailed", (request) => {
+    const entry = seen.find((one) => one.request === request);
+    if (entry) entry.failed = request.failure().errorText;
+  });
+  return seen;
+}
+
+test("shows a picture of its own as dots", async () => {
+  await open();
+  assert.match(await world.page.textContent("#halftone .status"), /^20,000 dots, \d/);
+  await looksAsKept(world, world.page.locator("#halftone .canvas-frame"), "halftone");
+});
+
+test("takes a picture that is chosen, dropped or pasted", async () => {
+  await open();
+  await world.page.setInputFiles("#halftone .file", picture);
+  await settled(world.page, "halftone");
+  await looksAsKept(world, world.page.locator("#halftone .canvas-frame"), "halftone-chosen");
+  const bytes = (await readFile(picture)).toString("base64");
+  for (const [kind, name] of [["drop", "dropped.png"], ["paste", "pasted.png"]]) {
+    await world.page.click("#halftone [data-sample='cat.jpg']");
+    await settled(world.page, "halftone");
+    await world.page.evaluate(([event, file, base64]) => {
+      const content = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+      const transfer = new DataTransfer();
+      transfer.items.add(new File([content], file, { type: "image/png" }));
+      if (event === "drop") document.querySelector("#halftone .drop").dispatchEvent(new DragEvent("drop", { dataTransfer: transfer }));
+      else document.dispatchEvent(new ClipboardEvent("paste", { clipboardData: transfer }));
+    }, [kind, name, bytes]);
+    await settled(world.page, "halftone");
+    assert.match(await world.page.textContent("#halftone pre"), new RegExp(name));
+    await looksAsKept(world, world.page.locator("#halftone .canvas-frame"), "halftone-chosen");
+  }
+});
+
+test("shows a draft while a slider is held", async () => {
+  await open();
+  const seen = watchRequests();
+  await slider("sites").evaluate((input) => {
+    input.value = 7;
+    input.dispatchEvent(new Event("input", { bubbles: true }));
+  });
+  await settled(world.page, "halftone");
+  assert.equal(seen.length, 1);
+  assert.match(seen[0].url, /sites=1090&.*quality=draft/);
+  await looksAsKept(world, world.page.locator("#halftone .canvas-frame"), "halftone-draft");
+});
+
+test("follows a slider with drafts, and is complete once it rests", async () => {
+  await open();
+  const seen = watchRequests();
+  await slide(slider("sites"), [7, 7.5, 8, 8.5]);
+  await settled(world.page, "halftone");
+  const isDraft = ({ url }) => url.includes("quality=draft") && url.includes("iterations=1") && url.includes("passes=2");
+  assert.deepEqual(seen.map(isDraft), [true, false]);
+  assert.match(seen[0].failed, /ABORTED/);  // outdated once the slider rests
+  const sites = await number("sites").inputValue();
+  assert.equal(new URL(seen[1].url).searchParams.get("sites"), sites);
+  assert.match(await world.page.textContent("#halftone .status"), new RegExp(`^${Number(sites).toLocaleString("en")} dots`));
+});
+
+test("asks for what its fields say", async () => {
+  await open();
+  const seen = watchRequests();
+  await number("seed").fill("7");
+  await world.page.check("#halftone [data-name=invert] input");
+  await world.page.selectOption("#halftone [data-name=tone] select", "perceptual");
+  await world.page.locator("#halftone [data-name=foreground] input").fill("#102a66");
+  await world.page.check("#halftone [data-name=background] input[type=checkbox]");
+  await world.page.uncheck("#halftone [data-name=dot] input[type=checkbox]");
+  await number("dot").fill("2.5");
+  await number("dot").blur();
+  await settled(world.page, "halftone");
+  assert.deepEqual(Object.fromEntries(new URL(seen.at(-1).url).searchParams), {
+    sites: "20000", dot: "2.5", tone: "perceptual", invert: "true", antialias: "true", foreground: "#102a66",
+    background: "transparent", seed: "7", scale: "2",
+  });
+});
+
+test("divides before from after, and zooms to the single dot", async () => {
+  await open();
+  const frame = world.page.locator("#halftone .canvas-frame");
+  const { x, y, width, height } = await frame.boundingBox();
+  const knob = (share) => [x + 16 + share * (width - 32), y + height / 2];
+  await world.page.mouse.move(...knob(0.18));
+  await world.page.mouse.down();
+  await world.page.mouse.move(...knob(0.6), { steps: 5 });
+  await world.page.mouse.up();
+  assert.ok(Math.abs(await world.page.inputValue(".divider") - 60) <= 1);
+  await settled(world.page, "halftone");
+  await looksAsKept(world, frame, "halftone-divided");
+  await world.page.focus(".divider");
+  await world.page.keyboard.press("Home");
+  await world.page.focus("#halftone canvas");
+  for (let i = 0; i < 12; ++i) await world.page.keyboard.press("+");
+  await settled(world.page, "halftone");
+  await looksAsKept(world, frame, "halftone-zoomed");
+  await world.page.keyboard.press("0");
+  await world.page.click("#halftone [aria-label='Zoom in']");
+  await world.page.click("#halftone [aria-label=Fit]");
+});
+
+test("saves what it shows", async () => {
+  await open();
+  const begins = { PNG: /^\x89PNG/, JSON: /^\{"points":\[\[/ };
+  for (const [name, beginning] of Object.entries(begins)) {
+    const download = world.page.waitForEvent("download");
+    await world.page.click(`#halftone .downloads button:text-is("${name}")`);
+    const file = await (await download).path();
+    assert.match((await readFile(file, "latin1")).slice(0, 20), beginning);
+    assert.equal((await download).suggestedFilename(), `dots.${name.toLowerCase()}`);
+  }
+});
+
+test("shows lines that ask for the same when pasted", async () => {
+  await open();
+  await number("sites").fill("700");
+  await number("sites").blur();
+  await settled(world.page, "halftone");
+  const folder = await mkdtemp(path.join(tmpdir(), "ccdt-page-"));
+  const snippet = async (kind) => {
+    await world.page.click(`#halftone .kinds button:text-is("${kind}")`);
+    return world.page.textContent("#halftone pre");
+  };
+  for (const chosen of [false, true]) {
+    if (chosen) {
+      await world.page.setInputFiles("#halftone .file", picture);
+      await settled(world.page, "halftone");
+      await run("cp", [picture, folder]);
+    }
+    await run("bash", ["-c", await snippet("curl")], { cwd: folder });
+    const byCurl = await readFile(path.join(folder, "dots.png"));
+    await run("/usr/bin/python3", ["-c", await snippet("Python")], { cwd: folder });
+    assert.deepEqual(await readFile(path.join(folder, "dots.png")), byCurl);
+    const told = await run("node", ["--input-type=module", "--eval", await snippet("fetch()")], { cwd: folder });
+    assert.equal(told, `image/png ${byCurl.length}\n`);
+  }
+  await rm(folder, { recursive: true });
+});

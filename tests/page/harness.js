@@ -1,0 +1,144 @@
+// The real server, its page in headless Chromium, and what pages should look like.
+//
+// In the environment: CCDT_SERVER and CCDT_CHROMIUM, the programs; CCDT_NODE_MODULES, where npm put its packages;
+// CCDT_SHOTS, where screenshots are left that are not as they should be. With CCDT_UPDATE=1 they replace those kept.
+
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { once } from "node:events";
+import { mkdir, readFile, writeFile } from "node:fs/promises";
+import { createRequire } from "node:module";
+import path from "node:path";
+import { createInterface } from "node:readline";
+import { after, before, beforeEach, afterEach } from "node:test";
+
+const require = createRequire(path.join(process.env.CCDT_NODE_MODULES, "of-the-tests"));
+const { chromium } = require("playwright-core");
+export const axe = require.resolve("axe-core");
+
+export const data = path.resolve(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), "../data");
+const kept = path.resolve(data, "../page/screenshots");
+
+const quiet = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+  "--disable-component-update", "--disable-sync"];
+
+/** For anything that must happen soon; only a fault makes a test wait so long. */
+export const patience = 120_000;
+
+async function startServer(flags) {
+  const server = spawn(process.env.CCDT_SERVER, ["--port=0", ...flags], { stdio: ["ignore", "ignore", "pipe"] });
+  for await (const line of createInterface({ input: server.stderr })) {
+    const found = line.match(/listening on (http:\S+)/);
+    if (found) {
+      server.stderr.resume();
+      return { server, url: found[1] };
+    }
+  }
+  throw new Error("the server does not listen");
+}
+
+/**
+ * A server and a browser for the tests of a file, and a new page for each.
+ * @returns  {url, page}, filled before each test; page.faults holds what went wrong in it that nobody expects
+ */
+export function useBrowser({ flags = [], viewport = { width: 1280, height: 860 } } = {}) {
+  const world = { viewport };
+  let running, browser, context;
+  before(async () => {
+    running = await startServer(flags);
+    world.url = running.url;
+    browser = await chromium.launch({ executablePath: process.env.CCDT_CHROMIUM, args: quiet });
+    world.browser = browser;
+  });
+  after(async () => {
+    await browser.close();
+    running.server.kill();
+    await once(running.server, "exit");
+  });
+  beforeEach(async () => {
+    context = await browser.newContext({ viewport: world.viewport, acceptDownloads: true });
+    world.page = await context.newPage();
+    world.page.setDefaultTimeout(patience);
+    world.faults = [];
+    world.page.on("pageerror", (error) => world.faults.push(String(error)));
+    world.page.on("console", (message) => {
+      if (/Content Security Policy|Refused/.test(message.text())) world.faults.push(message.text());
+    });
+  });
+  afterEach(async () => {
+    await context.close();
+    assert.deepEqual(world.faults, []);
+  });
+  return world;
+}
+
+/** Waits until a panel shows what was asked of it; `state` may also be `failed`. */
+export async function settled(page, panel, state = "done") {
+  await page.waitForSelector(`#${panel}[data-state=${state}]`);
+  await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+}
+
+/** Moves a slider as a hand does: through all the values, and then lets go. */
+export async function slide(locator, values) {
+  await locator.evaluate((slider, steps) => {
+    for (const value of steps) {
+      slider.value = value;
+      slider.dispatchEvent(new Event("input", { bubbles: true }));
+    }
+    slider.dispatchEvent(new Event("change", { bubbles: true }));
+  }, values);
+}
+
+/** A program's standard output; fails unless it ends well. */
+export async function run(command, args, options = {}) {
+  const child = spawn(command, args, { stdio: ["ignore", "pipe", "pipe"], ...options });
+  const output = { stdout: "", stderr: "" };
+  for (const name of ["stdout", "stderr"]) child[name].on("data", (text) => { output[name] += text; });
+  const [code] = await once(child, "close");
+  assert.equal(code, 0, output.stderr);
+  return output.stdout;
+}
+
+/** Runs in a page: how two pictures differ once both are a quarter as wide, and the first of them so reduced. */
+async function compareIn([now, then]) {
+  const pixelsOf = async (base64, factor) => {
+    const bitmap = await createImageBitmap(await (await fetch(`data:image/png;base64,${base64}`)).blob());
+    const canvas = document.createElement("canvas");
+    canvas.width = Math.round(bitmap.width / factor);
+    canvas.height = Math.round(bitmap.height / factor);
+    const context = canvas.getContext("2d");
+    context.imageSmoothingQuality = "high";
+    context.drawImage(bitmap, 0, 0, canvas.width, canvas.height);
+    return { canvas, ...{ width: canvas.width, height: canvas.height },
+      values: context.getImageData(0, 0, canvas.width, canvas.height).data };
+  };
+  const reduced = await pixelsOf(now, 4);
+  const result = { reduced: reduced.canvas.toDataURL().split(",")[1], sizes: [[reduced.width, reduced.height]] };
+  if (!then) return result;
+  const old = await pixelsOf(then, 1);
+  result.sizes.push([old.width, old.height]);
+  let different = 0;
+  for (let i = 0; i < Math.min(old.values.length, reduced.values.length); ++i)
+    if (Math.abs(old.values[i] - reduced.values[i]) > 40) ++different;
+  result.share = different / old.values.length;
+  return result;
+}
+
+/** Compares a screenshot with the one that is kept, at a quarter of the size and with some tolerance for letters. */
+export async function looksAsKept(world, target, name) {
+  const shot = await target.screenshot({ animations: "disabled" });
+  const file = path.join(kept, `${name}.png`);
+  const then = process.env.CCDT_UPDATE ? null : await readFile(file);
+  const blank = await world.browser.newPage();
+  const result = await blank.evaluate(compareIn, [shot.toString("base64"), then?.toString("base64") ?? null]);
+  await blank.close();
+  if (!then) {
+    await mkdir(kept, { recursive: true });
+    return writeFile(file, Buffer.from(result.reduced, "base64"));
+  }
+  const isAsKept = String(result.sizes[0]) === String(result.sizes[1]) && result.share < 0.02;
+  if (isAsKept) return;
+  await mkdir(process.env.CCDT_SHOTS, { recursive: true });
+  await writeFile(path.join(process.env.CCDT_SHOTS, `${name}.png`), shot);
+  assert.fail(`${name}: sizes ${result.sizes.join(" and ")}, ${(100 * result.share).toFixed(2)} % differ`);
+}

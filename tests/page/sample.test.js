@@ -1,0 +1,148 @@
+// A shape becomes points.
+
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import path from "node:path";
+import { test } from "node:test";
+
+import { data, looksAsKept, run, settled, slide, useBrowser } from "./harness.js";
+
+const world = useBrowser();
+const frame = () => world.page.locator("#sample .canvas-frame");
+const request = async () => JSON.parse((await world.page.textContent("#sample pre")).match(/-d '(.*)' \\/s)[1]);
+
+async function open() {
+  await world.page.goto(`${world.url}/#sample`);
+  await settled(world.page, "sample");
+}
+
+/** Presses at places given as shares of the canvas. */
+async function press(...places) {
+  const box = await frame().boundingBox();
+  for (const [x, y] of places) await world.page.mouse.click(box.x + x * box.width, box.y + y * box.height);
+}
+
+/** Where a corner of a polygon is on the screen while it fits the canvas, with the margin that it has there. */
+async function placeOf([x, y], polygon) {
+  const margin = 28;
+  const box = await frame().boundingBox();
+  const range = (values) => [Math.min(...values), Math.max(...values)];
+  const [minX, maxX] = range(polygon.map((corner) => corner[0]));
+  const [minY, maxY] = range(polygon.map((corner) => corner[1]));
+  const scale = Math.min((box.width - 2 * margin) / (maxX - minX), (box.height - 2 * margin) / (maxY - minY));
+  return [box.x + box.width / 2 + scale * (x - (minX + maxX) / 2), box.y + box.height / 2 - scale * (y - (minY + maxY) / 2)];
+}
+
+test("fills a polygon with a hole", async () => {
+  await open();
+  assert.match(await world.page.textContent("#sample .status"), /^1,000 points, variation 0\.\d+/);
+  await looksAsKept(world, frame(), "sample");
+  await world.page.check("#mesh");
+  await settled(world.page, "sample");
+  await looksAsKept(world, frame(), "sample-triangulation");
+});
+
+test("draws a polygon and a hole by mouse, and moves corners", async () => {
+  await open();
+  await world.page.click("#sample .draw");
+  await press([0.3, 0.2], [0.7, 0.2], [0.7, 0.8], [0.3, 0.8], [0.3, 0.2]);
+  await settled(world.page, "sample");
+  assert.equal((await request()).polygon.length, 4);
+  await world.page.click("#sample .hole");
+  await press([0.45, 0.4], [0.55, 0.4], [0.5, 0.6]);
+  await world.page.keyboard.press("Enter");
+  await settled(world.page, "sample");
+  const drawn = await request();
+  assert.equal(drawn.holes[0].length, 3);
+  await looksAsKept(world, frame(), "sample-drawn");
+
+  const from = await placeOf(drawn.polygon[0], drawn.polygon);
+  await world.page.mouse.move(...from);
+  await world.page.mouse.down();
+  await world.page.mouse.move(from[0] + 60, from[1] + 40, { steps: 4 });
+  await world.page.mouse.up();
+  await settled(world.page, "sample");
+  const moved = await request();
+  assert.deepEqual(moved.polygon.slice(1), drawn.polygon.slice(1));
+  assert.notDeepEqual(moved.polygon[0], drawn.polygon[0]);
+});
+
+test("draws by touch", async () => {
+  const context = await world.browser.newContext({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+  const page = await context.newPage();
+  await page.goto(`${world.url}/#sample`);
+  await settled(page, "sample");
+  await page.tap("#sample .draw");
+  const box = await page.locator("#sample .canvas-frame").boundingBox();
+  for (const [x, y] of [[0.2, 0.2], [0.8, 0.3], [0.5, 0.8], [0.2, 0.2]])
+    await page.touchscreen.tap(box.x + x * box.width, box.y + y * box.height);
+  await settled(page, "sample");
+  assert.equal(JSON.parse(await page.inputValue("#corners")).polygon.length, 3);
+  await context.close();
+});
+
+test("takes GeoJSON", async () => {
+  await open();
+  await world.page.setInputFiles("#sample .file", path.join(data, "polygons/South-Africa-50m.geojson"));
+  await settled(world.page, "sample");
+  assert.equal((await request()).geometry.type, "MultiPolygon");
+  await looksAsKept(world, frame(), "sample-geojson");
+});
+
+test("goes through the iterations, getting each once", async () => {
+  await open();
+  const got = [];
+  world.page.on("requestfinished", (one) => { if (one.url().endsWith("/sample")) got.push(one.postDataJSON()); });
+  const iteration = world.page.locator("#iteration");
+  await slide(iteration, [0]);
+  await settled(world.page, "sample");
+  await looksAsKept(world, frame(), "sample-start");
+  const start = await world.page.textContent("#sample .status");
+  assert.ok(Number(start.match(/variation ([\d.]+)/)[1]) > 0.5);
+  await looksAsKept(world, world.page.locator("#sample .trace"), "sample-trace");
+  await slide(iteration, [10]);
+  await settled(world.page, "sample");
+  await slide(iteration, [0]);
+  await settled(world.page, "sample");
+  assert.deepEqual(got.map(({ iterations, quality }) => [iterations, quality]), [[0, "draft"]]);
+});
+
+test("tiles the plane with a torus", async () => {
+  await open();
+  assert.ok(await world.page.isDisabled("#tiles"));
+  await world.page.selectOption("#shape", "torus");
+  await settled(world.page, "sample");
+  await world.page.check("#mesh");
+  await world.page.check("#tiles");
+  await settled(world.page, "sample");
+  await looksAsKept(world, frame(), "sample-tiles");
+  await world.page.selectOption("#shape", "rectangle");
+  assert.ok(!(await world.page.isChecked("#tiles")));
+});
+
+test("has the methods that CCDT is compared with", async () => {
+  await open();
+  for (const method of ["cvt", "odt", "ccvt", "random"]) {
+    await world.page.selectOption("#sample [data-name=method] select", method);
+    await settled(world.page, "sample");
+    assert.equal((await request()).method, method);
+  }
+  assert.ok(await world.page.isDisabled("#iteration"));
+});
+
+test("saves and shows what makes the same points", async () => {
+  await open();
+  const download = world.page.waitForEvent("download");
+  await world.page.click('#sample .downloads button:text-is("JSON")');
+  const saved = JSON.parse(await readFile(await (await download).path()));
+  assert.equal(saved.points.length, 1000);
+  const snippet = async (kind) => {
+    await world.page.click(`#sample .kinds button:text-is("${kind}")`);
+    return world.page.textContent("#sample pre");
+  };
+  const byCurl = JSON.parse(await run("bash", ["-c", (await snippet("curl")).replace(" -o points.json", " -s")]));
+  assert.deepEqual(byCurl.points, saved.points);
+  const told = `1000 ${saved.variation}\n`;
+  assert.equal(await run("/usr/bin/python3", ["-c", await snippet("Python")]), told);
+  assert.equal(await run("node", ["--input-type=module", "--eval", await snippet("fetch()")]), told);
+});
