@@ -1,0 +1,64 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+#include "api/options.h"
+#include "server/config.h"
+#include "server/http/connection.h"
+#include "server/http/http.h"
+#include "server/problem.h"
+#include "server/work/memory_budget.h"
+#include "server/work/planner.h"
+#include "server/work/worker_pool.h"
+
+namespace ccdt::server {
+
+/// Answers requests whose answer is computed while their client waits. May be used from any thread.
+class Computing {
+public:
+    /// The pool and the planner must outlive it. Requests may take a third of the memory that the pool has for jobs,
+    /// besides that.
+    Computing(const Config& config, WorkerPool& pool, const Planner& planner);
+
+    Outcome answer(const Request& request, Connection& connection);
+
+    /// That requests hold until they are done, besides what the pool's jobs take.
+    const MemoryBudget& waiting_memory() const { return waiting_memory_; }
+
+    /// From now on nothing new is computed.
+    void drain() { draining_ = true; }
+
+    /// From now on nothing is waited for: whoever waits for a result is told that the server shuts down.
+    void abandon() { abandoned_ = true; }
+
+    /// A refusal that may end well a little later.
+    tl::unexpected<Problem> busy(int status, std::string message) const;
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    struct Product;
+
+    tl::unexpected<Problem> too_slow() const;
+    tl::unexpected<Problem> too_large(std::size_t bytes) const;
+    tl::expected<std::string, Problem> read_body(const Request& request, Connection& connection) const;
+    tl::expected<Plan, Problem> understand(Question question, Connection& connection, Clock::time_point deadline,
+                                           Stages& stages);
+    template <class T>
+    tl::expected<T, Problem> have_done(const api::Cost& cost, std::size_t held, Task<T> work, Connection& connection,
+                                       Clock::time_point deadline, Stages& stages);
+    Outcome compute(Plan plan, const Request& request, Connection& connection, Clock::time_point deadline,
+                    double waited);
+
+    const Config config_;
+    WorkerPool& pool_;
+    const Planner& planner_;
+    MemoryBudget waiting_memory_;  ///< of requests; apart, lest those that wait leave nothing to those that run
+    std::atomic<bool> draining_ = false;
+    std::atomic<bool> abandoned_ = false;
+};
+
+}  // namespace ccdt::server
