@@ -178,6 +178,17 @@ std::optional<Fault> find_fault(const Request& request) {
     return std::nullopt;
 }
 
+bool prefers(const Request& request, std::string_view preference) {
+    for (const auto& [name, value] : request.headers) {
+        std::string_view rest = equals_ignoring_case(name, "Prefer") ? value : std::string_view();
+        while (!rest.empty()) {
+            const auto given = api::take_until(rest, ",");
+            if (equals_ignoring_case(api::trim(given.substr(0, given.find_first_of("=;"))), preference)) return true;
+        }
+    }
+    return false;
+}
+
 std::vector<api::TextOption> parse_query(std::string_view query) {
     std::vector<api::TextOption> options;
     while (!query.empty()) {
@@ -220,6 +231,7 @@ std::string header_parameter(std::string_view value, std::string_view name) {
 std::string_view status_phrase(int status) {
     constexpr auto kPhrases = std::to_array<std::pair<int, std::string_view>>({
         {200, "OK"},
+        {202, "Accepted"},
         {204, "No Content"},
         {304, "Not Modified"},
         {400, "Bad Request"},
@@ -228,6 +240,8 @@ std::string_view status_phrase(int status) {
         {405, "Method Not Allowed"},
         {406, "Not Acceptable"},
         {408, "Request Timeout"},
+        {409, "Conflict"},
+        {410, "Gone"},
         {411, "Length Required"},
         {413, "Content Too Large"},
         {414, "URI Too Long"},
@@ -240,6 +254,7 @@ std::string_view status_phrase(int status) {
         {500, "Internal Server Error"},
         {503, "Service Unavailable"},
         {504, "Gateway Timeout"},
+        {507, "Insufficient Storage"},
     });
     const auto* found = std::ranges::find(kPhrases, status, &std::pair<int, std::string_view>::first);
     return found == kPhrases.end() ? "Error" : found->second;

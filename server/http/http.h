@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -51,11 +52,16 @@ struct Computed {
     std::size_t pixels = 0;
 };
 
+/// Sends a piece of a body at once.
+/// @returns  false if the client takes nothing any more
+using Send = std::function<bool(std::string_view piece)>;
+
 struct Response {
     int status = 200;
     std::string media_type;
     std::string body;
-    std::string coding;  ///< in which the body is compressed; empty: not
+    std::function<void(const Send&)> stream;  ///< sends the body while it comes about; not called for HEAD
+    std::string coding;                       ///< in which the body is compressed; empty: not
     std::vector<Header> headers;
     std::string request_id;
     std::string key;    ///< the name of the API key that the client showed; empty: none
@@ -92,6 +98,9 @@ Received<Request> parse_head(std::string_view head);
 /// What is wrong with a request that can be read: no Host or several (400), an expectation that is not understood
 /// (417).
 std::optional<Fault> find_fault(const Request& request);
+
+/// Whether a Prefer header (RFC 7240) names a preference, whatever its value.
+bool prefers(const Request& request, std::string_view preference);
 
 /// The parameters of a query, in order and with their repetitions; `+` is a space.
 std::vector<api::TextOption> parse_query(std::string_view query);

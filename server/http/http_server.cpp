@@ -8,7 +8,10 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <cstdio>
 #include <deque>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "server/http/connection_threads.h"
@@ -131,6 +134,23 @@ Fault refusal(Capacity::Entry entry) {
                                    ? "this address has too many connections (max-connections-per-address)"
                                    : "too many connections are open (max-connections)";
     return {503, reason, {{"Retry-After", "1"}}};
+}
+
+/// Sends a body that comes about while it is sent, in chunks if the client knows them; else the end of the connection
+/// is its end.
+/// @returns  false if the client did not take all of it
+bool stream_body(Answering& current) {
+    Connection& connection = current.connection;
+    const bool chunked = !current.request.is_http_1_0;
+    bool taken = true;
+    current.response.stream([&](std::string_view piece) {
+        if (!taken || piece.empty()) return taken;  // an empty chunk is the last one
+        char size[20];
+        std::snprintf(size, sizeof(size), "%zx\r\n", piece.size());
+        taken = connection.write(chunked ? size + std::string(piece) + "\r\n" : std::string(piece));
+        return taken;
+    });
+    return taken && !connection.client_gone() && (!chunked || connection.write("0\r\n\r\n"));
 }
 
 bool is_fatal(int accept_error) {
@@ -258,8 +278,9 @@ private:
         AnswerStream stream(current);
         bool closed = false;
         answering = &current;
-        const bool written = process_request(stream, false, closed, nullptr);
+        bool written = process_request(stream, false, closed, nullptr);
         answering = nullptr;
+        if (written && current.response.stream && current.request.method != "HEAD") written = stream_body(current);
         if (!written) current.response.status = kClientLeft;
         const std::chrono::duration<double, std::milli> elapsed = Clock::now() - start;
         logger_({std::move(current.request), std::move(current.response), connection.client(), connection.bytes_in(),
@@ -270,7 +291,7 @@ private:
     void answer(httplib::Response& response) {
         Response& ours = answering->response = handler_(answering->request, answering->fault, answering->connection);
         answering->last = answering->last || draining_ || !ours.deliver || !answering->request.keep_alive ||
-                          !answering->connection.between_requests();
+                          !answering->connection.between_requests() || (ours.stream && answering->request.is_http_1_0);
         response.status = ours.status;
         for (const auto& [name, value] : ours.headers) response.set_header(name, value);
         if (!ours.media_type.empty()) response.set_header("Content-Type", ours.media_type);
@@ -280,7 +301,9 @@ private:
     /// cpp-httplib decides on some headers by the request it saw, which is not the client's.
     static void correct_headers(httplib::Response& response) {
         erase_header(response, "Accept-Ranges");
-        if (response.status == 204 || response.status == 304) erase_header(response, "Content-Length");
+        const bool streams = static_cast<bool>(answering->response.stream);
+        if (response.status == 204 || response.status == 304 || streams) erase_header(response, "Content-Length");
+        if (streams && !answering->request.is_http_1_0) response.set_header("Transfer-Encoding", "chunked");
         if (answering->last) erase_header(response, "Keep-Alive");
         if (answering->last) response.set_header("Connection", "close");
         if (!answering->last && answering->request.is_http_1_0) response.set_header("Connection", "keep-alive");

@@ -38,9 +38,13 @@ Client::~Client() {
     ::close(socket_);
 }
 
+bool Client::say(std::string_view request) const {
+    return send(socket_, request.data(), request.size(), MSG_NOSIGNAL) >= 0;
+}
+
 std::string Client::ask(std::string_view request) const {
     std::string answer;
-    if (send(socket_, request.data(), request.size(), MSG_NOSIGNAL) < 0) return answer;
+    if (!say(request)) return answer;
     std::array<char, 4096> buffer{};
     while (true) {
         const ssize_t size = recv(socket_, buffer.data(), buffer.size(), 0);

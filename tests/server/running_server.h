@@ -37,6 +37,9 @@ public:
     Client(const Client&) = delete;
     Client& operator=(const Client&) = delete;
 
+    /// False if the server has closed the connection.
+    bool say(std::string_view request) const;
+
     /// What comes in answer until the server closes the connection; nothing if it is silent or resets it.
     std::string ask(std::string_view request) const;
 

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <future>
 #include <stdexcept>
+#include <thread>
 
 #include "tests/server/running_server.h"
 
@@ -48,6 +50,65 @@ TEST(HttpServer, RefusesThoughItsLoggerThrows) {
     server.stop();
     EXPECT_EQ(logged, 3);
     EXPECT_EQ(server.connections().refused, 3u);
+}
+
+/// Sends three pieces, of which the second is empty.
+Response dictate(const Request&, const std::optional<Fault>&, Connection&) {
+    Response response;
+    response.media_type = "text/plain";
+    response.stream = [](const Send& send) {
+        for (const std::string_view piece : {"one\n", "", "twenty-four characters.\n"}) EXPECT_TRUE(send(piece));
+    };
+    return response;
+}
+
+TEST(HttpServer, StreamsInChunks) {
+    RunningServer server({}, dictate, [](const Exchange&) {});
+    const std::string answer = Client(server.port()).ask(kRequest);
+    EXPECT_NE(answer.find("Transfer-Encoding: chunked\r\n"), std::string::npos) << answer;
+    EXPECT_EQ(answer.find("Content-Length"), std::string::npos) << answer;
+    const std::string body = "\r\n\r\n4\r\none\n\r\n18\r\ntwenty-four characters.\n\r\n0\r\n\r\n";
+    EXPECT_TRUE(answer.ends_with(body)) << answer;
+}
+
+TEST(HttpServer, StreamsToOldClientsUntilTheConnectionEnds) {
+    RunningServer server({}, dictate, [](const Exchange&) {});
+    const std::string answer = Client(server.port()).ask("GET / HTTP/1.0\r\nConnection: keep-alive\r\n\r\n");
+    EXPECT_EQ(answer.find("Transfer-Encoding"), std::string::npos) << answer;
+    EXPECT_EQ(answer.find("Content-Length"), std::string::npos) << answer;
+    EXPECT_NE(answer.find("Connection: close\r\n"), std::string::npos) << answer;
+    EXPECT_TRUE(answer.ends_with("\r\n\r\none\ntwenty-four characters.\n")) << answer;
+}
+
+TEST(HttpServer, StreamsNothingToThoseWhoWantTheHeadOnly) {
+    RunningServer server({}, dictate, [](const Exchange&) {});
+    const std::string answer = Client(server.port()).ask("HEAD / HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n");
+    EXPECT_TRUE(answer.starts_with("HTTP/1.1 200")) << answer;
+    EXPECT_TRUE(answer.ends_with("\r\n\r\n")) << answer;
+    EXPECT_EQ(answer.find("one"), std::string::npos) << answer;
+}
+
+TEST(HttpServer, TellsAStreamThatItsClientLeft) {
+    std::promise<void> streaming;
+    std::atomic<int> status = 0;
+    const auto stream_on = [&](const Request&, const std::optional<Fault>&, Connection& connection) {
+        Response response;
+        response.stream = [&](const Send& send) {
+            streaming.set_value();
+            while (!connection.client_gone()) std::this_thread::yield();
+            while (send("more")) {
+            }
+        };
+        return response;
+    };
+    RunningServer server({}, stream_on, [&](const Exchange& exchange) { status = exchange.response.status; });
+    {
+        const Client client(server.port());
+        ASSERT_TRUE(client.say(kRequest));
+        streaming.get_future().wait();
+    }
+    server.stop();
+    EXPECT_EQ(status, 499);
 }
 
 }  // namespace

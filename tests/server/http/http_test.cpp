@@ -104,6 +104,22 @@ TEST(ParseQuery, KeepsOrderAndRepetitions) {
     EXPECT_TRUE(parse_query("").empty());
 }
 
+TEST(Prefers, FindsAPreferenceAmongOthers) {
+    const auto prefers_async = [](std::string_view header) {
+        Request request;
+        request.headers = {{"Accept", "respond-async"}, {"prefer", std::string(header)}};
+        return prefers(request, "respond-async");
+    };
+    for (const char* header :
+         {"respond-async", "Respond-Async", "wait=10, respond-async", "respond-async;x=y, wait=10"})
+        EXPECT_TRUE(prefers_async(header)) << header;
+    for (const char* header : {"", "respond", "respond-asyncs", "wait=respond-async", ","})
+        EXPECT_FALSE(prefers_async(header)) << header;
+    Request twice;
+    twice.headers = {{"Prefer", "wait=10"}, {"Prefer", "respond-async"}};
+    EXPECT_TRUE(prefers(twice, "respond-async"));
+}
+
 TEST(MediaType, IsInSmallLettersWithoutParameters) {
     EXPECT_EQ(media_type("Application/JSON; charset=utf-8"), "application/json");
     EXPECT_EQ(media_type(""), "");
