@@ -23,6 +23,10 @@ double seconds_since(WorkerPool::Clock::time_point start) {
     return std::chrono::duration<double>(WorkerPool::Clock::now() - start).count();
 }
 
+bool is_short(const api::Cost& cost) {
+    return cost.seconds <= WorkerPool::kShort;
+}
+
 /// Has the calling thread give way to those that read requests, answer at once or do short jobs.
 void yield_to_other_threads() {
     constexpr int kNice = 10;
@@ -52,11 +56,19 @@ WorkerPool::~WorkerPool() {
 }
 
 std::optional<WorkerPool::JobId> WorkerPool::submit(const std::string& client, Job job, const api::Cost& cost) {
-    assert(cost.memory <= memory_.total());
-    const bool is_short = cost.seconds <= kShort;
     const std::lock_guard lock(mutex_);
-    if (!has_room_locked(client, is_short)) return std::nullopt;
-    (is_short ? short_ : long_).push(client, cost.seconds, {++last_id_, cost, Clock::now(), std::move(job)});
+    if (!has_room_locked(client, is_short(cost))) return std::nullopt;
+    return push_locked(client, std::move(job), cost);
+}
+
+WorkerPool::JobId WorkerPool::submit_always(const std::string& client, Job job, const api::Cost& cost) {
+    const std::lock_guard lock(mutex_);
+    return push_locked(client, std::move(job), cost);
+}
+
+WorkerPool::JobId WorkerPool::push_locked(const std::string& client, Job job, const api::Cost& cost) {
+    assert(cost.memory <= memory_.total());
+    (is_short(cost) ? short_ : long_).push(client, cost.seconds, {++last_id_, cost, Clock::now(), std::move(job)});
     job_waits_.notify_all();  // not each of them may take it
     return last_id_;
 }

@@ -71,6 +71,9 @@ public:
     /// @returns       none: the queue is full
     std::optional<JobId> submit(const std::string& client, Job job, const api::Cost& cost = {0, 1});
 
+    /// The same for jobs whose number is bounded elsewhere: there is room for them.
+    JobId submit_always(const std::string& client, Job job, const api::Cost& cost);
+
     /// A waiting job is forgotten, a running one has its stop token set; any other id does nothing.
     Cancelled cancel(JobId id);
 
@@ -112,6 +115,7 @@ private:
 
     void work(Lane lane, const std::stop_token& closing);
     static void run(const Job& job, const std::stop_token& stop);
+    JobId push_locked(const std::string& client, Job job, const api::Cost& cost);
     bool has_room_locked(std::string_view client, bool is_short) const;
     std::size_t waiting_locked() const { return long_.size() + short_.size(); }
     bool is_idle_locked() const { return waiting_locked() == 0 && running_.empty(); }

@@ -70,6 +70,22 @@ TEST(WorkerPool, RefusesWhatItsQueueCannotHold) {
     EXPECT_EQ(done, 3);
 }
 
+TEST(WorkerPool, HasRoomForWhatIsBoundedElsewhere) {
+    Gate gate;
+    std::atomic<int> done = 0;
+    const auto count = [&](const std::stop_token&) { ++done; };
+    WorkerPool pool(1, 0);
+    ASSERT_TRUE(pool.submit(kClient, gate.job()));
+    gate.wait_until_started();
+    EXPECT_FALSE(pool.submit(kClient, count));
+    pool.submit_always(kClient, count, kLongJob);
+    const auto withdrawn = pool.submit_always(kClient, count, kLongJob);
+    EXPECT_EQ(pool.cancel(withdrawn), WorkerPool::Cancelled::Queued);
+    gate.open();
+    pool.drain();
+    EXPECT_EQ(done, 1);
+}
+
 TEST(WorkerPool, KeepsTheOrderOfTheQueue) {
     Gate gate;
     std::string order;
