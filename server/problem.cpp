@@ -40,4 +40,10 @@ tl::unexpected<Problem> problem(Fault fault) {
     return refused;
 }
 
+tl::unexpected<Problem> busy(int status, std::string message, std::chrono::seconds retry_after) {
+    auto refused = problem(status, std::move(message));
+    refused.value().headers.push_back({"Retry-After", std::to_string(retry_after.count())});
+    return refused;
+}
+
 }  // namespace ccdt::server

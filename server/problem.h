@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,5 +32,8 @@ int http_status(ErrorCode code);
 tl::unexpected<Problem> problem(int status, std::string message, std::string field = {});
 tl::unexpected<Problem> problem(Error error);
 tl::unexpected<Problem> problem(Fault fault);
+
+/// A refusal that may end well a little later.
+tl::unexpected<Problem> busy(int status, std::string message, std::chrono::seconds retry_after);
 
 }  // namespace ccdt::server

@@ -21,6 +21,7 @@ RULES = (
     (re.compile(r"^OpenImageIO/"), ("api/image/image_codec.cpp",)),
     (re.compile(r"^nlohmann/|^png\.h$"), ("api/",)),
     (re.compile(r"^librsvg/|^cairo"), ("api/output/svg_renderer.cpp",)),
+    (re.compile(r"^sqlite3\.h$"), ("server/jobs/sqlite.",)),
     (re.compile(r"^seccomp\.h$"), ("server/decoder/decoder_sandbox.cpp",)),
     (re.compile(r"^httplib\.h$|^spdlog/|^fmt/"), ("server/",)),
 )
@@ -57,6 +58,7 @@ def self_check():
         "server/m.cpp": "nlohmann/json.hpp",
         "server/n.cpp": "OpenImageIO/imageio.h",
         "server/t.cpp": "seccomp.h",
+        "server/jobs/u.cpp": "sqlite3.h",
     }
     harmless = {
         "core/geometry/delaunay.cpp": "CGAL/Polygon_2.h",
@@ -65,6 +67,7 @@ def self_check():
         "api/output/svg_renderer.cpp": "librsvg/rsvg.h",
         "api/o.cpp": "core/result.h",
         "server/decoder/decoder_sandbox.cpp": "seccomp.h",
+        "server/jobs/sqlite.h": "sqlite3.h",
         "server/p.cpp": "api/options.h",
         "core/q.cpp": "vector",
     }

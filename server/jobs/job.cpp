@@ -1,0 +1,62 @@
+#include "server/jobs/job.h"
+
+#include <cstdio>
+#include <ctime>
+
+#include "api/json/job_document.h"
+#include "api/problem.h"
+#include "server/http/http.h"
+#include "server/problem.h"
+
+namespace ccdt::server {
+namespace {
+
+/// As in RFC 3339, in UTC.
+std::string text_of(Time time) {
+    const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
+    const std::time_t whole = seconds.time_since_epoch().count();
+    std::tm parts{};
+    gmtime_r(&whole, &parts);
+    char date[32];
+    std::strftime(date, sizeof(date), "%Y-%m-%dT%H:%M:%S", &parts);
+    char text[40];
+    std::snprintf(text, sizeof(text), "%s.%03dZ", date, static_cast<int>((time - seconds).count()));
+    return text;
+}
+
+std::optional<std::string> text_of(std::optional<Time> time) {
+    if (!time) return std::nullopt;
+    return text_of(*time);
+}
+
+}  // namespace
+
+std::string_view name_of(JobStatus status) {
+    constexpr std::string_view kNames[] = {"queued", "running", "succeeded", "failed", "cancelled"};
+    return kNames[static_cast<std::size_t>(status)];
+}
+
+std::string status_json(const Job& job) {
+    api::JobDocument document{job.id,
+                              name_of(job.status),
+                              job.progress.fraction,
+                              job.progress.iteration,
+                              job.progress.variation,
+                              text_of(job.created),
+                              text_of(job.started),
+                              text_of(job.finished),
+                              {}};
+    if (job.failure) {
+        const auto& [status, error] = *job.failure;
+        document.error = api::problem_json(status, status_phrase(status), error, "/jobs/" + job.id);
+    }
+    return api::job_json(document);
+}
+
+JobFailure failure_of(const Error& error) {
+    const int status = http_status(error.code);
+    if (status == 500) return {status, {error.code, std::string(kFailedHere), {}}};
+    return {status, error};
+}
+
+}  // namespace ccdt::server

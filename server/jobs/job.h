@@ -1,0 +1,69 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "api/options.h"
+#include "core/result.h"
+
+namespace ccdt::server {
+
+enum class JobStatus { Queued, Running, Succeeded, Failed, Cancelled };
+
+/// The word for clients, logs and figures.
+std::string_view name_of(JobStatus status);
+
+inline bool is_finished(JobStatus status) {
+    return status != JobStatus::Queued && status != JobStatus::Running;
+}
+
+/// What clients and the store keep of a moment.
+using Time = std::chrono::sys_time<std::chrono::milliseconds>;
+
+inline Time time_now() {
+    return std::chrono::floor<std::chrono::milliseconds>(std::chrono::system_clock::now());
+}
+
+struct JobProgress {
+    double fraction = 0;  ///< 0 to 1, which it is only once the job has succeeded
+    int iteration = 0;
+    std::optional<double> variation;
+};
+
+/// Why there is no result, as the synchronous answer would have said it.
+struct JobFailure {
+    int status = 500;
+    Error error;
+};
+
+/// A request that nobody waits for, but for what it holds.
+struct Job {
+    std::string id;
+    std::string owner;   ///< name of the API key that it came with; empty: none
+    std::string client;  ///< whose turn it takes
+    api::Cost cost;
+    JobStatus status = JobStatus::Queued;
+    int starts = 0;  ///< runs begun that the server did not survive, and the one that runs
+    Time created;
+    std::optional<Time> started;
+    std::optional<Time> finished;
+    JobProgress progress;
+    std::optional<JobFailure> failure;  ///< if it has failed
+
+    // If it has succeeded:
+    std::string media_type;
+    std::size_t result_bytes = 0;
+    bool partial = false;  ///< what there was by its deadline
+    bool dropped = false;  ///< the result had to make room
+};
+
+/// The job's status document, application/json.
+std::string status_json(const Job& job);
+
+/// A failure as clients may see it: what went wrong in the server is for its log only.
+JobFailure failure_of(const Error& error);
+
+}  // namespace ccdt::server

@@ -1,0 +1,97 @@
+#include "server/jobs/sqlite.h"
+
+namespace ccdt::server {
+
+Database::Database(const std::string& path) {
+    sqlite3* handle = nullptr;
+    // Whoever uses it takes turns; SQLite need not see to that as well.
+    const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
+    const int code = sqlite3_open_v2(path.c_str(), &handle, flags, nullptr);
+    handle_.reset(handle);  // there is one to close even if it failed
+    check(code);
+    sqlite3_extended_result_codes(handle, 0);
+}
+
+void Database::check(int code) const {
+    if (code == SQLITE_OK) return;
+    throw SqliteError(code & 0xff, handle_ ? sqlite3_errmsg(handle_.get()) : sqlite3_errstr(code));
+}
+
+void Database::execute(const char* statements) {
+    check(sqlite3_exec(handle_.get(), statements, nullptr, nullptr, nullptr));
+}
+
+std::int64_t Database::value_of(const char* statement) {
+    Statement query(*this, statement);
+    return query.step() ? query.integer(0) : 0;
+}
+
+Database::Blob Database::open_body(const char* table, std::int64_t row, bool to_write) {
+    sqlite3_blob* blob = nullptr;
+    const int code = sqlite3_blob_open(handle_.get(), "main", table, "body", row, to_write ? 1 : 0, &blob);
+    Blob opened(blob);
+    check(code);
+    return opened;
+}
+
+void Database::write_body(const char* table, std::int64_t row, std::string_view body) {
+    const Blob blob = open_body(table, row, true);
+    check(sqlite3_blob_write(blob.get(), body.data(), static_cast<int>(body.size()), 0));
+}
+
+std::string Database::read_body(const char* table, std::int64_t row) {
+    const Blob blob = open_body(table, row, false);
+    std::string body(static_cast<std::size_t>(sqlite3_blob_bytes(blob.get())), '\0');
+    check(sqlite3_blob_read(blob.get(), body.data(), static_cast<int>(body.size()), 0));
+    return body;
+}
+
+void Statement::prepare(const char* sql) {
+    sqlite3_stmt* handle = nullptr;
+    const int code = sqlite3_prepare_v2(database_.handle_.get(), sql, -1, &handle, nullptr);
+    handle_.reset(handle);
+    database_.check(code);
+}
+
+bool Statement::step() {
+    const int code = sqlite3_step(handle_.get());
+    if (code == SQLITE_ROW) return true;
+    if (code != SQLITE_DONE) database_.check(code);
+    return false;
+}
+
+std::string Statement::text(int column) const {
+    const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(handle_.get(), column));
+    return text == nullptr ? ""
+                           : std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column)));
+}
+
+void Statement::bind(int place, std::int64_t value) {
+    database_.check(sqlite3_bind_int64(handle_.get(), place, value));
+}
+
+void Statement::bind(int place, double value) {
+    database_.check(sqlite3_bind_double(handle_.get(), place, value));
+}
+
+void Statement::bind(int place, std::string_view value) {
+    // A view without a place would be null.
+    const char* const begin = value.data() == nullptr ? "" : value.data();
+    database_.check(sqlite3_bind_text64(handle_.get(), place, begin, value.size(), SQLITE_STATIC, SQLITE_UTF8));
+}
+
+Transaction::~Transaction() {
+    if (!open_) return;
+    try {
+        database_.execute("ROLLBACK");
+    } catch (const SqliteError&) {
+        // What failed within it may have undone it already.
+    }
+}
+
+void Transaction::commit() {
+    database_.execute("COMMIT");
+    open_ = false;
+}
+
+}  // namespace ccdt::server
