@@ -1,0 +1,288 @@
+#include "server/jobs/jobs.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "server/jobs/sqlite_job_store.h"
+
+namespace ccdt::server {
+namespace {
+
+using std::chrono::milliseconds;
+
+const std::string kAlice = "alice";
+const std::string kBob = "bob";
+
+Question sample(const std::string& members) {
+    return {"/sample", "", "", "", R"({"domain":{"type":"torus","width":1,"height":1},)" + members + "}"};
+}
+
+const Question kShort = sample(R"("sites":50)");
+
+/// Longer than any test; ended by stopping it.
+const Question kEndless = sample(R"("sites":2000,"iterations":1000,"passes":100)");
+
+/// Whose answer is the same on every run.
+const Question kAnalysis{"/analyze", "", "", "", R"({"points":[[0,0],[0.5,0.5],[0.2,0.7]]})"};
+
+class JobsTest : public testing::Test {
+protected:
+    Jobs& start(JobLimits limits = {}, bool survives = false) {
+        limits_ = limits;
+        jobs_.emplace(limits, *store_, survives, pool_, planner_, [](const JobEnd&) {});
+        EXPECT_TRUE(jobs_->start());
+        return *jobs_;
+    }
+
+    std::string submit(const Question& question, const std::string& owner = kAlice) {
+        const auto job = try_to_submit(question, owner);
+        EXPECT_TRUE(job) << job.error().error.message;
+        return job ? job->id : "";
+    }
+
+    tl::expected<Job, Problem> try_to_submit(const Question& question, const std::string& owner = kAlice) {
+        Job job;
+        job.owner = owner;
+        job.client = owner;
+        job.cost = {1000, 1};
+        return jobs_->accept(std::move(job), question);
+    }
+
+    /// Follows a job until a test holds for it.
+    template <class Test>
+    Job follow(const std::string& id, Test test) {
+        auto watch = jobs_->watch(id, kAlice);
+        while (true) {
+            const auto job = watch->next(Jobs::Clock::now() + std::chrono::minutes(2));
+            if (job && test(*job)) return *job;
+            if (!job || is_finished(job->status)) {
+                ADD_FAILURE() << "it never came to that";
+                return {};
+            }
+        }
+    }
+
+    Job wait_for_end(const std::string& id) {
+        return follow(id, [](const Job& job) { return is_finished(job.status); });
+    }
+
+    void wait_until_running(const std::string& id) {
+        follow(id, [](const Job& job) { return job.progress.variation.has_value(); });
+    }
+
+    int status_of(const std::string& id, const std::string& owner = kAlice) {
+        const auto found = jobs_->find(id, owner);
+        return found ? 200 : found.error().status;
+    }
+
+    std::unique_ptr<SqliteJobStore> store_ = *SqliteJobStore::open("");
+    WorkerPool pool_{1, 0};
+    Planner planner_{{}, api::decode_inline()};
+    JobLimits limits_;
+    std::optional<Jobs> jobs_;
+};
+
+TEST_F(JobsTest, AnswerAsIfTheyHadBeenWaitedFor) {
+    start();
+    api::Timings timings;
+    const auto expected = planner_.plan(kAnalysis)->work({}, timings);
+    const std::string id = submit(kAnalysis);
+    EXPECT_EQ(id.size(), 32u);
+    const Job job = wait_for_end(id);
+    EXPECT_EQ(job.status, JobStatus::Succeeded);
+    EXPECT_EQ(job.progress.fraction, 1);
+    EXPECT_EQ(job.media_type, "application/json");
+    EXPECT_EQ(*jobs_->result(id), expected->body);
+    EXPECT_LE(job.created, job.started);
+    EXPECT_LE(job.started, job.finished);
+    EXPECT_EQ(jobs_->find(id, kAlice)->status, JobStatus::Succeeded);
+}
+
+TEST_F(JobsTest, TellEveryIteration) {
+    jobs_.emplace(JobLimits{}, *store_, false, pool_, planner_, [](const JobEnd&) {});
+    const std::string id = submit(sample(R"("sites":500,"iterations":7)"));
+    auto watch = jobs_->watch(id, kAlice);
+    const auto never = [] { return Jobs::Clock::now() + std::chrono::minutes(2); };
+    EXPECT_EQ(watch->next(never())->status, JobStatus::Queued);
+    EXPECT_EQ(watch->next(Jobs::Clock::now()), std::nullopt);
+    ASSERT_TRUE(jobs_->start());
+    for (int iteration = 0; iteration <= 7; ++iteration) {
+        const auto job = watch->next(never());
+        EXPECT_EQ(job->status, JobStatus::Running);
+        EXPECT_EQ(job->progress.iteration, iteration);
+        EXPECT_EQ(job->progress.fraction, iteration / 8.0);
+        EXPECT_GT(job->progress.variation, 0);
+    }
+    EXPECT_EQ(watch->next(never())->status, JobStatus::Succeeded);
+    EXPECT_EQ(watch->next(Jobs::Clock::now()), std::nullopt);
+    EXPECT_EQ(jobs_->watch(id, kAlice)->next(never())->status, JobStatus::Succeeded)
+        << "at once for those who come late";
+}
+
+TEST_F(JobsTest, FailAsTheAnswerWouldHave) {
+    start();
+    const Question crossing{"/sample", "", "", "", R"({"sites":9,"polygon":[[0,0],[1,1],[1,0],[0,1]]})"};
+    const Job job = wait_for_end(submit(crossing));
+    EXPECT_EQ(job.status, JobStatus::Failed);
+    ASSERT_TRUE(job.failure);
+    EXPECT_EQ(job.failure->status, 422);
+    EXPECT_EQ(job.failure->error.field, "/polygon/2");
+}
+
+TEST_F(JobsTest, AreCancelledWhileTheyRunOrWait) {
+    start();
+    const std::string running = submit(kEndless);
+    const std::string waiting = submit(kEndless);
+    wait_until_running(running);
+    EXPECT_EQ(jobs_->counts().running, 1u);
+    EXPECT_EQ(jobs_->counts().queued, 1u);
+    EXPECT_TRUE(jobs_->remove(waiting, kAlice));
+    EXPECT_EQ(jobs_->find(waiting, kAlice)->status, JobStatus::Cancelled);
+    EXPECT_TRUE(jobs_->remove(running, kAlice));
+    EXPECT_EQ(jobs_->find(running, kAlice)->status, JobStatus::Cancelled);
+    EXPECT_EQ(wait_for_end(submit(kShort)).status, JobStatus::Succeeded) << "the worker is free again";
+    EXPECT_TRUE(jobs_->remove(running, kAlice));
+    EXPECT_EQ(status_of(running), 404);
+}
+
+TEST_F(JobsTest, AreTheirOwnersOnly) {
+    start();
+    const std::string id = submit(kShort);
+    EXPECT_EQ(status_of(id, kBob), 404);
+    wait_for_end(id);
+    EXPECT_EQ(status_of(id, kBob), 404);
+    EXPECT_EQ(status_of(id, ""), 404);
+    EXPECT_EQ(jobs_->remove(id, kBob).error().status, 404);
+    EXPECT_EQ(jobs_->watch(id, kBob).error().status, 404);
+    EXPECT_EQ(status_of(id), 200);
+}
+
+TEST_F(JobsTest, EndWhenTheirTimeIsOver) {
+    start({.timeout = milliseconds(1)});
+    const Job late = wait_for_end(submit(kEndless));
+    EXPECT_EQ(late.status, JobStatus::Failed);
+    EXPECT_EQ(late.failure->status, 504);
+}
+
+TEST_F(JobsTest, GiveWhatThereIsIfThatWillDo) {
+    start({.timeout = milliseconds(500)});
+    const Job job =
+        wait_for_end(submit(sample(R"("sites":2000,"iterations":1000,"passes":100,"on_deadline":"partial")")));
+    EXPECT_EQ(job.status, JobStatus::Succeeded);
+    EXPECT_TRUE(job.partial);
+}
+
+TEST_F(JobsTest, AreRefusedWhereTooManyWait) {
+    start({.waiting = 1});
+    const std::string running = submit(kEndless);
+    wait_until_running(running);
+    submit(kEndless);
+    EXPECT_TRUE(jobs_->is_full(kAlice));
+    const auto refused = try_to_submit(kEndless);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().status, 429);
+    EXPECT_EQ(refused.error().headers.at(0).name, "Retry-After");
+    EXPECT_TRUE(try_to_submit(kEndless, kBob)) << "others are let in";
+    EXPECT_FALSE(try_to_submit(kEndless, kBob));
+}
+
+TEST_F(JobsTest, DropTheOldestResultsToMakeRoom) {
+    start({.bytes = 13'000});
+    const Question question = sample(R"("sites":100)");  // an answer of some 4 kB
+    const std::string first = submit(question);
+    wait_for_end(first);
+    const std::string second = submit(question);
+    wait_for_end(second);
+    EXPECT_TRUE(jobs_->result(first));
+    const std::string third = submit(question);
+    wait_for_end(third);
+    EXPECT_EQ(jobs_->find(first, kAlice)->status, JobStatus::Succeeded);
+    EXPECT_EQ(jobs_->result(first).error().status, 410);
+    EXPECT_TRUE(jobs_->result(second));
+    EXPECT_TRUE(jobs_->result(third));
+    EXPECT_LE(jobs_->stored_bytes(), 13'000u);
+}
+
+TEST_F(JobsTest, FailWithResultsThatThereIsNoRoomFor) {
+    start({.bytes = 13'000});
+    const Job job = wait_for_end(submit(sample(R"("sites":1000)")));
+    EXPECT_EQ(job.status, JobStatus::Failed);
+    EXPECT_EQ(job.failure->status, 507);
+    EXPECT_EQ(jobs_->find(job.id, kAlice)->failure->status, 507);
+}
+
+TEST_F(JobsTest, AreRefusedIfTheyAreLargerThanTheRoom) {
+    start({.bytes = 2'000});
+    EXPECT_EQ(try_to_submit(sample("\"sites\":5" + std::string(2'000, ' '))).error().status, 413);
+}
+
+TEST_F(JobsTest, AreForgottenInTime) {
+    start({.ttl = milliseconds(1)});
+    const std::string id = submit(kShort);
+    while (status_of(id) == 200) std::this_thread::yield();
+    EXPECT_EQ(status_of(id), 404);
+    while (jobs_->stored_bytes() > 0) std::this_thread::yield();
+}
+
+TEST_F(JobsTest, FailWhereNobodyWillGoOn) {
+    start();
+    const std::string running = submit(kEndless);
+    wait_until_running(running);
+    const std::string waiting = submit(kEndless);
+    jobs_->drain();
+    for (const auto& id : {running, waiting}) {
+        EXPECT_EQ(jobs_->find(id, kAlice)->status, JobStatus::Failed);
+        EXPECT_EQ(jobs_->find(id, kAlice)->failure->status, 503);
+    }
+    EXPECT_EQ(try_to_submit(kShort).error().status, 503);
+}
+
+TEST_F(JobsTest, AreTakenUpByTheNextServer) {
+    start({}, true);
+    const std::string running = submit(sample(R"("sites":2000,"iterations":100)"));
+    const std::string waiting = submit(kShort);
+    wait_until_running(running);
+    jobs_->drain();
+    jobs_.reset();
+    const auto unfinished = *store_->unfinished();
+    EXPECT_EQ(unfinished.size(), 2u);
+    for (const Job& job : unfinished) {
+        EXPECT_EQ(job.status, JobStatus::Queued);
+        EXPECT_EQ(job.starts, 0);
+    }
+    start({}, true);
+    EXPECT_EQ(wait_for_end(running).status, JobStatus::Succeeded);
+    EXPECT_EQ(wait_for_end(waiting).status, JobStatus::Succeeded);
+}
+
+TEST_F(JobsTest, AreGivenUpIfTheServerEndsWithThem) {
+    start({}, true);
+    jobs_.reset();
+    Job job;
+    job.id = "fatal";
+    job.owner = kAlice;
+    ASSERT_TRUE(store_->add(job, kShort));
+    job.status = JobStatus::Running;
+    job.starts = 3;
+    ASSERT_TRUE(store_->save(job));
+    start({}, true);
+    const auto found = jobs_->find("fatal", kAlice);
+    EXPECT_EQ(found->status, JobStatus::Failed);
+    EXPECT_EQ(found->failure->status, 500);
+}
+
+TEST(StatusJson, HasNullForWhatThereIsNotYet) {
+    Job job;
+    job.id = "0123";
+    job.created = Time(milliseconds(1'700'000'000'007));
+    EXPECT_EQ(status_json(job), R"({"id":"0123","status":"queued","progress":0.0,"iteration":0,"variation":null,)"
+                                R"("created":"2023-11-14T22:13:20.007Z","started":null,"finished":null,"error":null})");
+    job.failure = JobFailure{504, {ErrorCode::Stopped, "late", {}}};
+    EXPECT_TRUE(status_json(job).ends_with(
+        R"("error":{"type":"about:blank","title":"Gateway Timeout","status":504,"detail":"late","instance":"/jobs/0123"}})"))
+        << status_json(job);
+}
+
+}  // namespace
+}  // namespace ccdt::server
