@@ -21,12 +21,18 @@ constexpr std::size_t kSpareConnections = 512;
 constexpr std::size_t kTransferBytes = std::size_t{256} << 20;
 constexpr std::size_t kBodiesAtOnce = 4;
 
+/// Of results and of what waits, on disk and, with a part of all memory that it may be, without one.
+constexpr std::size_t kJobBytes = std::size_t{1} << 30;
+constexpr std::size_t kJobBytesInMemory = std::size_t{256} << 20;
+constexpr std::size_t kMemoryPerJobByte = 16;
+
 /// What a flag or variable sets; some defaults wait for the number of workers.
 struct Draft {
     Config config;
     std::optional<std::size_t> queue;
     std::optional<std::size_t> connections;
     std::optional<std::size_t> memory;
+    std::optional<std::size_t> job_bytes;
 };
 
 /// @returns  what was expected instead, empty if the value was taken
@@ -149,6 +155,19 @@ constexpr auto kSettings = std::to_array<Setting>({
      [](Draft& draft, std::string_view text) { return set_whole(draft.connections.emplace(), text, 1, 32'768); }},
     {"--max-connections-per-address", "CCDT_MAX_CONNECTIONS_PER_ADDRESS", "N", "of one address, 0 for no limit (64)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.capacity.per_address, text, 0, 32'768); }},
+    {"--data-dir", "CCDT_DATA_DIR", "FOLDER", "where jobs are kept; made if it is missing (in memory)",
+     [](Draft& draft, std::string_view text) {
+         draft.config.data_dir = text;
+         return std::string(text.empty() ? "a folder's name" : "");
+     }},
+    {"--job-ttl", "CCDT_JOB_TTL", "SECONDS", "that a job is kept after its end (3600)",
+     [](Draft& draft, std::string_view text) { return set_seconds(draft.config.jobs.ttl, text); }},
+    {"--job-timeout", "CCDT_JOB_TIMEOUT", "SECONDS", "longest run of a job (600)",
+     [](Draft& draft, std::string_view text) { return set_seconds(draft.config.jobs.timeout, text); }},
+    {"--job-queue", "CCDT_JOB_QUEUE", "N", "jobs that may wait (1000)",
+     [](Draft& draft, std::string_view text) { return set_whole(draft.config.jobs.waiting, text, 0, 100'000); }},
+    {"--job-bytes", "CCDT_JOB_BYTES", "BYTES", "that jobs may keep (1GiB; in memory a sixteenth of it, at most 256MiB)",
+     [](Draft& draft, std::string_view text) { return set_bytes(draft.job_bytes.emplace(), text); }},
     {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGINS", "whose pages may call, separated by commas; * for all (none)",
      set_cors_origins},
     {"--api-key-file", "CCDT_API_KEY_FILE", "FILE", "lines of name:key; whoever asks needs one, SIGHUP reads it again",
@@ -216,6 +235,8 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     capacity.connections = draft.connections.value_or(kSpareConnections + draft.config.workers + draft.config.queue);
     draft.config.memory = draft.memory ? *draft.memory : available_memory() / 2;
     capacity.bytes = std::min(std::max(kTransferBytes, kBodiesAtOnce * draft.config.max_body), draft.config.memory / 4);
+    const std::size_t in_memory = std::min(kJobBytesInMemory, draft.config.memory / kMemoryPerJobByte);
+    draft.config.jobs.bytes = draft.job_bytes.value_or(draft.config.data_dir.empty() ? in_memory : kJobBytes);
     return CommandLine{CommandLine::Action::Serve, draft.config};
 }
 

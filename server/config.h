@@ -13,6 +13,7 @@
 #include "server/access/rate_limiter.h"
 #include "server/http/capacity.h"
 #include "server/http/connection.h"
+#include "server/jobs/job_limits.h"
 
 namespace ccdt::server {
 
@@ -33,9 +34,11 @@ struct Config {
     std::chrono::milliseconds drain_timeout{70'000};  ///< from the signal to end to the end
     Patience patience;                                ///< with slow clients
     Capacity::Limits capacity;                        ///< for all clients together
-    std::vector<std::string> cors_origins;            ///< whose pages may call, `*` for all; empty: no CORS headers
-    std::string api_key_file;                         ///< empty: whoever asks is answered
-    RateLimiter::Rate rate;                           ///< of requests, for each key or address
+    JobLimits jobs;
+    std::string data_dir;                   ///< where jobs are kept; empty: in memory
+    std::vector<std::string> cors_origins;  ///< whose pages may call, `*` for all; empty: no CORS headers
+    std::string api_key_file;               ///< empty: whoever asks is answered
+    RateLimiter::Rate rate;                 ///< of requests, for each key or address
     DecoderPlace decoder = DecoderPlace::Box;
     LogFormat log_format = LogFormat::Text;
 };

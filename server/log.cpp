@@ -17,6 +17,11 @@ std::string member(LogFormat format, std::string_view message) {
     return fmt::format(R"("message":"{}")", escape(message));
 }
 
+/// Unless there is nothing to tell.
+void add_member(std::string& line, const char* form, std::string_view value) {
+    if (!value.empty()) line += fmt::format(fmt::runtime(form), escape(value));
+}
+
 }  // namespace
 
 std::string escape(std::string_view text) {
@@ -52,13 +57,29 @@ std::string exchange_line(const Exchange& exchange, LogFormat format) {
                                    shown(request.method), shown(request.target), response.status, in, out, total,
                                    stages.queue, stages.work.decode, stages.work.optimise, stages.work.encode);
     const auto add = [&](const char* as_text, const char* as_json, std::string_view value) {
-        if (!value.empty()) line += fmt::format(fmt::runtime(text ? as_text : as_json), escape(value));
+        add_member(line, text ? as_text : as_json, value);
     };
     const auto trace = parse_traceparent(request.header("traceparent")).value_or(Trace{});
     add(" key={}", R"(,"key":"{}")", response.key);
     add(" trace={}", R"(,"trace":"{}")", trace.id);
     add(" parent={}", R"(,"parent":"{}")", trace.parent);
     add(R"( cause="{}")", R"(,"cause":"{}")", response.cause);
+    return line;
+}
+
+std::string job_line(const JobEnd& end, LogFormat format) {
+    constexpr std::string_view kText = "job {} {} result={} queue={:.1f} decode={:.1f} optimise={:.1f} encode={:.1f}";
+    constexpr std::string_view kJson =
+        R"("message":"job","job":"{}","status":"{}","result_bytes":{},"queue_ms":{:.1f},"decode_ms":{:.1f},)"
+        R"("optimise_ms":{:.1f},"encode_ms":{:.1f})";
+    const bool text = format == LogFormat::Text;
+    const auto& [queue, work] = end.stages;
+    std::string line = fmt::format(fmt::runtime(text ? kText : kJson), end.job.id, name_of(end.job.status),
+                                   end.job.result_bytes, queue, work.decode, work.optimise, work.encode);
+    if (end.job.failure)
+        line += fmt::format(fmt::runtime(text ? " error={}" : R"(,"error":{})"), end.job.failure->status);
+    add_member(line, text ? " key={}" : R"(,"key":"{}")", end.job.owner);
+    add_member(line, text ? R"( cause="{}")" : R"(,"cause":"{}")", end.cause);
     return line;
 }
 
@@ -78,6 +99,10 @@ void Log::info(std::string_view message) const {
 
 void Log::error(std::string_view message) const {
     logger_->error(member(format_, message));
+}
+
+void Log::job(const JobEnd& end) const {
+    logger_->info(job_line(end, format_));
 }
 
 void Log::exchange(const Exchange& exchange) const {

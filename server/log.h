@@ -6,6 +6,7 @@
 
 #include "server/config.h"
 #include "server/http/http_server.h"
+#include "server/jobs/jobs.h"
 
 namespace spdlog {
 class logger;
@@ -24,6 +25,9 @@ public:
     /// One line for a request.
     void exchange(const Exchange& exchange) const;
 
+    /// One line for a job that has ended.
+    void job(const JobEnd& end) const;
+
 private:
     const LogFormat format_;
     std::shared_ptr<spdlog::logger> logger_;
@@ -31,6 +35,8 @@ private:
 
 /// The line for a request: `key=value` pairs, or the members of a JSON object.
 std::string exchange_line(const Exchange& exchange, LogFormat format);
+
+std::string job_line(const JobEnd& end, LogFormat format);
 
 /// Makes text fit for one line and for the inside of a JSON string: quotes, backslashes, control characters and
 /// bytes beyond ASCII are escaped.

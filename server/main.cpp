@@ -26,10 +26,13 @@
 #include "server/decoder/decoder_box.h"
 #include "server/http/http_server.h"
 #include "server/http/sockets.h"
+#include "server/jobs/jobs.h"
+#include "server/jobs/sqlite_job_store.h"
 #include "server/log.h"
 #include "server/metrics.h"
 #include "server/process.h"
 #include "server/routes.h"
+#include "server/work/planner.h"
 #include "server/work/worker_pool.h"
 
 namespace ccdt::server {
@@ -126,11 +129,12 @@ api::Decode decoder_of(DecoderBox* box) {
 }
 
 /// What is left for requests and what is computed for them: not what the program takes by itself, nor what is on its
-/// way to and from clients.
+/// way to and from clients, nor what is kept of jobs in memory.
 Result<std::size_t> memory_to_compute_with(const Config& config) {
     constexpr std::size_t kOthers = std::size_t{96} << 20;  // the decoder's processes, and threads to come
     constexpr std::size_t kLeast = std::size_t{192} << 20;
-    const std::size_t taken = resident_bytes() + kOthers + config.capacity.bytes;
+    const std::size_t kept = config.data_dir.empty() ? config.jobs.bytes : 0;
+    const std::size_t taken = resident_bytes() + kOthers + config.capacity.bytes + kept;
     if (config.memory >= taken + kLeast) return config.memory - taken;
     const auto mebibytes = [](std::size_t bytes) { return std::to_string(bytes >> 20) + " MiB"; };
     return failure(ErrorCode::Malformed, "a memory of " + mebibytes(config.memory) +
@@ -172,15 +176,25 @@ int serve(const Config& config) {
         return kFailed;
     }
     WorkerPool pool(config.workers, config.queue, *memory / 4 * 3);  // routes take the rest, for requests
+    const auto store = SqliteJobStore::open(config.data_dir);
+    if (!store) {
+        log.error(store.error().message);
+        return kFailed;
+    }
+    const Planner planner(config.limits, decoder_of(box->get()));
     Metrics metrics(CCDT_VERSION);
-    Routes routes(config, pool, metrics, decoder_of(box->get()));
+    Jobs jobs(config.jobs, **store, !config.data_dir.empty(), pool, planner, [&](const JobEnd& end) {
+        metrics.add(end);
+        log.job(end);
+    });
+    Routes routes(config, pool, planner, jobs, metrics);
     HttpServer server(
         config.patience, config.capacity,
         [&](const auto& request, const auto& fault, auto& connection) {
             auto verdict = fault ? Gate::Verdict{{}, {}, fault} : gate.check(request, connection.address());
-            connection.name_client(std::move(verdict.client));
+            connection.name_client(std::move(verdict.client), std::move(verdict.key));
             auto response = routes.answer(request, verdict.fault, connection);
-            response.key = std::move(verdict.key);
+            response.key = connection.key();
             return response;
         },
         [&](const Exchange& exchange) {
@@ -189,12 +203,17 @@ int serve(const Config& config) {
         });
 
     metrics.watch([&] {
-        return Metrics::Watched{server.connections(), *memory, pool.memory().taken() + routes.waiting_memory().taken(),
-                                *box ? (*box)->deaths() : 0};
+        return Metrics::Watched{
+            server.connections(),        *memory,       pool.memory().taken() + routes.waiting_memory().taken(),
+            *box ? (*box)->deaths() : 0, jobs.counts(), jobs.stored_bytes()};
     });
     const auto port = server.bind(config.bind, config.port);
     if (!port) {
         log.error(port.error().message);
+        return kFailed;
+    }
+    if (const auto started = jobs.start(); !started) {
+        log.error(started.error().message);
         return kFailed;
     }
     log.info("listening on " + url(config.bind, *port));
@@ -210,6 +229,7 @@ int serve(const Config& config) {
     const Reaper reaper(config.drain_timeout, routes, log);
     routes.drain();
     server.drain();
+    jobs.drain();
     log.info("shutting down: no new requests, those accepted are answered");
     acceptor.join();
     pool.drain();

@@ -87,6 +87,13 @@ struct Metrics::Families {
     Gauge& reserved = make_gauge(registry, "ccdt_memory_reserved_bytes", "Of the budget, by estimate, taken now.");
     Counter& deaths = make_counter(registry, "ccdt_decoder_deaths_total",
                                    "Pictures whose decoder crashed, passed a limit or gave nonsense.");
+    Family<Gauge>& jobs =
+        prometheus::BuildGauge().Name("ccdt_jobs").Help("Jobs that have not ended, by status.").Register(registry);
+    Gauge& jobs_queued = jobs.Add({{"status", "queued"}});
+    Gauge& jobs_running = jobs.Add({{"status", "running"}});
+    Family<Counter>& jobs_ended =
+        prometheus::BuildCounter().Name("ccdt_jobs_ended_total").Help("Jobs that ended, by how.").Register(registry);
+    Gauge& job_bytes = make_gauge(registry, "ccdt_job_store_bytes", "What is kept of jobs: questions and results.");
     Gauge& memory = make_gauge(registry, "process_resident_memory_bytes", "Resident memory.");
     Gauge& descriptors = make_gauge(registry, "process_open_fds", "Open file descriptors.");
     Gauge& most_descriptors = make_gauge(registry, "process_max_fds", "File descriptors that may be open.");
@@ -109,6 +116,7 @@ Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families
         .Set(now.count());
     // There from the start: a rate over what has not happened yet is 0, and not missing.
     for (const char* cause : {"client_gone", "deadline", "shutdown"}) all.cancellations.Add({{"cause", cause}});
+    for (const char* status : {"succeeded", "failed", "cancelled"}) all.jobs_ended.Add({{"status", status}});
     for (const char* stage : {"queue", "decode", "optimise", "encode"}) all.stage(stage);
 }
 
@@ -124,13 +132,23 @@ void Metrics::add(const Exchange& exchange) {
     all.received.Increment(static_cast<double>(exchange.bytes_in));
     all.sent.Increment(static_cast<double>(exchange.bytes_out));
     if (!response.cancelled.empty()) all.cancellations.Add({{"cause", std::string(response.cancelled)}}).Increment();
-    if (!response.computed) return;
-    const auto& [queue, work] = response.stages;
+    if (response.computed) add_computed(*response.computed, response.stages);
+}
+
+void Metrics::add(const JobEnd& end) {
+    families_->jobs_ended.Add({{"status", std::string(name_of(end.job.status))}}).Increment();
+    if (end.computed) add_computed(*end.computed, end.stages);
+}
+
+void Metrics::add_computed(const Computed& computed, const Stages& stages) {
+    constexpr double kMilliseconds = 1e-3;
+    Families& all = *families_;
+    const auto& [queue, work] = stages;
     for (const auto& [name, spent] : {std::pair{"queue", queue}, std::pair{"decode", work.decode},
                                       std::pair{"optimise", work.optimise}, std::pair{"encode", work.encode}})
         all.stage(name).Observe(spent * kMilliseconds);
-    all.sites.Increment(static_cast<double>(response.computed->sites));
-    all.pixels.Increment(static_cast<double>(response.computed->pixels));
+    all.sites.Increment(static_cast<double>(computed.sites));
+    all.pixels.Increment(static_cast<double>(computed.pixels));
 }
 
 void Metrics::watch(std::function<Watched()> figures) {
@@ -149,6 +167,9 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
         raise(all.refused_address, watched.connections.refused_by_address);
         raise(all.deaths, watched.decoder_deaths);
     }
+    all.jobs_queued.Set(static_cast<double>(watched.jobs.queued));
+    all.jobs_running.Set(static_cast<double>(watched.jobs.running));
+    all.job_bytes.Set(static_cast<double>(watched.job_bytes));
     all.waiting.Set(static_cast<double>(load.waiting));
     all.capacity.Set(static_cast<double>(load.capacity));
     all.oldest.Set(load.oldest_seconds);

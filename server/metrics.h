@@ -9,6 +9,7 @@
 
 #include "server/http/capacity.h"
 #include "server/http/http_server.h"
+#include "server/jobs/jobs.h"
 #include "server/work/worker_pool.h"
 
 namespace ccdt::server {
@@ -28,6 +29,8 @@ public:
         std::size_t memory_budget = 0;    ///< bytes for requests and what is computed for them
         std::size_t memory_reserved = 0;  ///< of them
         std::uint64_t decoder_deaths = 0;
+        Jobs::Counts jobs;
+        std::size_t job_bytes = 0;
     };
 
     /// Has these figures taken from there. To be called before any thread asks for figures.
@@ -36,10 +39,15 @@ public:
     /// A request that was answered, or whose client left.
     void add(const Exchange& exchange);
 
+    /// A job that has ended.
+    void add(const JobEnd& end);
+
     /// All figures in Prometheus' text format, the pool's as they are now.
     std::string text(const WorkerPool::Load& load) const;
 
 private:
+    void add_computed(const Computed& computed, const Stages& stages);
+
     struct Families;
     const std::unique_ptr<Families> families_;
     std::function<Watched()> watched_ = [] { return Watched{}; };

@@ -26,7 +26,10 @@ constexpr std::size_t kLongestId = 64;
 constexpr std::size_t kQuickToCompress = 262'144;
 
 /// What `OPTIONS *` tells: the methods that some path takes.
-constexpr std::string_view kAllMethods = "GET, HEAD, POST, OPTIONS";
+constexpr std::string_view kAllMethods = "GET, HEAD, POST, DELETE, OPTIONS";
+
+/// So that streams of events leave most connections to others.
+constexpr std::size_t kConnectionsPerStream = 4;
 
 /// Seconds after which a worker that goes on though its job was cancelled is taken for stuck.
 constexpr double kLongestOverdue = 10;
@@ -42,6 +45,24 @@ std::string server_timing(const Stages& stages) {
     std::snprintf(text, sizeof(text), "queue;dur=%.1f, decode;dur=%.1f, optimise;dur=%.1f, encode;dur=%.1f",
                   stages.queue, stages.work.decode, stages.work.optimise, stages.work.encode);
     return text;
+}
+
+/// Where an id stands in the paths of jobs.
+constexpr std::string_view kJobs = "/jobs/";
+constexpr std::string_view kId = "{id}";
+
+/// What is a job's id if the path is one of its.
+std::string_view job_id(std::string_view path) {
+    path.remove_prefix(std::min(path.size(), kJobs.size()));
+    return api::take_until(path, "/");
+}
+
+bool matches(std::string_view pattern, std::string_view path) {
+    const auto place = pattern.find(kId);
+    if (place == std::string_view::npos) return pattern == path;
+    const auto id = job_id(path);
+    return !id.empty() && path.substr(0, place) == pattern.substr(0, place) &&
+           path.substr(place + id.size()) == pattern.substr(place + kId.size());
 }
 
 Response json_response(std::string body) {
@@ -62,19 +83,23 @@ constexpr Routes::Route Routes::kRoutes[] = {
     {"/health/live", "GET", "GET, HEAD, OPTIONS", &Routes::live},
     {"/health/ready", "GET", "GET, HEAD, OPTIONS", &Routes::ready},
     {"/metrics", "GET", "GET, HEAD, OPTIONS", &Routes::metrics},
+    {"/jobs/{id}", "GET", "GET, HEAD, DELETE, OPTIONS", &Routes::job_status},
+    {"/jobs/{id}", "DELETE", "GET, HEAD, DELETE, OPTIONS", &Routes::remove_job},
+    {"/jobs/{id}/events", "GET", "GET, HEAD, OPTIONS", &Routes::job_events},
+    {"/jobs/{id}/result", "GET", "GET, HEAD, OPTIONS", &Routes::job_result},
 };
 
-Routes::Routes(const Config& config, WorkerPool& pool, const Metrics& metrics, api::Decode decode)
+Routes::Routes(const Config& config, WorkerPool& pool, const Planner& planner, Jobs& jobs, const Metrics& metrics)
     : config_(config),
       pool_(pool),
       metrics_(metrics),
-      planner_(config.limits, std::move(decode)),
-      computing_(config, pool, planner_),
+      computing_(config, pool, planner, jobs),
+      job_routes_(jobs, pool.memory(), config.capacity.connections / kConnectionsPerStream, config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
 
 Response Routes::answer(const Request& request, const std::optional<Fault>& fault, Connection& connection) {
     const std::string id = request_id(request);
-    const Route* const route = find_route(request.path);
+    const Route* const route = find_route(request.path, request.method);
     Response response;
     try {
         auto outcome = fault ? Outcome(problem(*fault)) : dispatch(route, request, connection);
@@ -90,10 +115,15 @@ Response Routes::answer(const Request& request, const std::optional<Fault>& faul
     return response;
 }
 
-const Routes::Route* Routes::find_route(std::string_view path) {
+/// The route of a path, of several that of the method if there is one.
+const Routes::Route* Routes::find_route(std::string_view path, std::string_view method) {
     if (find_page_file(path) != nullptr) path = "/";  // one route for all of them
-    const auto* route = std::ranges::find(kRoutes, path, &Route::path);
-    return route == std::end(kRoutes) ? nullptr : route;
+    const Route* found = nullptr;
+    for (const Route& route : kRoutes) {
+        if (!matches(route.path, path)) continue;
+        if (found == nullptr || route.method == method) found = &route;
+    }
+    return found;
 }
 
 Outcome Routes::dispatch(const Route* route, const Request& request, Connection& connection) {
@@ -136,6 +166,22 @@ Outcome Routes::metrics(const Request&, Connection&) {
     response.media_type = "text/plain; version=0.0.4; charset=utf-8";
     response.body = metrics_.text(pool_.load());
     return response;
+}
+
+Outcome Routes::job_status(const Request& request, Connection& connection) {
+    return job_routes_.status(std::string(job_id(request.path)), connection);
+}
+
+Outcome Routes::job_result(const Request& request, Connection& connection) {
+    return job_routes_.result(std::string(job_id(request.path)), connection);
+}
+
+Outcome Routes::job_events(const Request& request, Connection& connection) {
+    return job_routes_.events(std::string(job_id(request.path)), connection);
+}
+
+Outcome Routes::remove_job(const Request& request, Connection& connection) {
+    return job_routes_.remove(std::string(job_id(request.path)), connection);
 }
 
 /// Answers OPTIONS, to people and to browsers that ask before a request from another origin.

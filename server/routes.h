@@ -6,10 +6,11 @@
 #include <string>
 #include <string_view>
 
-#include "api/image/image_codec.h"
 #include "server/config.h"
 #include "server/http/connection.h"
 #include "server/http/http.h"
+#include "server/jobs/job_routes.h"
+#include "server/jobs/jobs.h"
 #include "server/metrics.h"
 #include "server/problem.h"
 #include "server/work/computing.h"
@@ -22,8 +23,8 @@ namespace ccdt::server {
 /// Maps paths and methods to what answers them. May be used from any thread.
 class Routes {
 public:
-    /// The pool and the metrics must outlive the routes, and so must what `decode` refers to.
-    Routes(const Config& config, WorkerPool& pool, const Metrics& metrics, api::Decode decode);
+    /// All of these must outlive the routes.
+    Routes(const Config& config, WorkerPool& pool, const Planner& planner, Jobs& jobs, const Metrics& metrics);
 
     /// Answers anything that came over a connection; a fault is answered as what it says.
     Response answer(const Request& request, const std::optional<Fault>& fault, Connection& connection);
@@ -44,20 +45,24 @@ private:
     using Handler = Outcome (Routes::*)(const Request&, Connection&);
 
     struct Route {
-        std::string_view path;
+        std::string_view path;  ///< `{id}` stands for a job's
         std::string_view method;
         std::string_view allow;
         Handler handler;
     };
     static const Route kRoutes[];
 
-    static const Route* find_route(std::string_view path);
+    static const Route* find_route(std::string_view path, std::string_view method);
     Outcome dispatch(const Route* route, const Request& request, Connection& connection);
     Outcome compute(const Request& request, Connection& connection);
     Outcome page(const Request& request, Connection& connection);
     Outcome live(const Request& request, Connection& connection);
     Outcome ready(const Request& request, Connection& connection);
     Outcome metrics(const Request& request, Connection& connection);
+    Outcome job_status(const Request& request, Connection& connection);
+    Outcome job_result(const Request& request, Connection& connection);
+    Outcome job_events(const Request& request, Connection& connection);
+    Outcome remove_job(const Request& request, Connection& connection);
 
     Response preflight(std::string_view allow, const Request& request) const;
 
@@ -69,8 +74,8 @@ private:
     const Config config_;
     WorkerPool& pool_;
     const Metrics& metrics_;
-    const Planner planner_;
     Computing computing_;
+    JobRoutes job_routes_;
     std::atomic<bool> draining_ = false;
     std::atomic<std::uint64_t> requests_ = 0;
     const std::string id_prefix_;  ///< differs between processes

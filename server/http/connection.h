@@ -69,7 +69,13 @@ public:
 
     /// Who sent the current request, for taking turns: its address unless it is known better.
     const std::string& client_name() const { return client_name_.empty() ? peer_.address : client_name_; }
-    void name_client(std::string name) { client_name_ = std::move(name); }
+    void name_client(std::string name, std::string key) {
+        client_name_ = std::move(name);
+        key_ = std::move(key);
+    }
+
+    /// The name of the API key that the current request came with; empty: none.
+    const std::string& key() const { return key_; }
 
     std::uint64_t bytes_in() const { return bytes_in_; }  ///< of the current request
     std::uint64_t bytes_out() const { return bytes_out_; }
@@ -103,6 +109,7 @@ private:
     Capacity* const capacity_;
     const Peer peer_;
     std::string client_name_;
+    std::string key_;
     std::string unread_;  ///< received, not yet used
     Transfer body_;       ///< that of the current request
     bool between_requests_ = true;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/http/compression.h"
+#include "server/jobs/job_routes.h"
 
 namespace ccdt::server {
 namespace {
@@ -84,10 +85,11 @@ Task<api::Answer> compressing(Task<api::Answer> work) {
 
 }  // namespace
 
-Computing::Computing(const Config& config, WorkerPool& pool, const Planner& planner)
+Computing::Computing(const Config& config, WorkerPool& pool, const Planner& planner, Jobs& jobs)
     : config_(config),
       pool_(pool),
       planner_(planner),
+      jobs_(jobs),
       waiting_memory_(pool.memory().total() / 3) {}  // a quarter of both
 
 Outcome Computing::answer(const Request& request, Connection& connection) {
@@ -97,9 +99,11 @@ Outcome Computing::answer(const Request& request, Connection& connection) {
                       std::string(request.header("Accept")),
                       {}};
     if (auto checked = Planner::check(question); !checked) return problem(std::move(checked.error()));
-    auto body = read_body(request, connection);
+    const bool deferred = prefers(request, "respond-async");
+    auto body = read_body(request, connection, deferred);
     if (!body) return tl::unexpected(std::move(body.error()));
     question.body = *std::move(body);
+    if (deferred) return defer(question, connection);
     const auto deadline = Clock::now() + config_.timeout;
     Stages stages;
     auto plan = understand(std::move(question), connection, deadline, stages);
@@ -108,16 +112,41 @@ Outcome Computing::answer(const Request& request, Connection& connection) {
 }
 
 /// The body of a request that is to be computed, unless it is clear already that it will not be.
-tl::expected<std::string, Problem> Computing::read_body(const Request& request, Connection& connection) const {
+tl::expected<std::string, Problem> Computing::read_body(const Request& request, Connection& connection,
+                                                        bool deferred) const {
     const auto encoding = request.header("Content-Encoding");
     if (!encoding.empty() && !equals_ignoring_case(encoding, "identity"))
         return problem(415, "a Content-Encoding is not understood; send the body as it is");
     if (draining_) return busy(503, "the server is shutting down");
     const bool may_be_short = request.content_length.value_or(kLongBody) < kLongBody;
-    if (pool_.is_full(connection.client_name(), may_be_short)) return busy(429, "too many requests are waiting");
+    const auto& client = connection.client_name();
+    if (deferred && jobs_.is_full(client)) return busy(429, "too many jobs are waiting (job-queue)");
+    if (!deferred && pool_.is_full(client, may_be_short)) return busy(429, "too many requests are waiting");
     auto body = connection.read_body(request, config_.max_body);
     if (!body) return problem(std::move(body.error()));
     return std::move(*body);
+}
+
+/// Makes a job of what is understood now and computed when its turn comes.
+Outcome Computing::defer(const Question& question, Connection& connection) {
+    const std::size_t size = question.body.size();
+    const std::size_t held = 2 * size;  // it is copied, to be understood
+    if (held > waiting_memory_.total()) return too_large(held);
+    const auto lease = waiting_memory_.take(held);
+    if (!lease) return busy(429, "too many large requests are waiting");
+    Stages stages;
+    const auto plan = understand(question, connection, Clock::now() + config_.timeout, stages);
+    if (!plan) return tl::unexpected(plan.error());
+    Job job;
+    job.owner = connection.key();
+    job.client = connection.client_name();
+    job.cost = plan->cost;
+    // Its run understands it again, from the store.
+    const bool quick = Planner::is_quick(question);
+    const std::size_t reading = quick ? size : Planner::cost_of_planning(question).memory + size;
+    job.cost.memory = std::max(plan->cost.memory + plan->size, reading);
+    if (job.cost.memory > pool_.memory().total()) return too_large(job.cost.memory);
+    return jobs_.accept(std::move(job), question).map(accepted);
 }
 
 /// What a request costs is known once its body is read, which a worker does unless it is quick.
@@ -231,9 +260,7 @@ Outcome Computing::compute(Plan plan, const Request& request, Connection& connec
 }
 
 tl::unexpected<Problem> Computing::busy(int status, std::string message) const {
-    auto refused = problem(status, std::move(message));
-    refused.value().headers.push_back({"Retry-After", std::to_string(pool_.backlog().count())});
-    return refused;
+    return server::busy(status, std::move(message), pool_.backlog());
 }
 
 tl::unexpected<Problem> Computing::too_large(std::size_t bytes) const {

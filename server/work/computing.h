@@ -9,6 +9,7 @@
 #include "server/config.h"
 #include "server/http/connection.h"
 #include "server/http/http.h"
+#include "server/jobs/jobs.h"
 #include "server/problem.h"
 #include "server/work/memory_budget.h"
 #include "server/work/planner.h"
@@ -16,12 +17,13 @@
 
 namespace ccdt::server {
 
-/// Answers requests whose answer is computed while their client waits. May be used from any thread.
+/// Answers requests whose answer is computed: while their client waits, or as a job if it would rather not. May be used
+/// from any thread.
 class Computing {
 public:
-    /// The pool and the planner must outlive it. Requests may take a third of the memory that the pool has for jobs,
+    /// Pool, planner and jobs must outlive it. Requests may take a third of the memory that the pool has for jobs,
     /// besides that.
-    Computing(const Config& config, WorkerPool& pool, const Planner& planner);
+    Computing(const Config& config, WorkerPool& pool, const Planner& planner, Jobs& jobs);
 
     Outcome answer(const Request& request, Connection& connection);
 
@@ -44,7 +46,8 @@ private:
 
     tl::unexpected<Problem> too_slow() const;
     tl::unexpected<Problem> too_large(std::size_t bytes) const;
-    tl::expected<std::string, Problem> read_body(const Request& request, Connection& connection) const;
+    tl::expected<std::string, Problem> read_body(const Request& request, Connection& connection, bool deferred) const;
+    Outcome defer(const Question& question, Connection& connection);
     tl::expected<Plan, Problem> understand(Question question, Connection& connection, Clock::time_point deadline,
                                            Stages& stages);
     template <class T>
@@ -56,6 +59,7 @@ private:
     const Config config_;
     WorkerPool& pool_;
     const Planner& planner_;
+    Jobs& jobs_;
     MemoryBudget waiting_memory_;  ///< of requests; apart, lest those that wait leave nothing to those that run
     std::atomic<bool> draining_ = false;
     std::atomic<bool> abandoned_ = false;

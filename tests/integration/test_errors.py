@@ -38,7 +38,7 @@ class Paths(ServerCase):
     def test_options_of_the_server_as_a_whole(self):
         answer = self.ask("/", "--request", "OPTIONS", "--request-target", "*")
         self.assertEqual((answer.status, answer.body), (204, b""))
-        self.assertEqual(answer.headers["allow"], "GET, HEAD, POST, OPTIONS")
+        self.assertEqual(answer.headers["allow"], "GET, HEAD, POST, DELETE, OPTIONS")
         self.assert_problem(self.ask("/", "--request-target", "*"), 404)
         self.assert_problem(self.ask("/%2A", "--request", "OPTIONS"), 404)
 

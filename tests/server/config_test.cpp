@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <vector>
 
@@ -36,6 +37,11 @@ TEST(Config, HasTheDocumentedDefaults) {
     EXPECT_EQ(config.capacity.connections, 512 + config.workers + config.queue);
     EXPECT_EQ(config.capacity.per_address, 64u);
     EXPECT_EQ(config.capacity.bytes, std::size_t{256} << 20);
+    EXPECT_EQ(config.data_dir, "");
+    EXPECT_EQ(config.jobs.waiting, 1000u);
+    EXPECT_EQ(config.jobs.bytes, std::min(std::size_t{256} << 20, config.memory / 16));
+    EXPECT_EQ(config.jobs.ttl, std::chrono::hours(1));
+    EXPECT_EQ(config.jobs.timeout, std::chrono::minutes(10));
     EXPECT_TRUE(config.cors_origins.empty());
     EXPECT_EQ(config.api_key_file, "");
     EXPECT_EQ(config.rate.per_second, 0);
@@ -110,6 +116,18 @@ TEST(Config, ReadsWhatKeepsClientsInBounds) {
     EXPECT_EQ(config.rate.burst, 3u);
 }
 
+TEST(Config, ReadsWhatJobsMayTake) {
+    const auto parsed = parse({"--data-dir=jobs", "--job-ttl=5", "--job-queue=0"}, {{"CCDT_JOB_TIMEOUT", "7"}});
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    EXPECT_EQ(parsed->config.data_dir, "jobs");
+    EXPECT_EQ(parsed->config.jobs.ttl, std::chrono::seconds(5));
+    EXPECT_EQ(parsed->config.jobs.waiting, 0u);
+    EXPECT_EQ(parsed->config.jobs.timeout, std::chrono::seconds(7));
+    EXPECT_EQ(parsed->config.jobs.bytes, std::size_t{1} << 30);
+    EXPECT_EQ(parse({"--job-bytes=3MiB"})->config.jobs.bytes, std::size_t{3} << 20);
+    EXPECT_EQ(parse({"--memory=1GiB"})->config.jobs.bytes, std::size_t{64} << 20);
+}
+
 TEST(Config, LetsAFlagWinOverTheEnvironment) {
     const auto parsed = parse({"--port", "81"}, {{"PORT", "82"}, {"CCDT_WORKERS", "2"}});
     ASSERT_TRUE(parsed);
@@ -156,6 +174,16 @@ TEST(Config, ListsEveryFlagAndVariableInItsHelp) {
                              "CCDT_MAX_CONNECTIONS",
                              "--max-connections-per-address",
                              "CCDT_MAX_CONNECTIONS_PER_ADDRESS",
+                             "--data-dir",
+                             "CCDT_DATA_DIR",
+                             "--job-ttl",
+                             "CCDT_JOB_TTL",
+                             "--job-timeout",
+                             "CCDT_JOB_TIMEOUT",
+                             "--job-queue",
+                             "CCDT_JOB_QUEUE",
+                             "--job-bytes",
+                             "CCDT_JOB_BYTES",
                              "--cors-origin",
                              "CCDT_CORS_ORIGIN",
                              "--api-key-file",
@@ -199,6 +227,11 @@ TEST(Config, NamesWhatIsWrong) {
         {{"--header-timeout=0"}, {}, "--header-timeout"},
         {{"--max-connections=0"}, {}, "--max-connections"},
         {{"--api-key-file="}, {}, "--api-key-file"},
+        {{"--data-dir="}, {}, "--data-dir"},
+        {{"--job-ttl=0"}, {}, "--job-ttl"},
+        {{"--job-timeout=x"}, {}, "--job-timeout"},
+        {{"--job-queue=-1"}, {}, "--job-queue"},
+        {{"--job-bytes=0"}, {}, "--job-bytes"},
         {{"--rate-limit=-1"}, {}, "--rate-limit"},
         {{"--rate-limit=nan"}, {}, "--rate-limit"},
         {{"--rate-burst=0"}, {}, "--rate-burst"},

@@ -51,6 +51,22 @@ TEST(Log, ShortensLongTargets) {
     EXPECT_LT(exchange_line(exchange, LogFormat::Text).size(), 1'000u);
 }
 
+TEST(Log, WritesAJobOnOneLine) {
+    JobEnd end;
+    end.job.id = "0123";
+    end.job.owner = "alice";
+    end.job.status = JobStatus::Failed;
+    end.job.failure = JobFailure{500, {}};
+    end.stages = {1, {2, 3, 4}};
+    end.cause = "out of \"luck\"";
+    EXPECT_EQ(job_line(end, LogFormat::Text),
+              R"(job 0123 failed result=0 queue=1.0 decode=2.0 optimise=3.0 encode=4.0 error=500 key=alice )"
+              R"(cause="out of \"luck\"")");
+    EXPECT_EQ(job_line(end, LogFormat::Json),
+              R"("message":"job","job":"0123","status":"failed","result_bytes":0,"queue_ms":1.0,"decode_ms":2.0,)"
+              R"("optimise_ms":3.0,"encode_ms":4.0,"error":500,"key":"alice","cause":"out of \"luck\"")");
+}
+
 TEST(Log, ShowsWhatIsMissing) {
     EXPECT_TRUE(exchange_line({}, LogFormat::Text).starts_with("- - - - 200 "));
 }

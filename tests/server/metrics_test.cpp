@@ -42,6 +42,31 @@ TEST(Metrics, CountsRequestsByRouteAndStatus) {
     EXPECT_EQ(value(text, "ccdt_http_sent_bytes_total"), 5000);
 }
 
+TEST(Metrics, CountsJobsByHowTheyEnd) {
+    Metrics metrics("1");
+    Metrics::Watched watched;
+    watched.jobs = {.queued = 4, .running = 2};
+    watched.job_bytes = 99;
+    metrics.watch([&] { return watched; });
+    JobEnd end;
+    end.job.status = JobStatus::Succeeded;
+    end.computed = Computed{5000, 0};
+    end.stages.work.optimise = 200;
+    metrics.add(end);
+    end.job.status = JobStatus::Cancelled;
+    end.computed.reset();
+    metrics.add(end);
+    const std::string text = metrics.text({});
+    EXPECT_EQ(value(text, R"(ccdt_jobs_ended_total{status="succeeded"})"), 1);
+    EXPECT_EQ(value(text, R"(ccdt_jobs_ended_total{status="cancelled"})"), 1);
+    EXPECT_EQ(value(text, R"(ccdt_jobs_ended_total{status="failed"})"), 0);
+    EXPECT_EQ(value(text, R"(ccdt_jobs{status="queued"})"), 4);
+    EXPECT_EQ(value(text, R"(ccdt_jobs{status="running"})"), 2);
+    EXPECT_EQ(value(text, "ccdt_job_store_bytes"), 99);
+    EXPECT_EQ(value(text, "ccdt_sites_total"), 5000);
+    EXPECT_EQ(value(text, R"(ccdt_stage_duration_seconds_count{stage="optimise"})"), 1);
+}
+
 TEST(Metrics, TellsWhatWasComputedAndGivenUp) {
     Metrics metrics("1");
     Exchange done = exchange("/halftone", 200);
@@ -89,7 +114,9 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
     Metrics::Watched watched{.connections = {.open = 5, .refused = 2, .refused_by_address = 0},
                              .memory_budget = 1000,
                              .memory_reserved = 100,
-                             .decoder_deaths = 3};
+                             .decoder_deaths = 3,
+                             .jobs = {},
+                             .job_bytes = 0};
     metrics.watch([&] { return watched; });
     EXPECT_EQ(value(metrics.text({}), "ccdt_connections_open"), 5);
     watched.connections = {.open = 4, .refused = 7, .refused_by_address = 1};

@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
+
+#include "server/jobs/sqlite_job_store.h"
 
 namespace ccdt::server {
 namespace {
@@ -28,10 +31,15 @@ protected:
         return found == response.headers.end() ? "" : found->value;
     }
 
+    int socket() const { return sockets_[0]; }
+
     Config config_;
     WorkerPool pool_{1, 1};
     Metrics metrics_{"1.2.3"};
-    Routes routes_{config_, pool_, metrics_, api::decode_inline()};
+    Planner planner_{config_.limits, api::decode_inline()};
+    std::unique_ptr<SqliteJobStore> store_ = *SqliteJobStore::open("");
+    Jobs jobs_{config_.jobs, *store_, false, pool_, planner_, [](const JobEnd&) {}};
+    Routes routes_{config_, pool_, planner_, jobs_, metrics_};
 
 private:
     std::array<int, 2> sockets_{};
@@ -93,7 +101,7 @@ TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
 TEST_F(RoutesTest, NamesTheConfiguredOrigin) {
     Config config;
     config.cors_origins = {"https://example.org"};
-    Routes routes(config, pool_, metrics_, api::decode_inline());
+    Routes routes(config, pool_, planner_, jobs_, metrics_);
     Connection connection(-1);
     const auto request = parse_head(
         "OPTIONS /halftone HTTP/1.1\r\nOrigin: https://example.org\r\nAccess-Control-Request-Method: POST\r\n\r\n");
@@ -113,6 +121,38 @@ TEST_F(RoutesTest, CompressesLongTextsForThoseWhoWantIt) {
     EXPECT_EQ(header(small, "Content-Encoding"), "gzip");
     EXPECT_LT(small.body.size(), 500u);
     EXPECT_EQ(header(ask("GET /health HTTP/1.1\r\nAccept-Encoding: gzip"), "Vary"), "");
+}
+
+TEST_F(RoutesTest, KeepsStreamsOfEventsFromFallingSilent) {
+    Config config;
+    config.jobs.ping = std::chrono::milliseconds(1);
+    Routes routes(config, pool_, planner_, jobs_, metrics_);
+    const auto job = jobs_.accept({}, {"/sample", "", "", "", "{}"});  // waits: nothing has been started
+    Connection connection(socket());
+    const auto request = parse_head("GET /jobs/" + job->id + "/events HTTP/1.1\r\n\r\n");
+    const Response response = routes.answer(*request, {}, connection);
+    EXPECT_EQ(response.media_type, "text/event-stream");
+    EXPECT_EQ(header(response, "X-Accel-Buffering"), "no");
+    std::string sent;
+    response.stream([&](std::string_view piece) {
+        sent += piece;
+        return !sent.ends_with(": ping\n\n: ping\n\n");
+    });
+    EXPECT_TRUE(sent.starts_with("event: progress\ndata: {\"id\":\"" + job->id)) << sent;
+}
+
+TEST_F(RoutesTest, BoundsStreamsOfEvents) {
+    Config config;
+    config.capacity.connections = 4;
+    Routes routes(config, pool_, planner_, jobs_, metrics_);
+    const auto job = jobs_.accept({}, {"/sample", "", "", "", "{}"});
+    Connection connection(socket());
+    const auto request = parse_head("GET /jobs/" + job->id + "/events HTTP/1.1\r\n\r\n");
+    std::optional<Response> first = routes.answer(*request, {}, connection);
+    EXPECT_EQ(first->status, 200);
+    EXPECT_EQ(routes.answer(*request, {}, connection).status, 503);
+    first.reset();
+    EXPECT_EQ(routes.answer(*request, {}, connection).status, 200);
 }
 
 }  // namespace

@@ -1,0 +1,108 @@
+#include "server/jobs/job_routes.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+namespace ccdt::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// How often a stream looks whether its client is still there.
+constexpr std::chrono::milliseconds kPeek{200};
+
+constexpr std::chrono::seconds kSoon{1};
+
+/// What is told of a job holds for the moment only.
+Response for_now(std::string media_type, std::string body) {
+    Response response;
+    response.media_type = std::move(media_type);
+    response.body = std::move(body);
+    response.headers.push_back({"Cache-Control", "no-store"});
+    return response;
+}
+
+Response document(const Job& job) {
+    return for_now("application/json", status_json(job) + '\n');
+}
+
+/// Why there is no result.
+tl::unexpected<Problem> no_result(const Job& job) {
+    if (job.status == JobStatus::Cancelled) return problem(410, "the job was cancelled");
+    if (job.failure) return problem(job.failure->status, job.failure->error.message, job.failure->error.field);
+    return problem(409, "the job is " + std::string(name_of(job.status)) + "; its result is not there yet");
+}
+
+std::string event(const Job& job) {
+    const std::string_view name = is_finished(job.status) ? name_of(job.status) : "progress";
+    return "event: " + std::string(name) + "\ndata: " + status_json(job) + "\n\n";
+}
+
+}  // namespace
+
+Response accepted(const Job& job) {
+    Response response = document(job);
+    response.status = 202;
+    response.headers.push_back({"Location", "/jobs/" + job.id});
+    response.headers.push_back({"Preference-Applied", "respond-async"});
+    return response;
+}
+
+Outcome JobRoutes::status(const std::string& id, const Connection& connection) const {
+    const auto job = jobs_.find(id, connection.key());
+    if (!job) return tl::unexpected(job.error());
+    return document(*job);
+}
+
+Outcome JobRoutes::result(const std::string& id, const Connection& connection) {
+    const auto job = jobs_.find(id, connection.key());
+    if (!job) return tl::unexpected(job.error());
+    if (job->status != JobStatus::Succeeded) return no_result(*job);
+    auto lease = memory_.take(job->result_bytes);
+    if (!lease) return busy(503, "there is too little memory left to send a result of this size", kSoon);
+    auto result = jobs_.result(id);
+    if (!result) return tl::unexpected(std::move(result.error()));
+    Response response;
+    response.media_type = job->media_type;
+    response.body = *std::move(result);
+    response.lease = std::make_shared<MemoryBudget::Lease>(*std::move(lease));
+    if (job->partial) response.headers.push_back({"X-Partial", "deadline"});
+    return response;
+}
+
+Outcome JobRoutes::remove(const std::string& id, const Connection& connection) {
+    if (const auto removed = jobs_.remove(id, connection.key()); !removed) return tl::unexpected(removed.error());
+    Response response;
+    response.status = 204;
+    return response;
+}
+
+Outcome JobRoutes::events(const std::string& id, const Connection& connection) {
+    auto watch = jobs_.watch(id, connection.key());
+    if (!watch) return tl::unexpected(std::move(watch.error()));
+    if (!streams_.try_acquire()) return busy(503, "too many streams of events are open", kSoon);
+    const std::shared_ptr<void> place(nullptr, [this](void*) { streams_.release(); });
+    Response response = for_now("text/event-stream", {});
+    response.headers.push_back({"X-Accel-Buffering", "no"});  // nginx would wait for more
+    response.stream = [this, place, &connection, watch = *std::move(watch)](const Send& send) {
+        send_events(watch, connection, send);
+    };
+    return response;
+}
+
+/// Until the job ends, the client leaves or the server shuts down.
+void JobRoutes::send_events(Jobs::Watch watch, const Connection& connection, const Send& send) const {
+    auto silent_since = Clock::now();
+    while (!connection.client_gone()) {
+        const bool last_look = jobs_.is_draining();
+        const auto ping = silent_since + ping_;
+        const auto news = watch.next(last_look ? Clock::now() : std::min(Clock::now() + kPeek, ping));
+        if (!news && last_look) return;
+        if (!news && Clock::now() < ping) continue;
+        if (!send(news ? event(*news) : ": ping\n\n") || (news && is_finished(news->status))) return;
+        silent_since = Clock::now();
+    }
+}
+
+}  // namespace ccdt::server

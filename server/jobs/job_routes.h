@@ -1,0 +1,42 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <semaphore>
+#include <string>
+
+#include "server/http/connection.h"
+#include "server/http/http.h"
+#include "server/jobs/jobs.h"
+#include "server/problem.h"
+#include "server/work/memory_budget.h"
+
+namespace ccdt::server {
+
+/// Answers what clients ask about their jobs. May be used from any thread.
+class JobRoutes {
+public:
+    /// @param memory   what results take on their way to clients
+    /// @param streams  of events, at the same time
+    /// Jobs and memory must outlive it, and every answer that streams.
+    JobRoutes(Jobs& jobs, MemoryBudget& memory, std::size_t streams, std::chrono::milliseconds ping)
+        : jobs_(jobs), memory_(memory), streams_(static_cast<std::ptrdiff_t>(streams)), ping_(ping) {}
+
+    Outcome status(const std::string& id, const Connection& connection) const;
+    Outcome result(const std::string& id, const Connection& connection);
+    Outcome remove(const std::string& id, const Connection& connection);
+    Outcome events(const std::string& id, const Connection& connection);
+
+private:
+    void send_events(Jobs::Watch watch, const Connection& connection, const Send& send) const;
+
+    Jobs& jobs_;
+    MemoryBudget& memory_;
+    std::counting_semaphore<> streams_;  ///< that there may be more of
+    const std::chrono::milliseconds ping_;
+};
+
+/// What accepting a job is answered with.
+Response accepted(const Job& job);
+
+}  // namespace ccdt::server

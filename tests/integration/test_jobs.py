@@ -1,0 +1,396 @@
+"""Jobs: requests whose clients do not wait."""
+
+import json
+import os
+import pathlib
+import re
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+import unittest
+
+from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, file_of, flat
+
+TORUS = {"type": "torus", "width": 1, "height": 1}
+JSON = ("--header", "Content-Type: application/json")
+LATER = ("--header", "Prefer: respond-async")
+SMALL = {"sites": 200, "domain": TORUS}
+# Some seconds; longer than it takes to ask the server something.
+LONG = {"sites": 20_000, "iterations": 50, "domain": TORUS}
+# Longer than any test; ended by cancelling it.
+ENDLESS = {"sites": 100_000, "iterations": 1000, "passes": 100, "domain": TORUS}
+
+
+def submit(server, body, *arguments, path="/sample"):
+    """The job's path."""
+    data = body if isinstance(body, bytes) else json.dumps(body)
+    answer = ask(server, path, *LATER, *arguments, data=data)
+    assert answer.status == 202, answer
+    return answer.headers["location"]
+
+
+def status(server, job, *arguments):
+    answer = ask(server, job, *arguments)
+    assert answer.status == 200, answer
+    return answer.json()
+
+
+def wait_for(server, job, *wanted):
+    end = time.monotonic() + PATIENCE
+    while (found := status(server, job))["status"] not in wanted:
+        if time.monotonic() > end:
+            raise AssertionError(f"still {found}")
+    return found
+
+
+def wait_for_end(server, job):
+    return wait_for(server, job, "succeeded", "failed", "cancelled")
+
+
+def events(body):
+    """Names and documents of a stream's events; other lines are comments."""
+    found = []
+    for block in body.decode().split("\n\n"):
+        lines = dict(line.split(": ", 1) for line in block.splitlines() if not line.startswith(":"))
+        if lines:
+            found.append((lines["event"], json.loads(lines["data"])))
+    return found
+
+
+def begin_stream(server, job):
+    """A connection over which a first event has come, and what has."""
+    client = socket.create_connection(("127.0.0.1", server.port), timeout=PATIENCE)
+    client.sendall(f"GET {job}/events HTTP/1.1\r\nHost: h\r\n\r\n".encode())
+    received = b""
+    while b"event: progress" not in received:
+        received += client.recv(65536)
+    return client, received
+
+
+def rest_of(client, received):
+    with client:
+        while chunk := client.recv(65536):
+            received += chunk
+    return received
+
+
+def without_time(answer):
+    return {name: value for name, value in answer.json().items() if name != "elapsed_ms"}
+
+
+class Jobs(ServerCase):
+    flags = ("--workers=2",)
+
+    def test_are_accepted_and_tell_where_they_stand(self):
+        answer = ask(self.server, "/sample", *LATER, data=json.dumps(SMALL))
+        self.assertEqual((answer.status, answer.type), (202, "application/json"))
+        self.assertEqual(answer.headers["preference-applied"], "respond-async")
+        self.assertRegex(answer.headers["location"], r"^/jobs/[0-9a-f]{32}$")
+        accepted = answer.json()
+        self.assertEqual("/jobs/" + accepted["id"], answer.headers["location"])
+        self.assertEqual((accepted["status"], accepted["started"], accepted["finished"]), ("queued", None, None))
+        found = wait_for_end(self.server, answer.headers["location"])
+        self.assertEqual(list(found), ["id", "status", "progress", "iteration", "variation", "created", "started",
+                                       "finished", "error"])
+        self.assertEqual((found["status"], found["progress"], found["iteration"], found["error"]),
+                         ("succeeded", 1, 5, None))
+        self.assertLessEqual(found["created"], found["started"])
+        self.assertLessEqual(found["started"], found["finished"])
+        self.assertGreater(found["variation"], 0)
+
+    def test_answer_what_would_have_been_answered_at_once(self):
+        picture = (PICTURES / "chelsea.png").read_bytes()
+        points = json.dumps({"points": [[0, 0], [0.5, 0.5], [0.2, 0.7]]})
+        for path, data, arguments in (
+                ("/halftone?sites=500", picture, ()),
+                ("/halftone?sites=500&format=json", picture, ()),
+                ("/halftone?sites=500", picture, ("--header", "Accept: application/json")),
+                ("/sample", json.dumps({**SMALL, "mesh": True}), JSON),
+                ("/sample", json.dumps({**SMALL, "polygon": [[i, i * i] for i in range(2000)], "domain": None}), JSON),
+                ("/analyze", points, JSON),
+                ("/analyze", points, ("--header", "Accept: image/png")),
+                ("/analyze", points, ("--header", "Accept: image/svg+xml"))):
+            with self.subTest(path=path, arguments=arguments):
+                now = ask(self.server, path, *arguments, data=data)
+                if now.status == 400:  # refused at once, as a job as well
+                    later = ask(self.server, path, *LATER, *arguments, data=data)
+                    self.assertEqual((later.status, later.json()["detail"]), (400, now.json()["detail"]))
+                    continue
+                self.assertEqual(now.status, 200, now)
+                job = submit(self.server, data if isinstance(data, bytes) else data.encode(), *arguments, path=path)
+                self.assertEqual(wait_for_end(self.server, job)["status"], "succeeded")
+                later = ask(self.server, job + "/result")
+                self.assertEqual((later.status, later.type), (200, now.type))
+                if now.type == "application/json":
+                    self.assertEqual(without_time(later), without_time(now))
+                else:
+                    self.assertEqual(later.body, now.body)
+
+    def test_take_forms(self):
+        with tempfile.NamedTemporaryFile(suffix=".png") as file:
+            file.write(file_of(flat(100)))
+            file.flush()
+            form = ("--form", f"image=@{file.name}", "--form", "sites=50")
+            now = ask(self.server, "/halftone", *form)
+            accepted = ask(self.server, "/halftone", *LATER, *form)
+        self.assertEqual(accepted.status, 202, accepted)
+        wait_for_end(self.server, accepted.headers["location"])
+        self.assertEqual(ask(self.server, accepted.headers["location"] + "/result").body, now.body)
+
+    def test_a_request_that_is_wrong_is_refused_at_once(self):
+        for path, data, code in (("/sample", '{"sites":0}', 400), ("/sample", "nonsense", 400),
+                                 ("/halftone", b"nonsense", 415), ("/sample", '{"sites":99999999}', 413)):
+            self.assert_problem(ask(self.server, path, *LATER, data=data), code)
+
+    def test_a_failure_is_told_as_it_would_have_been(self):
+        crossing = json.dumps({"sites": 9, "polygon": [[0, 0], [1, 1], [1, 0], [0, 1]]})
+        now = self.assert_problem(ask(self.server, "/sample", data=crossing), 422)
+        job = submit(self.server, crossing.encode())
+        found = wait_for_end(self.server, job)
+        self.assertEqual(found["status"], "failed")
+        later = self.assert_problem(ask(self.server, job + "/result"), 422)
+        for problem in (found["error"], later):
+            self.assertEqual((problem["status"], problem["detail"], problem["errors"]),
+                             (422, now["detail"], now["errors"]))
+
+    def test_events_tell_each_iteration_and_the_end(self):
+        before = [submit(self.server, ENDLESS), submit(self.server, ENDLESS)]
+        job = submit(self.server, {**SMALL, "iterations": 9})
+        stream = Call(self.server.url(job + "/events"), "--no-buffer")
+        for other in before:
+            self.assertEqual(ask(self.server, other, "--request", "DELETE").status, 204)
+        answer = stream.answer()
+        self.assertEqual((answer.status, answer.type), (200, "text/event-stream"))
+        self.assertEqual((answer.headers["cache-control"], answer.headers["x-accel-buffering"]), ("no-store", "no"))
+        told = events(answer.body)
+        self.assertEqual([name for name, _ in told[:-1]], ["progress"] * (len(told) - 1))
+        self.assertEqual(told[-1][0], "succeeded")
+        self.assertEqual(told[-1][1], status(self.server, job))
+        iterations = [document["iteration"] for _, document in told]
+        self.assertEqual(iterations, sorted(iterations))
+        fractions = [document["progress"] for _, document in told]
+        self.assertEqual(fractions, sorted(fractions))
+        self.assertEqual((fractions[-1], max(fractions[:-1])), (1, 0.9))
+
+        late = ask(self.server, job + "/events", "--header", "Last-Event-ID: 7")
+        self.assertEqual(events(late.body), told[-1:])
+        old = ask(self.server, job + "/events", "--http1.0")
+        self.assertEqual(events(old.body), told[-1:])
+        self.assertNotIn("transfer-encoding", old.headers)
+        head = ask(self.server, job + "/events", "--head")
+        self.assertEqual((head.status, head.type), (200, "text/event-stream"))
+
+    def test_a_stream_whose_client_leaves_is_let_go(self):
+        job = submit(self.server, ENDLESS)
+        stream = Call(self.server.url(job + "/events"))
+        wait_for(self.server, job, "running")
+        stream.abandon()
+        self.server.wait_for_log(f"GET {job}/events 499")
+        self.assertEqual(ask(self.server, job, "--request", "DELETE").status, 204)
+
+    def test_are_cancelled_while_they_run_or_wait(self):
+        running = submit(self.server, ENDLESS)
+        wait_for(self.server, running, "running")
+        waiting = submit(self.server, ENDLESS)
+        self.assertEqual(status(self.server, waiting)["status"], "queued")
+        stream = Call(self.server.url(running + "/events"))
+        for job in (waiting, running):
+            early = ask(self.server, job + "/result")
+            self.assert_problem(early, 409)
+            deleted = ask(self.server, job, "--request", "DELETE")
+            self.assertEqual((deleted.status, deleted.body), (204, b""))
+            found = status(self.server, job)
+            self.assertEqual(found["status"], "cancelled")
+            self.assertIsNotNone(found["finished"])
+            self.assert_problem(ask(self.server, job + "/result"), 410)
+        self.assertEqual(events(stream.answer().body)[-1][0], "cancelled")
+        self.assertEqual(wait_for_end(self.server, submit(self.server, SMALL))["status"], "succeeded")
+
+    def test_are_forgotten_if_asked(self):
+        job = submit(self.server, SMALL)
+        wait_for_end(self.server, job)
+        self.assertEqual(ask(self.server, job, "--request", "DELETE").status, 204)
+        for path, arguments in ((job, ()), (job + "/result", ()), (job + "/events", ()),
+                                (job, ("--request", "DELETE"))):
+            self.assert_problem(ask(self.server, path, *arguments), 404)
+
+    def test_methods_and_paths(self):
+        job = submit(self.server, SMALL)
+        wait_for_end(self.server, job)
+        for path, allow in ((job, "GET, HEAD, DELETE, OPTIONS"), (job + "/result", "GET, HEAD, OPTIONS"),
+                            (job + "/events", "GET, HEAD, OPTIONS")):
+            refused = ask(self.server, path, "--request", "POST")
+            self.assert_problem(refused, 405)
+            self.assertEqual(refused.headers["allow"], allow)
+            options = ask(self.server, path, "--request", "OPTIONS")
+            self.assertEqual((options.status, options.headers["allow"]), (204, allow))
+        result = ask(self.server, job + "/result")
+        head = ask(self.server, job + "/result", "--head")
+        self.assertEqual((head.status, head.headers["content-length"]), (200, str(len(result.body))))
+        self.assertEqual(ask(self.server, job, "--head").status, 200)
+        for path in ("/jobs", "/jobs/", "/jobs//result", job + "/", job + "/nothing", job[:-1], job.upper(),
+                     "/jobs/" + "x" * 5000):
+            self.assertEqual(ask(self.server, path).status, 404, path)
+
+    def test_results_are_compressed_if_asked(self):
+        job = submit(self.server, SMALL)
+        wait_for_end(self.server, job)
+        plain = ask(self.server, job + "/result")
+        squeezed = ask(self.server, job + "/result", "--compressed")
+        self.assertEqual(squeezed.headers["content-encoding"], "gzip")
+        self.assertEqual(squeezed.body, plain.body)
+
+
+class Limits(unittest.TestCase):
+    def test_too_many_that_wait_are_refused(self):
+        with Server("--workers=1", "--job-queue=1") as server:
+            running = submit(server, ENDLESS)
+            wait_for(server, running, "running")
+            submit(server, ENDLESS)
+            refused = ask(server, "/sample", *LATER, data=json.dumps(ENDLESS))
+            self.assertEqual((refused.status, refused.type), (429, "application/problem+json"))
+            self.assertIn("job-queue", refused.json()["detail"])
+            self.assertGreaterEqual(int(refused.headers["retry-after"]), 1)
+
+    def test_those_who_wait_have_a_worker_left(self):
+        with Server("--workers=2") as server:
+            for _ in range(3):
+                submit(server, ENDLESS)
+            self.assertEqual(ask(server, "/sample", data=json.dumps({**LONG, "iterations": 1})).status, 200)
+
+    def test_the_time_of_a_job_is_its_own(self):
+        with Server("--timeout=0.001", "--job-timeout=1") as server:
+            self.assertEqual(wait_for_end(server, submit(server, SMALL))["status"], "succeeded")
+            late = submit(server, ENDLESS)
+            self.assertEqual(wait_for_end(server, late)["error"]["status"], 504)
+            self.assertEqual(ask(server, late + "/result").status, 504)
+            partial = submit(server, {"sites": 5000, "iterations": 1000, "passes": 100, "domain": TORUS,
+                                      "on_deadline": "partial"})
+            self.assertEqual(wait_for_end(server, partial)["status"], "succeeded")
+            answer = ask(server, partial + "/result")
+            self.assertEqual((answer.headers["x-partial"], answer.json()["partial"]), ("deadline", True))
+
+    def test_jobs_expire(self):
+        with Server("--job-ttl=0.5") as server:
+            job = submit(server, SMALL)
+            end = time.monotonic() + PATIENCE
+            while (answer := ask(server, job)).status == 200 and time.monotonic() < end:
+                pass
+            self.assertEqual(answer.status, 404)
+            self.assertIn("expired", answer.json()["detail"])
+
+    def test_the_oldest_results_make_room(self):
+        with Server("--job-bytes=300KiB") as server:
+            jobs = []
+            for _ in range(4):
+                jobs.append(submit(server, {**SMALL, "sites": 2000}))  # some 80 kB
+                wait_for_end(server, jobs[-1])
+            first = ask(server, jobs[0] + "/result")
+            self.assertEqual(first.status, 410)
+            self.assertIn("job-bytes", first.json()["detail"])
+            self.assertEqual(status(server, jobs[0])["status"], "succeeded")
+            self.assertEqual(ask(server, jobs[-1] + "/result").status, 200)
+            large = submit(server, {**SMALL, "sites": 20_000, "iterations": 1})
+            self.assertEqual(wait_for_end(server, large)["error"]["status"], 507)
+
+
+class Keys(unittest.TestCase):
+    def test_a_job_belongs_to_its_key(self):
+        with tempfile.TemporaryDirectory() as folder:
+            keys = pathlib.Path(folder) / "keys"
+            keys.write_text("alice:alice-0123456789abcdef\nbob:bob-0123456789abcdefgh\n")
+            alice, bob = (("--header", "Authorization: Bearer " + key)
+                          for key in ("alice-0123456789abcdef", "bob-0123456789abcdefgh"))
+            with Server(f"--api-key-file={keys}") as server:
+                job = submit(server, ENDLESS, *alice)
+                for path, arguments in ((job, ()), (job + "/result", ()), (job + "/events", ()),
+                                        (job, ("--request", "DELETE"))):
+                    self.assertEqual(ask(server, path, *arguments).status, 401)
+                    self.assertEqual(ask(server, path, *bob, *arguments).status, 404)
+                self.assertEqual(ask(server, job, *alice).status, 200)
+                self.assertEqual(ask(server, job, *alice, "--request", "DELETE").status, 204)
+                server.wait_for_log(" cancelled ")
+                self.assertIn("key=alice", server.log())
+
+
+class Lasting(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name) / "jobs"
+        self.flags = ("--workers=2", f"--data-dir={self.folder}")
+
+    def test_what_a_killed_server_had_accepted_is_done_by_the_next(self):
+        with Server(*self.flags) as server:
+            done = submit(server, SMALL)
+            wait_for_end(server, done)
+            result = ask(server, done + "/result").body
+            running = submit(server, LONG)
+            wait_for(server, running, "running")
+            waiting = submit(server, SMALL)
+            self.assertEqual(status(server, waiting)["status"], "queued")
+            server.signal(signal.SIGKILL)
+            server.wait()
+        with Server(*self.flags) as server:
+            self.assertEqual(ask(server, done + "/result").body, result)
+            for job, sites in ((running, 20_000), (waiting, 200)):
+                self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
+                self.assertEqual(len(ask(server, job + "/result").json()["points"]), sites)
+            again = ask(server, waiting + "/result").json()
+            self.assertEqual(again["points"], json.loads(result)["points"], "same question, same points")
+
+    def test_a_server_that_shuts_down_leaves_the_rest_to_the_next(self):
+        with Server(*self.flags) as server:
+            job = submit(server, {**LONG, "iterations": 100})
+            wait_for(server, job, "running")
+            stream = begin_stream(server, job)
+            server.signal()
+            received = rest_of(*stream)
+            self.assertEqual(set(re.findall(rb"event: (\w+)", received)), {b"progress"})
+            self.assertTrue(received.endswith(b"0\r\n\r\n"), "a stream that is over, not broken off")
+            self.assertEqual(server.wait(), 0)
+        with Server(*self.flags) as server:
+            self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
+
+    def test_the_files_are_nobody_else_s(self):
+        with Server(*self.flags) as server:
+            submit(server, SMALL)
+            self.assertEqual(self.folder.stat().st_mode & 0o777, 0o700)
+            self.assertTrue(any(self.folder.iterdir()))
+            for file in self.folder.iterdir():
+                self.assertEqual(file.stat().st_mode & 0o777, 0o600, file)
+            second = self.run_program()
+            self.assertEqual(second.returncode, 1)
+            self.assertIn("another server uses it", second.stderr)
+
+    def test_a_file_that_is_none_of_ours_is_refused(self):
+        self.folder.mkdir()
+        (self.folder / "jobs.sqlite").write_bytes(b"x" * 5000)
+        told = self.run_program()
+        self.assertEqual(told.returncode, 1)
+        self.assertIn("jobs.sqlite", told.stderr)
+        self.assertEqual((self.folder / "jobs.sqlite").read_bytes(), b"x" * 5000)
+
+    def run_program(self):
+        return subprocess.run([os.environ["CCDT_SERVER"], "--port=0", *self.flags], capture_output=True, text=True,
+                              timeout=PATIENCE, check=False)
+
+
+class Passing(unittest.TestCase):
+    """Without a folder."""
+
+    def test_a_server_that_shuts_down_tells_those_who_follow(self):
+        with Server("--workers=1") as server:
+            job = submit(server, ENDLESS)
+            stream = begin_stream(server, job)
+            server.signal()
+            received = rest_of(*stream)
+            self.assertIn(b"event: failed\n", received)
+            self.assertIn(b'"status":503', received)
+            self.assertEqual(server.wait(), 0)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
