@@ -97,6 +97,7 @@ void Jobs::take_up(Job job) {
     {
         const std::lock_guard lock(mutex_);
         const std::string id = job.id;
+        if (live_.contains(id)) return;  // it was accepted by this one, before the start
         admit_locked(std::move(job));
         live = live_.at(id);
     }
