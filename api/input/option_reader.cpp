@@ -47,6 +47,12 @@ tl::unexpected<Error> malformed(const Input& input, std::string_view what) {
     return failure(ErrorCode::Malformed, input.name + ' ' + std::string(what), input.field);
 }
 
+tl::unexpected<Error> unknown_option(const Input& input, std::span<const std::string_view> known) {
+    std::string message = "unknown option '" + excerpt(input.name) + "'; those known are";
+    for (const auto name : known) message.append(name == known.front() ? " " : ", ").append(name);
+    return failure(ErrorCode::Malformed, std::move(message), excerpt(input.field));
+}
+
 Result<std::uint64_t> read_integer(const Input& input, std::uint64_t min, std::uint64_t max) {
     const auto value = integer_of(input);
     if (value && *value >= min && *value <= max) return *value;

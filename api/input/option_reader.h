@@ -83,6 +83,16 @@ Result<void> assign(T& target, Result<Value> value) {
     return {};
 }
 
+/// A Malformed error about an input of none of these names.
+tl::unexpected<Error> unknown_option(const Input& input, std::span<const std::string_view> known);
+
+template <class Target>
+std::vector<std::string_view> names_of(std::span<const OptionRule<Target>> rules) {
+    std::vector<std::string_view> names;
+    for (const auto& rule : rules) names.push_back(rule.name);
+    return names;
+}
+
 /// Reads every input by the rule of its name, in the order they came.
 /// Errors: Malformed for a name without a rule, or one that came before; whatever a rule returns.
 template <class Target>
@@ -93,7 +103,7 @@ Result<void> read_options(std::span<const OptionRule<Target>> rules, std::span<c
         const auto named_alike = [&](const auto& other) { return other.name == input.name; };
         const auto rule = std::find_if(rules.begin(), rules.end(), named_alike);
         if (rule == rules.end()) {
-            return failure(ErrorCode::Malformed, "unknown option '" + excerpt(input.name) + "'", excerpt(input.field));
+            return unknown_option(input, names_of(rules));
         }
         const auto before = inputs.first(i);
         if (std::any_of(before.begin(), before.end(), named_alike)) return malformed(input, "is given twice");
