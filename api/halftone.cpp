@@ -282,6 +282,8 @@ Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits
     answer.sites = plan->sites;
     answer.pixels = static_cast<std::size_t>(plan->picture.width) * static_cast<std::size_t>(plan->picture.height);
     answer.partial = distribution->stopped;
+    // A stop may have made the path of a drawing longer.
+    answer.repeats = request.format != HalftoneFormat::Json && !control.stop.stop_requested();
     return answer;
 }
 

@@ -40,6 +40,7 @@ struct Answer {
     std::size_t sites = 0;    ///< placed for it
     std::size_t pixels = 0;   ///< of a picture decoded for it
     bool partial = false;     ///< of a run that was stopped, which the request allows
+    bool repeats = true;      ///< to the byte, however often it is computed
 };
 
 }  // namespace ccdt::api

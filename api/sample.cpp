@@ -311,6 +311,8 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     answer.body = *std::move(body);
     answer.sites = request.run.sites;
     answer.partial = distribution->stopped;
+    // A stop may have made the path of a drawing longer.
+    answer.repeats = request.format != SampleFormat::Json && !control.stop.stop_requested();
     return answer;
 }
 

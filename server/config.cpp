@@ -26,6 +26,10 @@ constexpr std::size_t kJobBytes = std::size_t{1} << 30;
 constexpr std::size_t kJobBytesInMemory = std::size_t{256} << 20;
 constexpr std::size_t kMemoryPerJobByte = 16;
 
+/// Of answers that are kept, with a part of all memory that it may be.
+constexpr std::size_t kCacheBytes = std::size_t{64} << 20;
+constexpr std::size_t kMemoryPerCacheByte = 16;
+
 /// What a flag or variable sets; some defaults wait for the number of workers.
 struct Draft {
     Config config;
@@ -33,6 +37,7 @@ struct Draft {
     std::optional<std::size_t> connections;
     std::optional<std::size_t> memory;
     std::optional<std::size_t> job_bytes;
+    std::optional<std::size_t> cache;
 };
 
 /// @returns  what was expected instead, empty if the value was taken
@@ -54,7 +59,7 @@ std::string set_whole(std::size_t& target, std::string_view text, std::uint64_t 
     return {};
 }
 
-std::string set_bytes(std::size_t& target, std::string_view text) {
+std::string set_bytes(std::size_t& target, std::string_view text, std::uint64_t low = 1) {
     constexpr std::uint64_t kMost = std::uint64_t{1} << 40;
     int shift = 0;
     if (text.ends_with("KiB")) shift = 10;
@@ -62,7 +67,7 @@ std::string set_bytes(std::size_t& target, std::string_view text) {
     if (text.ends_with("GiB")) shift = 30;
     if (shift > 0) text.remove_suffix(3);
     const auto number = api::parse_number<std::uint64_t>(text);
-    if (!number || *number < 1 || *number > (kMost >> shift)) return "a number of bytes, such as 67108864 or 64MiB";
+    if (!number || *number < low || *number > (kMost >> shift)) return "a number of bytes, such as 67108864 or 64MiB";
     target = static_cast<std::size_t>(*number << shift);
     return {};
 }
@@ -168,6 +173,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.jobs.waiting, text, 0, 100'000); }},
     {"--job-bytes", "CCDT_JOB_BYTES", "BYTES", "that jobs may keep (1GiB; in memory a sixteenth of it, at most 256MiB)",
      [](Draft& draft, std::string_view text) { return set_bytes(draft.job_bytes.emplace(), text); }},
+    {"--cache", "CCDT_CACHE", "BYTES", "of answers to keep, 0 for none (64MiB, at most a sixteenth of the memory)",
+     [](Draft& draft, std::string_view text) { return set_bytes(draft.cache.emplace(), text, 0); }},
     {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGINS", "whose pages may call, separated by commas; * for all (none)",
      set_cors_origins},
     {"--api-key-file", "CCDT_API_KEY_FILE", "FILE", "lines of name:key; whoever asks needs one, SIGHUP reads it again",
@@ -235,6 +242,7 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     capacity.connections = draft.connections.value_or(kSpareConnections + draft.config.workers + draft.config.queue);
     draft.config.memory = draft.memory ? *draft.memory : available_memory() / 2;
     capacity.bytes = std::min(std::max(kTransferBytes, kBodiesAtOnce * draft.config.max_body), draft.config.memory / 4);
+    draft.config.cache = draft.cache.value_or(std::min(kCacheBytes, draft.config.memory / kMemoryPerCacheByte));
     const std::size_t in_memory = std::min(kJobBytesInMemory, draft.config.memory / kMemoryPerJobByte);
     draft.config.jobs.bytes = draft.job_bytes.value_or(draft.config.data_dir.empty() ? in_memory : kJobBytes);
     return CommandLine{CommandLine::Action::Serve, draft.config};

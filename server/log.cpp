@@ -61,6 +61,7 @@ std::string exchange_line(const Exchange& exchange, LogFormat format) {
     };
     const auto trace = parse_traceparent(request.header("traceparent")).value_or(Trace{});
     add(" key={}", R"(,"key":"{}")", response.key);
+    add(" cache={}", R"(,"cache":"{}")", response.cached ? "hit" : "");
     add(" trace={}", R"(,"trace":"{}")", trace.id);
     add(" parent={}", R"(,"parent":"{}")", trace.parent);
     add(R"( cause="{}")", R"(,"cause":"{}")", response.cause);

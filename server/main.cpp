@@ -129,12 +129,12 @@ api::Decode decoder_of(DecoderBox* box) {
 }
 
 /// What is left for requests and what is computed for them: not what the program takes by itself, nor what is on its
-/// way to and from clients, nor what is kept of jobs in memory.
+/// way to and from clients, nor what is kept of jobs and answers in memory.
 Result<std::size_t> memory_to_compute_with(const Config& config) {
     constexpr std::size_t kOthers = std::size_t{96} << 20;  // the decoder's processes, and threads to come
     constexpr std::size_t kLeast = std::size_t{192} << 20;
     const std::size_t kept = config.data_dir.empty() ? config.jobs.bytes : 0;
-    const std::size_t taken = resident_bytes() + kOthers + config.capacity.bytes + kept;
+    const std::size_t taken = resident_bytes() + kOthers + config.capacity.bytes + config.cache + kept;
     if (config.memory >= taken + kLeast) return config.memory - taken;
     const auto mebibytes = [](std::size_t bytes) { return std::to_string(bytes >> 20) + " MiB"; };
     return failure(ErrorCode::Malformed, "a memory of " + mebibytes(config.memory) +
@@ -205,7 +205,8 @@ int serve(const Config& config) {
     metrics.watch([&] {
         return Metrics::Watched{
             server.connections(),        *memory,       pool.memory().taken() + routes.waiting_memory().taken(),
-            *box ? (*box)->deaths() : 0, jobs.counts(), jobs.stored_bytes()};
+            *box ? (*box)->deaths() : 0, jobs.counts(), jobs.stored_bytes(),
+            routes.cache().load()};
     });
     const auto port = server.bind(config.bind, config.port);
     if (!port) {

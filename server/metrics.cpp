@@ -94,6 +94,9 @@ struct Metrics::Families {
     Family<Counter>& jobs_ended =
         prometheus::BuildCounter().Name("ccdt_jobs_ended_total").Help("Jobs that ended, by how.").Register(registry);
     Gauge& job_bytes = make_gauge(registry, "ccdt_job_store_bytes", "What is kept of jobs: questions and results.");
+    Counter& cache_hits = make_counter(registry, "ccdt_cache_hits_total", "Answers given again.");
+    Counter& cache_misses = make_counter(registry, "ccdt_cache_misses_total", "Answers looked for in vain.");
+    Gauge& cache_bytes = make_gauge(registry, "ccdt_cache_bytes", "Of answers that are kept.");
     Gauge& memory = make_gauge(registry, "process_resident_memory_bytes", "Resident memory.");
     Gauge& descriptors = make_gauge(registry, "process_open_fds", "Open file descriptors.");
     Gauge& most_descriptors = make_gauge(registry, "process_max_fds", "File descriptors that may be open.");
@@ -166,10 +169,13 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
         raise(all.refused_full, watched.connections.refused);
         raise(all.refused_address, watched.connections.refused_by_address);
         raise(all.deaths, watched.decoder_deaths);
+        raise(all.cache_hits, watched.cache.hits);
+        raise(all.cache_misses, watched.cache.misses);
     }
     all.jobs_queued.Set(static_cast<double>(watched.jobs.queued));
     all.jobs_running.Set(static_cast<double>(watched.jobs.running));
     all.job_bytes.Set(static_cast<double>(watched.job_bytes));
+    all.cache_bytes.Set(static_cast<double>(watched.cache.bytes));
     all.waiting.Set(static_cast<double>(load.waiting));
     all.capacity.Set(static_cast<double>(load.capacity));
     all.oldest.Set(load.oldest_seconds);

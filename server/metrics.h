@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/cache/result_cache.h"
 #include "server/http/capacity.h"
 #include "server/http/http_server.h"
 #include "server/jobs/jobs.h"
@@ -31,6 +32,7 @@ public:
         std::uint64_t decoder_deaths = 0;
         Jobs::Counts jobs;
         std::size_t job_bytes = 0;
+        ResultCache::Load cache;
     };
 
     /// Has these figures taken from there. To be called before any thread asks for figures.

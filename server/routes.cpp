@@ -47,6 +47,14 @@ std::string server_timing(const Stages& stages) {
     return text;
 }
 
+/// A strong tag names bytes, which differ between codings; a weak one what they mean.
+void add_entity_tag(Response& response) {
+    if (response.tag.empty()) return;
+    if (!response.coding.empty() && response.tag.front() == '"')
+        response.tag.insert(response.tag.size() - 1, '-' + response.coding);
+    response.headers.push_back({"ETag", response.tag});
+}
+
 /// Where an id stands in the paths of jobs.
 constexpr std::string_view kJobs = "/jobs/";
 constexpr std::string_view kId = "{id}";
@@ -106,6 +114,7 @@ Response Routes::answer(const Request& request, const std::optional<Fault>& faul
         response = outcome ? std::move(*outcome) : describe(std::move(outcome.error()), id);
         if (route != nullptr && request.method == "POST") response.headers.push_back({"Vary", "Accept"});
         negotiate_coding(request, response);
+        add_entity_tag(response);
     } catch (const std::exception& exception) {
         response = describe(problem(500, exception.what()).value(), id);
     }
@@ -221,9 +230,10 @@ Response Routes::describe(Problem problem, const std::string& id) const {
 /// Compresses a text for clients that want it so, unless a worker has done it.
 void Routes::negotiate_coding(const Request& request, Response& response) {
     const bool done = !response.coding.empty();
-    if (!done && !is_worth_compressing(response.media_type, response.body)) return;
+    const bool told = response.status == 304;  // which says what the whole answer would have said
+    if (!done && !told && !is_worth_compressing(response.media_type, response.body)) return;
     response.headers.push_back({"Vary", "Accept-Encoding"});
-    if (!done && response.body.size() <= kQuickToCompress && accepts_gzip(request.header("Accept-Encoding"))) {
+    if (!done && !told && response.body.size() <= kQuickToCompress && accepts_gzip(request.header("Accept-Encoding"))) {
         response.body = *gzip(response.body);
         response.coding = "gzip";
     }

@@ -32,6 +32,8 @@ public:
     /// That requests hold until they are done, besides what the pool's jobs take.
     const MemoryBudget& waiting_memory() const { return computing_.waiting_memory(); }
 
+    const ResultCache& cache() const { return computing_.cache(); }
+
     /// From now on nothing new is computed.
     void drain() {
         draining_ = true;

@@ -62,6 +62,7 @@ struct Response {
     std::string body;
     std::function<void(const Send&)> stream;  ///< sends the body while it comes about; not called for HEAD
     std::string coding;                       ///< in which the body is compressed; empty: not
+    std::string tag;                          ///< entity tag, of a strong one before compression; empty: none
     std::vector<Header> headers;
     std::string request_id;
     std::string key;    ///< the name of the API key that the client showed; empty: none
@@ -70,6 +71,7 @@ struct Response {
     std::string_view route;      ///< the path of what answered; empty: nothing did
     std::string_view cancelled;  ///< why a computation was given up: client_gone, deadline or shutdown
     std::optional<Computed> computed;
+    bool cached = false;                ///< it was computed before
     std::shared_ptr<const void> lease;  ///< of memory, to be given back when the answer has been sent
     bool deliver = true;                ///< false: the client has left
 };

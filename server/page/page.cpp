@@ -4,6 +4,7 @@
 #include <string>
 
 #include "api/input/text.h"
+#include "server/cache/entity_tag.h"
 #include "server/page/page_files.h"
 
 namespace ccdt::server {
@@ -14,16 +15,6 @@ constexpr std::string_view kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-bool names(std::string_view list, std::string_view tag) {
-    while (!list.empty()) {
-        auto item = api::trim(api::take_until(list, ","));
-        if (item == "*") return true;
-        if (item.starts_with("W/")) item.remove_prefix(2);
-        if (item == tag) return true;
-    }
-    return false;
-}
-
 }  // namespace
 
 const PageFile* find_page_file(std::string_view path) {
@@ -33,12 +24,13 @@ const PageFile* find_page_file(std::string_view path) {
 }
 
 Response page_response(const PageFile& file, std::string_view if_none_match) {
-    const std::string tag = '"' + std::string(file.digest) + '"';
     Response response;
-    // Weak, since the bytes differ between codings.
-    response.headers = {{"ETag", "W/" + tag}, {"Cache-Control", "no-cache"}};
-    if (names(if_none_match, tag)) {
+    response.tag = '"' + std::string(file.digest) + '"';
+    response.headers = {{"Cache-Control", "no-cache"}};
+    const auto known = find_tag(if_none_match, file.digest);
+    if (known || api::trim(if_none_match) == "*") {
         response.status = 304;
+        if (known) response.tag = *known;
         return response;
     }
     response.media_type = file.media_type;

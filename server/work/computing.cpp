@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/cache/entity_tag.h"
 #include "server/http/compression.h"
 #include "server/jobs/job_routes.h"
 
@@ -83,14 +84,48 @@ Task<api::Answer> compressing(Task<api::Answer> work) {
     };
 }
 
+/// Clients that take answers compressed have them kept so: compressing is work, too.
+std::string cache_key(const std::string& name, bool compressed) {
+    return compressed ? name + "-gzip" : name;
+}
+
+Response not_modified(std::string_view tag) {
+    Response response;
+    response.status = 304;
+    response.tag = tag;
+    return response;
+}
+
+/// @param name  of the answer, unless it is only a part of it
+Response response_of(api::Answer answer, const std::string& name) {
+    Response response;
+    response.media_type = std::move(answer.media_type);
+    response.body = std::move(answer.body);
+    response.coding = std::move(answer.coding);
+    if (answer.partial) {
+        response.headers.push_back({"X-Partial", "deadline"});
+        response.cancelled = "deadline";
+    } else {
+        response.tag = (answer.repeats ? "\"" : "W/\"") + name + '"';
+    }
+    return response;
+}
+
 }  // namespace
+
+/// An answer, and its part of the memory that computing it had.
+struct Computing::Product {
+    api::Answer answer;
+    MemoryBudget::Lease lease;
+};
 
 Computing::Computing(const Config& config, WorkerPool& pool, const Planner& planner, Jobs& jobs)
     : config_(config),
       pool_(pool),
       planner_(planner),
       jobs_(jobs),
-      waiting_memory_(pool.memory().total() / 3) {}  // a quarter of both
+      waiting_memory_(pool.memory().total() / 3),  // a quarter of both
+      cache_(config.cache) {}
 
 Outcome Computing::answer(const Request& request, Connection& connection) {
     Question question{request.path,
@@ -103,12 +138,41 @@ Outcome Computing::answer(const Request& request, Connection& connection) {
     auto body = read_body(request, connection, deferred);
     if (!body) return tl::unexpected(std::move(body.error()));
     question.body = *std::move(body);
+    const std::string name = name_of_answer(question, config_.limits);
+    if (const auto tag = find_tag(request.header("If-None-Match"), name)) return not_modified(*tag);
     if (deferred) return defer(question, connection);
+    const bool compressed = accepts_gzip(request.header("Accept-Encoding"));
+    if (auto response = recall(name, compressed)) return *std::move(response);
+    return compute(std::move(question), name, compressed, connection);
+}
+
+Outcome Computing::compute(Question question, const std::string& name, bool compressed, Connection& connection) {
     const auto deadline = Clock::now() + config_.timeout;
     Stages stages;
     auto plan = understand(std::move(question), connection, deadline, stages);
     if (!plan) return tl::unexpected(std::move(plan.error()));
-    return compute(*std::move(plan), request, connection, deadline, stages.queue);
+    if (compressed) plan->work = compressing(std::move(plan->work));
+    auto product = run(*std::move(plan), connection, deadline, stages);
+    if (!product) return tl::unexpected(std::move(product.error()));
+    if (!product->answer.partial) cache_.keep(cache_key(name, compressed), product->answer);
+    const Computed computed{product->answer.sites, product->answer.pixels};
+    Response response = response_of(std::move(product->answer), name);
+    response.stages = stages;
+    response.computed = computed;
+    response.lease = std::make_shared<MemoryBudget::Lease>(std::move(product->lease));
+    return response;
+}
+
+/// The answer of that name if it was computed before, and there is memory to send it.
+std::optional<Response> Computing::recall(const std::string& name, bool compressed) {
+    const auto answer = cache_.find(cache_key(name, compressed));
+    if (answer == nullptr) return std::nullopt;
+    auto lease = pool_.memory().take(answer->body.size());
+    if (!lease) return std::nullopt;
+    Response response = response_of(*answer, name);
+    response.cached = true;
+    response.lease = std::make_shared<MemoryBudget::Lease>(*std::move(lease));
+    return response;
 }
 
 /// The body of a request that is to be computed, unless it is clear already that it will not be.
@@ -226,37 +290,19 @@ tl::expected<T, Problem> Computing::have_done(const api::Cost& cost, std::size_t
     return *std::move(result);
 }
 
-/// An answer, and its part of the memory that computing it had.
-struct Computing::Product {
-    api::Answer answer;
-    MemoryBudget::Lease lease;
-};
-
-/// @param waited  milliseconds in the queue so far
-Outcome Computing::compute(Plan plan, const Request& request, Connection& connection, Clock::time_point deadline,
-                           double waited) {
-    if (accepts_gzip(request.header("Accept-Encoding"))) plan.work = compressing(std::move(plan.work));
+/// @param stages  with the wait so far
+tl::expected<Computing::Product, Problem> Computing::run(Plan plan, Connection& connection, Clock::time_point deadline,
+                                                         Stages& stages) {
     Task<Product> job = [this, work = std::move(plan.work)](const Control& control, api::Timings& timings) {
         return work(control, timings).map([this](api::Answer answer) {
             const std::size_t size = answer.body.size();
             return Product{std::move(answer), pool_.memory().hold(size)};
         });
     };
-    Response response;
-    auto product = have_done(plan.cost, plan.size, std::move(job), connection, deadline, response.stages);
-    if (!product) return tl::unexpected(std::move(product.error()));
-    api::Answer& answer = product->answer;
-    response.stages.queue += waited;
-    response.media_type = std::move(answer.media_type);
-    response.body = std::move(answer.body);
-    response.coding = std::move(answer.coding);
-    response.computed = Computed{answer.sites, answer.pixels};
-    response.lease = std::make_shared<MemoryBudget::Lease>(std::move(product->lease));
-    if (answer.partial) {
-        response.headers.push_back({"X-Partial", "deadline"});
-        response.cancelled = "deadline";
-    }
-    return response;
+    const double waited = stages.queue;
+    auto product = have_done(plan.cost, plan.size, std::move(job), connection, deadline, stages);
+    stages.queue += waited;
+    return product;
 }
 
 tl::unexpected<Problem> Computing::busy(int status, std::string message) const {

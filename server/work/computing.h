@@ -3,9 +3,11 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "api/options.h"
+#include "server/cache/result_cache.h"
 #include "server/config.h"
 #include "server/http/connection.h"
 #include "server/http/http.h"
@@ -30,6 +32,8 @@ public:
     /// That requests hold until they are done, besides what the pool's jobs take.
     const MemoryBudget& waiting_memory() const { return waiting_memory_; }
 
+    const ResultCache& cache() const { return cache_; }
+
     /// From now on nothing new is computed.
     void drain() { draining_ = true; }
 
@@ -53,14 +57,16 @@ private:
     template <class T>
     tl::expected<T, Problem> have_done(const api::Cost& cost, std::size_t held, Task<T> work, Connection& connection,
                                        Clock::time_point deadline, Stages& stages);
-    Outcome compute(Plan plan, const Request& request, Connection& connection, Clock::time_point deadline,
-                    double waited);
+    std::optional<Response> recall(const std::string& name, bool compressed);
+    Outcome compute(Question question, const std::string& name, bool compressed, Connection& connection);
+    tl::expected<Product, Problem> run(Plan plan, Connection& connection, Clock::time_point deadline, Stages& stages);
 
     const Config config_;
     WorkerPool& pool_;
     const Planner& planner_;
     Jobs& jobs_;
     MemoryBudget waiting_memory_;  ///< of requests; apart, lest those that wait leave nothing to those that run
+    ResultCache cache_;
     std::atomic<bool> draining_ = false;
     std::atomic<bool> abandoned_ = false;
 };

@@ -28,10 +28,10 @@ PATIENCE = 120
 
 
 class Server:
-    """A running server. Its log is kept; on a port of its own unless told otherwise."""
+    """A running server. Its log is kept; on a port of its own and without a cache unless told otherwise."""
 
     def __init__(self, *flags, environment=None):
-        command = [os.environ["CCDT_SERVER"], "--port=0", *flags]
+        command = [os.environ["CCDT_SERVER"], "--port=0", "--cache=0", *flags]
         self.process = subprocess.Popen(
             command, stderr=subprocess.PIPE, text=True, env={**os.environ, **(environment or {})})
         self.lines = []

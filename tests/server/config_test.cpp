@@ -37,6 +37,7 @@ TEST(Config, HasTheDocumentedDefaults) {
     EXPECT_EQ(config.capacity.connections, 512 + config.workers + config.queue);
     EXPECT_EQ(config.capacity.per_address, 64u);
     EXPECT_EQ(config.capacity.bytes, std::size_t{256} << 20);
+    EXPECT_EQ(config.cache, std::min(std::size_t{64} << 20, config.memory / 16));
     EXPECT_EQ(config.data_dir, "");
     EXPECT_EQ(config.jobs.waiting, 1000u);
     EXPECT_EQ(config.jobs.bytes, std::min(std::size_t{256} << 20, config.memory / 16));
@@ -126,6 +127,13 @@ TEST(Config, ReadsWhatJobsMayTake) {
     EXPECT_EQ(parsed->config.jobs.bytes, std::size_t{1} << 30);
     EXPECT_EQ(parse({"--job-bytes=3MiB"})->config.jobs.bytes, std::size_t{3} << 20);
     EXPECT_EQ(parse({"--memory=1GiB"})->config.jobs.bytes, std::size_t{64} << 20);
+}
+
+TEST(Config, KeepsAnswersInAPartOfTheMemory) {
+    EXPECT_EQ(parse({"--memory=8GiB"})->config.cache, std::size_t{64} << 20);
+    EXPECT_EQ(parse({"--memory=512MiB"})->config.cache, std::size_t{32} << 20);
+    EXPECT_EQ(parse({"--cache=3MiB"})->config.cache, std::size_t{3} << 20);
+    EXPECT_EQ(parse({"--cache=0"}, {{"CCDT_CACHE", "1MiB"}})->config.cache, 0u);
 }
 
 TEST(Config, LetsAFlagWinOverTheEnvironment) {

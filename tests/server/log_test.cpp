@@ -45,6 +45,13 @@ TEST(Log, NamesKeyAndTrace) {
             .ends_with(R"(,"key":"alice","trace":"0af7651916cd43dd8448eb211c80319c","parent":"b7ad6b7169203331")"));
 }
 
+TEST(Log, TellsOfAnswersGivenAgain) {
+    Exchange exchange;
+    exchange.response.cached = true;
+    EXPECT_TRUE(exchange_line(exchange, LogFormat::Text).ends_with(" encode=0.0 cache=hit"));
+    EXPECT_TRUE(exchange_line(exchange, LogFormat::Json).ends_with(R"(,"cache":"hit")"));
+}
+
 TEST(Log, ShortensLongTargets) {
     Exchange exchange = example();
     exchange.request.target = "/" + std::string(10'000, 'x');

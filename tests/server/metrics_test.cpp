@@ -116,7 +116,8 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
                              .memory_reserved = 100,
                              .decoder_deaths = 3,
                              .jobs = {},
-                             .job_bytes = 0};
+                             .job_bytes = 0,
+                             .cache = {.answers = 2, .bytes = 77, .hits = 5, .misses = 4}};
     metrics.watch([&] { return watched; });
     EXPECT_EQ(value(metrics.text({}), "ccdt_connections_open"), 5);
     watched.connections = {.open = 4, .refused = 7, .refused_by_address = 1};
@@ -127,6 +128,9 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
     EXPECT_EQ(value(text, "ccdt_memory_budget_bytes"), 1000);
     EXPECT_EQ(value(text, "ccdt_memory_reserved_bytes"), 100);
     EXPECT_EQ(value(text, "ccdt_decoder_deaths_total"), 3);
+    EXPECT_EQ(value(text, "ccdt_cache_bytes"), 77);
+    EXPECT_EQ(value(text, "ccdt_cache_hits_total"), 5);
+    EXPECT_EQ(value(text, "ccdt_cache_misses_total"), 4);
 }
 
 TEST(Metrics, LosesNothingOnManyThreads) {

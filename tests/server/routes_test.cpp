@@ -123,6 +123,19 @@ TEST_F(RoutesTest, CompressesLongTextsForThoseWhoWantIt) {
     EXPECT_EQ(header(ask("GET /health HTTP/1.1\r\nAccept-Encoding: gzip"), "Vary"), "");
 }
 
+TEST_F(RoutesTest, TagsCodingsApart) {
+    const std::string plain = header(ask("GET / HTTP/1.1"), "ETag");
+    const std::string packed = header(ask("GET / HTTP/1.1\r\nAccept-Encoding: gzip"), "ETag");
+    EXPECT_EQ(packed, plain.substr(0, plain.size() - 1) + "-gzip\"");
+    for (const std::string& tag : {plain, packed}) {
+        const Response response = ask("GET / HTTP/1.1\r\nAccept-Encoding: gzip\r\nIf-None-Match: " + tag);
+        EXPECT_EQ(response.status, 304);
+        EXPECT_EQ(header(response, "ETag"), tag);
+        EXPECT_EQ(header(response, "Vary"), "Accept-Encoding");
+        EXPECT_EQ(header(response, "Content-Encoding"), "");
+    }
+}
+
 TEST_F(RoutesTest, KeepsStreamsOfEventsFromFallingSilent) {
     Config config;
     config.jobs.ping = std::chrono::milliseconds(1);

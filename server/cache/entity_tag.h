@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "api/options.h"
+#include "server/work/planner.h"
+
+namespace ccdt::server {
+
+/// A name of the answer to a question, known before it is computed: different questions have different ones, and so
+/// have servers of other limits or versions. The same picture and options in a form have one, whatever its boundary.
+///
+/// @returns  24 characters that may stand in an entity tag
+/// O(size of the body).
+std::string name_of_answer(const Question& question, const api::Limits& limits);
+
+/// The tag in an If-None-Match header that names an answer, weakly or strongly and in any of its codings (RFC 9110,
+/// 13.1.2). A star names none.
+/// @returns  the tag as it stands there
+std::optional<std::string_view> find_tag(std::string_view if_none_match, std::string_view name);
+
+}  // namespace ccdt::server

@@ -1,0 +1,56 @@
+#include "server/cache/result_cache.h"
+
+#include <new>
+#include <utility>
+
+namespace ccdt::server {
+namespace {
+
+/// Of an entry besides its texts: nodes of the list and the table, and what the allocator adds.
+constexpr std::size_t kOverhead = 512;
+
+}  // namespace
+
+std::shared_ptr<const api::Answer> ResultCache::find(const std::string& name) {
+    if (most_ == 0) return nullptr;  // then nothing counts as missed
+    const std::lock_guard lock(mutex_);
+    const auto place = places_.find(name);
+    if (place == places_.end()) {
+        ++load_.misses;
+        return nullptr;
+    }
+    ++load_.hits;
+    entries_.splice(entries_.begin(), entries_, place->second);
+    return place->second->answer;
+}
+
+void ResultCache::keep(const std::string& name, const api::Answer& answer) {
+    const std::size_t bytes = answer.body.size() + name.size() + kOverhead;
+    if (bytes > most_ / 4) return;
+    try {
+        add(name, std::make_shared<const api::Answer>(answer), bytes);
+    } catch (const std::bad_alloc&) {
+        // For want of memory it is computed again next time.
+    }
+}
+
+void ResultCache::add(const std::string& name, std::shared_ptr<const api::Answer> answer, std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    if (places_.contains(name)) return;
+    while (load_.bytes + bytes > most_) {
+        load_.bytes -= entries_.back().bytes;
+        places_.erase(entries_.back().name);
+        entries_.pop_back();
+    }
+    entries_.push_front({name, std::move(answer), bytes});
+    load_.bytes += bytes;
+    load_.answers = entries_.size();
+    places_.emplace(entries_.front().name, entries_.begin());
+}
+
+ResultCache::Load ResultCache::load() const {
+    const std::lock_guard lock(mutex_);
+    return load_;
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,189 @@
+"""Entity tags, 304, and answers that are given again."""
+
+import gzip
+import pathlib
+import re
+import tempfile
+import unittest
+
+from harness import Server, ServerCase, ask, file_of, flat, post_json
+
+PICTURE = file_of(flat(100))
+SAMPLE = {"sites": 100, "domain": {"type": "torus", "width": 1, "height": 1}}
+CROSSING = {"sites": 9, "polygon": [[0, 0], [1, 1], [1, 0], [0, 1]]}
+POINTS = {"points": [[0, 0], [0.5, 0.5], [0.2, 0.7]]}
+QUESTIONS = (("/halftone?sites=50", PICTURE), ("/sample", SAMPLE), ("/analyze", POINTS))
+
+
+def figure(server, name):
+    found = re.search(rf"^{name} (\S+)$", ask(server, "/metrics").body.decode(), re.MULTILINE)
+    return float(found[1])
+
+
+def pose(server, path, body, *arguments):
+    if isinstance(body, bytes):
+        return ask(server, path, *arguments, data=body)
+    return post_json(server, path, body, *arguments)
+
+
+def known(*tags):
+    return ("--header", "If-None-Match: " + ", ".join(tags))
+
+
+class CacheCase(ServerCase):
+    def pose(self, path, body, *arguments, status=200):
+        answer = pose(self.server, path, body, *arguments)
+        self.assertEqual(answer.status, status, answer)
+        return answer
+
+    def counted(self, action):
+        """By how much it raised hits, misses and the sites computed."""
+        names = ("ccdt_cache_hits_total", "ccdt_cache_misses_total", "ccdt_sites_total")
+        before = [figure(self.server, name) for name in names]
+        action()
+        return tuple(figure(self.server, name) - old for name, old in zip(names, before))
+
+
+class Tags(CacheCase):
+    """With the cache off: nothing but the tag is known of the answer."""
+
+    def test_spare_the_computation(self):
+        for path, body in QUESTIONS:
+            with self.subTest(path=path):
+                answer = self.pose(path, body)
+                tag = answer.headers["etag"]
+
+                def ask_again():
+                    again = self.pose(path, body, *known('"other"', tag), status=304)
+                    self.assertEqual((again.body, again.headers["etag"]), (b"", tag))
+                    self.assertIn("accept", again.headers["vary"].lower())
+                    self.assertNotIn("content-type", again.headers)
+                    self.assertNotIn("content-length", again.headers)
+
+                self.assertEqual(self.counted(ask_again), (0, 0, 0))
+                self.pose(path, body, *known('"other"', "*"))
+
+    def test_differ_between_questions(self):
+        tags = [self.pose("/sample", {**SAMPLE, "seed": seed}).headers["etag"] for seed in range(3)]
+        tags += [self.pose("/sample", SAMPLE, "--header", "Accept: " + kind).headers["etag"]
+                 for kind in ("text/csv", "image/png")]
+        tags += [self.pose("/halftone?sites=50&seed=" + seed, PICTURE).headers["etag"] for seed in "01"]
+        self.assertEqual(len(set(tags)), len(tags))
+        self.pose("/sample", SAMPLE, *known(*tags[1:]))
+
+    def test_are_strong_where_bytes_repeat(self):
+        for kind in ("csv", "geojson", "npy", "svg", "png"):
+            first, second = (self.pose("/sample", {**SAMPLE, "format": kind}) for _ in range(2))
+            self.assertTrue(first.headers["etag"].startswith('"'), kind)
+            self.assertEqual((first.headers["etag"], first.body), (second.headers["etag"], second.body))
+        for path, body in QUESTIONS:
+            timed = b"elapsed_ms" in (answer := self.pose(path, body)).body
+            self.assertEqual(answer.headers["etag"].startswith("W/"), timed, path)
+
+    def test_know_codings_apart(self):
+        body = {**SAMPLE, "format": "csv"}
+        plain = self.pose("/sample", body)
+        packed = self.pose("/sample", body, "--header", "Accept-Encoding: gzip")
+        self.assertEqual(gzip.decompress(packed.body), plain.body)
+        self.assertEqual(packed.headers["etag"], plain.headers["etag"][:-1] + '-gzip"')
+        for tag in (plain.headers["etag"], packed.headers["etag"]):
+            again = self.pose("/sample", body, *known(tag), status=304)
+            self.assertEqual(again.headers["etag"], tag)
+
+    def test_are_only_for_success(self):
+        self.assertNotIn("etag", self.pose("/sample", CROSSING, status=422).headers)
+        self.pose("/sample", CROSSING, *known("*"), status=422)
+
+    def test_name_the_limits(self):
+        with Server("--max-sites=1000") as other:
+            self.assertNotEqual(pose(other, "/sample", SAMPLE).headers["etag"],
+                                self.pose("/sample", SAMPLE).headers["etag"])
+
+    def test_keep_the_cache_off(self):
+        self.assertEqual(self.counted(lambda: [self.pose("/sample", SAMPLE) for _ in range(2)]), (0, 0, 200))
+
+
+class Cache(CacheCase):
+    flags = ("--cache=1MiB", "--cors-origin=https://a.example")
+
+    def test_gives_answers_again(self):
+        for i, (path, body) in enumerate(QUESTIONS):
+            with self.subTest(path=path):
+                answers = []
+                hits, misses, _ = self.counted(
+                    lambda: answers.extend(self.pose(path, body, "--header", f"X-Request-ID: {i}-{turn}")
+                                           for turn in range(3)))
+                self.assertEqual((hits, misses), (2, 1))
+                self.assertEqual(len({answer.body for answer in answers}), 1)  # the time that it took, too
+                self.assertEqual(len({answer.headers["etag"] for answer in answers}), 1)
+                self.assertEqual({answer.type for answer in answers}, {answers[0].type})
+                self.assertNotIn("cache=", self.server.wait_for_log(f"{i}-0 "))
+                self.assertIn(" cache=hit", self.server.wait_for_log(f"{i}-1 "))
+        self.assertGreater(figure(self.server, "ccdt_cache_bytes"), len(PICTURE))
+
+    def test_computes_them_once(self):
+        body = {**SAMPLE, "seed": 1}
+        self.assertEqual(self.counted(lambda: [self.pose("/sample", body) for _ in range(4)]), (3, 1, 100))
+        for other in ({"seed": 2}, {"mesh": True}, {"quality": "draft"}):
+            self.assertEqual(self.counted(lambda: self.pose("/sample", {**body, **other}))[:2], (0, 1))
+
+    def test_knows_codings_apart(self):
+        body = {**SAMPLE, "seed": 3, "format": "csv"}
+        packed = [self.pose("/sample", body, "--header", "Accept-Encoding: gzip") for _ in range(2)]
+        plain = [self.pose("/sample", body) for _ in range(2)]
+        self.assertEqual(packed[0].body, packed[1].body)
+        self.assertEqual({answer.body for answer in plain}, {gzip.decompress(packed[1].body)})
+        self.assertEqual({answer.headers["content-encoding"] for answer in packed}, {"gzip"})
+
+    def test_keeps_no_errors(self):
+        size = figure(self.server, "ccdt_cache_bytes")
+        self.assertEqual(self.counted(lambda: [self.pose("/sample", CROSSING, status=422) for _ in range(2)])[0], 0)
+        self.assertEqual(figure(self.server, "ccdt_cache_bytes"), size)
+
+    def test_lets_pages_read_tags(self):
+        origin = ("--header", "Origin: https://a.example")
+        answer = self.pose("/sample", SAMPLE, *origin)
+        self.assertIn("ETag", answer.headers["access-control-expose-headers"])
+        asked = self.ask("/sample", "--request", "OPTIONS", *origin, "--header",
+                         "Access-Control-Request-Method: POST")
+        self.assertIn("If-None-Match", asked.headers["access-control-allow-headers"])
+
+
+class Others(unittest.TestCase):
+    def test_parts_are_not_for_others(self):
+        body = {"sites": 100_000, "iterations": 1000, "domain": SAMPLE["domain"], "on_deadline": "partial"}
+        with Server("--timeout=0.3", "--cache=64MiB") as server:
+            for _ in range(2):
+                answer = post_json(server, "/sample", body)
+                self.assertEqual((answer.status, answer.headers.get("x-partial")), (200, "deadline"), answer)
+                self.assertNotIn("etag", answer.headers)
+            self.assertEqual(figure(server, "ccdt_cache_hits_total"), 0)
+            self.assertEqual(figure(server, "ccdt_cache_bytes"), 0)
+
+    def test_keys_share_answers(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "keys"
+            file.write_text("alice:alice-0123456789abcdef\nbob:bob-0123456789abcdef\n")
+            with Server(f"--api-key-file={file}", "--cache=1MiB") as server:
+                bodies = set()
+                for name in ("alice", "bob"):
+                    bearer = ("--header", f"Authorization: Bearer {name}-0123456789abcdef", "--header",
+                              f"X-Request-ID: {name}")
+                    bodies.add(post_json(server, "/sample", SAMPLE, *bearer).body)
+                self.assertEqual(len(bodies), 1)
+                self.assertIn(" cache=hit", server.wait_for_log("bob "))
+                self.assertEqual(post_json(server, "/sample", SAMPLE).status, 401)
+
+    def test_old_answers_make_room(self):
+        with Server("--cache=200KiB") as server:
+            for seed in range(30):  # 45 KiB each
+                body = {"sites": 1000, "seed": seed, "domain": SAMPLE["domain"], "quality": "draft"}
+                self.assertEqual(post_json(server, "/sample", body).status, 200)
+                self.assertLessEqual(figure(server, "ccdt_cache_bytes"), 200 << 10)
+            self.assertGreater(figure(server, "ccdt_cache_bytes"), 100 << 10)
+            post_json(server, "/sample", body)
+            self.assertEqual(figure(server, "ccdt_cache_hits_total"), 1)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

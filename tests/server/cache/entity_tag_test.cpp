@@ -1,0 +1,72 @@
+#include "server/cache/entity_tag.h"
+
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace ccdt::server {
+namespace {
+
+Question form_with(const std::string& boundary) {
+    const std::string part = "--" + boundary + "\r\nContent-Disposition: form-data; name=\"";
+    return {
+        "/halftone", "", "multipart/form-data; boundary=" + boundary, "",
+        part + "sites\"\r\n\r\n100\r\n" + part + "image\"; filename=\"a\"\r\n\r\npixels\r\n--" + boundary + "--\r\n"};
+}
+
+TEST(EntityTag, NamesWhatAnAnswerDependsOn) {
+    const Question question{"/sample", "q", "application/json", "text/csv", "{}"};
+    std::set<std::string> names{name_of_answer(question, {})};
+    EXPECT_EQ(*names.begin(), name_of_answer(question, {}));
+    for (auto part : {&Question::path, &Question::query, &Question::accept, &Question::body}) {
+        Question other = question;
+        other.*part += 'x';
+        names.insert(name_of_answer(other, {}));
+    }
+    Question other = question;
+    other.content_type = "text/plain";
+    names.insert(name_of_answer(other, {}));
+    other = question;
+    std::swap(other.query, other.path);
+    names.insert(name_of_answer(other, {}));
+    EXPECT_EQ(names.size(), 7U);
+    for (const auto& name : names) {
+        EXPECT_EQ(name.size(), 24U);
+        EXPECT_EQ(name.find_first_of("=\", "), std::string::npos);
+    }
+}
+
+TEST(EntityTag, DoesNotRunTextsTogether) {
+    EXPECT_NE(name_of_answer({"/a", "bc", "", "", ""}, {}), name_of_answer({"/ab", "c", "", "", ""}, {}));
+}
+
+TEST(EntityTag, LooksIntoForms) {
+    const std::string name = name_of_answer(form_with("one"), {});
+    EXPECT_EQ(name, name_of_answer(form_with("another-boundary"), {}));
+    Question other = form_with("one");
+    other.body.replace(other.body.find("100"), 3, "101");
+    EXPECT_NE(name, name_of_answer(other, {}));
+    other.body = "no form";
+    EXPECT_NE(name, name_of_answer(other, {}));
+}
+
+TEST(EntityTag, NamesTheServersLimits) {
+    const Question question{"/sample", "", "", "", "{}"};
+    EXPECT_NE(name_of_answer(question, {}), name_of_answer(question, {.max_sites = 7}));
+    EXPECT_NE(name_of_answer(question, {}), name_of_answer(question, {.max_pixels = 7}));
+}
+
+TEST(EntityTag, IsFoundInAList) {
+    const auto found = [](std::string_view list) { return find_tag(list, "abc").value_or("none"); };
+    EXPECT_EQ(found("\"abc\""), "\"abc\"");
+    EXPECT_EQ(found("W/\"abc\""), "W/\"abc\"");
+    EXPECT_EQ(found("\"abc-gzip\""), "\"abc-gzip\"");
+    EXPECT_EQ(found("\"x\", \"abc\""), "\"abc\"");
+    EXPECT_EQ(found("W/\"x\" ,W/\"abc\" , *"), "W/\"abc\"");
+    for (const auto* list : {"", "*", "abc", "\"abcd\"", "\"ab\"", "\"", "W/", "\"x\"", "\"-gzip\"", "\"abc\"-gzip"})
+        EXPECT_EQ(found(list), "none") << list;
+}
+
+}  // namespace
+}  // namespace ccdt::server

@@ -1,0 +1,91 @@
+#include "server/cache/result_cache.h"
+
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace ccdt::server {
+namespace {
+
+constexpr std::size_t kRoom = 100'000;
+
+api::Answer answer_of(std::string body) {
+    api::Answer answer;
+    answer.body = std::move(body);
+    return answer;
+}
+
+TEST(ResultCache, GivesWhatItWasGiven) {
+    ResultCache cache(kRoom);
+    EXPECT_EQ(cache.find("a"), nullptr);
+    cache.keep("a", answer_of("first"));
+    cache.keep("b", answer_of("second"));
+    cache.keep("a", answer_of("not this"));
+    ASSERT_NE(cache.find("a"), nullptr);
+    EXPECT_EQ(cache.find("a")->body, "first");
+    EXPECT_EQ(cache.find("b")->body, "second");
+    EXPECT_EQ(cache.load().answers, 2U);
+    EXPECT_EQ(cache.load().hits, 3U);
+    EXPECT_EQ(cache.load().misses, 1U);
+}
+
+TEST(ResultCache, DropsWhatWasNotAskedForLongest) {
+    ResultCache cache(kRoom);
+    const std::string large(kRoom / 5, 'x');
+    for (const auto* name : {"a", "b", "c", "d"}) cache.keep(name, answer_of(large));
+    ASSERT_NE(cache.find("a"), nullptr);
+    cache.keep("e", answer_of(large));
+    EXPECT_EQ(cache.find("b"), nullptr);
+    for (const auto* name : {"a", "c", "d", "e"}) EXPECT_NE(cache.find(name), nullptr) << name;
+}
+
+TEST(ResultCache, NeverHoldsMoreThanItMay) {
+    ResultCache cache(kRoom);
+    for (int i = 0; i < 1000; ++i) {
+        cache.keep(std::to_string(i), answer_of(std::string(static_cast<std::size_t>(i), 'x')));
+        EXPECT_LE(cache.load().bytes, kRoom);
+    }
+    EXPECT_GT(cache.load().bytes, kRoom / 2);
+}
+
+TEST(ResultCache, LeavesAloneWhatIsTooLarge) {
+    ResultCache cache(kRoom);
+    cache.keep("small", answer_of("x"));
+    cache.keep("large", answer_of(std::string(kRoom / 4, 'x')));
+    EXPECT_EQ(cache.find("large"), nullptr);
+    EXPECT_NE(cache.find("small"), nullptr);
+    ResultCache none(0);
+    none.keep("a", answer_of(""));
+    EXPECT_EQ(none.find("a"), nullptr);
+}
+
+TEST(ResultCache, GivesAnswersThatOutliveIt) {
+    auto cache = std::make_unique<ResultCache>(kRoom);
+    cache->keep("a", answer_of("kept"));
+    const auto answer = cache->find("a");
+    cache.reset();
+    EXPECT_EQ(answer->body, "kept");
+}
+
+TEST(ResultCache, ServesManyAtOnce) {
+    ResultCache cache(kRoom);
+    std::vector<std::jthread> threads;
+    for (int thread = 0; thread < 4; ++thread) {
+        threads.emplace_back([&cache, thread] {
+            for (int i = 0; i < 500; ++i) {
+                const std::string name = std::to_string((i * (thread + 1)) % 97);
+                const auto answer = cache.find(name);
+                EXPECT_TRUE(answer == nullptr || answer->body == std::string(2000, name[0]));
+                cache.keep(name, answer_of(std::string(2000, name[0])));
+            }
+        });
+    }
+    threads.clear();
+    EXPECT_LE(cache.load().bytes, kRoom);
+}
+
+}  // namespace
+}  // namespace ccdt::server
