@@ -84,6 +84,7 @@ Response json_response(std::string body) {
 
 constexpr Routes::Route Routes::kRoutes[] = {
     {"/", "GET", "GET, HEAD, OPTIONS", &Routes::page},
+    {"/openapi.json", "GET", "GET, HEAD, OPTIONS", &Routes::page},
     {"/halftone", "POST", "POST, OPTIONS", &Routes::compute},
     {"/sample", "POST", "POST, OPTIONS", &Routes::compute},
     {"/analyze", "POST", "POST, OPTIONS", &Routes::compute},
@@ -126,12 +127,12 @@ Response Routes::answer(const Request& request, const std::optional<Fault>& faul
 
 /// The route of a path, of several that of the method if there is one.
 const Routes::Route* Routes::find_route(std::string_view path, std::string_view method) {
-    if (find_page_file(path) != nullptr) path = "/";  // one route for all of them
     const Route* found = nullptr;
     for (const Route& route : kRoutes) {
         if (!matches(route.path, path)) continue;
         if (found == nullptr || route.method == method) found = &route;
     }
+    if (found == nullptr && find_page_file(path) != nullptr) return find_route("/", method);  // one for all of them
     return found;
 }
 

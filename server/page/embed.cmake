@@ -1,27 +1,26 @@
-# Writes a source with the page's files in it: cmake -DFOLDER=... -DFILES=a,b -DOUTPUT=... -P embed.cmake
-# index.html is served at /, the others at /assets/ and their names.
+# Writes a source with files in it: cmake -DFILES=path=file,... -DOUTPUT=... -P embed.cmake
+# Each is served at its path.
 
 set(type_html "text/html; charset=utf-8")
 set(type_css "text/css; charset=utf-8")
 set(type_js "text/javascript; charset=utf-8")
+set(type_json "application/json")
 set(type_svg "image/svg+xml")
 set(type_jpg "image/jpeg")
 
-string(REPLACE "," ";" names "${FILES}")
+string(REPLACE "," ";" served "${FILES}")
 set(arrays)
 set(entries)
 set(number 0)
-foreach(name IN LISTS names)
-    file(READ "${FOLDER}/${name}" bytes HEX)
-    file(SHA256 "${FOLDER}/${name}" digest)
+foreach(entry IN LISTS served)
+    string(REGEX REPLACE "=.*$" "" path "${entry}")
+    string(REGEX REPLACE "^[^=]*=" "" name "${entry}")
+    file(READ "${name}" bytes HEX)
+    file(SHA256 "${name}" digest)
     string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
     string(REGEX REPLACE "^.*\\." "" extension "${name}")
     if(NOT DEFINED type_${extension})
         message(FATAL_ERROR "${name}: no media type is known for it")
-    endif()
-    set(path "/assets/${name}")
-    if(name STREQUAL "index.html")
-        set(path "/")
     endif()
     string(APPEND arrays "const unsigned char content${number}[] = {${bytes}};\n")
     string(APPEND entries "    {\"${path}\", \"${type_${extension}}\", \"${digest}\", text(content${number})},\n")

@@ -92,6 +92,7 @@ TEST_F(RoutesTest, CountsThePageAsOneRoute) {
     EXPECT_EQ(ask("GET /assets/main.js HTTP/1.1").route, "/");
     EXPECT_EQ(ask("GET /assets/nothing.js HTTP/1.1").status, 404);
     EXPECT_EQ(header(ask("POST /assets/main.js HTTP/1.1"), "Allow"), "GET, HEAD, OPTIONS");
+    EXPECT_EQ(ask("GET /openapi.json HTTP/1.1").route, "/openapi.json");
 }
 
 TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
