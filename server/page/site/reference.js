@@ -1,0 +1,86 @@
+// The API, route by route, from the document that the server tells it in.
+
+import { make } from "./dom.js";
+
+const main = document.querySelector("main");
+
+/** A node with what it refers to, which its own members go before. */
+function resolve(whole, { $ref: reference, ...own }) {
+  if (!reference) return own;
+  const found = reference.slice(2).split("/").reduce((place, name) => place[name], whole);
+  return { ...resolve(whole, found), ...own };
+}
+
+function rangeOf({ minimum, exclusiveMinimum, maximum }) {
+  const from = minimum ?? exclusiveMinimum;
+  if (from === undefined) return "";
+  const least = minimum === undefined ? `above ${from}` : `${from}`;
+  if (maximum === undefined) return minimum === undefined ? least : `from ${least}`;
+  return minimum === undefined ? `${least}, up to ${maximum}` : `${least} to ${maximum}`;
+}
+
+/** What a schema allows, in a few words. */
+function valuesOf(whole, node) {
+  const schema = resolve(whole, node);
+  if (schema.anyOf) return schema.anyOf.map((part) => valuesOf(whole, part)).join(" or ");
+  if (schema.const !== undefined) return String(schema.const);
+  if (schema.enum) return schema.enum.join(", ");
+  if (schema.oneOf) return schema.oneOf.map((part) => valuesOf(whole, part)).join(" or ");
+  return [schema.type, schema.pattern, rangeOf(schema)].filter(Boolean).join(" ");
+}
+
+/** The members of a schema and of those that it includes. */
+function membersOf(whole, node) {
+  const schema = resolve(whole, node);
+  const included = (schema.allOf ?? []).flatMap((part) => membersOf(whole, part));
+  return [...included, ...Object.entries(schema.properties ?? {}).map(([name, part]) => [name, part, schema.required])];
+}
+
+function table(label, titles, rows) {
+  const head = make("tr", {}, ...titles.map((textContent) => make("th", { scope: "col", textContent })));
+  const lines = rows.map(([name, ...cells]) => make("tr", {},
+    make("th", { scope: "row" }, make("code", { textContent: name })),
+    ...cells.map((textContent) => make("td", { textContent }))));
+  return make("div", { className: "table-frame", tabIndex: 0, attributes: { role: "region", "aria-label": label } },
+    make("table", {}, make("thead", {}, head), make("tbody", {}, ...lines)));
+}
+
+function optionsOf(whole, content, title) {
+  const rows = membersOf(whole, content.schema).map(([name, part, required]) => {
+    const schema = resolve(whole, part);
+    const fallback = schema.default === undefined ? "" : JSON.stringify(schema.default).replaceAll('"', "");
+    return [name, valuesOf(whole, part), required?.includes(name) ? "required" : fallback, schema.description ?? ""];
+  });
+  return table(`Members for ${title}`, ["member", "values", "default", "meaning"], rows);
+}
+
+function examplesOf(content, path) {
+  return Object.values(content.examples ?? {}).map(({ summary, value }) => make("details", {},
+    make("summary", { textContent: summary }),
+    make("pre", { textContent: `curl -H 'Content-Type: application/json' ${location.origin}${path} -d '${JSON.stringify(value)}'` })));
+}
+
+function sectionOf(whole, path, method, operation) {
+  const title = `${method.toUpperCase()} ${path}`;
+  const content = operation.requestBody?.content["application/json"];
+  const statuses = Object.entries(operation.responses).map(([status, response]) => {
+    const { description, content: types = {} } = resolve(whole, response);
+    return [status, description, Object.keys(types).join(", ")];
+  });
+  return make("section", {},
+    make("h2", { textContent: title }),
+    make("p", { textContent: [operation.summary, operation.description].filter(Boolean).join(". ") }),
+    ...(content ? [optionsOf(whole, content, title), ...examplesOf(content, path)] : []),
+    table(`Answers of ${title}`, ["status", "when", "as"], statuses));
+}
+
+try {
+  const whole = await (await fetch("/openapi.json")).json();
+  document.querySelector(".about").textContent = whole.info.description;
+  for (const [path, { parameters, ...operations }] of Object.entries(whole.paths)) {
+    for (const [method, operation] of Object.entries(operations)) main.append(sectionOf(whole, path, method, operation));
+  }
+} catch {
+  document.querySelector(".error").textContent = "the document cannot be read";
+}
+main.dataset.state = "done";

@@ -1,0 +1,59 @@
+// The API's reference shows what /openapi.json tells.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { axe, useBrowser } from "./harness.js";
+
+const world = useBrowser();
+
+async function open(page) {
+  await page.goto(`${world.url}/assets/reference.html`);
+  await page.waitForSelector("main[data-state=done]");
+}
+
+test("has all routes, options, defaults and statuses", async () => {
+  const { page } = world;
+  await open(page);
+  const { paths, components } = await (await fetch(`${world.url}/openapi.json`)).json();
+  const titles = Object.entries(paths).flatMap(([path, { parameters, ...operations }]) =>
+    Object.keys(operations).map((method) => `${method.toUpperCase()} ${path}`));
+  assert.deepEqual(await page.locator("h2").allTextContents(), titles);
+
+  const rows = (label) => page.getByRole("region", { name: label, exact: true }).locator("tbody tr")
+    .evaluateAll((lines) => lines.map(({ cells }) => [...cells].map(({ textContent }) => textContent)));
+  const options = await rows("Members for POST /halftone");
+  assert.deepEqual(options.map(([name]) => name), [...Object.keys(components.schemas.HalftoneOptions.properties), "image"]);
+  const told = Object.fromEntries(options.map(([name, ...cells]) => [name, cells.slice(0, 2)]));
+  assert.deepEqual(told.scale, ["number 0.1 to 16", ""]);
+  assert.deepEqual(told.dot, ["number above 0, up to 65536 or auto", "auto"]);
+  assert.deepEqual(told.quality, ["draft, standard, best", "standard"]);
+  assert.deepEqual(told.image, ["string", "required"]);
+  const statuses = await rows("Answers of POST /sample");
+  assert.deepEqual(statuses.map(([status]) => status), Object.keys(paths["/sample"].post.responses));
+  assert.equal(await page.textContent(".error"), "");
+});
+
+test("is linked from the page, and its examples are shown", async () => {
+  const { page } = world;
+  await page.goto(world.url);
+  await page.click("footer a");
+  await page.waitForSelector("main[data-state=done]");
+  await page.click("summary >> nth=0");
+  assert.match(await page.textContent("details[open] pre"), /^curl .*\/halftone -d '\{/);
+});
+
+for (const [size, viewport] of [["wide", { width: 1280, height: 860 }], ["narrow", { width: 390, height: 844 }]]) {
+  for (const colorScheme of ["light", "dark"]) {
+    test(`is accessible and fits: ${colorScheme}, ${size}`, async () => {
+      const context = await world.browser.newContext({ colorScheme, viewport, bypassCSP: true });
+      const page = await context.newPage();
+      await open(page);
+      await page.addScriptTag({ path: axe });
+      const found = await page.evaluate(() => window.axe.run(document));
+      assert.deepEqual(found.violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), []);
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth) <= viewport.width);
+      await context.close();
+    });
+  }
+}
