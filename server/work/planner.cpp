@@ -71,7 +71,7 @@ api::Cost Planner::cost_of_planning(const Question& question) {
 }
 
 Result<Plan> Planner::plan(Question question) const {
-    const auto plan_it = [this](auto parsed) { return plan_for(std::move(parsed)); };
+    const auto plan_it = [this](auto parsed) { return this->plan_for(std::move(parsed)); };
     if (question.path == kHalftone) return plan_halftone(std::move(question));
     if (question.path == "/sample") return api::parse_sample(question.body, question.accept, limits_).map(plan_it);
     if (question.path == "/analyze") return api::parse_analyze(question.body, question.accept, limits_).map(plan_it);
