@@ -3,6 +3,7 @@
 
 #include "api/input/negotiation.h"
 #include "server/access/access.h"
+#include "server/cache/entity_tag.h"
 #include "server/http/compression.h"
 #include "server/http/cors.h"
 #include "server/http/http.h"
@@ -81,6 +82,25 @@ void check_content_type(std::string_view value) {
     CCDT_CHECK(boundary.size() <= value.size());
 }
 
+/// Whatever else is preferred, and however it is written, does not hide a preference.
+void check_prefer(std::string_view value) {
+    const auto asks = [](std::string_view text) {
+        server::Request request;
+        request.headers = {{"Prefer", std::string(text)}};
+        return server::prefers(request, "respond-async");
+    };
+    CCDT_CHECK(asks(value) == asks(in_capitals(value)));
+    CCDT_CHECK(asks(std::string(value) + ",respond-async"));
+}
+
+void check_if_none_match(std::string_view value) {
+    constexpr std::string_view kName = "QsHqMYeUVm3IyJ0NtpjsZfdp";
+    const auto tag = server::find_tag(value, kName);
+    CCDT_CHECK(!tag || (is_part_of(*tag, value) && tag->find(kName) != std::string_view::npos));
+    const std::string with_it = std::string(value) + ", \"" + std::string(kName) + '"';
+    CCDT_CHECK(server::find_tag(with_it, kName));
+}
+
 /// No page may read an answer but those that were named.
 void check_origin(std::string_view value) {
     for (const auto& header : server::cors_headers({"https://a.example"}, value)) {
@@ -100,6 +120,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check_traceparent(value);
     check_authorization(value);
     check_content_type(value);
+    check_prefer(value);
+    check_if_none_match(value);
     check_origin(value);
     return 0;
 }
