@@ -244,33 +244,6 @@ TEST(WorkerPool, LetsClientsTakeTurnsByWhatTheirJobsCost) {
     EXPECT_EQ(order, "abbbabbbab");
 }
 
-TEST(FairQueue, RemembersNobodyOnceItIsEmpty) {
-    FairQueue<char> queue;
-    queue.push("costly", 1000, 'x');
-    EXPECT_EQ(queue.take_next(), 'x');
-    queue.push("costly", 1, 'a');
-    queue.push("cheap", 1, 'b');
-    queue.push("costly", 1, 'c');
-    queue.push("cheap", 1, 'd');
-    std::string order;
-    while (!queue.empty()) order += queue.take_next();
-    EXPECT_EQ(order, "abcd");
-}
-
-TEST(FairQueue, ForgetsWhatWasWithdrawn) {
-    FairQueue<char> queue;
-    queue.push("a", 1, 'x');
-    queue.push("a", 1000, 'y');
-    EXPECT_EQ(queue.withdraw([](char item) { return item == 'y'; }), 'y');
-    EXPECT_FALSE(queue.withdraw([](char item) { return item == 'y'; }));
-    queue.push("b", 2, 'b');
-    queue.push("a", 1, 'c');
-    queue.push("b", 1, 'd');
-    std::string order;
-    while (!queue.empty()) order += queue.take_next();
-    EXPECT_EQ(order, "xbcd");
-}
-
 TEST(WorkerPool, LetsShortJobsPassLongOnes) {
     Gate gate, longer;
     std::promise<void> done;
