@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/computing.h"
 #include "server/config.h"
 #include "server/http/connection.h"
 #include "server/http/http.h"
@@ -13,7 +14,6 @@
 #include "server/jobs/jobs.h"
 #include "server/metrics.h"
 #include "server/problem.h"
-#include "server/work/computing.h"
 #include "server/work/memory_budget.h"
 #include "server/work/planner.h"
 #include "server/work/worker_pool.h"

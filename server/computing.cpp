@@ -1,4 +1,4 @@
-#include "server/work/computing.h"
+#include "server/computing.h"
 
 #include <algorithm>
 #include <condition_variable>
