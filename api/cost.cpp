@@ -131,10 +131,7 @@ Box bounds_of(const std::variant<PolygonInput, Rectangle>& domain) {
     constexpr double kFar = std::numeric_limits<double>::max();
     Box box{{kFar, kFar}, {-kFar, -kFar}};
     for (const auto& part : std::get<PolygonInput>(domain).parts) {
-        for (const Point& p : part.outer) {
-            box.min = {std::min(box.min.x, p.x), std::min(box.min.y, p.y)};
-            box.max = {std::max(box.max.x, p.x), std::max(box.max.y, p.y)};
-        }
+        for (const Point& p : part.outer) box.include(p);
     }
     return box;
 }

@@ -78,10 +78,7 @@ Result<std::vector<RingInput>> read_rings(const std::vector<PolygonPart>& parts)
 Box bounds_of(const std::vector<RingInput>& rings) {
     Box box{rings[0].corners[0], rings[0].corners[0]};
     for (const RingInput& ring : rings) {
-        for (const Point& p : ring.corners) {
-            box.min = {std::min(box.min.x, p.x), std::min(box.min.y, p.y)};
-            box.max = {std::max(box.max.x, p.x), std::max(box.max.y, p.y)};
-        }
+        for (const Point& p : ring.corners) box.include(p);
     }
     return box;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 namespace ccdt {
@@ -52,6 +53,12 @@ struct Box {
 
     double width() const { return max.x - min.x; }
     double height() const { return max.y - min.y; }
+
+    /// Grows as far as it must to hold a point.
+    void include(Point p) {
+        min = {std::min(min.x, p.x), std::min(min.y, p.y)};
+        max = {std::max(max.x, p.x), std::max(max.y, p.y)};
+    }
 };
 
 }  // namespace ccdt

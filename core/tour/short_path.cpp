@@ -45,10 +45,7 @@ std::uint64_t hilbert_key(Point p) {
 /// Moved and scaled into the unit square.
 std::vector<Point> normalised(std::span<const Point> points) {
     Box box{points.front(), points.front()};
-    for (const Point& p : points) {
-        box.min = {std::min(box.min.x, p.x), std::min(box.min.y, p.y)};
-        box.max = {std::max(box.max.x, p.x), std::max(box.max.y, p.y)};
-    }
+    for (const Point& p : points) box.include(p);
     const double extent = std::max({box.width(), box.height(), std::numeric_limits<double>::min()});
     std::vector<Point> result;
     result.reserve(points.size());
