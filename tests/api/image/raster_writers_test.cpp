@@ -8,20 +8,12 @@
 #include "api/image/png_writer.h"
 #include "api/image/tiff_writer.h"
 #include "api/image/webp_writer.h"
+#include "tests/api/image/rasters.h"
 
 namespace ccdt::api {
 namespace {
 
 constexpr std::size_t kPixels = 1 << 20;
-
-/// 19 wide, so that the last byte of a row is not full.
-Raster binary_raster() {
-    Raster raster{19, 5, 1, {}};
-    for (int y = 0; y < raster.height; ++y) {
-        for (int x = 0; x < raster.width; ++x) raster.coverage.push_back((x + y) % 3 == 0 ? 255 : 0);
-    }
-    return raster;
-}
 
 /// Every coverage once in each row.
 Raster grey_raster() {
