@@ -203,10 +203,14 @@ int serve(const Config& config) {
         });
 
     metrics.watch([&] {
-        return Metrics::Watched{
-            server.connections(),        *memory,       pool.memory().taken() + routes.waiting_memory().taken(),
-            *box ? (*box)->deaths() : 0, jobs.counts(), jobs.stored_bytes(),
-            routes.cache().load()};
+        return Metrics::Watched{.connections = server.connections(),
+                                .memory_budget = *memory,
+                                .memory_reserved = pool.memory().taken() + routes.waiting_memory().taken(),
+                                .decoder_deaths = *box ? (*box)->deaths() : 0,
+                                .jobs = jobs.counts(),
+                                .job_bytes = jobs.stored_bytes(),
+                                .job_capacity = config.jobs.bytes,
+                                .cache = routes.cache().load()};
     });
     const auto port = server.bind(config.bind, config.port);
     if (!port) {

@@ -94,6 +94,7 @@ struct Metrics::Families {
     Family<Counter>& jobs_ended =
         prometheus::BuildCounter().Name("ccdt_jobs_ended_total").Help("Jobs that ended, by how.").Register(registry);
     Gauge& job_bytes = make_gauge(registry, "ccdt_job_store_bytes", "What is kept of jobs: questions and results.");
+    Gauge& job_capacity = make_gauge(registry, "ccdt_job_store_capacity_bytes", "What may be kept of jobs.");
     Counter& cache_hits = make_counter(registry, "ccdt_cache_hits_total", "Answers given again.");
     Counter& cache_misses = make_counter(registry, "ccdt_cache_misses_total", "Answers looked for in vain.");
     Gauge& cache_bytes = make_gauge(registry, "ccdt_cache_bytes", "Of answers that are kept.");
@@ -175,6 +176,7 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
     all.jobs_queued.Set(static_cast<double>(watched.jobs.queued));
     all.jobs_running.Set(static_cast<double>(watched.jobs.running));
     all.job_bytes.Set(static_cast<double>(watched.job_bytes));
+    all.job_capacity.Set(static_cast<double>(watched.job_capacity));
     all.cache_bytes.Set(static_cast<double>(watched.cache.bytes));
     all.waiting.Set(static_cast<double>(load.waiting));
     all.capacity.Set(static_cast<double>(load.capacity));

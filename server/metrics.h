@@ -31,7 +31,8 @@ public:
         std::size_t memory_reserved = 0;  ///< of them
         std::uint64_t decoder_deaths = 0;
         Jobs::Counts jobs;
-        std::size_t job_bytes = 0;
+        std::size_t job_bytes = 0;     ///< kept
+        std::size_t job_capacity = 0;  ///< bytes that may be kept
         ResultCache::Load cache;
     };
 

@@ -47,6 +47,7 @@ TEST(Metrics, CountsJobsByHowTheyEnd) {
     Metrics::Watched watched;
     watched.jobs = {.queued = 4, .running = 2};
     watched.job_bytes = 99;
+    watched.job_capacity = 1000;
     metrics.watch([&] { return watched; });
     JobEnd end;
     end.job.status = JobStatus::Succeeded;
@@ -63,6 +64,7 @@ TEST(Metrics, CountsJobsByHowTheyEnd) {
     EXPECT_EQ(value(text, R"(ccdt_jobs{status="queued"})"), 4);
     EXPECT_EQ(value(text, R"(ccdt_jobs{status="running"})"), 2);
     EXPECT_EQ(value(text, "ccdt_job_store_bytes"), 99);
+    EXPECT_EQ(value(text, "ccdt_job_store_capacity_bytes"), 1000);
     EXPECT_EQ(value(text, "ccdt_sites_total"), 5000);
     EXPECT_EQ(value(text, R"(ccdt_stage_duration_seconds_count{stage="optimise"})"), 1);
 }
@@ -117,6 +119,7 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
                              .decoder_deaths = 3,
                              .jobs = {},
                              .job_bytes = 0,
+                             .job_capacity = 0,
                              .cache = {.answers = 2, .bytes = 77, .hits = 5, .misses = 4}};
     metrics.watch([&] { return watched; });
     EXPECT_EQ(value(metrics.text({}), "ccdt_connections_open"), 5);
