@@ -39,12 +39,12 @@ export class Analyze extends Panel {
   /** @returns  {points, domain, note} of what was made */
   async #made(signal) {
     if (this.source.value === "halftone") {
-      const { points, width, height } = await (await this.halftone.ask("json", signal)).json();
+      const { points, width, height } = await (await this.halftone.ask("json", signal, this.tell)).json();
       return { points, domain: { type: "rectangle", width, height }, note: notes.halftone };
     }
     const { shape } = this.sample;
     if (!shape) throw new Error("there are no points yet: make some under Sample");
-    const result = this.sample.result ?? (await this.sample.fetch(signal));
+    const result = this.sample.result ?? (await this.sample.fetch(signal, { told: this.tell }));
     return { ...windowOf(result), note: notes[result.shape.domain?.type ?? "polygon"] };
   }
 

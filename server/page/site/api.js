@@ -15,9 +15,10 @@ export class Problem extends Error {
 export const hasKey = () => sessionStorage.getItem(keyName) !== null;
 export const setKey = (key) => sessionStorage.setItem(keyName, key);
 
-function headers(type) {
+function headers({ type, prefer }) {
   const list = {};
   if (type) list["Content-Type"] = type;
+  if (prefer) list.Prefer = prefer;
   if (hasKey()) list.Authorization = `Bearer ${sessionStorage.getItem(keyName)}`;
   return list;
 }
@@ -29,11 +30,11 @@ async function problemOf(response) {
   return new Problem(response.status, told.detail, told.errors);
 }
 
-/** Posts, and returns the response if it is a good one; else throws a Problem. */
-export async function post(path, body, { type, signal } = {}) {
+/** Returns the response if it is a good one; else throws a Problem. */
+export async function ask(method, path, { body, signal, keepalive, ...told } = {}) {
   let response;
   try {
-    response = await fetch(path, { method: "POST", body, signal, headers: headers(type) });
+    response = await fetch(path, { method, body, signal, keepalive, headers: headers(told) });
   } catch (error) {
     if (error.name === "AbortError") throw error;
     throw new Problem(0, "the server cannot be reached");
@@ -41,6 +42,8 @@ export async function post(path, body, { type, signal } = {}) {
   if (!response.ok) throw await problemOf(response);
   return response;
 }
+
+export const post = (path, body, options) => ask("POST", path, { body, ...options });
 
 export const postJson = async (path, body, signal) =>
   (await post(path, JSON.stringify(body), { type: "application/json", signal })).json();
@@ -66,6 +69,14 @@ export class Newest {
     }
     this.#running?.cancel.abort();
     this.#run(work, draft);
+  }
+
+  /** Nothing is wished for any more. */
+  cancel() {
+    this.#next = null;
+    this.#running?.cancel.abort();
+    this.#running = null;
+    this.ended(null);
   }
 
   async #run(work, draft) {

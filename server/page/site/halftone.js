@@ -1,8 +1,8 @@
 // A picture becomes dots.
 
-import { post } from "./api.js";
 import { acceptDrops, count, seconds } from "./dom.js";
 import { Fields } from "./fields.js";
+import { postPatiently } from "./jobs.js";
 import { Panel } from "./panel.js";
 import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
@@ -80,13 +80,14 @@ export class Halftone extends Panel {
   }
 
   /** What the panel shows, in a format. */
-  ask(format, signal) {
-    return this.#post({ ...this.#options(), format }, signal);
+  ask(format, signal, told = this.tell) {
+    return this.#post({ ...this.#options(), format }, signal, told);
   }
 
-  #post(options, signal) {
+  #post(options, signal, told) {
     if (!this.#picture) throw new Error("choose a picture first");
-    return post(`/halftone?${new URLSearchParams(options)}`, this.#picture.blob, { signal, type: "application/octet-stream" });
+    return postPatiently(`/halftone?${new URLSearchParams(options)}`, this.#picture.blob, options,
+      { signal, told, type: "application/octet-stream" });
   }
 
   refresh(draft = false) {
@@ -95,7 +96,7 @@ export class Halftone extends Panel {
     this.snippets.showHalftone({ picture: this.#picture, options });
     this.wish(async (signal) => {
       const start = performance.now();
-      const response = await this.#post({ ...options, ...(draft ? draftOptions : {}) }, signal);
+      const response = await this.#post({ ...options, ...(draft ? draftOptions : {}) }, signal, this.tell);
       const dots = await createImageBitmap(await response.blob());
       if (signal.aborted) return;
       this.#show(dots);

@@ -9,11 +9,28 @@ export class Panel {
     this.progress = element.querySelector("progress");
     this.status = element.querySelector(".status");
     this.error = element.querySelector(".general");
+    this.job = element.querySelector(".job");
     this.newest = new Newest({
-      started: () => { this.progress.hidden = false; },
-      ended: (problem) => { this.progress.hidden = true; this.show(problem); },
+      started: () => { this.progress.hidden = false; this.tell(null); },
+      ended: (problem) => { this.progress.hidden = true; this.tell(null); this.show(problem); },
     });
+    this.job.querySelector("button").addEventListener("click", () => this.#cancel());
   }
+
+  #cancel() {
+    this.newest.cancel();
+    this.status.textContent = "Cancelled: what is shown was made before";
+  }
+
+  /** Shows where a job stands; null: what is under way is none. */
+  tell = (state) => {
+    this.job.hidden = state === null;
+    if (!state) return this.progress.removeAttribute("value");
+    const percent = Math.round(100 * state.progress);
+    this.progress.value = percent;
+    this.status.textContent = "";
+    this.job.querySelector("output").textContent = state.status === "queued" ? "waiting" : `${percent} %`;
+  };
 
   find(selector) {
     return this.element.querySelector(selector);

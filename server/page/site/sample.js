@@ -1,10 +1,10 @@
 // A shape becomes points.
 
-import { post } from "./api.js";
 import { chart } from "./chart.js";
 import { acceptDrops, colour, count, seconds } from "./dom.js";
 import { Drawing } from "./drawing.js";
 import { Fields } from "./fields.js";
+import { postPatiently } from "./jobs.js";
 import { Panel } from "./panel.js";
 import { areaOf, boundsOf, firstPolygon, geometryOf, rectangle, ringsOf, unitTorus } from "./shape.js";
 import { Snippets } from "./snippets.js";
@@ -191,15 +191,15 @@ export class Sample extends Panel {
     return body;
   }
 
-  #ask(body, signal) {
-    return post("/sample", JSON.stringify(body), { type: "application/json", signal });
+  #ask(body, signal, told = this.tell) {
+    return postPatiently("/sample", JSON.stringify(body), body, { type: "application/json", signal, told });
   }
 
   /** Answers are the same each time, so one is enough. */
-  async #frame(body, signal) {
+  async #frame(body, signal, told) {
     const key = JSON.stringify(body);
     if (!this.#frames.has(key)) {
-      const frame = await (await this.#ask(body, signal)).json();
+      const frame = await (await this.#ask(body, signal, told)).json();
       if (this.#frames.size >= mostFrames) this.#frames.delete(this.#frames.keys().next().value);
       this.#frames.set(key, frame);
     }
@@ -207,11 +207,11 @@ export class Sample extends Panel {
   }
 
   /** What is to be made now: as `result`. A draft is not polished, unless it has been already. */
-  async fetch(signal, draft = false) {
+  async fetch(signal, { draft = false, told } = {}) {
     const shape = structuredClone(this.shape);
     const body = this.body();
     if (draft && !body.method && !this.#frames.has(JSON.stringify(body))) body.quality = "draft";
-    return { ...(await this.#frame(body, signal)), shape };
+    return { ...(await this.#frame(body, signal, told)), shape };
   }
 
   refresh(draft = false) {
@@ -223,7 +223,7 @@ export class Sample extends Panel {
     this.snippets.showSample({ body });
     this.wish(async (signal) => {
       const start = performance.now();
-      const frame = await this.fetch(signal, draft);
+      const frame = await this.fetch(signal, { draft });
       if (signal.aborted) return;
       this.#result = frame;
       this.viewport.redraw();
