@@ -125,18 +125,6 @@ test("divides before from after, and zooms to the single dot", async () => {
   await world.page.click("#halftone [aria-label=Fit]");
 });
 
-test("saves what it shows", async () => {
-  await open();
-  const begins = { PNG: /^\x89PNG/, JSON: /^\{"points":\[\[/ };
-  for (const [name, beginning] of Object.entries(begins)) {
-    const download = world.page.waitForEvent("download");
-    await world.page.click(`#halftone .downloads button:text-is("${name}")`);
-    const file = await (await download).path();
-    assert.match((await readFile(file, "latin1")).slice(0, 20), beginning);
-    assert.equal((await download).suggestedFilename(), `dots.${name.toLowerCase()}`);
-  }
-});
-
 test("shows lines that ask for the same when pasted", async () => {
   await open();
   await number("sites").fill("700");

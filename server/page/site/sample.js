@@ -41,7 +41,7 @@ export class Sample extends Panel {
     });
     this.fields = new Fields(this.find("form"), fields, (draft) => this.refresh(draft));
     this.snippets = new Snippets(this.find(".snippets"));
-    this.addDownloads(["json", "csv", "geojson", "svg", "png"], "points", (format, signal) => this.#ask({ ...this.body(), format }, signal));
+    this.addDownloads(["json", "csv", "geojson", "npy", "svg", "png"], "points", (format, signal) => this.#ask({ ...this.body(), format }, signal));
     this.#listen();
     this.#shapeChosen();
   }

@@ -1,0 +1,110 @@
+// What the browser saves is read by the programs that people open it with.
+
+import assert from "node:assert/strict";
+import { mkdtemp, rm } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { test } from "node:test";
+
+import { run, settled, useBrowser } from "./harness.js";
+
+const world = useBrowser();
+
+/** In Python: each prints as JSON what is in the file that it is given. */
+const readers = {
+  json: "print(json.dumps(json.load(open(name))))",
+  csv: `
+with open(name, newline="") as file:
+    head, *rows = csv.reader(file)
+print(json.dumps({"head": head, "points": [[float(x), float(y)] for x, y in rows]}))`,
+  npy: "print(json.dumps({'points': numpy.load(name).tolist()}))",
+  geojson: `
+feature = json.load(open(name))
+shape = shapely.geometry.shape(feature["geometry"])
+print(json.dumps({"valid": shape.is_valid, "points": [[p.x, p.y] for p in shape.geoms], **feature["properties"]}))`,
+  png: `
+with PIL.Image.open(name) as picture:
+    grey = numpy.asarray(picture.convert("L")) / 255
+    light = numpy.where(grey <= 0.04045, grey / 12.92, ((grey + 0.055) / 1.055) ** 2.4)
+    print(json.dumps({"format": picture.format, "width": picture.width, "height": picture.height,
+                      "light": light.mean(), "grey": grey.mean()}))`,
+  svg: `
+circles = xml.etree.ElementTree.parse(name).findall(".//{http://www.w3.org/2000/svg}circle")
+print(json.dumps({"circles": len(circles)}))`,
+};
+const imports = "import csv, json, sys, xml.etree.ElementTree, numpy, PIL.Image, shapely.geometry\nname = sys.argv[1]\n";
+
+async function read(file) {
+  const program = imports + readers[path.extname(file).slice(1)];
+  return JSON.parse(await run("/usr/bin/python3", ["-c", program, file]));
+}
+
+/** @returns  the path of what a button of the panel saves, under the name that it has */
+async function save(panel, button, folder) {
+  const [download] = await Promise.all([
+    world.page.waitForEvent("download"),
+    world.page.click(`#${panel} .downloads button:text-is("${button}")`),
+  ]);
+  const file = path.join(folder, download.suggestedFilename());
+  await download.saveAs(file);
+  await settled(world.page, panel);
+  return file;
+}
+
+/** What a panel's buttons save, read, by name; and of the drawing what is seen when it is as large as the picture. */
+async function saveAll(panel, buttons) {
+  const folder = await mkdtemp(path.join(tmpdir(), "ccdt-page-"));
+  assert.deepEqual(await world.page.locator(`#${panel} .downloads button`).allTextContents(), buttons);
+  const files = {};
+  for (const button of buttons) {
+    const file = await save(panel, button, folder);
+    files[path.basename(file)] = await read(file);
+  }
+  const [svg, png] = [".svg", ".png"].map((ending) => Object.keys(files).find((name) => name.endsWith(ending)));
+  const drawn = path.join(folder, "drawn.png");
+  const { width, height } = files[png];
+  await run("rsvg-convert", [`--width=${width}`, `--height=${height}`, "--background-color=white", `--output=${drawn}`, path.join(folder, svg)]);
+  files[svg].drawn = await read(drawn);
+  await rm(folder, { recursive: true });
+  return files;
+}
+
+/** Rims of dots are mixed as light in our pictures, and as grey by librsvg. */
+function isSame(picture, drawn) {
+  assert.ok(Math.abs(picture.light - drawn.grey) < 0.01, `${picture.light}, ${drawn.grey}`);
+}
+
+test("the files of a halftone", async () => {
+  await world.page.goto(world.url);
+  await settled(world.page, "halftone");
+  const number = world.page.locator("#halftone [data-name=sites] input[type=number]");
+  await number.fill("3000");
+  await number.blur();
+  await settled(world.page, "halftone");
+  const [, width, height] = (await world.page.textContent("#halftone .status")).match(/(\d+) \u00d7 (\d+) pixels/).map(Number);
+  const files = await saveAll("halftone", ["PNG", "SVG", "CSV", "JSON"]);
+  assert.deepEqual(Object.keys(files), ["dots.png", "dots.svg", "dots.csv", "dots.json"]);
+  const { "dots.png": png, "dots.svg": svg, "dots.csv": csv, "dots.json": json } = files;
+  assert.deepEqual([png.format, png.width, png.height], ["PNG", width, height]);
+  assert.equal(json.points.length, 3000);
+  assert.deepEqual(csv.head, ["x", "y"]);
+  assert.deepEqual(csv.points, json.points);
+  assert.equal(svg.circles, 3000);
+  isSame(png, svg.drawn);
+});
+
+test("the files of points", async () => {
+  await world.page.goto(`${world.url}/#sample`);
+  await settled(world.page, "sample");
+  const files = await saveAll("sample", ["JSON", "CSV", "GeoJSON", "NPY", "SVG", "PNG"]);
+  assert.deepEqual(Object.keys(files), ["points.json", "points.csv", "points.geojson", "points.npy", "points.svg", "points.png"]);
+  const { points, seed, method } = files["points.json"];
+  assert.equal(points.length, 1000);
+  for (const name of ["points.csv", "points.geojson", "points.npy"]) assert.deepEqual(files[name].points, points, name);
+  assert.deepEqual(files["points.csv"].head, ["x", "y"]);
+  assert.ok(files["points.geojson"].valid);
+  assert.deepEqual([files["points.geojson"].seed, files["points.geojson"].method], [seed, method]);
+  assert.equal(files["points.svg"].circles, 1000);
+  assert.equal(files["points.png"].format, "PNG");
+  isSame(files["points.png"], files["points.svg"].drawn);
+});
