@@ -25,7 +25,8 @@ const quiet = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-ru
 /** For anything that must happen soon; only a fault makes a test wait so long. */
 export const patience = 120_000;
 
-async function startServer(flags) {
+/** @returns  {server, url} once it listens */
+export async function startServer(flags) {
   const server = spawn(process.env.CCDT_SERVER, ["--port=0", ...flags], { stdio: ["ignore", "ignore", "pipe"] });
   for await (const line of createInterface({ input: server.stderr })) {
     const found = line.match(/listening on (http:\S+)/);

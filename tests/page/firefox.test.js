@@ -1,0 +1,89 @@
+// The three panels in Firefox, as Debian has it.
+
+import assert from "node:assert/strict";
+import { once } from "node:events";
+import { createRequire } from "node:module";
+import path from "node:path";
+import { after, afterEach, before, beforeEach, test } from "node:test";
+
+import { patience, startServer } from "./harness.js";
+
+const require = createRequire(path.join(process.env.CCDT_NODE_MODULES, "of-the-tests"));
+const puppeteer = require("puppeteer-core");
+
+let running, browser, page, faults;
+
+before(async () => {
+  running = await startServer([]);
+  browser = await puppeteer.launch({ browser: "firefox", executablePath: process.env.CCDT_FIREFOX, timeout: patience });
+});
+after(async () => {
+  await browser.close();
+  running.server.kill();
+  await once(running.server, "exit");
+});
+beforeEach(async () => {
+  page = await browser.newPage();
+  await page.setViewport({ width: 1280, height: 860 });
+  page.setDefaultTimeout(patience);
+  faults = [];
+  page.on("pageerror", (error) => faults.push(String(error)));
+  page.on("console", (message) => { if (message.type() === "error") faults.push(message.text()); });
+});
+afterEach(async () => {
+  await page.close();
+  assert.deepEqual(faults, []);
+});
+
+const textOf = (selector) => page.$eval(selector, (element) => element.textContent);
+
+async function show(panel) {
+  await page.goto(`${running.url}/#${panel}`);
+  await page.waitForSelector(`#${panel}[data-state=done]`);
+}
+
+/** The share of a canvas that is dark. */
+const darkness = (selector) => page.$eval(selector, (canvas) => {
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  let dark = 0;
+  for (let i = 0; i < data.length; i += 4) dark += data[i + 3] > 128 && data[i] < 64;
+  return dark / (data.length / 4);
+});
+
+test("makes a halftone, and shows how far a large one is", async () => {
+  await show("halftone");
+  assert.match(await textOf("#halftone .status"), /^20,000 dots/);
+  assert.ok(await darkness("#halftone canvas") > 0.2);
+  await page.evaluate(() => {
+    const bar = document.querySelector("#halftone progress");
+    window.shown = [];
+    new MutationObserver(() => window.shown.push(bar.value)).observe(bar, { attributes: true });
+  });
+  const [sites] = await page.$$("#halftone [data-name=sites] input[type=number]");
+  await sites.click({ count: 3 });
+  await sites.type("60000");
+  await page.keyboard.press("Tab");
+  await page.waitForFunction(() => /^60,000 dots/.test(document.querySelector("#halftone .status").textContent));
+  assert.ok((await page.evaluate(() => window.shown)).some((percent) => percent > 0 && percent < 100));
+});
+
+test("fills a polygon that is drawn", async () => {
+  await show("sample");
+  assert.match(await textOf("#sample .status"), /^1,000 points/);
+  await page.click("#sample .draw");
+  const { x, y, width, height } = await (await page.$("#sample canvas")).boundingBox();
+  for (const [across, down] of [[0.3, 0.2], [0.7, 0.2], [0.5, 0.8]]) await page.mouse.click(x + across * width, y + down * height);
+  await page.keyboard.press("Enter");
+  await page.waitForSelector("#sample[data-state=done]");
+  assert.equal(JSON.parse(await page.$eval("#corners", (field) => field.value)).polygon.length, 3);
+  assert.ok(await darkness("#sample canvas") > 0.03);
+});
+
+test("analyzes points", async () => {
+  await show("sample");
+  await page.click("#tab-analyze");
+  await page.waitForSelector("#analyze[data-state=done]");
+  const names = await page.$$eval("#analyze tbody th", (cells) => cells.map((cell) => cell.textContent));
+  assert.deepEqual(names, ["What was made", "White noise", "CVT", "ODT", "CCVT", "CCDT"]);
+  assert.equal((await page.$$("#analyze .power polyline")).length, 6);
+});
