@@ -40,4 +40,12 @@ struct Picture {
     Plane alpha;      ///< [width * height] in [0, 1]; empty: opaque
 };
 
+/// A picture in linear light, with the primaries of sRGB.
+struct ColourPicture {
+    int width = 0;
+    int height = 0;
+    Plane red, green, blue;  ///< [width * height] each, in [0, 1], not premultiplied
+    Plane alpha;             ///< [width * height] in [0, 1]; empty: opaque
+};
+
 }  // namespace ccdt

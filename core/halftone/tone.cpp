@@ -12,19 +12,17 @@ double ink_of(const std::vector<float>& coverage) {
     return std::accumulate(coverage.begin(), coverage.end(), 0.0);
 }
 
-/// CIE 1976 lightness of a relative luminance, in [0, 1].
+}  // namespace
+
 float lightness(float luminance) {
     constexpr float kLinearBelow = 216.0f / 24389.0f;
     constexpr float kSlope = 24389.0f / 2700.0f;
     return luminance <= kLinearBelow ? luminance * kSlope : 1.16f * std::cbrt(luminance) - 0.16f;
 }
 
-/// Also of what is no number.
 float to_share(float value) {
     return value > 0 ? std::min(value, 1.0f) : 0.0f;
 }
-
-}  // namespace
 
 std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert) {
     std::vector<float> coverage(picture.luminance.size());

@@ -13,6 +13,12 @@ enum class Tone {
     Perceptual,  ///< CIE L*: lighter, as the picture's own pixel values read
 };
 
+/// CIE 1976 lightness of a relative luminance in [0, 1], in [0, 1].
+float lightness(float luminance);
+
+/// The value, or the nearer end of [0, 1]; what is no number is 0.
+float to_share(float value);
+
 /// Share of each pixel that the dots shall cover [width * height], in [0, 1], top row first.
 /// Dark pixels want dots; inverted, light ones do. Transparent pixels show the paper: no dots.
 /// Values of the picture beyond [0, 1] count as the nearer end, what is no number as 0.
