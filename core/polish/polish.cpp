@@ -119,8 +119,8 @@ bool Polish::clear_gaps(std::span<Point> sites) const {
     return moved;
 }
 
-/// Those between sites, and what triangles are like before the first move.
-void Polish::list_edges(const Triangulation& mesh) {
+/// Lists the edges between sites, and what triangles are like before the first move.
+void Polish::begin(const Triangulation& mesh) {
     edges_.clear();
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         for (std::uint32_t i = 0; i < 3; ++i) {
@@ -135,26 +135,29 @@ void Polish::list_edges(const Triangulation& mesh) {
 }
 
 void Polish::refine(Triangulation& mesh, const PolishOptions& options, const std::stop_token& stop) {
-    list_edges(mesh);
-    const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
-    const auto even_out = [&] {
-        if (transport_ && transport_->displacements(sites, moves_, stop)) apply(mesh);
-    };
+    begin(mesh);
     for (int round = 0; round < options.rounds && !stop.stop_requested(); ++round) {
-        push_apart(mesh, options.reach, options.push, stop);
-        even_out();
+        push_apart(mesh, options.reach, options.push, {}, stop);
+        even_out(mesh, stop);
     }
-    for (int round = 0; round < options.even_rounds && !stop.stop_requested(); ++round) even_out();
+    for (int round = 0; round < options.even_rounds && !stop.stop_requested(); ++round) even_out(mesh, stop);
     for (int round = 0; round < options.near_rounds && !stop.stop_requested(); ++round) {
-        push_apart(mesh, options.nearest, 0.5, stop);
+        push_apart(mesh, options.nearest, 0.5, {}, stop);
     }
 }
 
+void Polish::even_out(Triangulation& mesh, const std::stop_token& stop) {
+    const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
+    if (transport_ && transport_->displacements(sites, moves_, stop)) apply(mesh);
+}
+
 /// Neighbours closer than they should be share out what is missing.
-void Polish::push_apart(Triangulation& mesh, double reach, double push, const std::stop_token& stop) {
+void Polish::push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
+                        const std::stop_token& stop) {
     const double half_reach = 0.5 * reach * hexagonal_spacing(1);
     for (std::uint32_t v = 0; v < mesh.site_count(); ++v) spacings_[v] = spacing(mesh.point(v));
     std::fill(moves_.begin(), moves_.end(), Point{});
+    std::ranges::copy(pushed, moves_.begin());
     for (const std::uint32_t h : edges_) {
         const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
         const Point along = mesh.along(h);

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/ccdt/capacity.h"
+#include "core/ccdt/ccdt.h"
+#include "core/ccdt/domain_mesh.h"
+#include "core/ccdt/goals.h"
+#include "core/ccdt/relaxation.h"
+#include "core/ccdt/start.h"
+#include "core/polish/polish.h"
+
+namespace ccdt {
+
+/// Errors: Malformed for an option out of range.
+Result<void> check(const Options& options);
+
+/// One computation of distribute(), step by step: start(); iterate() as long as it goes on; then, if there is a polish,
+/// a polish of the mesh, by itself or together with those of other runs, and finish(). After the start, collect() gives
+/// what there is.
+class Run {
+public:
+    /// All must outlive this.
+    Run(const Domain& domain, const Density& density, const Options& options, const std::stop_token& stop);
+    Run(const Run&) = delete;  // the relaxation holds on to the mesh
+    Run& operator=(const Run&) = delete;
+
+    /// Errors: Unusable if the density is zero all over the domain, or the domain too thin; Stopped.
+    Result<void> start();
+
+    /// Whether there is an iteration to do.
+    bool goes_on() const;
+    /// One triangulation phase, and the geometry passes before it.
+    /// @returns  false if it was stopped
+    bool iterate();
+
+    /// None for a draft, and where no iteration is wanted.
+    Polish* polish() { return polish_ ? &*polish_ : nullptr; }
+    PolishOptions polish_options() const;
+    Triangulation& mesh() { return placed_->mesh; }
+
+    /// After the polish. Errors: as start().
+    Result<void> finish();
+
+    Distribution collect();
+
+    int iterations() const { return result_.iterations; }
+    double variation() const { return result_.trace.back(); }
+
+private:
+    bool stopping() const { return stop_.stop_requested(); }
+    Result<DomainMesh> triangulate_sites(const std::vector<Point>& first);
+    std::vector<Point> even_start();
+    double measure(const Triangulation& mesh);
+    Relaxation& relaxation();
+    bool is_exact(int iteration) const;
+
+    const Domain& domain_;
+    const Density& density_;
+    const Options& options_;
+    std::stop_token stop_;
+    Capacity capacity_;
+    std::optional<StartSites> start_;
+    std::optional<Polish> polish_;
+    std::optional<DomainMesh> placed_;
+    std::optional<Relaxation> relaxation_;
+    std::vector<double> capacities_;   ///< [triangles]
+    std::vector<TriangleGoal> goals_;  ///< [triangles]
+    Distribution result_;
+};
+
+}  // namespace ccdt
