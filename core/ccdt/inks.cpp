@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/ccdt/run.h"
+#include "core/polish/ink_polish.h"
 #include "core/random.h"
 
 namespace ccdt {
@@ -25,19 +26,23 @@ private:
     Result<void> start();
     void iterate();
     Result<void> polish();
+    void polish_together();
+    Density density_of_all() const;
     void report() const;
     std::vector<Distribution> collect();
 
     struct InkRun {
-        InkRun(const Domain& domain, const Density& density, const Options& own, const std::stop_token& stop)
-            : options(own), run(domain, density, options, stop) {}
+        InkRun(const Domain& domain, const Density& wanted, const Options& own, const std::stop_token& stop)
+            : density(wanted), options(own), run(domain, density, options, stop) {}
 
+        const Density& density;
         Options options;
         Run run;
     };
 
+    const Domain& domain_;
+    const Options& options_;
     const Control& control_;
-    int iterations_;
     std::vector<std::unique_ptr<InkRun>> inks_;  ///< [inks]; none for those without sites
     std::vector<InkRun*> runs_;                  ///< those that there are
 };
@@ -50,7 +55,7 @@ std::uint64_t seed_of(std::uint64_t seed, std::size_t number) {
 
 InkRuns::InkRuns(const Domain& domain, std::span<const Density> densities, std::span<const std::size_t> sites,
                  const Options& options, const Control& control)
-    : control_(control), iterations_(options.iterations) {
+    : domain_(domain), options_(options), control_(control) {
     for (std::size_t ink = 0; ink < sites.size(); ++ink) {
         inks_.emplace_back();
         if (sites[ink] == 0) continue;
@@ -88,18 +93,50 @@ void InkRuns::iterate() {
 }
 
 Result<void> InkRuns::polish() {
+    if (!runs_.front()->run.polish() || stopping()) return {};
+    if (runs_.size() == 1) {
+        Run& run = runs_.front()->run;
+        run.polish()->refine(run.mesh(), run.polish_options(), control_.stop);
+    } else {
+        polish_together();
+    }
     for (InkRun* ink : runs_) {
-        Polish* polish = ink->run.polish();
-        if (!polish || stopping()) continue;
-        polish->refine(ink->run.mesh(), ink->run.polish_options(), control_.stop);
         if (auto finished = ink->run.finish(); !finished) return finished;
     }
     return {};
 }
 
+void InkRuns::polish_together() {
+    std::vector<InkPolish::Ink> inks;
+    for (InkRun* ink : runs_) inks.push_back({ink->run.polish(), &ink->run.mesh()});
+    const Density together = density_of_all();
+    InkPolishOptions settings;
+    if (options_.quality == Quality::Best) {
+        settings.rounds = 30;
+        settings.rounds_even = 1;
+        settings.even_rounds = 4;
+    }
+    InkPolish(domain_, together, std::move(inks), control_.stop).refine(settings, control_.stop);
+}
+
+/// Sites wanted in each cell.
+Density InkRuns::density_of_all() const {
+    const Density& first = runs_.front()->density;
+    if (first.is_uniform()) return Density::uniform();
+    std::vector<double> wanted(static_cast<std::size_t>(first.width()) * static_cast<std::size_t>(first.height()), 0);
+    for (const InkRun* ink : runs_) {
+        const double scale = static_cast<double>(ink->options.sites) / ink->density.total();
+        auto cell = wanted.begin();
+        for (int row = 0; row < first.height(); ++row) {
+            for (int column = 0; column < first.width(); ++column) *cell++ += scale * ink->density.value(column, row);
+        }
+    }
+    return Density::grid(first.width(), first.height(), std::span<const double>(wanted)).value();
+}
+
 void InkRuns::report() const {
     if (!control_.progress) return;
-    Progress progress{0, iterations_, 0};
+    Progress progress{0, options_.iterations, 0};
     for (const InkRun* ink : runs_) {
         progress.iteration = std::max(progress.iteration, ink->run.iterations());
         progress.variation = std::max(progress.variation, ink->run.variation());
@@ -116,6 +153,17 @@ std::vector<Distribution> InkRuns::collect() {
     return distributions;
 }
 
+bool is_one_grid(std::span<const Density> densities, std::span<const std::size_t> sites) {
+    const Density* first = nullptr;
+    for (std::size_t ink = 0; ink < sites.size(); ++ink) {
+        if (sites[ink] == 0) continue;
+        const Density& density = densities[ink];
+        if (!first) first = &density;
+        if (density.width() != first->width() || density.height() != first->height()) return false;
+    }
+    return true;
+}
+
 }  // namespace
 
 Result<std::vector<Distribution>> distribute_inks(const Domain& domain, std::span<const Density> densities,
@@ -124,6 +172,9 @@ Result<std::vector<Distribution>> distribute_inks(const Domain& domain, std::spa
     assert(densities.size() == sites.size());
     std::size_t all = 0;
     for (const std::size_t count : sites) all += count;
+    if (!is_one_grid(densities, sites)) {
+        return failure(ErrorCode::Malformed, "the densities of all inks must have one grid", "density");
+    }
     Options whole = options;
     whole.sites = all;
     if (auto checked = check(whole); !checked) return tl::unexpected(checked.error());

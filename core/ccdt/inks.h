@@ -9,7 +9,8 @@
 namespace ccdt {
 
 /// Distributes the dots of several inks, each as distribute() does by a density of its own, and dots of different inks
-/// apart from each other.
+/// apart from each other where there is room: all iterate in step, and are polished together. A draft has no polish,
+/// and inks that know nothing of each other.
 ///
 /// @param densities  [inks] each stretched over the domain's bounding box; what an ink without sites has is not looked
 /// at
@@ -18,8 +19,9 @@ namespace ccdt {
 /// @param control    progress counts the iterations of all inks as one, with the largest variation; a stop returns the
 ///                   sites as they stand, is no error; stopped during the start: Error Stopped
 /// @returns          [inks]; an ink without sites has no points, and a trace of one 0
-/// Errors: as distribute(). One ink that has sites gets what distribute() gives it, to the byte.
-/// Same input, same bytes, on any number of threads (it uses one). O(sites) per pass.
+/// Errors: as distribute(); Malformed if the densities have different grids. One ink that has sites gets what
+/// distribute() gives it, to the byte. Same input, same bytes, on any number of threads (it uses one). O(sites) per
+/// pass.
 Result<std::vector<Distribution>> distribute_inks(const Domain& domain, std::span<const Density> densities,
                                                   std::span<const std::size_t> sites, const Options& options,
                                                   const Control& control = {});

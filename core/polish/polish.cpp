@@ -151,6 +151,11 @@ void Polish::even_out(Triangulation& mesh, const std::stop_token& stop) {
     if (transport_ && transport_->displacements(sites, moves_, stop)) apply(mesh);
 }
 
+void Polish::move(Triangulation& mesh, std::span<const Point> moves) {
+    std::ranges::copy(moves, moves_.begin());
+    apply(mesh);
+}
+
 /// Neighbours closer than they should be share out what is missing.
 void Polish::push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                         const std::stop_token& stop) {

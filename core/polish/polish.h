@@ -59,14 +59,13 @@ public:
 
     /// The steps of refine(), for several inks in turn. begin() comes first, and again after all that changes edges.
     ///
-    /// @param pushed  [sites] or empty: by what others push each site
+    /// @param pushed  [sites] or empty: how far others push each site
+    /// @param moves   [sites]
     void begin(const Triangulation& mesh);
     void push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                     const std::stop_token& stop);
     void even_out(Triangulation& mesh, const std::stop_token& stop);
-
-    /// How far neighbours are apart around a place: 1 / sqrt(density of sites).
-    double spacing(Point p) const;
+    void move(Triangulation& mesh, std::span<const Point> moves);
 
     /// Takes sites where there is no density to the nearest place with some.
     /// @returns  whether there were any
@@ -78,6 +77,7 @@ private:
     bool is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const;
     Point inside(Point p) const;
     Point allowed(Point p, double spacing) const;
+    double spacing(Point p) const;
 
     const Domain& domain_;
     const Density& density_;

@@ -1,5 +1,6 @@
 #include "core/ccdt/inks.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <vector>
@@ -90,6 +91,120 @@ TEST(DistributeInks, FailsIfStoppedDuringTheStart) {
         distribute_inks(kSquare, ramps(), std::vector<std::size_t>{300, 200, 100}, {}, {source.get_token(), {}});
     ASSERT_FALSE(inks);
     EXPECT_EQ(inks.error().code, ErrorCode::Stopped);
+}
+
+TEST(DistributeInks, GivesTheSameBytesAgain) {
+    const std::vector<std::size_t> counts{400, 300, 200};
+    const auto once = distribute_inks(kSquare, ramps(), counts, {.seed = 9}).value();
+    const auto again = distribute_inks(kSquare, ramps(), counts, {.seed = 9}).value();
+    for (std::size_t i = 0; i < counts.size(); ++i) EXPECT_TRUE(same_bytes(once[i].points, again[i].points));
+    EXPECT_FALSE(same_bytes(once[0].points, distribute_inks(kSquare, ramps(), counts, {}).value()[0].points));
+}
+
+/// Each ink by itself, and seeds that have nothing to do with each other.
+std::vector<Distribution> each_alone(const Domain& domain, const std::vector<Density>& densities,
+                                     const std::vector<std::size_t>& counts) {
+    std::vector<Distribution> inks;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        inks.push_back(distribute(domain, densities[i], {.sites = counts[i], .seed = 100 + i}).value());
+    }
+    return inks;
+}
+
+/// Distances from each site to the nearest one of another ink, from the smallest.
+std::vector<double> distances_between(const std::vector<Distribution>& inks) {
+    std::vector<double> distances;
+    for (std::size_t a = 0; a < inks.size(); ++a) {
+        for (const Point& p : inks[a].points) {
+            double least = 1e9;
+            for (std::size_t b = 0; b < inks.size(); ++b) {
+                if (a == b) continue;
+                for (const Point& q : inks[b].points) least = std::min(least, dot(q - p, q - p));
+            }
+            distances.push_back(std::sqrt(least));
+        }
+    }
+    std::ranges::sort(distances);
+    return distances;
+}
+
+TEST(DistributeInks, KeepsDotsOfDifferentInksApart) {
+    const std::vector<std::size_t> counts{600, 450, 300};
+    const auto distances = distances_between(distribute_inks(kSquare, ramps(), counts, {.seed = 2}).value());
+    const auto alone = distances_between(each_alone(kSquare, ramps(), counts));
+    const std::size_t first = distances.size() / 100, tenth = distances.size() / 10;
+    EXPECT_GT(distances[first], 4 * alone[first]);
+    EXPECT_GT(distances[tenth], 1.8 * alone[tenth]);
+}
+
+/// Mean power of the sites' waves of up to 4 periods a side that the density does not have; 1 for independent sites.
+double tone_error(const Density& density, const std::vector<Point>& points) {
+    constexpr int kWaves = 8;  // half periods
+    constexpr double kPi = 3.141592653589793;
+    const double scale = static_cast<double>(points.size()) / density.total();
+    double power = 0;
+    for (int k = 0; k <= kWaves; ++k) {
+        for (int l = k == 0 ? 1 : 0; l <= kWaves; ++l) {
+            const auto wave = [&](double x, double y) { return std::cos(kPi * k * x) * std::cos(kPi * l * y); };
+            double amplitude = 0;
+            for (const Point& p : points) amplitude += wave(p.x, p.y);
+            for (int row = 0; row < density.height(); ++row) {
+                for (int column = 0; column < density.width(); ++column) {
+                    const double x = (column + 0.5) / density.width(), y = (row + 0.5) / density.height();
+                    amplitude -= scale * density.value(column, row) * wave(x, y);
+                }
+            }
+            power += (k > 0 ? 2 : 1) * (l > 0 ? 2 : 1) * amplitude * amplitude / static_cast<double>(points.size());
+        }
+    }
+    return power / ((kWaves + 1) * (kWaves + 1) - 1);
+}
+
+TEST(DistributeInks, KeepsTheToneOfEachInk) {
+    const std::vector<Density> densities = ramps();
+    const std::vector<std::size_t> counts{1200, 900, 600};
+    const auto inks = distribute_inks(kSquare, densities, counts, {.seed = 2}).value();
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        EXPECT_LT(tone_error(densities[i], inks[i].points), 2e-4) << i;
+        EXPECT_LT(inks[i].variation(), 0.25) << i;
+    }
+}
+
+TEST(DistributeInks, KnowsAllKindsOfDomains) {
+    const std::vector<std::size_t> counts{300, 200, 100};
+    const std::vector<Density> uniform(3, Density::uniform());
+    for (const Domain& domain : {Domain::torus(1, 1).value(), test::domain_of({{test::l_shape(), {}}})}) {
+        for (const auto& densities : {uniform, ramps()}) {
+            const auto inks = distribute_inks(domain, densities, counts, {}).value();
+            const auto distances = distances_between(inks);
+            const auto alone = distances_between(each_alone(domain, densities, counts));
+            EXPECT_GT(distances[6], 2 * alone[6]);
+            for (std::size_t i = 0; i < counts.size(); ++i) EXPECT_EQ(inks[i].points.size(), counts[i]);
+        }
+    }
+}
+
+TEST(DistributeInks, LeavesOutThePolishWhenStoppedBeforeIt) {
+    std::stop_source source;
+    const Control control{source.get_token(), [&](const Progress& progress) {
+                              if (progress.iteration == progress.iterations) source.request_stop();
+                          }};
+    const std::vector<std::size_t> counts{300, 200, 100};
+    const auto inks = distribute_inks(kSquare, ramps(), counts, {}, control).value();
+    for (const Distribution& ink : inks) {
+        EXPECT_TRUE(ink.stopped);
+        EXPECT_FALSE(ink.polished);
+        EXPECT_EQ(ink.iterations, 5);
+    }
+}
+
+TEST(DistributeInks, RefusesDensitiesOfDifferentGrids) {
+    const auto flat = grid_of(8, 8, [](int, int) { return 1; });
+    const std::vector<Density> densities{ramps()[0], flat};
+    const auto inks = distribute_inks(kSquare, densities, std::vector<std::size_t>{9, 9}, {});
+    ASSERT_FALSE(inks);
+    EXPECT_EQ(inks.error().field, "density");
+    EXPECT_TRUE(distribute_inks(kSquare, densities, std::vector<std::size_t>{9, 0}, {}));
 }
 
 TEST(DistributeInks, RefusesWhatDistributeRefuses) {
