@@ -5,37 +5,22 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
-#include <optional>
+
+#include "core/halftone/box_programme.h"
 
 namespace ccdt {
 
 namespace {
 
 using Cover = std::array<float, kMostInks>;
+using Numbers = BoxProgramme::Numbers;
+static_assert(kMostInks <= BoxProgramme::kMostNumbers);
 
-/// Least squares in what the eye tells apart: luminance, and each channel's difference from it, which counts less.
-constexpr std::size_t kRows = 4;
-using Seen = std::array<double, kRows>;
+/// Red, green, blue.
+using Channels = std::array<double, 3>;
 
-Seen seen(const Light& light) {
-    constexpr double kColour = 0.5;
-    const double luminance = 0.2126 * light.red + 0.7152 * light.green + 0.0722 * light.blue;
-    return {luminance, kColour * (light.red - luminance), kColour * (light.green - luminance),
-            kColour * (light.blue - luminance)};
-}
-
-double dot(const Seen& a, const Seen& b) {
-    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
-}
-
-Seen operator-(const Seen& a, const Seen& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]};
-}
-
-Light full_cover(const InkSet& inks, std::size_t ink) {
-    std::array<float, kMostInks> cover{};
-    cover[ink] = 1;
-    return printed(inks, std::span(cover).first(inks.inks.size()));
+Channels channels(const Light& light) {
+    return {light.red, light.green, light.blue};
 }
 
 Light mapped(const Light& light, Tone tone) {
@@ -43,123 +28,166 @@ Light mapped(const Light& light, Tone tone) {
     return {map(light.red), map(light.green), map(light.blue)};
 }
 
-using Shares = std::array<double, kMostInks>;
-
-/// Finds the cover of each ink whose print looks most like a colour: least squares, and of equals the least cover.
+/// The mean light of halftones, by the share that each ink covers.
 ///
-/// A quadratic programme in a box, solved by active sets as in bounded-variable least squares (Stark, Parker 1995).
-/// What is minimized is convex, strictly so by a little ridge: the solution is one, and continuous in the colour.
+/// Where there is room dots of different inks lie side by side, and what each takes from the light adds up; where there
+/// is none they overlap as if they knew nothing of each other, and what each lets through multiplies (Demichel,
+/// Neugebauer). Measured on flat tints: two inks overlap by their product times T^4 / (T^4 + 0.8), T being the sum of
+/// all shares, within 0.12; two inks alone by a little more, those of three by a little less.
+class Print {
+public:
+    Print(const InkSet& inks, Tone tone);
+
+    std::size_t count() const { return count_; }
+    Channels light(const Numbers& cover) const;
+    /// How the light changes with an ink's cover.
+    Channels change(const Numbers& cover, std::size_t ink) const;
+
+private:
+    static constexpr double kCrowding = 0.8;
+
+    static double overlap(double sum) { return std::pow(sum, 4) / (std::pow(sum, 4) + kCrowding); }
+    /// What inks let through on top of each other, but for one of them.
+    double through(const Numbers& cover, std::size_t channel, std::size_t but) const;
+    /// What overlapping leaves of the light over lying side by side.
+    double spared(const Numbers& cover, std::size_t channel) const;
+
+    std::size_t count_;
+    bool additive_;
+    Channels paper_;
+    std::array<Channels, kMostInks> changes_{};  ///< of the paper's light by a full cover
+};
+
+Print::Print(const InkSet& inks, Tone tone)
+    : count_(inks.inks.size()), additive_(inks.additive), paper_(channels(mapped(inks.paper, tone))) {
+    for (std::size_t i = 0; i < count_; ++i) {
+        Cover cover{};
+        cover[i] = 1;
+        const Channels full = channels(mapped(printed(inks, std::span(cover).first(count_)), tone));
+        for (std::size_t c = 0; c < 3; ++c) changes_[i][c] = full[c] - paper_[c];
+    }
+}
+
+double Print::through(const Numbers& cover, std::size_t channel, std::size_t but) const {
+    double share = 1;
+    for (std::size_t i = 0; i < count_; ++i) {
+        if (i != but && paper_[channel] > 0) share *= 1 + cover[i] * changes_[i][channel] / paper_[channel];
+    }
+    return share;
+}
+
+double Print::spared(const Numbers& cover, std::size_t channel) const {
+    double beside = paper_[channel];
+    for (std::size_t i = 0; i < count_; ++i) beside += cover[i] * changes_[i][channel];
+    return paper_[channel] * through(cover, channel, kMostInks) - beside;
+}
+
+Channels Print::light(const Numbers& cover) const {
+    Channels light = paper_;
+    const double overlap = this->overlap(std::accumulate(cover.begin(), cover.end(), 0.0));
+    for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t i = 0; i < count_; ++i) light[c] += cover[i] * changes_[i][c];
+        if (!additive_) light[c] += overlap * spared(cover, c);
+    }
+    return light;
+}
+
+Channels Print::change(const Numbers& cover, std::size_t ink) const {
+    Channels change = changes_[ink];
+    if (additive_) return change;
+    const double sum = std::accumulate(cover.begin(), cover.end(), 0.0);
+    const double overlap = this->overlap(sum);
+    const double steepness = 4 * kCrowding * std::pow(sum, 3) / std::pow(std::pow(sum, 4) + kCrowding, 2);
+    for (std::size_t c = 0; c < 3; ++c) {
+        change[c] += overlap * changes_[ink][c] * (through(cover, c, ink) - 1) + steepness * spared(cover, c);
+    }
+    return change;
+}
+
+/// What is to be alike: luminance, and each channel's difference from it, which counts less. So a neutral ink alone
+/// reproduces luminance, whatever the colour.
+using Seen = std::array<double, 4>;
+
+Seen seen(const Channels& light) {
+    constexpr double kColour = 0.5;
+    const double luminance = 0.2126 * light[0] + 0.7152 * light[1] + 0.0722 * light[2];
+    return {luminance, kColour * (light[0] - luminance), kColour * (light[1] - luminance),
+            kColour * (light[2] - luminance)};
+}
+
+double dot(const Seen& a, const Seen& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
+
+/// Finds the cover of each ink whose halftone looks most like a colour: least squares, and of equals the least cover.
+/// By Gauss and Newton's method, in the box of covers, from dots side by side.
 class Mixer {
 public:
-    Mixer(const InkSet& inks, Tone tone);
+    Mixer(const InkSet& inks, Tone tone) : print_(inks, tone) {}
 
     Cover mix(const Light& light) const;
 
 private:
-    enum class Place { None, Free, Full };
-    using Places = std::array<Place, kMostInks>;
+    static constexpr double kPriceOfCover = 1e-4;
 
-    std::optional<std::size_t> to_free(const Shares& cover, const Places& places, const Shares& wanted) const;
-    Shares solve(const Shares& cover, const Places& places, const Shares& wanted) const;
-    double step(Shares& cover, Places& places, const Shares& to) const;
+    Seen missing(const Numbers& cover, const Light& light) const;
+    double cost(const Numbers& cover, const Light& light) const;
+    Numbers aim(const Numbers& cover, const Light& light) const;
 
-    std::size_t count_;
-    Seen paper_;
-    std::array<Seen, kMostInks> changes_{};     ///< what a full cover changes
-    std::array<Shares, kMostInks> products_{};  ///< of changes, and the ridge
+    Print print_;
 };
 
-Mixer::Mixer(const InkSet& inks, Tone tone) : count_(inks.inks.size()), paper_(seen(mapped(inks.paper, tone))) {
+Seen Mixer::missing(const Numbers& cover, const Light& light) const {
+    Channels left = channels(light);
+    const Channels print = print_.light(cover);
+    for (std::size_t c = 0; c < 3; ++c) left[c] -= print[c];
+    return seen(left);
+}
+
+double Mixer::cost(const Numbers& cover, const Light& light) const {
+    const Seen left = missing(cover, light);
+    return dot(left, left) / 2 + kPriceOfCover * std::accumulate(cover.begin(), cover.end(), 0.0);
+}
+
+/// The best cover, were all changes as they are at this one.
+Numbers Mixer::aim(const Numbers& cover, const Light& light) const {
     constexpr double kRidge = 1e-7;
-    for (std::size_t i = 0; i < count_; ++i) changes_[i] = seen(mapped(full_cover(inks, i), tone)) - paper_;
-    for (std::size_t i = 0; i < count_; ++i) {
-        for (std::size_t k = 0; k < count_; ++k)
-            products_[i][k] = dot(changes_[i], changes_[k]) + (i == k ? kRidge : 0);
+    BoxProgramme programme;
+    programme.count = print_.count();
+    std::array<Seen, kMostInks> changes{};
+    Seen wanted = missing(cover, light);
+    for (std::size_t i = 0; i < programme.count; ++i) {
+        changes[i] = seen(print_.change(cover, i));
+        for (std::size_t k = 0; k < wanted.size(); ++k) wanted[k] += cover[i] * changes[i][k];
     }
+    for (std::size_t i = 0; i < programme.count; ++i) {
+        programme.wanted[i] = dot(changes[i], wanted) - kPriceOfCover;
+        for (std::size_t k = 0; k < programme.count; ++k) programme.products[i][k] = dot(changes[i], changes[k]);
+        programme.products[i][i] += kRidge;
+    }
+    return programme.minimize();
 }
 
 Cover Mixer::mix(const Light& light) const {
-    constexpr double kPriceOfCover = 1e-6;
-    constexpr int kMostRounds = 100;  // it needs a few
-    const Seen change = seen(light) - paper_;
-    Shares wanted{}, cover{};
-    for (std::size_t i = 0; i < count_; ++i) wanted[i] = dot(changes_[i], change) - kPriceOfCover;
-    Places places{};
-    for (int round = 0; round < kMostRounds; ++round) {
-        const auto next = to_free(cover, places, wanted);
-        if (!next) break;
-        places[*next] = Place::Free;
-        while (step(cover, places, solve(cover, places, wanted)) < 1) {
+    constexpr int kMostSteps = 12;
+    constexpr double kLeastStep = 1.0 / 64, kExact = 1e-9;
+    Numbers cover = aim({}, light);
+    double cost = this->cost(cover, light);
+    for (int step = 0; step < kMostSteps; ++step) {
+        const Numbers to = aim(cover, light);
+        double gain = 0;
+        for (double share = 1; share >= kLeastStep && !(gain > 0); share /= 2) {
+            Numbers next{};
+            for (std::size_t i = 0; i < next.size(); ++i) next[i] = cover[i] + share * (to[i] - cover[i]);
+            gain = cost - this->cost(next, light);
+            if (gain > 0) cover = next;
         }
+        if (!(gain > kExact)) break;
+        cost -= gain;
     }
     Cover result{};
-    std::transform(cover.begin(), cover.end(), result.begin(), [](double c) { return static_cast<float>(c); });
+    std::ranges::transform(cover, result.begin(), [](double share) { return static_cast<float>(share); });
     return result;
-}
-
-/// The ink at an end of its range that gains most by leaving it.
-std::optional<std::size_t> Mixer::to_free(const Shares& cover, const Places& places, const Shares& wanted) const {
-    double most = 1e-12;
-    std::optional<std::size_t> found;
-    for (std::size_t i = 0; i < count_; ++i) {
-        if (places[i] == Place::Free) continue;
-        const double slope = wanted[i] - std::inner_product(cover.begin(), cover.end(), products_[i].begin(), 0.0);
-        const double gain = places[i] == Place::None ? slope : -slope;
-        if (gain <= most) continue;
-        most = gain;
-        found = i;
-    }
-    return found;
-}
-
-/// The best cover by the free inks, bounds left aside: Gauss elimination, safe without pivots as the matrix is
-/// positive.
-Shares Mixer::solve(const Shares& cover, const Places& places, const Shares& wanted) const {
-    std::array<std::size_t, kMostInks> free{};
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < count_; ++i) {
-        if (places[i] == Place::Free) free[n++] = i;
-    }
-    std::array<std::array<double, kMostInks + 1>, kMostInks> rows{};
-    for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t k = 0; k < n; ++k) rows[i][k] = products_[free[i]][free[k]];
-        rows[i][n] = wanted[free[i]];
-        for (std::size_t k = 0; k < count_; ++k) {
-            if (places[k] == Place::Full) rows[i][n] -= products_[free[i]][k];
-        }
-    }
-    for (std::size_t pivot = 0; pivot < n; ++pivot) {
-        for (std::size_t i = pivot + 1; i < n; ++i) {
-            const double factor = rows[i][pivot] / rows[pivot][pivot];
-            for (std::size_t k = pivot; k <= n; ++k) rows[i][k] -= factor * rows[pivot][k];
-        }
-    }
-    Shares to = cover;
-    for (std::size_t i = n; i-- > 0;) {
-        double value = rows[i][n];
-        for (std::size_t k = i + 1; k < n; ++k) value -= rows[i][k] * to[free[k]];
-        to[free[i]] = value / rows[i][i];
-    }
-    return to;
-}
-
-/// Goes towards a cover as far as all inks stay in range; one that comes to an end of it stays there.
-/// @returns  the share of the way
-double Mixer::step(Shares& cover, Places& places, const Shares& to) const {
-    double share = 1;
-    std::size_t first = count_;
-    for (std::size_t i = 0; i < count_; ++i) {
-        if (places[i] != Place::Free || (to[i] >= 0 && to[i] <= 1)) continue;
-        const double reach = ((to[i] < 0 ? 0 : 1) - cover[i]) / (to[i] - cover[i]);
-        if (reach >= share) continue;
-        share = reach;
-        first = i;
-    }
-    for (std::size_t i = 0; i < count_; ++i) cover[i] += share * (to[i] - cover[i]);
-    if (first == count_) return 1;
-    places[first] = to[first] < 0 ? Place::None : Place::Full;
-    cover[first] = to[first] < 0 ? 0 : 1;
-    return share;
 }
 
 /// A table over all colours. Between its nodes it is linear in each tetrahedron about the greys, as are inks that
@@ -233,6 +261,14 @@ Light printed(const InkSet& inks, std::span<const float> cover) {
                  lay(light.blue, inks.inks[i].blue)};
     }
     return light;
+}
+
+Light halftoned(const InkSet& inks, std::span<const float> cover) {
+    Numbers numbers{};
+    std::ranges::copy(cover, numbers.begin());
+    const Channels light = Print(inks, Tone::Linear).light(numbers);
+    const auto share = [&](std::size_t channel) { return to_share(static_cast<float>(light[channel])); };
+    return {share(0), share(1), share(2)};
 }
 
 std::vector<std::vector<float>> separate(const ColourPicture& picture, const InkSet& inks, Tone tone,

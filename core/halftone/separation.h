@@ -39,16 +39,20 @@ InkSet rgb_inks();
 /// @param cover  [inks] in [0, 1]
 Light printed(const InkSet& inks, std::span<const float> cover);
 
+/// The mean light of dots that keep clear of those of other inks where there is room, as distribute_inks() makes them.
+/// @param cover  [inks] in [0, 1]: what the dots of each cover
+Light halftoned(const InkSet& inks, std::span<const float> cover);
+
 /// Share of each pixel that the dots of each ink shall cover [inks][width * height], in [0, 1], top row first, such
-/// that the print looks as much like the picture as the inks can. One black ink on white paper has the coverage that
-/// ink_coverage gives for the picture's luminance.
+/// that what is halftoned looks as much like the picture as the inks can. One black ink on white paper has the coverage
+/// that ink_coverage gives for the picture's luminance.
 ///
 /// Transparent parts show the paper: no dots. Values of the picture beyond [0, 1] count as the nearer end, what is no
 /// number as 0. Continuous in the colour. Of the mixtures that look alike that one is taken which covers least, so
 /// that with cmyk_inks() greys are black alone.
 ///
 /// @param stop  asked once a row; a stop ends it early, with nothing of use
-/// O(pixels), after a table whose making takes as long as some 100,000 pixels do.
+/// O(pixels), after a table whose making takes as long as some 300,000 pixels do.
 std::vector<std::vector<float>> separate(const ColourPicture& picture, const InkSet& inks, Tone tone,
                                          const std::stop_token& stop = {});
 

@@ -1,10 +1,17 @@
 #include "core/halftone/separation.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "core/ccdt/inks.h"
+#include "core/halftone/dots.h"
 
 namespace ccdt {
 namespace {
@@ -39,6 +46,149 @@ TEST(Separation, LeavesTransparentPixelsToThePaper) {
                                 {0, 0, 0}, {0, 0, 0}, {0, 0.5f, std::numeric_limits<float>::quiet_NaN()}};
     const Covers covers = separate(picture, cmyk_inks(), Tone::Linear);
     expect_near(covers[3], {0, 0.5f, 0}, 1e-3f);
+}
+
+TEST(Separation, MakesGreysOfBlackAlone) {
+    for (const float grey : {0.0f, 0.03f, 0.18f, 0.5f, 0.7f, 0.95f}) {
+        const std::vector<float> cover = mix({grey, grey, grey}, cmyk_inks());
+        for (std::size_t ink = 0; ink < 3; ++ink) EXPECT_EQ(cover[ink], 0) << "ink " << ink << " of grey " << grey;
+        EXPECT_NEAR(cover[3], 1 - grey, 1e-3);
+    }
+}
+
+TEST(Separation, PrintsOneBlackInkAsGrey) {
+    const InkSet black{{{0, 0, 0}}, {1, 1, 1}, false};
+    for (const Light& light : {Light{0.2f, 0.5f, 0.9f}, Light{1, 0, 0}, Light{0.1f, 0.9f, 0.3f}}) {
+        const float luminance = 0.2126f * light.red + 0.7152f * light.green + 0.0722f * light.blue;
+        expect_near(mix(light, black), ink_coverage({1, 1, {luminance}, {}}, Tone::Linear, false), 1e-3f);
+    }
+    const float grey = 0.25f;
+    expect_near(mix({grey, grey, grey}, black, Tone::Perceptual),
+                ink_coverage({1, 1, {grey}, {}}, Tone::Perceptual, false), 1e-3f);
+}
+
+TEST(Separation, TakesInksAsTheyAreAlsoIfPerceptual) {
+    const InkSet inks{{{1, 0.3f, 0}, {0, 0.1f, 0.4f}}, {1, 1, 1}, false};
+    expect_near(mix({1, 0.3f, 0}, inks, Tone::Perceptual), {1, 0}, 2e-2f);
+    expect_near(mix({0, 0.1f, 0.4f}, inks, Tone::Perceptual), {0, 1}, 2e-2f);
+}
+
+TEST(Separation, TakesWhatIsNoNumberForNone) {
+    const float none = std::numeric_limits<float>::quiet_NaN();
+    expect_near(mix({none, none, none}, cmyk_inks()), {0, 0, 0, 1}, 1e-3f);
+    expect_near(mix({2, -1, 2}, cmyk_inks()), {0, 1, 0, 0}, 1e-3f);
+}
+
+/// A picture of one row.
+ColourPicture row_of(const std::vector<Light>& lights) {
+    const auto plane = [&](float Light::*channel) {
+        const auto values = std::make_shared<float[]>(lights.size());
+        std::ranges::transform(lights, values.get(), channel);
+        return Plane(values, lights.size());
+    };
+    return {static_cast<int>(lights.size()), 1, plane(&Light::red), plane(&Light::green), plane(&Light::blue), {}};
+}
+
+float furthest(const Light& a, const Light& b) {
+    return std::max({std::abs(a.red - b.red), std::abs(a.green - b.green), std::abs(a.blue - b.blue)});
+}
+
+TEST(Separation, LooksLikeThePicture) {
+    constexpr int kSide = 12;
+    std::vector<Light> lights;
+    for (int i = 0; i < kSide * kSide * kSide; ++i) {
+        const auto share = [](int step) { return static_cast<float>(step) / (kSide - 1); };
+        lights.push_back({share(i % kSide), share(i / kSide % kSide), share(i / kSide / kSide)});
+    }
+    const ColourPicture picture = row_of(lights);
+    for (const InkSet& inks : {cmyk_inks(), rgb_inks()}) {
+        const Covers covers = separate(picture, inks, Tone::Linear);
+        for (std::size_t p = 0; p < lights.size(); ++p) {
+            std::vector<float> here;
+            for (const auto& cover : covers) here.push_back(cover[p]);
+            EXPECT_LT(furthest(halftoned(inks, here), lights[p]), 0.04f) << p;
+        }
+    }
+}
+
+TEST(Separation, FindsThePalettesMixtures) {
+    const InkSet inks{{{0.02f, 0.05f, 0.2f}, {0.7f, 0.06f, 0.03f}, {0.9f, 0.6f, 0.05f}}, {1, 0.98f, 0.9f}, false};
+    for (const std::vector<float>& cover : {std::vector<float>{0.2f, 0.3f, 0.1f}, {0.6f, 0, 0.4f}, {0, 0.05f, 0.9f}}) {
+        expect_near(mix(halftoned(inks, cover), inks), cover, 0.03f);
+    }
+}
+
+TEST(Separation, IsContinuousInTheColour) {
+    const InkSet six{{{0.01f, 0.03f, 0.2f},
+                      {0.7f, 0.02f, 0.02f},
+                      {0.9f, 0.7f, 0.02f},
+                      {0.02f, 0.4f, 0.1f},
+                      {0.3f, 0.1f, 0.02f},
+                      {0, 0, 0}},
+                     {1, 1, 1},
+                     false};
+    constexpr int kSteps = 2000;
+    std::vector<Light> lights;
+    for (int i = 0; i < kSteps; ++i) {
+        const float t = static_cast<float>(i) / kSteps;
+        lights.push_back({t, 0.5f - 0.4f * t, t * t});
+    }
+    const ColourPicture picture = row_of(lights);
+    for (const InkSet& inks : {six, cmyk_inks()}) {
+        for (const auto& cover : separate(picture, inks, Tone::Linear)) {
+            for (std::size_t i = 1; i < kSteps; ++i) EXPECT_LT(std::abs(cover[i] - cover[i - 1]), 0.02f) << i;
+        }
+    }
+}
+
+TEST(Separation, EndsWhenStopped) {
+    std::stop_source source;
+    source.request_stop();
+    const auto covers = separate({1, 1, {0}, {0}, {0}, {}}, cmyk_inks(), Tone::Linear, source.get_token());
+    EXPECT_EQ(covers, Covers(4, {0}));
+}
+
+TEST(Halftoned, AddsWhatInksTakeWhereThereIsRoomAndMultipliesWhereThereIsNone) {
+    const Light light = halftoned(cmyk_inks(), std::vector<float>{0.1f, 0, 0, 0.1f});
+    EXPECT_NEAR(light.red, 0.8f, 1e-3);
+    EXPECT_NEAR(light.green, 0.9f, 1e-6);
+    const Light dark = halftoned(cmyk_inks(), std::vector<float>{0.9f, 0.9f, 0.9f, 0.9f});
+    EXPECT_NEAR(dark.red, 0.01f, 0.01);
+    EXPECT_EQ(halftoned(rgb_inks(), std::vector<float>{0.3f, 1, 0}), (Light{0.3f, 1, 0}));
+}
+
+/// What dots of a flat tint show in the mean.
+Light dotted(const InkSet& inks, const std::vector<float>& cover) {
+    constexpr int kSide = 96;
+    const Canvas canvas{6 * kSide, 6 * kSide, 6};
+    const Domain domain = Domain::rectangle(kSide, kSide).value();
+    std::vector<double> sums(cover.begin(), cover.end());
+    const std::vector<Density> densities(cover.size(),
+                                         Density::grid(1, 1, std::span<const float>(std::vector<float>{1})).value());
+    const auto runs = distribute_inks(domain, densities, share_sites(sums, 1200), {.seed = 4}).value();
+    std::vector<Raster> rasters;
+    for (std::size_t i = 0; i < cover.size(); ++i) {
+        rasters.push_back(draw_dots(runs[i].points, canvas, {{}, cover[i], true}));
+    }
+    std::array<double, 3> sum{};
+    for (std::size_t p = 0; p < rasters[0].coverage.size(); ++p) {
+        std::vector<float> here;
+        for (const Raster& raster : rasters) here.push_back(raster.coverage[p] / 255.0f);
+        const Light light = printed(inks, here);
+        sum = {sum[0] + light.red, sum[1] + light.green, sum[2] + light.blue};
+    }
+    const auto mean = [&](double all) {
+        return static_cast<float>(all / static_cast<double>(rasters[0].coverage.size()));
+    };
+    return {mean(sum[0]), mean(sum[1]), mean(sum[2])};
+}
+
+TEST(Halftoned, IsWhatDotsShow) {
+    const InkSet inks = cmyk_inks();
+    for (const std::vector<float>& cover :
+         {std::vector<float>{0.2f, 0, 0, 0.2f}, {0.3f, 0.2f, 0, 0.3f}, {0.2f, 0.5f, 0, 0.4f}, {0.7f, 0, 0, 0.6f}}) {
+        EXPECT_LT(furthest(dotted(inks, cover), halftoned(inks, cover)), 0.035f) << cover[0] << " " << cover[3];
+    }
 }
 
 TEST(Separation, TakesRedGreenAndBlueAsTheyAre) {
