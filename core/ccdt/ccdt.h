@@ -39,16 +39,24 @@ struct Options {
     bool keep_mesh = false;  ///< fill Distribution::mesh
 };
 
+/// How far a computation is.
 struct Progress {
     int iteration = 0;     ///< iterations done
     int iterations = 0;    ///< iterations asked for
-    double variation = 0;  ///< capacity variation now
+    double variation = 0;  ///< capacity variation after the last of them
+    int round = 0;         ///< rounds of the polish done
+    int rounds = 0;        ///< of those that it takes
+
+    /// The share of the whole, in (0, 1) and never less than before: about, as if the start took two steps, the end
+    /// one, and each iteration and round one.
+    double done() const { return (2.0 + iteration + round) / (3.0 + iterations + rounds); }
 };
 
 /// What the caller keeps in hand while core computes.
 struct Control {
-    std::stop_token stop;                           ///< asked at least once per pass
-    std::function<void(const Progress&)> progress;  ///< called after the start and after each iteration; may be empty
+    std::stop_token stop;  ///< asked at least once per pass
+    /// Called after the start, each iteration and each round of the polish; may be empty.
+    std::function<void(const Progress&)> progress;
 };
 
 /// The triangulation behind a distribution, in the caller's coordinates. Around a torus a triangle's corners may be

@@ -26,9 +26,11 @@ private:
     Result<void> start();
     void iterate();
     Result<void> polish();
-    void polish_together();
+    void polish_together(const std::function<void()>& after);
     Density density_of_all() const;
-    void report() const;
+    void report();
+    InkPolishOptions polish_options() const;
+    int polish_rounds() const;
     std::vector<Distribution> collect();
 
     struct InkRun {
@@ -45,6 +47,7 @@ private:
     const Control& control_;
     std::vector<std::unique_ptr<InkRun>> inks_;  ///< [inks]; none for those without sites
     std::vector<InkRun*> runs_;                  ///< those that there are
+    int round_ = 0;                              ///< of the polish
 };
 
 /// The first one keeps the seed, so that a single ink has the dots of a grey picture.
@@ -94,11 +97,15 @@ void InkRuns::iterate() {
 
 Result<void> InkRuns::polish() {
     if (!runs_.front()->run.polish() || stopping()) return {};
+    const auto after = [this] {
+        ++round_;
+        report();
+    };
     if (runs_.size() == 1) {
         Run& run = runs_.front()->run;
-        run.polish()->refine(run.mesh(), run.polish_options(), control_.stop);
+        run.polish()->refine(run.mesh(), run.polish_options(), control_.stop, after);
     } else {
-        polish_together();
+        polish_together(after);
     }
     for (InkRun* ink : runs_) {
         if (auto finished = ink->run.finish(); !finished) return finished;
@@ -106,17 +113,27 @@ Result<void> InkRuns::polish() {
     return {};
 }
 
-void InkRuns::polish_together() {
+void InkRuns::polish_together(const std::function<void()>& after) {
     std::vector<InkPolish::Ink> inks;
     for (InkRun* ink : runs_) inks.push_back({ink->run.polish(), &ink->run.mesh()});
     const Density together = density_of_all();
+    InkPolish(domain_, together, std::move(inks), control_.stop).refine(polish_options(), control_.stop, after);
+}
+
+InkPolishOptions InkRuns::polish_options() const {
     InkPolishOptions settings;
     if (options_.quality == Quality::Best) {
         settings.rounds = 30;
         settings.rounds_even = 1;
         settings.even_rounds = 4;
     }
-    InkPolish(domain_, together, std::move(inks), control_.stop).refine(settings, control_.stop);
+    return settings;
+}
+
+int InkRuns::polish_rounds() const {
+    Run& first = runs_.front()->run;
+    if (runs_.size() == 1 || !first.polish()) return first.polish_rounds();
+    return polish_options().all_rounds();
 }
 
 /// Sites wanted in each cell.
@@ -134,9 +151,9 @@ Density InkRuns::density_of_all() const {
     return Density::grid(first.width(), first.height(), std::span<const double>(wanted)).value();
 }
 
-void InkRuns::report() const {
+void InkRuns::report() {
     if (!control_.progress) return;
-    Progress progress{0, options_.iterations, 0};
+    Progress progress{0, options_.iterations, 0, round_, polish_rounds()};
     for (const InkRun* ink : runs_) {
         progress.iteration = std::max(progress.iteration, ink->run.iterations());
         progress.variation = std::max(progress.variation, ink->run.variation());

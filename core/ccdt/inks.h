@@ -16,7 +16,8 @@ namespace ccdt {
 /// at
 /// @param sites      [inks] >= 0, one of them at least > 0
 /// @param options    but for the number of sites; the first ink that has sites takes the seed, others seeds made of it
-/// @param control    progress counts the iterations of all inks as one, with the largest variation; a stop returns the
+/// @param control    progress counts iterations and rounds of all inks as one, with the largest variation; a stop
+/// returns the
 ///                   sites as they stand, is no error; stopped during the start: Error Stopped
 /// @returns          [inks]; an ink without sites has no points, and a trace of one 0
 /// Errors: as distribute(); Malformed if the densities have different grids. One ink that has sites gets what

@@ -38,6 +38,7 @@ public:
     /// None for a draft, and where no iteration is wanted.
     Polish* polish() { return polish_ ? &*polish_ : nullptr; }
     PolishOptions polish_options() const;
+    int polish_rounds() const { return polish_ ? polish_options().all_rounds() : 0; }
     Triangulation& mesh() { return placed_->mesh; }
 
     /// After the polish. Errors: as start().

@@ -15,19 +15,25 @@ InkPolish::InkPolish(const Domain& domain, const Density& together, std::vector<
     if (domain.is_box()) transport_.emplace(domain, together, sites, stop);
 }
 
-void InkPolish::refine(const InkPolishOptions& options, const std::stop_token& stop) {
-    for (int round = 0; round < options.rounds && !stop.stop_requested(); ++round) {
+void InkPolish::refine(const InkPolishOptions& options, const std::stop_token& stop,
+                       const std::function<void()>& after) {
+    const auto repeat = [&](int rounds, auto&& round) {
+        for (int i = 0; i < rounds && !stop.stop_requested(); ++i) {
+            round(i);
+            if (after && !stop.stop_requested()) after();
+        }
+    };
+    repeat(options.rounds, [&](int round) {
         if (round % options.rounds_mesh == 0) restore_meshes(stop);
         push_apart(options.reach, options.push, options.other_reach, options.push, stop);
         if ((round + 1) % options.rounds_even == 0) even_out_each(stop);
-    }
-    for (int round = 0; round < options.even_rounds && !stop.stop_requested(); ++round) {
+    });
+    repeat(options.even_rounds, [&](int) {
         even_out_together(stop);
         even_out_each(stop);
-    }
-    for (int round = 0; round < options.near_rounds && !stop.stop_requested(); ++round) {
-        push_apart(options.nearest, options.near_push, options.other_nearest, options.push, stop);
-    }
+    });
+    repeat(options.near_rounds,
+           [&](int) { push_apart(options.nearest, options.near_push, options.other_nearest, options.push, stop); });
 }
 
 /// Calls with each ink, and the moves of its sites, until it is stopped.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -30,6 +31,8 @@ struct InkPolishOptions {
     double nearest = 0.72;       ///< reach of the last rounds,
     double other_nearest = 0.6;  ///< and that between different inks
     double near_push = 0.5;      ///< their push within an ink
+
+    int all_rounds() const { return rounds + even_rounds + near_rounds; }
 };
 
 /// Polishes several inks at once, as Polish does one, such that sites of different inks keep apart.
@@ -46,9 +49,10 @@ public:
     InkPolish(const Domain& domain, const Density& together, std::vector<Ink> inks, const std::stop_token& stop = {});
 
     /// Moves the sites of all meshes. All triangles stay counter-clockwise; the Delaunay property is lost.
-    /// @param stop  asked several times a round
+    /// @param stop   asked several times a round
+    /// @param after  called after each round that was not stopped; may be empty
     /// Same input, same bytes. O(sites log sites) a round.
-    void refine(const InkPolishOptions& options, const std::stop_token& stop);
+    void refine(const InkPolishOptions& options, const std::stop_token& stop, const std::function<void()>& after = {});
 
 private:
     template <class Function>

@@ -134,16 +134,21 @@ void Polish::begin(const Triangulation& mesh) {
     for (std::uint32_t t = 0; t < areas_.size(); ++t) areas_[t] = mesh.doubled_area(t);
 }
 
-void Polish::refine(Triangulation& mesh, const PolishOptions& options, const std::stop_token& stop) {
+void Polish::refine(Triangulation& mesh, const PolishOptions& options, const std::stop_token& stop,
+                    const std::function<void()>& after) {
     begin(mesh);
-    for (int round = 0; round < options.rounds && !stop.stop_requested(); ++round) {
+    const auto repeat = [&](int rounds, auto&& round) {
+        for (int i = 0; i < rounds && !stop.stop_requested(); ++i) {
+            round();
+            if (after && !stop.stop_requested()) after();
+        }
+    };
+    repeat(options.rounds, [&] {
         push_apart(mesh, options.reach, options.push, {}, stop);
         even_out(mesh, stop);
-    }
-    for (int round = 0; round < options.even_rounds && !stop.stop_requested(); ++round) even_out(mesh, stop);
-    for (int round = 0; round < options.near_rounds && !stop.stop_requested(); ++round) {
-        push_apart(mesh, options.nearest, 0.5, {}, stop);
-    }
+    });
+    repeat(options.even_rounds, [&] { even_out(mesh, stop); });
+    repeat(options.near_rounds, [&] { push_apart(mesh, options.nearest, 0.5, {}, stop); });
 }
 
 void Polish::even_out(Triangulation& mesh, const std::stop_token& stop) {

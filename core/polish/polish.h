@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -22,6 +23,8 @@ struct PolishOptions {
     double reach = 0.93;    ///< distance below which neighbours are pushed
     double push = 0.4;      ///< share of what is missing by which each of the two moves
     double nearest = 0.72;  ///< reach of the last rounds, which make up what is missing
+
+    int all_rounds() const { return rounds + even_rounds + near_rounds; }
 };
 
 /// Keeps sites out of parts without any density.
@@ -54,8 +57,10 @@ public:
     void even_out(std::span<Point> sites, const std::stop_token& stop);
 
     /// Moves the sites of a triangulation. All triangles stay counter-clockwise; the Delaunay property is lost.
-    /// @param stop  asked several times a round
-    void refine(Triangulation& mesh, const PolishOptions& options, const std::stop_token& stop);
+    /// @param stop   asked several times a round
+    /// @param after  called after each round that was not stopped; may be empty
+    void refine(Triangulation& mesh, const PolishOptions& options, const std::stop_token& stop,
+                const std::function<void()>& after = {});
 
     /// The steps of refine(), for several inks in turn. begin() comes first, and again after all that changes edges.
     ///

@@ -236,12 +236,10 @@ Jobs::Run Jobs::compute(const Job& job, const LivePointer& live, const std::stop
     return run;
 }
 
-/// What comes after the iterations, the polish and the encoding, is taken for one more of them.
 void Jobs::note(const LivePointer& live, const Progress& progress) {
     const std::lock_guard lock(mutex_);
     if (live->settling) return;
-    live->job.progress = {static_cast<double>(progress.iteration) / (progress.iterations + 1), progress.iteration,
-                          progress.variation};
+    live->job.progress = {progress.done(), progress.iteration, progress.variation};
     live->steps.push_back(live->job.progress);
     live->changed.notify_all();
 }

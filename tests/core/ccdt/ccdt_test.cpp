@@ -358,19 +358,38 @@ TEST(Distribute, ReturnsTheStartWithoutIterations) {
     EXPECT_LT(longest, 3 / std::sqrt(500.0));
 }
 
-TEST(Distribute, ReportsEachIteration) {
+TEST(Distribute, ReportsEachIterationAndRound) {
     std::vector<Progress> seen;
     Control control;
     control.progress = [&](const Progress& progress) { seen.push_back(progress); };
     const auto result = distribute(domain_of(kSquare), Density::uniform(), {.sites = 200, .iterations = 3}, control);
     ASSERT_TRUE(result);
-    ASSERT_EQ(seen.size(), 4u);
-    for (int i = 0; i < 4; ++i) {
+    ASSERT_GT(seen.size(), 4u);
+    const int rounds = seen[0].rounds;
+    EXPECT_EQ(seen.size(), 4u + static_cast<std::size_t>(rounds));
+    double before = 0;
+    for (int i = 0; i < 4 + rounds; ++i) {
         const Progress& progress = seen[static_cast<std::size_t>(i)];
-        EXPECT_EQ(progress.iteration, i);
+        EXPECT_EQ(progress.iteration, std::min(i, 3));
         EXPECT_EQ(progress.iterations, 3);
-        EXPECT_EQ(progress.variation, result->trace[static_cast<std::size_t>(i)]);
+        EXPECT_EQ(progress.variation, result->trace[static_cast<std::size_t>(std::min(i, 3))]);
+        EXPECT_EQ(progress.round, std::max(i - 3, 0));
+        EXPECT_EQ(progress.rounds, rounds);
+        EXPECT_GT(progress.done(), before);
+        before = progress.done();
     }
+    EXPECT_LT(before, 1);
+}
+
+TEST(Distribute, ReportsNoPolishOfDrafts) {
+    std::vector<Progress> seen;
+    Control control;
+    control.progress = [&](const Progress& progress) { seen.push_back(progress); };
+    const Options options{.sites = 200, .iterations = 3, .quality = Quality::Draft};
+    ASSERT_TRUE(distribute(domain_of(kSquare), Density::uniform(), options, control));
+    ASSERT_EQ(seen.size(), 4u);
+    EXPECT_EQ(seen.back().rounds, 0);
+    EXPECT_EQ(seen.back().done(), 5.0 / 6);
 }
 
 TEST(Distribute, StopsBeforeItHasBegun) {
