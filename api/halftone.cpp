@@ -135,7 +135,7 @@ Result<Canvas> plan_canvas(const HalftoneRequest& request, PictureSize picture, 
 
 Result<Plan> plan_dots(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                        const Control& control) {
-    auto decoded = decode(request.image.bytes, limits.max_pixels, control.stop);
+    auto decoded = decode.grey(request.image.bytes, limits.max_pixels, control.stop);
     if (!decoded) return failure(decoded.error().code, decoded.error().message, request.image_field);
     Plan plan;
     plan.picture = {decoded->width, decoded->height};

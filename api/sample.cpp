@@ -170,7 +170,7 @@ void flip_rows(std::vector<float>& values, int width) {
 
 Result<Density> make_density(const DensityImage& image, const Limits& limits, const Decode& decode,
                              const Control& control) {
-    auto picture = decode(image.file.bytes, limits.max_pixels, control.stop);
+    auto picture = decode.grey(image.file.bytes, limits.max_pixels, control.stop);
     if (!picture) return failure(picture.error().code, picture.error().message, "/density/image");
     const int width = picture->width;
     const int height = picture->height;

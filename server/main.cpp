@@ -117,15 +117,18 @@ std::string url(const std::string& address, int port) {
 Result<std::unique_ptr<DecoderBox>> start_box(const Config& config) {
     if (config.decoder == DecoderPlace::Inline) return nullptr;
     return DecoderBox::start(
-        {api::decode_image, api::warm_up_decoder},
+        {api::decode_image, api::decode_colour_image, api::warm_up_decoder},
         [most = config.limits.max_pixels](std::string_view file) { return decoder_limits(file, most); });
 }
 
 api::Decode decoder_of(DecoderBox* box) {
     if (box == nullptr) return api::decode_inline();
-    return [box](std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
-        return box->decode(bytes, max_pixels, stop);
-    };
+    return {[box](std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
+                return box->decode(bytes, max_pixels, stop);
+            },
+            [box](std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
+                return box->decode_colour(bytes, max_pixels, stop);
+            }};
 }
 
 /// What is left for requests and what is computed for them: not what the program takes by itself, nor what is on its

@@ -4,6 +4,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -11,6 +12,7 @@
 #include <mutex>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "api/image/image_header.h"
@@ -151,29 +153,83 @@ private:
     std::vector<float> table_;
 };
 
-/// A picture being made; without alpha it is opaque.
-struct Draft {
-    std::shared_ptr<float[]> luminance;
-    std::shared_ptr<float[]> alpha;
+/// Planes being filled.
+class Draft {
+public:
+    /// @param light  planes besides alpha; without that the picture is opaque
+    Draft(Size size, std::size_t light, bool has_alpha, const NewPlane& make_plane)
+        : width_(static_cast<int>(size.width)),
+          height_(static_cast<int>(size.height)),
+          pixels_(static_cast<std::size_t>(size.width * size.height)) {
+        for (std::size_t i = 0; i < light; ++i) light_[i] = make_plane(pixels_);
+        if (has_alpha) alpha_ = make_plane(pixels_);
+    }
 
-    Draft(std::size_t pixels, bool has_alpha, const NewPlane& make_plane)
-        : luminance(make_plane(pixels)), alpha(has_alpha ? make_plane(pixels) : nullptr) {}
+    void set_alpha(std::ptrdiff_t pixel, float alpha) const { alpha_[pixel] = alpha; }
+
+protected:
+    void set(std::size_t plane, std::ptrdiff_t pixel, float light) const {
+        light_[plane][pixel] = std::min(light, 1.0F);
+    }
+
+    int width() const { return width_; }
+    int height() const { return height_; }
+    Plane light(std::size_t plane) const { return {light_[plane], pixels_}; }
+    Plane alpha() const { return alpha_ ? Plane(alpha_, pixels_) : Plane(); }
+
+private:
+    int width_;
+    int height_;
+    std::size_t pixels_;
+    std::array<std::shared_ptr<float[]>, 3> light_;
+    std::shared_ptr<float[]> alpha_;
 };
 
+class GreyDraft : public Draft {
+public:
+    GreyDraft(Size size, bool has_alpha, const NewPlane& make_plane) : Draft(size, 1, has_alpha, make_plane) {}
+
+    void set_grey(std::ptrdiff_t pixel, float grey) const { set(0, pixel, grey); }
+
+    void set_colour(std::ptrdiff_t pixel, float red, float green, float blue) const {
+        set(0, pixel, 0.2126F * red + 0.7152F * green + 0.0722F * blue);
+    }
+
+    Picture picture() const { return {width(), height(), light(0), alpha()}; }
+};
+
+class ColourDraft : public Draft {
+public:
+    ColourDraft(Size size, bool has_alpha, const NewPlane& make_plane) : Draft(size, 3, has_alpha, make_plane) {}
+
+    void set_grey(std::ptrdiff_t pixel, float grey) const { set_colour(pixel, grey, grey, grey); }
+
+    void set_colour(std::ptrdiff_t pixel, float red, float green, float blue) const {
+        set(0, pixel, red);
+        set(1, pixel, green);
+        set(2, pixel, blue);
+    }
+
+    ColourPicture picture() const { return {width(), height(), light(0), light(1), light(2), alpha()}; }
+};
+
+template <class AnyDraft>
+using PictureOf = decltype(std::declval<AnyDraft>().picture());
+
 /// Puts one row of the file into the picture.
-template <class Sample>
+template <class Sample, class AnyDraft>
 void store_row(const Sample* sample, std::ptrdiff_t count, const SampleReader<Sample>& reader, const Encoding& encoding,
-               const Placement& placement, std::ptrdiff_t row, const Draft& draft) {
+               const Placement& placement, std::ptrdiff_t row, const AnyDraft& draft) {
     std::ptrdiff_t to = placement.start + row * placement.down;
     for (std::ptrdiff_t i = 0; i < count; ++i, sample += encoding.channels, to += placement.right) {
         const float alpha = encoding.alpha < 0 ? 1.0F : reader.share(sample[encoding.alpha]);
-        if (encoding.alpha >= 0) draft.alpha[to] = alpha;
-        float luminance = reader.linear(sample[0], alpha);
+        if (encoding.alpha >= 0) draft.set_alpha(to, alpha);
+        const float first = reader.linear(sample[0], alpha);
         if (encoding.colour) {
-            luminance = 0.2126F * luminance + 0.7152F * reader.linear(sample[1], alpha) +
-                        0.0722F * reader.linear(sample[2], alpha);
+            draft.set_colour(to, first, reader.linear(sample[1], alpha), reader.linear(sample[2], alpha));
+        } else {
+            draft.set_grey(to, first);
         }
-        draft.luminance[to] = std::min(luminance, 1.0F);
     }
 }
 
@@ -194,9 +250,9 @@ bool read_rows(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, int begin, 
     return input.read_tiles(0, 0, 0, spec.width, begin, end, 0, 1, 0, spec.nchannels, type, rows);
 }
 
-template <class Sample>
-Result<Picture> read_pixels(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, const Placement& placement,
-                            const NewPlane& make_plane) {
+template <class AnyDraft, class Sample>
+Result<PictureOf<AnyDraft>> read_pixels(OIIO::ImageInput& input, const OIIO::ImageSpec& spec,
+                                        const Placement& placement, const NewPlane& make_plane) {
     const Encoding encoding = encoding_of(spec);
     const SampleReader<Sample> reader(encoding);
     const int step = rows_at_once(spec);
@@ -204,8 +260,7 @@ Result<Picture> read_pixels(OIIO::ImageInput& input, const OIIO::ImageSpec& spec
     const std::size_t row_size = width * static_cast<std::size_t>(spec.nchannels);
     std::vector<Sample> rows(static_cast<std::size_t>(std::min(step, spec.height)) * row_size);
 
-    const std::size_t pixels = width * static_cast<std::size_t>(spec.height);
-    const Draft draft(pixels, encoding.alpha >= 0, make_plane);
+    const AnyDraft draft(placement.size, encoding.alpha >= 0, make_plane);
     for (int begin = 0; begin < spec.height; begin += std::min(step, spec.height - begin)) {
         const int end = begin + std::min(step, spec.height - begin);
         // A shortened file may read "well" and only leave a note.
@@ -217,8 +272,7 @@ Result<Picture> read_pixels(OIIO::ImageInput& input, const OIIO::ImageSpec& spec
                       placement, y, draft);
         }
     }
-    return Picture{static_cast<int>(placement.size.width), static_cast<int>(placement.size.height),
-                   Plane(draft.luminance, pixels), draft.alpha ? Plane(draft.alpha, pixels) : Plane()};
+    return draft.picture();
 }
 
 /// What the reader makes of the header must be what was made of it before.
@@ -249,7 +303,8 @@ struct NoteDropper {
     ~NoteDropper() { static_cast<void>(input.geterror()); }
 };
 
-Result<Picture> read_file(std::string_view bytes, const ImageHeader& header, const NewPlane& make_plane) {
+template <class AnyDraft>
+Result<PictureOf<AnyDraft>> read_file(std::string_view bytes, const ImageHeader& header, const NewPlane& make_plane) {
     OIIO::Filesystem::IOMemReader file(bytes.data(), bytes.size());
     const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(plugin_name(header.format));
     if (!input) return failure(ErrorCode::Internal, "the image reader is missing");
@@ -267,9 +322,12 @@ Result<Picture> read_file(std::string_view bytes, const ImageHeader& header, con
     if (orientation != 1 && is_converted_ycbcr(spec)) return unusual("a TIFF of YCbCr that is stored turned");
     const Size size{static_cast<std::uint64_t>(spec.width), static_cast<std::uint64_t>(spec.height)};
     const Placement placement = place(size, orientation);
-    if (spec.format == OIIO::TypeDesc::UINT8) return read_pixels<std::uint8_t>(*input, spec, placement, make_plane);
-    if (spec.format == OIIO::TypeDesc::UINT16) return read_pixels<std::uint16_t>(*input, spec, placement, make_plane);
-    return read_pixels<float>(*input, spec, placement, make_plane);
+    const auto read = [&]<class Sample>(Sample) {
+        return read_pixels<AnyDraft, Sample>(*input, spec, placement, make_plane);
+    };
+    if (spec.format == OIIO::TypeDesc::UINT8) return read(std::uint8_t{});
+    if (spec.format == OIIO::TypeDesc::UINT16) return read(std::uint16_t{});
+    return read(float{});
 }
 
 void configure_library() {
@@ -280,6 +338,26 @@ void configure_library() {
     });
 }
 
+/// The library's reader of TIFF has known faults with threads.
+std::mutex& tiff_mutex() {
+    static std::mutex mutex;
+    return mutex;
+}
+
+template <class AnyDraft>
+Result<PictureOf<AnyDraft>> decode(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane) {
+    const auto header = read_image_header(bytes, max_pixels);
+    if (!header) return tl::make_unexpected(header.error());
+    configure_library();
+    std::unique_lock<std::mutex> lock;
+    if (header->format == ImageFormat::Tiff) lock = std::unique_lock(tiff_mutex());
+    try {
+        return read_file<AnyDraft>(bytes, *header, make_plane);
+    } catch (...) {
+        return broken();
+    }
+}
+
 }  // namespace
 
 std::shared_ptr<float[]> new_plane(std::size_t size) {
@@ -287,24 +365,20 @@ std::shared_ptr<float[]> new_plane(std::size_t size) {
 }
 
 Result<Picture> decode_image(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane) {
-    const auto header = read_image_header(bytes, max_pixels);
-    if (!header) return tl::make_unexpected(header.error());
-    configure_library();
-    // Its TIFF reader has known faults with threads.
-    static std::mutex tiff_mutex;
-    std::unique_lock<std::mutex> lock;
-    if (header->format == ImageFormat::Tiff) lock = std::unique_lock(tiff_mutex);
-    try {
-        return read_file(bytes, *header, make_plane);
-    } catch (...) {
-        return broken();
-    }
+    return decode<GreyDraft>(bytes, max_pixels, make_plane);
+}
+
+Result<ColourPicture> decode_colour_image(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane) {
+    return decode<ColourDraft>(bytes, max_pixels, make_plane);
 }
 
 Decode decode_inline() {
-    return [](std::string_view bytes, std::size_t max_pixels, const std::stop_token&) {
-        return decode_image(bytes, max_pixels);
-    };
+    return {[](std::string_view bytes, std::size_t max_pixels, const std::stop_token&) {
+                return decode_image(bytes, max_pixels);
+            },
+            [](std::string_view bytes, std::size_t max_pixels, const std::stop_token&) {
+                return decode_colour_image(bytes, max_pixels);
+            }};
 }
 
 }  // namespace ccdt::api

@@ -11,7 +11,7 @@
 
 namespace ccdt::api {
 
-/// Gives memory for a plane of so many values, luminance first, then alpha if there is any; throws if it has none.
+/// Gives memory for a plane of so many values, in the order of a picture's members; throws if it has none.
 using NewPlane = std::function<std::shared_ptr<float[]>(std::size_t size)>;
 
 /// Memory of this process.
@@ -31,10 +31,22 @@ std::shared_ptr<float[]> new_plane(std::size_t size);
 /// PNG, progressive JPEG.
 Result<Picture> decode_image(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane = new_plane);
 
-/// decode_image, or what does the same elsewhere. It may look at the token; told to stop it fails with Stopped.
-using Decode = std::function<Result<Picture>(std::string_view bytes, std::size_t max_pixels, std::stop_token stop)>;
+/// The same, to red, green and blue; of a grey file they are alike.
+Result<ColourPicture> decode_colour_image(std::string_view bytes, std::size_t max_pixels,
+                                          const NewPlane& make_plane = new_plane);
 
-/// decode_image in this thread, which a stop does not end.
+/// decode_image and decode_colour_image, or what does the same elsewhere. They may look at the token; told to stop they
+/// fail with Stopped.
+struct Decode {
+    template <class AnyPicture>
+    using To =
+        std::function<Result<AnyPicture>(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop)>;
+
+    To<Picture> grey;
+    To<ColourPicture> colour;
+};
+
+/// Both in this thread, which a stop does not end.
 Decode decode_inline();
 
 }  // namespace ccdt::api

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <poll.h>
@@ -82,18 +83,21 @@ std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::time_point deadl
     return std::nullopt;
 }
 
-tl::expected<Result<Picture>, NoReply> ask_helper(int orders, std::string_view bytes, std::size_t max_pixels,
-                                                  const DecoderLimits& limits, Clock::time_point deadline,
-                                                  const std::stop_token& stop) {
+template <class AnyPicture>
+tl::expected<Result<AnyPicture>, NoReply> ask_helper(int orders, std::string_view bytes, std::size_t max_pixels,
+                                                     const DecoderLimits& limits, Clock::time_point deadline,
+                                                     const std::stop_token& stop) {
+    using Reply = ReplyMemory<AnyPicture>;
+    constexpr bool kColour = std::is_same_v<AnyPicture, ColourPicture>;
     auto outcome = make_sockets();
-    Order order{{bytes.size(), max_pixels, limits}, make_file(bytes), make_reply_file(max_pixels), {}};
+    Order order{{bytes.size(), max_pixels, kColour, limits}, make_file(bytes), Reply::make_file(max_pixels), {}};
     if (!outcome || !order.file || !order.reply) return tl::unexpected(not_started());
     order.outcome = std::move(outcome->theirs);
     if (!send_order(orders, order)) return tl::unexpected(NoReply{});
     order.outcome.reset();  // the helper's alone, or its death would go unseen
     // To leave closes our end, which ends the child.
     if (const auto none = wait_for(outcome->ours, deadline, stop)) return tl::unexpected(*none);
-    const ReplyMemory reply(order.reply, max_pixels);
+    const Reply reply(order.reply, max_pixels);
     if (!reply) return tl::unexpected(not_started());
     auto result = reply.read();
     if (!result) return tl::unexpected(NoReply{NoReply::Reason::Died});
@@ -156,18 +160,28 @@ DecoderBox::~DecoderBox() {
     }
 }
 
-Result<Picture> DecoderBox::decode(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
+template <class AnyPicture>
+Result<AnyPicture> DecoderBox::decode_to(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
     const DecoderLimits limits = limits_(bytes);
     const auto deadline = Clock::now() + limits.time;
-    auto reply = ask_helper(orders_.get(), bytes, max_pixels, limits, deadline, stop);
+    auto reply = ask_helper<AnyPicture>(orders_.get(), bytes, max_pixels, limits, deadline, stop);
     // Its keeper has another one, and it was not this picture's fault.
     if (!reply && reply.error().reason == NoReply::Reason::HelperLost) {
-        reply = ask_helper(orders_.get(), bytes, max_pixels, limits, deadline, stop);
+        reply = ask_helper<AnyPicture>(orders_.get(), bytes, max_pixels, limits, deadline, stop);
     }
     if (reply) return *std::move(reply);
     const auto reason = reply.error().reason;
     if (reason == NoReply::Reason::Died || reason == NoReply::Reason::TooSlow) ++deaths_;
     return describe(reply.error());
+}
+
+Result<Picture> DecoderBox::decode(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
+    return decode_to<Picture>(bytes, max_pixels, stop);
+}
+
+Result<ColourPicture> DecoderBox::decode_colour(std::string_view bytes, std::size_t max_pixels,
+                                                const std::stop_token& stop) {
+    return decode_to<ColourPicture>(bytes, max_pixels, stop);
 }
 
 }  // namespace ccdt::server

@@ -45,6 +45,7 @@ public:
     /// Errors: the decoder's own; Unusable if it crashed, passed a limit or gave nonsense; Stopped; Internal if the
     /// machine lacks processes or descriptors, or the helper was lost.
     Result<Picture> decode(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop);
+    Result<ColourPicture> decode_colour(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop);
 
     /// Pictures so far whose child crashed, passed a limit or gave nonsense.
     std::uint64_t deaths() const { return deaths_; }
@@ -54,6 +55,9 @@ public:
 
 private:
     DecoderBox(UniqueFd orders, pid_t keeper, int filter_error, LimitsOf limits);
+
+    template <class AnyPicture>
+    Result<AnyPicture> decode_to(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop);
 
     const LimitsOf limits_;
     const pid_t keeper_;

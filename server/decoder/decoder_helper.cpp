@@ -164,23 +164,25 @@ private:
         if (!close_all_but(orders)) _exit(kFailed);
         auto order = receive_order(orders);
         if (!order || !order->outcome) _exit(kFailed);
-        decode(*std::move(order));
+        if (order->text.colour != 0) decode(*std::move(order), decoder_.colour);
+        decode(*std::move(order), decoder_.grey);
     }
 
     /// From here on the child has the two mapped files and a socket to whoever waits. That it is done it says itself,
     /// as taking down a process with so many libraries takes milliseconds.
-    [[noreturn]] void decode(Order order) const {
+    template <class AnyPicture>
+    [[noreturn]] void decode(Order order, const Decoder::To<AnyPicture>& decode_file) const {
         const auto max_pixels = static_cast<std::size_t>(order.text.max_pixels);
         const auto size = static_cast<std::size_t>(order.text.bytes);
-        ReplyMemory reply(order.reply, max_pixels);
+        ReplyMemory<AnyPicture> reply(order.reply, max_pixels);
         void* const file = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, order.file.get(), 0);
         if (!reply || (size > 0 && file == MAP_FAILED)) _exit(kFailed);
         const bool moved = dup2(order.outcome.get(), STDOUT_FILENO) == STDOUT_FILENO;
         if (!moved || close_range(STDERR_FILENO + 1, ~0U, 0) != 0) _exit(kFailed);
-        if (!sandbox_.enter(order.text.limits, size + ReplyMemory::size(max_pixels))) _exit(kFailed);
+        if (!sandbox_.enter(order.text.limits, size + reply.size(max_pixels))) _exit(kFailed);
         const std::string_view bytes(size > 0 ? static_cast<const char*>(file) : "", size);
         const auto result =
-            decoder_.decode(bytes, max_pixels, [&reply](std::size_t values) { return reply.new_plane(values); });
+            decode_file(bytes, max_pixels, [&reply](std::size_t values) { return reply.new_plane(values); });
         const Outcome done;
         if (!reply.write(result) || write(STDOUT_FILENO, &done, sizeof(done)) < 0) _exit(kFailed);
         _exit(0);

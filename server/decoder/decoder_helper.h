@@ -11,10 +11,13 @@ namespace ccdt::server {
 
 /// What runs in the helper and its children.
 struct Decoder {
-    /// As api::decode_image.
-    std::function<Result<Picture>(std::string_view file, std::size_t max_pixels, const api::NewPlane& make_plane)>
-        decode;
-    std::function<void()> warm_up;  ///< what `decode` does but once; may be empty
+    template <class AnyPicture>
+    using To = std::function<Result<AnyPicture>(std::string_view file, std::size_t max_pixels,
+                                                const api::NewPlane& make_plane)>;
+
+    To<Picture> grey;               ///< as api::decode_image
+    To<ColourPicture> colour;       ///< as api::decode_colour_image
+    std::function<void()> warm_up;  ///< what these do but once; may be empty
 };
 
 /// The helper: takes orders, and has each done by a child in the sandbox.

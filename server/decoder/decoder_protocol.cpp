@@ -39,6 +39,16 @@ void populate(float* values, std::size_t count, int advice) {
     madvise(reinterpret_cast<std::byte*>(values) - excess, excess + count * sizeof(float), advice);
 }
 
+/// In the order of a picture's members.
+template <class AnyPicture>
+auto planes_of(AnyPicture& picture) {
+    if constexpr (std::is_same_v<std::remove_const_t<AnyPicture>, Picture>) {
+        return std::array{&picture.luminance, &picture.alpha};
+    } else {
+        return std::array{&picture.red, &picture.green, &picture.blue, &picture.alpha};
+    }
+}
+
 /// A message with room for the descriptors that travel with it.
 struct Envelope {
     explicit Envelope(Order::Text& text) : body{&text, sizeof(text)} {
@@ -89,46 +99,53 @@ std::optional<Order> receive_order(int socket) {
     return order;
 }
 
-UniqueFd make_reply_file(std::size_t max_pixels) {
+template <class AnyPicture>
+UniqueFd ReplyMemory<AnyPicture>::make_file(std::size_t max_pixels) {
     UniqueFd file(memfd_create("reply", MFD_CLOEXEC | MFD_ALLOW_SEALING));
-    const auto size = static_cast<off_t>(ReplyMemory::size(max_pixels));
     // Shrunk under the server's eyes it would crash it.
-    if (!file || ftruncate(file.get(), size) != 0 ||
+    if (!file || ftruncate(file.get(), static_cast<off_t>(size(max_pixels))) != 0 ||
         fcntl(file.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) {
         return {};
     }
     return file;
 }
 
-std::size_t ReplyMemory::size(std::size_t max_pixels) {
-    return kHeadSize + 2 * sizeof(float) * max_pixels;
+template <class AnyPicture>
+std::size_t ReplyMemory<AnyPicture>::size(std::size_t max_pixels) {
+    return kHeadSize + kPlanes * sizeof(float) * max_pixels;
 }
 
-ReplyMemory::ReplyMemory(const UniqueFd& file, std::size_t max_pixels) : max_pixels_(max_pixels) {
+template <class AnyPicture>
+ReplyMemory<AnyPicture>::ReplyMemory(const UniqueFd& file, std::size_t max_pixels) : max_pixels_(max_pixels) {
     const std::size_t bytes = size(max_pixels);
     void* const begin = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file.get(), 0);
     if (begin == MAP_FAILED) return;
     memory_ = {static_cast<std::byte*>(begin), [bytes](std::byte* memory) { munmap(memory, bytes); }};
 }
 
-float* ReplyMemory::plane(std::size_t offset) const {
+template <class AnyPicture>
+float* ReplyMemory<AnyPicture>::plane(std::size_t offset) const {
     return reinterpret_cast<float*>(memory_.get() + kHeadSize) + offset;
 }
 
-std::shared_ptr<float[]> ReplyMemory::new_plane(std::size_t size) {
-    if (size > 2 * max_pixels_ - used_) throw std::bad_alloc();
+template <class AnyPicture>
+std::shared_ptr<float[]> ReplyMemory<AnyPicture>::new_plane(std::size_t size) {
+    if (size > kPlanes * max_pixels_ - used_) throw std::bad_alloc();
     float* const begin = plane(used_);
     used_ += size;
     populate(begin, size, MADV_POPULATE_WRITE);
     return {memory_, begin};
 }
 
-bool ReplyMemory::write(const Result<Picture>& result) {
+template <class AnyPicture>
+bool ReplyMemory<AnyPicture>::write(const Result<AnyPicture>& result) {
     ReplyHead head;
     if (result) {
-        const std::size_t pixels = result->luminance.size();
-        if (result->luminance.begin() != plane(0)) return false;
-        if (!result->alpha.empty() && result->alpha.begin() != plane(pixels)) return false;
+        const auto planes = planes_of(*result);
+        for (std::size_t i = 0; i < kPlanes; ++i) {
+            const bool may_lack = i + 1 == kPlanes && planes[i]->empty();
+            if (!may_lack && planes[i]->begin() != plane(i * planes[0]->size())) return false;
+        }
         head.is_picture = 1;
         head.width = result->width;
         head.height = result->height;
@@ -143,7 +160,8 @@ bool ReplyMemory::write(const Result<Picture>& result) {
     return true;
 }
 
-std::optional<Result<Picture>> ReplyMemory::read() const {
+template <class AnyPicture>
+std::optional<Result<AnyPicture>> ReplyMemory<AnyPicture>::read() const {
     ReplyHead head;
     std::memcpy(&head, memory_.get(), sizeof(head));
     if (head.is_picture == 0) {
@@ -156,11 +174,19 @@ std::optional<Result<Picture>> ReplyMemory::read() const {
     const auto width = static_cast<std::size_t>(head.width);
     const auto height = static_cast<std::size_t>(head.height);
     if (width > max_pixels_ / height) return std::nullopt;
-    populate(plane(0), (head.has_alpha != 0 ? 2 : 1) * width * height, MADV_POPULATE_READ);
-    const auto plane_at = [&](std::size_t offset) {
-        return Plane(std::shared_ptr<const float[]>(memory_, plane(offset)), width * height);
-    };
-    return Picture{head.width, head.height, plane_at(0), head.has_alpha != 0 ? plane_at(width * height) : Plane()};
+    const std::size_t pixels = width * height;
+    const std::size_t count = head.has_alpha != 0 ? kPlanes : kPlanes - 1;
+    populate(plane(0), count * pixels, MADV_POPULATE_READ);
+    AnyPicture picture;
+    picture.width = head.width;
+    picture.height = head.height;
+    const auto planes = planes_of(picture);
+    for (std::size_t i = 0; i < count; ++i)
+        *planes[i] = Plane(std::shared_ptr<const float[]>(memory_, plane(i * pixels)), pixels);
+    return picture;
 }
+
+template class ReplyMemory<Picture>;
+template class ReplyMemory<ColourPicture>;
 
 }  // namespace ccdt::server

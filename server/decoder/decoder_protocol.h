@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <type_traits>
 
 #include "core/halftone/picture.h"
 #include "core/result.h"
@@ -25,11 +26,12 @@ struct Order {
     struct Text {
         std::uint64_t bytes = 0;       ///< of the file
         std::uint64_t max_pixels = 0;  ///< of the picture
+        std::uint32_t colour = 0;      ///< to be decoded to a ColourPicture; else to a Picture
         DecoderLimits limits;
     };
     Text text;
     UniqueFd file;
-    UniqueFd reply;    ///< made by make_reply_file
+    UniqueFd reply;    ///< made by ReplyMemory
     UniqueFd outcome;  ///< socket for Outcomes; once its other end is closed nobody waits for the child
 };
 
@@ -47,12 +49,14 @@ bool send_order(int socket, const Order& order);
 /// @returns  none once the server has gone
 std::optional<Order> receive_order(int socket);
 
-/// Memory for a child's reply: takes no more than is written to, and can neither shrink nor grow.
-UniqueFd make_reply_file(std::size_t max_pixels);
-
 /// A child's reply, in memory that it shares with the server: no pixel is copied.
+/// @tparam AnyPicture  Picture or ColourPicture, whichever the order asked for
+template <class AnyPicture>
 class ReplyMemory {
 public:
+    /// Memory for it: takes no more than is written to, and can neither shrink nor grow.
+    static UniqueFd make_file(std::size_t max_pixels);
+
     /// Maps it; false afterwards if that failed.
     ReplyMemory(const UniqueFd& file, std::size_t max_pixels);
     explicit operator bool() const { return memory_ != nullptr; }
@@ -62,15 +66,17 @@ public:
     /// For the child: room for the planes of the picture, as api::NewPlane.
     std::shared_ptr<float[]> new_plane(std::size_t size);
 
-    /// For the child. Planes must come from `new_plane`, luminance first; false if they do not.
-    bool write(const Result<Picture>& result);
+    /// For the child. Planes must come from `new_plane`, in the order of the picture's members; false if they do not.
+    bool write(const Result<AnyPicture>& result);
 
     /// For the server, once the child is done. Whatever the child wrote, the picture is of the size that it says, not
     /// over the limit. Its values may be anything, and a child that was taken over can still change them.
     /// @returns  none for what no honest child writes
-    std::optional<Result<Picture>> read() const;
+    std::optional<Result<AnyPicture>> read() const;
 
 private:
+    static constexpr std::size_t kPlanes = std::is_same_v<AnyPicture, Picture> ? 2 : 4;  ///< that of alpha is the last
+
     float* plane(std::size_t offset) const;
 
     std::size_t max_pixels_;

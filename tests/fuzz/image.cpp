@@ -2,6 +2,7 @@
 #include "api/image/image_header.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tests/fuzz/checks.h"
 
@@ -32,6 +33,24 @@ void check_again(std::string_view file, const Picture& picture) {
     CCDT_CHECK(again->luminance == picture.luminance && again->alpha == picture.alpha);
 }
 
+/// In colour the file says the same: its light weighs what the luminance is.
+void check_colours(std::string_view file, const Result<Picture>& grey) {
+    const auto colours = api::decode_colour_image(file, kMostPixels);
+    CCDT_CHECK(colours.has_value() == grey.has_value());
+    if (!grey) {
+        CCDT_CHECK(colours.error().code == grey.error().code && colours.error().message == grey.error().message);
+        return;
+    }
+    CCDT_CHECK(colours->width == grey->width && colours->height == grey->height && colours->alpha == grey->alpha);
+    for (const Plane* light : {&colours->red, &colours->green, &colours->blue}) {
+        CCDT_CHECK(light->size() == grey->luminance.size() && std::ranges::all_of(*light, is_share));
+    }
+    for (std::size_t i = 0; i < grey->luminance.size(); ++i) {
+        const float weighed = 0.2126F * colours->red[i] + 0.7152F * colours->green[i] + 0.0722F * colours->blue[i];
+        CCDT_CHECK(std::abs(weighed - grey->luminance[i]) < 1e-5F);
+    }
+}
+
 void check_refused(const Error& error, std::string_view file) {
     check_error(error);
     CCDT_CHECK(error.field.empty());
@@ -47,6 +66,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace ccdt;
     const auto file = fuzz::text_of(data, size);
     const auto picture = api::decode_image(file, fuzz::kMostPixels);
+    fuzz::check_colours(file, picture);
     if (picture) {
         fuzz::check_picture(*picture, *api::read_image_header(file, fuzz::kMostPixels));
         fuzz::check_again(file, *picture);

@@ -17,15 +17,47 @@ bool is_share(float value) {
     return value >= 0 && value <= 1;
 }
 
-/// Every value can be read, and whatever it is becomes a tone.
-void check_picture(const Picture& picture) {
+/// @param light  a plane
+template <class AnyPicture>
+void check_size(const AnyPicture& picture, const Plane& light) {
     CCDT_CHECK(picture.width >= 1 && picture.height >= 1);
     const std::size_t pixels = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
-    CCDT_CHECK(pixels <= kMostPixels && picture.luminance.size() == pixels);
+    CCDT_CHECK(pixels <= kMostPixels && light.size() == pixels);
     CCDT_CHECK(picture.alpha.empty() || picture.alpha.size() == pixels);
+}
+
+/// Every value can be read, and whatever it is becomes a tone.
+void check_picture(const Picture& picture) {
+    check_size(picture, picture.luminance);
     for (const Tone tone : {Tone::Linear, Tone::Perceptual}) {
         for (const bool invert : {false, true})
             CCDT_CHECK(std::ranges::all_of(ink_coverage(picture, tone, invert), is_share));
+    }
+}
+
+void check_picture(const ColourPicture& picture) {
+    for (const Plane* light : {&picture.red, &picture.green, &picture.blue}) {
+        check_size(picture, *light);
+        CCDT_CHECK(ink_coverage({picture.width, picture.height, *light, picture.alpha}, Tone::Linear, false).size() ==
+                   light->size());
+    }
+}
+
+template <class AnyPicture>
+void check_reply(const std::uint8_t* data, std::size_t size) {
+    using Reply = server::ReplyMemory<AnyPicture>;
+    const auto file = Reply::make_file(kMostPixels);
+    const auto written = std::min(size, Reply::size(kMostPixels));
+    CCDT_CHECK(pwrite(file.get(), data, written, 0) == static_cast<ssize_t>(written));
+    const Reply memory(file, kMostPixels);
+    CCDT_CHECK(memory);
+    const auto reply = memory.read();
+    if (!reply) return;
+    if (*reply) {
+        check_picture(**reply);
+    } else {
+        CCDT_CHECK(!reply->error().message.empty());
+        check_json(api::problem_json(422, "Unprocessable Content", reply->error(), "urn:request:1"));
     }
 }
 
@@ -34,19 +66,7 @@ void check_picture(const Picture& picture) {
 
 /// What a child that decodes a picture may leave in the memory that it shares with the server.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace ccdt;
-    const auto file = server::make_reply_file(fuzz::kMostPixels);
-    const auto written = std::min(size, server::ReplyMemory::size(fuzz::kMostPixels));
-    CCDT_CHECK(pwrite(file.get(), data, written, 0) == static_cast<ssize_t>(written));
-    const server::ReplyMemory memory(file, fuzz::kMostPixels);
-    CCDT_CHECK(memory);
-    const auto reply = memory.read();
-    if (!reply) return 0;
-    if (*reply) {
-        fuzz::check_picture(**reply);
-    } else {
-        CCDT_CHECK(!reply->error().message.empty());
-        fuzz::check_json(api::problem_json(422, "Unprocessable Content", reply->error(), "urn:request:1"));
-    }
+    ccdt::fuzz::check_reply<ccdt::Picture>(data, size);
+    ccdt::fuzz::check_reply<ccdt::ColourPicture>(data, size);
     return 0;
 }

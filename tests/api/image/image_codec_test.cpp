@@ -84,6 +84,38 @@ TEST(ImageCodec, WeighsColoursAndKeepsAlpha) {
     }
 }
 
+TEST(ImageCodec, KeepsColoursApart) {
+    for (const auto* name : {"rgba.png", "rgba.webp", "premultiplied.tif"}) {
+        const auto picture = decode_colour_image(fixture(name), kMaxPixels);
+        ASSERT_TRUE(picture) << name << ": " << picture.error().message;
+        ASSERT_EQ(picture->alpha, decode_image(fixture(name), kMaxPixels)->alpha) << name;
+        for (std::size_t x = 1; x < 6; ++x) {
+            for (std::size_t y = 0; y < 3; ++y) {
+                const std::size_t i = 6 * y + x;
+                EXPECT_NEAR(picture->red[i], y == 0 ? 1 : 0, 1e-4) << name;
+                EXPECT_NEAR(picture->green[i], y == 1 ? 1 : 0, 1e-4) << name;
+                EXPECT_NEAR(picture->blue[i], y == 2 ? 1 : 0, 1e-4) << name;
+            }
+        }
+    }
+}
+
+TEST(ImageCodec, MakesGreyFilesColoursThatAreAlike) {
+    for (const auto* name : {"grey.jpg", "cmyk.jpg", "grey-16.png", "orientation-6.jpg", "orientation-6.png",
+                             "lossy.webp", "float.tif", "tiled.tif"}) {
+        const auto grey = decode_image(fixture(name), kMaxPixels);
+        const auto picture = decode_colour_image(fixture(name), kMaxPixels);
+        ASSERT_TRUE(grey && picture) << name;
+        ASSERT_EQ(picture->width, grey->width) << name;
+        ASSERT_EQ(picture->blue.size(), grey->luminance.size()) << name;
+        for (std::size_t i = 0; i < grey->luminance.size(); ++i) {
+            for (const Plane* light : {&picture->red, &picture->green, &picture->blue}) {
+                ASSERT_NEAR((*light)[i], grey->luminance[i], 3 * kTolerance) << name << ' ' << i;
+            }
+        }
+    }
+}
+
 TEST(ImageCodec, ReadsGreyWithAlphaAndTransparentPalettes) {
     const auto grey = decode_image(fixture("grey-alpha.png"), kMaxPixels);
     ASSERT_TRUE(grey);

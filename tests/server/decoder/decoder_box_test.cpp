@@ -41,17 +41,21 @@ void eat_memory() {
     while (true) eaten.emplace_back(1 << 20, 'x');
 }
 
+Plane plane_of(std::initializer_list<float> values, const api::NewPlane& make_plane) {
+    const auto plane = make_plane(values.size());
+    std::ranges::copy(values, plane.get());
+    return {plane, values.size()};
+}
+
 Picture picture_of(int width, std::initializer_list<float> luminance, const api::NewPlane& make_plane) {
-    const auto plane = make_plane(luminance.size());
-    std::ranges::copy(luminance, plane.get());
-    return {width, 1, {plane, luminance.size()}, {}};
+    return {width, 1, plane_of(luminance, make_plane), {}};
 }
 
 /// A decoder that does what the file says.
 Result<Picture> obey(std::string_view file, std::size_t max_pixels, const api::NewPlane& make_plane) {
     if (file == "picture") {
         Picture picture = picture_of(3, {0, 0.5F, 1}, make_plane);
-        picture.alpha = picture_of(3, {1, 0.25F, 0}, make_plane).luminance;
+        picture.alpha = plane_of({1, 0.25F, 0}, make_plane);
         return picture;
     }
     if (file == "opaque") return picture_of(2, {0.125F, 1}, make_plane);
@@ -75,19 +79,60 @@ Result<Picture> obey(std::string_view file, std::size_t max_pixels, const api::N
     return failure(ErrorCode::Internal, "no such order");
 }
 
-std::unique_ptr<DecoderBox> make_box(const DecoderLimits& limits = kLimits, const Decoder& decoder = {obey, {}}) {
-    auto box = DecoderBox::start(decoder, [limits](std::string_view) { return limits; });
+/// The same; what makes no picture does so in colour as in grey.
+Result<ColourPicture> obey_in_colour(std::string_view file, std::size_t max_pixels, const api::NewPlane& make_plane) {
+    ColourPicture picture;
+    picture.width = 2;
+    picture.height = 1;
+    if (file == "too large" || file == "no size") picture.width = file == "no size" ? -1 : 2'000'000;
+    if (file == "greedy") make_plane(4 * max_pixels + 1);
+    if (file == "picture" || file == "opaque" || picture.width != 2) {
+        picture.red = plane_of({0, 0.5F}, make_plane);
+        picture.green = plane_of({0.25F, 1}, make_plane);
+        picture.blue = plane_of({0.125F, 0}, make_plane);
+        if (file == "picture") picture.alpha = plane_of({1, 0.75F}, make_plane);
+        return picture;
+    }
+    if (file == "disorder") {
+        picture.green = plane_of({0, 0}, make_plane);
+        picture.red = plane_of({0, 0}, make_plane);
+        picture.blue = plane_of({0, 0}, make_plane);
+        return picture;
+    }
+    if (file == "elsewhere") {
+        picture.red = plane_of({0, 0}, make_plane);
+        picture.green = plane_of({0, 0}, make_plane);
+        picture.blue = {0, 0};
+        return picture;
+    }
+    return tl::unexpected(obey(file, max_pixels, make_plane).error());
+}
+
+std::unique_ptr<DecoderBox> make_box(const DecoderLimits& limits = kLimits) {
+    auto box = DecoderBox::start({obey, obey_in_colour, {}}, [limits](std::string_view) { return limits; });
     return box ? *std::move(box) : nullptr;
+}
+
+template <class AnyPicture>
+void expect_unusable(const Result<AnyPicture>& result, const std::string& file) {
+    ASSERT_FALSE(result) << file;
+    EXPECT_EQ(result.error().code, ErrorCode::Unusable) << file;
+    EXPECT_NE(result.error().message.find("could not be decoded"), std::string::npos) << result.error().message;
+}
+
+void expect_death_in_colour(DecoderBox& box, const std::string& file) {
+    const auto deaths = box.deaths();
+    expect_unusable(box.decode_colour(file, kMaxPixels, {}), file);
+    EXPECT_EQ(box.deaths(), deaths + 1) << file;
+    EXPECT_TRUE(box.decode_colour("picture", kMaxPixels, {})) << "after " << file;
 }
 
 void expect_death(DecoderBox& box, const std::string& file) {
     const auto deaths = box.deaths();
-    const auto result = box.decode(file, kMaxPixels, {});
-    ASSERT_FALSE(result) << file;
-    EXPECT_EQ(result.error().code, ErrorCode::Unusable) << file;
-    EXPECT_NE(result.error().message.find("could not be decoded"), std::string::npos) << result.error().message;
+    expect_unusable(box.decode(file, kMaxPixels, {}), file);
     EXPECT_EQ(box.deaths(), deaths + 1) << file;
     EXPECT_TRUE(box.decode("picture", kMaxPixels, {})) << "after " << file;
+    expect_death_in_colour(box, file);
 }
 
 struct Process {
@@ -159,10 +204,26 @@ TEST(DecoderBox, HandsOverWhatTheDecoderMakes) {
     EXPECT_EQ(box->deaths(), 0U);
 }
 
+TEST(DecoderBox, HandsOverColours) {
+    const auto box = make_box();
+    ASSERT_TRUE(box);
+    const auto picture = box->decode_colour("picture", kMaxPixels, {});
+    ASSERT_TRUE(picture) << picture.error().message;
+    EXPECT_EQ(picture->width, 2);
+    EXPECT_EQ(picture->height, 1);
+    EXPECT_EQ(picture->red, (Plane{0, 0.5F}));
+    EXPECT_EQ(picture->green, (Plane{0.25F, 1}));
+    EXPECT_EQ(picture->blue, (Plane{0.125F, 0}));
+    EXPECT_EQ(picture->alpha, (Plane{1, 0.75F}));
+    EXPECT_TRUE(box->decode_colour("opaque", kMaxPixels, {})->alpha.empty());
+    EXPECT_EQ(box->decode_colour("limit", 1234, {}).error().message, "1234");
+    EXPECT_EQ(box->deaths(), 0U);
+}
+
 TEST(DecoderBox, DecodesPhotographsToTheSameBits) {
-    const auto box = DecoderBox::start({api::decode_image, api::warm_up_decoder}, [](std::string_view file) {
-                         return decoder_limits(file, kMaxPixels);
-                     }).value();
+    const auto box = DecoderBox::start({api::decode_image, api::decode_colour_image, api::warm_up_decoder},
+                                       [](std::string_view file) { return decoder_limits(file, kMaxPixels); })
+                         .value();
     for (const auto* name : {"camera.png", "chelsea.png", "astronaut.png"}) {
         const std::string file = bytes_of(name);
         const auto expected = api::decode_image(file, kMaxPixels);
@@ -171,6 +232,13 @@ TEST(DecoderBox, DecodesPhotographsToTheSameBits) {
         EXPECT_EQ(picture->width, expected->width);
         EXPECT_TRUE(picture->luminance == expected->luminance) << name;
         EXPECT_TRUE(picture->alpha == expected->alpha) << name;
+
+        const auto colours = api::decode_colour_image(file, kMaxPixels);
+        const auto decoded = box->decode_colour(file, kMaxPixels, {});
+        ASSERT_TRUE(decoded && colours) << name;
+        EXPECT_EQ(decoded->height, colours->height);
+        EXPECT_TRUE(decoded->red == colours->red && decoded->green == colours->green) << name;
+        EXPECT_TRUE(decoded->blue == colours->blue && decoded->alpha == colours->alpha) << name;
     }
     EXPECT_EQ(box->decode("no image", kMaxPixels, {}).error().code, ErrorCode::Unsupported);
     EXPECT_EQ(box->decode("", kMaxPixels, {}).error().code, ErrorCode::Malformed);
@@ -188,6 +256,7 @@ TEST(DecoderBox, TakesNoNonsense) {
     for (const auto* file : {"elsewhere", "too large", "no size", "greedy"}) {
         expect_death(*box, file);
     }
+    expect_death_in_colour(*box, "disorder");
 }
 
 TEST(DecoderBox, EndsADecoderThatHangs) {
