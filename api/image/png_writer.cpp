@@ -10,8 +10,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <numeric>
 #include <vector>
 
+#include "api/image/rows.h"
 #include "api/image/shades.h"
 
 namespace ccdt::api {
@@ -20,23 +22,25 @@ namespace {
 /// How pixels are stored, settled before libpng runs.
 struct Layout {
     int bit_depth = 8;
-    bool grey = false;
+    int colour_type = PNG_COLOR_TYPE_GRAY;
     bool transparent = false;
-    std::array<png_byte, 256> stored{};  ///< by coverage: the grey value or palette index
+    std::array<png_byte, 256> stored{};  ///< by the raster's value: the grey value or palette index
     std::array<png_color, 256> colours{};
     std::array<png_byte, 256> alphas{};
-    int palette_size = 0;              ///< of colours and alphas; 0: grey
+    int palette_size = 0;              ///< of colours and alphas
     png_uint_32 pixels_per_metre = 0;  ///< 0: the file tells none
 };
 
-/// @param size  of the palette; its last entry is full coverage
-void fill_palette(Layout& layout, const Shades& shades, std::size_t size) {
-    layout.palette_size = static_cast<int>(size);
-    for (std::size_t i = 0; i < size; ++i) {
-        const auto& shade = shades[i * 255 / (size - 1)];
-        layout.colours[i] = {shade[0], shade[1], shade[2]};
-        layout.alphas[i] = shade[3];
-    }
+void add_to_palette(Layout& layout, const std::array<std::uint8_t, 4>& shade) {
+    const auto i = static_cast<std::size_t>(layout.palette_size++);
+    layout.colours[i] = {shade[0], shade[1], shade[2]};
+    layout.alphas[i] = shade[3];
+}
+
+png_uint_32 pixels_per_metre(int width, std::optional<double> width_mm) {
+    if (!width_mm) return 0;
+    const double density = std::round(1000 * width / *width_mm);
+    return static_cast<png_uint_32>(std::clamp(density, 1.0, double{PNG_UINT_31_MAX}));
 }
 
 Layout layout_of(bool antialias, const Inks& inks) {
@@ -45,26 +49,43 @@ Layout layout_of(bool antialias, const Inks& inks) {
     const bool white_dots = inks.foreground == kWhite && inks.background == kBlack;
     Layout layout;
     layout.transparent = inks.background.transparent;
-    layout.grey = antialias ? are_grey(inks) : black_dots || white_dots;
-    if (!layout.grey) fill_palette(layout, shades, antialias ? 256 : 2);
+    const bool grey = antialias ? are_grey(inks) : black_dots || white_dots;
+    if (!grey) layout.colour_type = PNG_COLOR_TYPE_PALETTE;
+    // Its last entry is full coverage.
+    for (std::size_t i = 0; !grey && i < 256; i += antialias ? 1 : 255) add_to_palette(layout, shades[i]);
     if (!antialias) {
         layout.bit_depth = 1;
         layout.stored[black_dots ? 0 : 255] = 1;
         return layout;
     }
-    for (std::size_t i = 0; i < 256; ++i) layout.stored[i] = layout.grey ? shades[i][0] : static_cast<png_byte>(i);
+    for (std::size_t i = 0; i < 256; ++i) layout.stored[i] = grey ? shades[i][0] : static_cast<png_byte>(i);
     return layout;
 }
 
-/// Turns one row of coverages into a row of the file.
-void pack_row(const std::uint8_t* coverage, std::size_t width, const Layout& layout, png_byte* row) {
+Layout layout_of(const ColourRaster& raster) {
+    Layout layout;
+    layout.transparent = raster.transparent;
+    layout.colour_type = raster.colours > 0   ? PNG_COLOR_TYPE_PALETTE
+                         : raster.transparent ? PNG_COLOR_TYPE_RGB_ALPHA
+                                              : PNG_COLOR_TYPE_RGB;
+    std::iota(layout.stored.begin(), layout.stored.end(), png_byte{0});
+    if (raster.colours == 0) return layout;
+    layout.bit_depth = raster.colours > 16 ? 8 : raster.colours > 4 ? 4 : raster.colours > 2 ? 2 : 1;
+    for (std::size_t i = 0; i < raster.colours; ++i) add_to_palette(layout, raster.palette[i]);
+    return layout;
+}
+
+/// Turns a row of values into a row of the file.
+void pack_row(const std::uint8_t* values, std::size_t count, const Layout& layout, png_byte* row) {
     if (layout.bit_depth == 8) {
-        std::transform(coverage, coverage + width, row, [&](std::uint8_t c) { return layout.stored[c]; });
+        std::transform(values, values + count, row, [&](std::uint8_t value) { return layout.stored[value]; });
         return;
     }
-    for (std::size_t x = 0; x < width; x += 8) {
+    const auto step = static_cast<std::size_t>(8 / layout.bit_depth);
+    for (std::size_t x = 0; x < count; x += step) {
         unsigned bits = 0;
-        for (std::size_t i = 0; i < 8; ++i) bits = bits << 1 | (x + i < width ? layout.stored[coverage[x + i]] : 0U);
+        for (std::size_t i = 0; i < step; ++i)
+            bits = bits << layout.bit_depth | (x + i < count ? layout.stored[values[x + i]] : 0U);
         *row++ = static_cast<png_byte>(bits);
     }
 }
@@ -90,18 +111,19 @@ void append(png_structp png, png_bytep data, std::size_t size) {
 
 void on_warning(png_structp, png_const_charp) {}
 
-void write_header(png_structp png, png_infop info, const Raster& raster, const Layout& layout) {
+void write_header(png_structp png, png_infop info, const Rows& rows, const Layout& layout) {
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     // Runs are nearly all there is to find in discs: searching for more costs 2 to 40 times the time and saves at
     // most a tenth, most often nothing.
     png_set_compression_level(png, 1);
     png_set_compression_strategy(png, Z_RLE);
-    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
-    png_set_IHDR(png, info, static_cast<png_uint_32>(raster.width), static_cast<png_uint_32>(raster.height),
-                 layout.bit_depth, layout.grey ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_PALETTE, PNG_INTERLACE_NONE,
-                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    if (!layout.grey) png_set_PLTE(png, info, layout.colours.data(), layout.palette_size);
-    if (!layout.grey && layout.transparent) {
+    // Of several channels runs are only left once each pixel is taken from the next.
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, rows.channels > 1 ? PNG_FILTER_SUB : PNG_FILTER_NONE);
+    png_set_IHDR(png, info, static_cast<png_uint_32>(rows.width), static_cast<png_uint_32>(rows.height),
+                 layout.bit_depth, layout.colour_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                 PNG_FILTER_TYPE_DEFAULT);
+    if (layout.palette_size > 0) png_set_PLTE(png, info, layout.colours.data(), layout.palette_size);
+    if (layout.palette_size > 0 && layout.transparent) {
         png_set_tRNS(png, info, layout.alphas.data(), layout.palette_size, nullptr);
     }
     const png_uint_32 density = layout.pixels_per_metre;
@@ -112,35 +134,41 @@ void write_header(png_structp png, png_infop info, const Raster& raster, const L
 /// libpng reports errors by a jump back into this function, so it owns nothing that would need destroying.
 /// @param row  room for one row of the file
 /// @returns    false on an error
-bool write_all(png_structp png, png_infop info, const Raster& raster, const Layout& layout, png_byte* row) {
+bool write_all(png_structp png, png_infop info, const Rows& rows, const Layout& layout, png_byte* row) {
     if (setjmp(png_jmpbuf(png)) != 0) return false;
-    write_header(png, info, raster, layout);
-    const auto width = static_cast<std::size_t>(raster.width);
-    for (std::size_t y = 0; y < static_cast<std::size_t>(raster.height); ++y) {
-        pack_row(raster.coverage.data() + y * width, width, layout, row);
+    write_header(png, info, rows, layout);
+    for (int y = 0; y < rows.height; ++y) {
+        pack_row(rows.row(y), rows.size(), layout, row);
         png_write_row(png, row);
     }
     png_write_end(png, info);
     return true;
 }
 
-}  // namespace
-
-Result<std::string> write_png(const Raster& raster, bool antialias, const Inks& inks, std::optional<double> width_mm) {
-    Layout layout = layout_of(antialias, inks);
-    if (width_mm) {
-        const double density = std::round(1000 * raster.width / *width_mm);
-        layout.pixels_per_metre = static_cast<png_uint_32>(std::clamp(density, 1.0, double{PNG_UINT_31_MAX}));
-    }
-    std::vector<png_byte> row(static_cast<std::size_t>(raster.width));
+Result<std::string> write_file(const Rows& rows, const Layout& layout) {
+    std::vector<png_byte> row(rows.size());
     Sink sink;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_error, on_warning);
     png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
     if (info != nullptr) png_set_write_fn(png, &sink, append, nullptr);
-    const bool written = info != nullptr && write_all(png, info, raster, layout, row.data());
+    const bool written = info != nullptr && write_all(png, info, rows, layout, row.data());
     png_destroy_write_struct(&png, &info);
     if (!written) return failure(ErrorCode::Internal, "the picture could not be encoded");
     return std::move(sink.bytes);
+}
+
+}  // namespace
+
+Result<std::string> write_png(const Raster& raster, bool antialias, const Inks& inks, std::optional<double> width_mm) {
+    Layout layout = layout_of(antialias, inks);
+    layout.pixels_per_metre = pixels_per_metre(raster.width, width_mm);
+    return write_file(Rows(raster), layout);
+}
+
+Result<std::string> write_png(const ColourRaster& raster, std::optional<double> width_mm) {
+    Layout layout = layout_of(raster);
+    layout.pixels_per_metre = pixels_per_metre(raster.width, width_mm);
+    return write_file(Rows(raster), layout);
 }
 
 }  // namespace ccdt::api

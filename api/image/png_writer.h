@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "api/image/overlay.h"
 #include "api/input/colour.h"
 #include "core/halftone/dots.h"
 #include "core/result.h"
@@ -18,5 +19,8 @@ namespace ccdt::api {
 /// Same input, same bytes. Errors: Internal if memory runs out.
 Result<std::string> write_png(const Raster& raster, bool antialias, const Inks& inks,
                               std::optional<double> width_mm = {});
+
+/// The same of a picture in colour: 1 to 8 bits a pixel if it has a palette, else 8 bits a channel.
+Result<std::string> write_png(const ColourRaster& raster, std::optional<double> width_mm = {});
 
 }  // namespace ccdt::api

@@ -1,21 +1,11 @@
 #include "api/image/shades.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
+
+#include "api/image/srgb.h"
 
 namespace ccdt::api {
 namespace {
-
-double to_linear(unsigned char value) {
-    const double share = value / 255.0;
-    return share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
-}
-
-std::uint8_t to_srgb(double linear) {
-    const double share = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(share, 0.0, 1.0)));
-}
 
 std::uint8_t mix(unsigned char background, unsigned char foreground, double coverage) {
     return to_srgb((1 - coverage) * to_linear(background) + coverage * to_linear(foreground));

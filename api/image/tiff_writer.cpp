@@ -11,6 +11,7 @@
 #include <memory>
 #include <vector>
 
+#include "api/image/rows.h"
 #include "api/image/shades.h"
 
 namespace ccdt::api {
@@ -88,7 +89,8 @@ struct Layout {
     bool bilevel = false;
     std::uint16_t channels = 1;
     std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
-    Shades shades{};
+    Shades shades{};           ///< by the raster's value
+    bool true_colour = false;  ///< the raster's values are those of the file
 };
 
 Layout layout_of(bool antialias, const Inks& inks) {
@@ -106,23 +108,36 @@ Layout layout_of(bool antialias, const Inks& inks) {
     return layout;
 }
 
-/// Turns one row of coverages into a row of the file. Of bilevel ones a set bit is a dot.
-void pack_row(const std::uint8_t* coverage, std::size_t width, const Layout& layout, std::uint8_t* row) {
+Layout layout_of(const ColourRaster& raster) {
+    Layout layout;
+    layout.channels = raster.transparent ? 4 : 3;
+    layout.photometric = PHOTOMETRIC_RGB;
+    layout.shades = raster.palette;
+    layout.true_colour = raster.colours == 0;
+    return layout;
+}
+
+/// Turns a row of values into a row of the file. Of bilevel ones a set bit is a dot.
+void pack_row(const std::uint8_t* values, std::size_t count, const Layout& layout, std::uint8_t* row) {
+    if (layout.true_colour) {
+        std::copy_n(values, count, row);
+        return;
+    }
     if (layout.bilevel) {
-        std::fill(row, row + (width + 7) / 8, std::uint8_t{0});
-        for (std::size_t x = 0; x < width; ++x) {
-            if (coverage[x] != 0) row[x / 8] = static_cast<std::uint8_t>(row[x / 8] | 128U >> x % 8);
+        std::fill(row, row + (count + 7) / 8, std::uint8_t{0});
+        for (std::size_t x = 0; x < count; ++x) {
+            if (values[x] != 0) row[x / 8] = static_cast<std::uint8_t>(row[x / 8] | 128U >> x % 8);
         }
         return;
     }
-    for (std::size_t x = 0; x < width; ++x) row = std::copy_n(layout.shades[coverage[x]].begin(), layout.channels, row);
+    for (std::size_t x = 0; x < count; ++x) row = std::copy_n(layout.shades[values[x]].begin(), layout.channels, row);
 }
 
-bool write_header(TIFF* tiff, const Raster& raster, const Layout& layout, std::optional<double> width_mm) {
+bool write_header(TIFF* tiff, const Rows& rows, const Layout& layout, std::optional<double> width_mm) {
     const std::uint16_t alpha = EXTRASAMPLE_UNASSALPHA;
-    const double resolution = width_mm ? raster.width / *width_mm * kMillimetresPerInch : 1;
-    return TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(raster.width)) &&
-           TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(raster.height)) &&
+    const double resolution = width_mm ? rows.width / *width_mm * kMillimetresPerInch : 1;
+    return TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(rows.width)) &&
+           TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(rows.height)) &&
            TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, layout.bilevel ? 1 : 8) &&
            TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, layout.channels) &&
            TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, layout.photometric) &&
@@ -136,30 +151,38 @@ bool write_header(TIFF* tiff, const Raster& raster, const Layout& layout, std::o
            TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, TIFFDefaultStripSize(tiff, 0));
 }
 
-bool write_rows(TIFF* tiff, const Raster& raster, const Layout& layout, const std::stop_token& stop) {
-    const auto width = static_cast<std::size_t>(raster.width);
-    std::vector<std::uint8_t> row(width * layout.channels);
-    for (std::size_t y = 0; y < static_cast<std::size_t>(raster.height); ++y) {
+bool write_rows(TIFF* tiff, const Rows& rows, const Layout& layout, const std::stop_token& stop) {
+    std::vector<std::uint8_t> row(static_cast<std::size_t>(rows.width) * layout.channels);
+    for (int y = 0; y < rows.height; ++y) {
         if (stop.stop_requested()) return false;
-        pack_row(raster.coverage.data() + y * width, width, layout, row.data());
+        pack_row(rows.row(y), rows.size(), layout, row.data());
         if (TIFFWriteScanline(tiff, row.data(), static_cast<std::uint32_t>(y), 0) < 0) return false;
     }
     return TIFFFlush(tiff) != 0;
+}
+
+Result<std::string> write_file(const Rows& rows, const Layout& layout, std::optional<double> width_mm,
+                               const std::stop_token& stop) {
+    MemoryFile file;
+    Tiff tiff = open(file);
+    const bool written =
+        tiff && write_header(tiff.get(), rows, layout, width_mm) && write_rows(tiff.get(), rows, layout, stop);
+    tiff.reset();
+    if (written) return std::move(file.bytes);
+    if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped while the picture was encoded");
+    return failure(ErrorCode::Internal, "the picture could not be encoded");
 }
 
 }  // namespace
 
 Result<std::string> write_tiff(const Raster& raster, bool antialias, const Inks& inks, std::optional<double> width_mm,
                                const std::stop_token& stop) {
-    const Layout layout = layout_of(antialias, inks);
-    MemoryFile file;
-    Tiff tiff = open(file);
-    const bool written =
-        tiff && write_header(tiff.get(), raster, layout, width_mm) && write_rows(tiff.get(), raster, layout, stop);
-    tiff.reset();
-    if (written) return std::move(file.bytes);
-    if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped while the picture was encoded");
-    return failure(ErrorCode::Internal, "the picture could not be encoded");
+    return write_file(Rows(raster), layout_of(antialias, inks), width_mm, stop);
+}
+
+Result<std::string> write_tiff(const ColourRaster& raster, std::optional<double> width_mm,
+                               const std::stop_token& stop) {
+    return write_file(Rows(raster), layout_of(raster), width_mm, stop);
 }
 
 }  // namespace ccdt::api

@@ -4,6 +4,7 @@
 #include <stop_token>
 #include <string>
 
+#include "api/image/overlay.h"
 #include "api/input/colour.h"
 #include "core/halftone/dots.h"
 #include "core/result.h"
@@ -19,5 +20,9 @@ namespace ccdt::api {
 /// Same input, same bytes. Errors: Stopped; Internal if memory runs out.
 Result<std::string> write_tiff(const Raster& raster, bool antialias, const Inks& inks,
                                std::optional<double> width_mm = {}, const std::stop_token& stop = {});
+
+/// The same of a picture in colour, 8 bits a channel.
+Result<std::string> write_tiff(const ColourRaster& raster, std::optional<double> width_mm = {},
+                               const std::stop_token& stop = {});
 
 }  // namespace ccdt::api

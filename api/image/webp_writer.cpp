@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 
 #include "api/image/shades.h"
 
@@ -37,22 +38,29 @@ private:
     bool ready_ = false;
 };
 
-std::array<std::uint32_t, 256> argb_of(const Inks& inks) {
-    const Shades shades = shades_of(inks);
-    std::array<std::uint32_t, 256> argb{};
-    std::transform(shades.begin(), shades.end(), argb.begin(), [](const auto& shade) {
-        return std::uint32_t{shade[3]} << 24 | std::uint32_t{shade[0]} << 16 | std::uint32_t{shade[1]} << 8 | shade[2];
-    });
-    return argb;
+std::uint32_t argb_of(std::uint32_t red, std::uint32_t green, std::uint32_t blue, std::uint32_t alpha) {
+    return alpha << 24 | red << 16 | green << 8 | blue;
 }
 
-void fill(WebPPicture& picture, const Raster& raster, const Inks& inks) {
-    const auto argb = argb_of(inks);
-    const auto width = static_cast<std::size_t>(raster.width);
-    for (std::size_t y = 0; y < static_cast<std::size_t>(raster.height); ++y) {
-        const auto* row = raster.coverage.data() + y * width;
-        std::transform(row, row + width, picture.argb + y * static_cast<std::size_t>(picture.argb_stride),
-                       [&](std::uint8_t coverage) { return argb[coverage]; });
+/// @param values  [width * height], row by row
+void fill(WebPPicture& picture, const std::uint8_t* values, const Shades& shades) {
+    std::array<std::uint32_t, 256> argb{};
+    std::transform(shades.begin(), shades.end(), argb.begin(),
+                   [](const auto& shade) { return argb_of(shade[0], shade[1], shade[2], shade[3]); });
+    for (int y = 0; y < picture.height; ++y, values += picture.width) {
+        std::transform(values, values + picture.width, picture.argb + std::ptrdiff_t{y} * picture.argb_stride,
+                       [&](std::uint8_t value) { return argb[value]; });
+    }
+}
+
+/// The same in true colours.
+void fill(WebPPicture& picture, const ColourRaster& raster) {
+    const std::uint8_t* pixel = raster.pixels.data();
+    for (int y = 0; y < picture.height; ++y) {
+        std::uint32_t* const row = picture.argb + std::ptrdiff_t{y} * picture.argb_stride;
+        for (int x = 0; x < picture.width; ++x, pixel += raster.channels()) {
+            row[x] = argb_of(pixel[0], pixel[1], pixel[2], raster.transparent ? pixel[3] : 255);
+        }
     }
 }
 
@@ -60,20 +68,20 @@ int go_on(int, const WebPPicture* picture) {
     return static_cast<const std::stop_token*>(picture->user_data)->stop_requested() ? 0 : 1;
 }
 
-}  // namespace
-
-Result<std::string> write_webp(const Raster& raster, const Inks& inks, const std::stop_token& stop) {
+/// @param draw  fills a picture of the size
+Result<std::string> write_file(int width, int height, const std::function<void(WebPPicture&)>& draw,
+                               const std::stop_token& stop) {
     WebPConfig config;
     WebPMemoryWriter file;
     WebPMemoryWriterInit(&file);
     Canvas32 canvas;
     const bool ready = WebPConfigInit(&config) != 0 && WebPConfigLosslessPreset(&config, kEffort) != 0 &&
-                       canvas.allocate(raster.width, raster.height);
+                       canvas.allocate(width, height);
     bool written = false;
     if (ready) {
         config.exact = 1;  // colours stay where nothing is seen of them
         WebPPicture& picture = canvas.get();
-        fill(picture, raster, inks);
+        draw(picture);
         picture.writer = WebPMemoryWrite;
         picture.custom_ptr = &file;
         picture.progress_hook = go_on;
@@ -85,6 +93,21 @@ Result<std::string> write_webp(const Raster& raster, const Inks& inks, const std
     if (written) return bytes;
     if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped while the picture was encoded");
     return failure(ErrorCode::Internal, "the picture could not be encoded");
+}
+
+}  // namespace
+
+Result<std::string> write_webp(const Raster& raster, const Inks& inks, const std::stop_token& stop) {
+    const auto draw = [&](WebPPicture& picture) { fill(picture, raster.coverage.data(), shades_of(inks)); };
+    return write_file(raster.width, raster.height, draw, stop);
+}
+
+Result<std::string> write_webp(const ColourRaster& raster, const std::stop_token& stop) {
+    const auto draw = [&](WebPPicture& picture) {
+        if (raster.colours > 0) return fill(picture, raster.pixels.data(), raster.palette);
+        fill(picture, raster);
+    };
+    return write_file(raster.width, raster.height, draw, stop);
 }
 
 }  // namespace ccdt::api

@@ -3,6 +3,7 @@
 #include <stop_token>
 #include <string>
 
+#include "api/image/overlay.h"
 #include "api/input/colour.h"
 #include "core/halftone/dots.h"
 #include "core/result.h"
@@ -17,5 +18,6 @@ inline constexpr int kMaxWebPSide = 16'383;  ///< pixels
 /// @param stop    asked now and then
 /// Same input, same bytes. Errors: Stopped; Internal if memory runs out.
 Result<std::string> write_webp(const Raster& raster, const Inks& inks, const std::stop_token& stop = {});
+Result<std::string> write_webp(const ColourRaster& raster, const std::stop_token& stop = {});
 
 }  // namespace ccdt::api

@@ -29,6 +29,16 @@ std::optional<Colour> parse_colour(std::string_view text) {
 
 }  // namespace
 
+std::string hexadecimal(const Colour& colour) {
+    constexpr std::string_view kHex = "0123456789abcdef";
+    std::string text = "#";
+    for (const unsigned value : {colour.red, colour.green, colour.blue}) {
+        text += kHex[value >> 4];
+        text += kHex[value & 15];
+    }
+    return text;
+}
+
 Result<Colour> read_colour(const Input& input) {
     const auto text = read_text(input);
     if (!text) return tl::make_unexpected(text.error());

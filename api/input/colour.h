@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "api/input/option_reader.h"
 #include "core/result.h"
 
@@ -22,6 +24,9 @@ struct Inks {
     Colour foreground = kBlack;  ///< of the dots; not transparent
     Colour background = kWhite;
 };
+
+/// `#rrggbb`; of none that of black.
+std::string hexadecimal(const Colour& colour);
 
 /// Reads `#rgb` or `#rrggbb`.
 /// Errors: Malformed.

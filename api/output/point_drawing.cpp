@@ -35,16 +35,6 @@ private:
     double unit_;
 };
 
-std::string hexadecimal(const Colour& colour) {
-    constexpr std::string_view kHex = "0123456789abcdef";
-    std::string text = "#";
-    for (const unsigned value : {colour.red, colour.green, colour.blue}) {
-        text += kHex[value >> 4];
-        text += kHex[value & 15];
-    }
-    return text;
-}
-
 /// An SVG document of dots in the making.
 class DotDocument {
 public:

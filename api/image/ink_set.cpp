@@ -1,0 +1,23 @@
+#include "api/image/ink_set.h"
+
+#include "api/image/srgb.h"
+
+namespace ccdt::api {
+namespace {
+
+Light light_of(const Colour& colour) {
+    return {static_cast<float>(to_linear(colour.red)), static_cast<float>(to_linear(colour.green)),
+            static_cast<float>(to_linear(colour.blue))};
+}
+
+}  // namespace
+
+InkSet ink_set(const Print& print) {
+    InkSet set;
+    for (const Print::Ink& ink : print.inks) set.inks.push_back(light_of(ink.colour));
+    set.paper = print.paper.transparent ? Light{1, 1, 1} : light_of(print.paper);
+    set.additive = print.additive;
+    return set;
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,98 @@
+#include "api/image/overlay.h"
+
+#include <algorithm>
+#include <array>
+
+#include "api/image/ink_set.h"
+#include "api/image/srgb.h"
+
+namespace ccdt::api {
+namespace {
+
+/// What pixels look like by how much of them each ink covers.
+class Mixer {
+public:
+    explicit Mixer(const Print& print) : inks_(ink_set(print)), transparent_(print.paper.transparent) {
+        for (std::size_t i = 0; i < stored_.size(); ++i)
+            stored_[i] = to_srgb(static_cast<double>(i) / static_cast<double>(stored_.size() - 1));
+    }
+
+    /// @param cover  [inks] in [0, 1]
+    /// @returns      red, green, blue, alpha
+    std::array<std::uint8_t, 4> operator()(std::span<const float> cover) const {
+        const Light light = printed(inks_, cover);
+        if (!transparent_) return {store(light.red), store(light.green), store(light.blue), 255};
+        float bare = 1;
+        for (const float share : cover) bare *= 1 - share;
+        const auto alone = [bare](float seen) { return bare < 1 ? (seen - bare) / (1 - bare) : 1; };
+        return {store(alone(light.red)), store(alone(light.green)), store(alone(light.blue)),
+                static_cast<std::uint8_t>(255 * (1 - bare) + 0.5F)};
+    }
+
+private:
+    /// Fine enough that no more than a rounding differs from to_srgb.
+    static constexpr std::size_t kSteps = 1 << 16;
+
+    std::uint8_t store(float light) const {
+        return stored_[static_cast<std::size_t>(std::clamp(light, 0.0F, 1.0F) * (kSteps - 1) + 0.5F)];
+    }
+
+    InkSet inks_;
+    bool transparent_;
+    std::vector<std::uint8_t> stored_ = std::vector<std::uint8_t>(kSteps);
+};
+
+/// Of pixels that each ink covers or does not, a bit for each.
+void fill_palette(ColourRaster& picture, std::size_t inks, const Mixer& mix) {
+    picture.colours = std::size_t{1} << inks;
+    for (std::size_t code = 0; code < picture.colours; ++code) {
+        std::array<float, kMostInks> cover{};
+        for (std::size_t ink = 0; ink < inks; ++ink) cover[ink] = static_cast<float>(code >> ink & 1);
+        picture.palette[code] = mix(std::span(cover).first(inks));
+    }
+}
+
+void fill_codes(std::span<const Raster> rasters, std::size_t begin, std::size_t end, ColourRaster& picture) {
+    for (std::size_t ink = 0; ink < rasters.size(); ++ink) {
+        const auto bit = static_cast<std::uint8_t>(1U << ink);
+        for (std::size_t i = begin; i < end; ++i) {
+            if (rasters[ink].coverage[i] != 0) picture.pixels[i] |= bit;
+        }
+    }
+}
+
+void fill_colours(std::span<const Raster> rasters, std::size_t begin, std::size_t end, const Mixer& mix,
+                  ColourRaster& picture) {
+    std::array<float, kMostInks> cover{};
+    auto to = picture.pixels.begin() + static_cast<std::ptrdiff_t>(begin * picture.channels());
+    for (std::size_t i = begin; i < end; ++i) {
+        for (std::size_t ink = 0; ink < rasters.size(); ++ink)
+            cover[ink] = static_cast<float>(rasters[ink].coverage[i]) / 255;
+        const auto colour = mix(std::span(cover).first(rasters.size()));
+        to = std::copy_n(colour.begin(), picture.channels(), to);
+    }
+}
+
+}  // namespace
+
+ColourRaster overlay(std::span<const Raster> rasters, const Print& print, bool antialias, const std::stop_token& stop) {
+    const Mixer mix(print);
+    ColourRaster picture;
+    picture.width = rasters.front().width;
+    picture.height = rasters.front().height;
+    picture.transparent = print.paper.transparent;
+    if (!antialias) fill_palette(picture, rasters.size(), mix);
+    const auto width = static_cast<std::size_t>(picture.width);
+    picture.pixels.resize(rasters.front().coverage.size() * picture.channels());
+    for (std::size_t begin = 0; begin < rasters.front().coverage.size(); begin += width) {
+        if (stop.stop_requested()) break;
+        if (antialias) {
+            fill_colours(rasters, begin, begin + width, mix, picture);
+        } else {
+            fill_codes(rasters, begin, begin + width, picture);
+        }
+    }
+    return picture;
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,82 @@
+#include "api/input/print.h"
+
+#include <gtest/gtest.h>
+
+#include "api/image/ink_set.h"
+
+namespace ccdt::api {
+namespace {
+
+Input text(std::string_view value) {
+    return {"palette", "palette", value};
+}
+
+std::vector<std::string> names_of(const Print& print) {
+    std::vector<std::string> names;
+    for (const auto& ink : print.inks) names.push_back(ink.name);
+    return names;
+}
+
+void expect_refused(const Input& input, const std::string& message, const std::string& field) {
+    const auto print = read_palette(input);
+    ASSERT_FALSE(print) << message;
+    EXPECT_EQ(print.error().code, ErrorCode::Malformed);
+    EXPECT_EQ(print.error().field, field);
+    EXPECT_NE(print.error().message.find(message), std::string::npos) << print.error().message;
+}
+
+TEST(Print, HasTheInksThatCoreKnows) {
+    const auto cmyk = read_color({"color", "color", "cmyk"});
+    const auto rgb = read_color({"color", "color", "rgb"});
+    ASSERT_TRUE(cmyk && *cmyk && rgb && *rgb);
+    EXPECT_EQ(names_of(**cmyk), (std::vector<std::string>{"cyan", "magenta", "yellow", "black"}));
+    EXPECT_EQ(names_of(**rgb), (std::vector<std::string>{"red", "green", "blue"}));
+    for (const auto& [print, inks] : {std::pair{**cmyk, cmyk_inks()}, std::pair{**rgb, rgb_inks()}}) {
+        const InkSet set = ink_set(print);
+        EXPECT_EQ(set.inks, inks.inks);
+        EXPECT_EQ(set.paper, inks.paper);
+        EXPECT_EQ(set.additive, inks.additive);
+    }
+}
+
+TEST(Print, IsNoneInGrey) {
+    EXPECT_EQ(read_color({"color", "color", "gray"})->has_value(), false);
+    EXPECT_FALSE(read_color({"color", "color", "grey"}));
+}
+
+TEST(Palette, IsReadFromText) {
+    const auto print = read_palette(text("#F00, #123456 ,#000"));
+    ASSERT_TRUE(print) << print.error().message;
+    EXPECT_EQ(names_of(*print), (std::vector<std::string>{"#ff0000", "#123456", "#000000"}));
+    EXPECT_EQ(print->inks[1].colour, (Colour{0x12, 0x34, 0x56}));
+    EXPECT_EQ(print->paper, kWhite);
+    EXPECT_FALSE(print->additive);
+    EXPECT_EQ(read_palette(text("#000,#111,#222,#333,#444,#555"))->inks.size(), 6U);
+}
+
+TEST(Palette, IsReadFromJson) {
+    const auto document = JsonDocument::parse(R"([["#f00","#00f"],"#f00,#00f",[],["#f00","red"],["#f00","#ff0000"],[7],
+                                                  7,["#000","#111","#222","#333","#444","#555","#666"]])");
+    std::vector<JsonValue> values;
+    for (const JsonValue value : document->root()) values.push_back(value);
+    const auto input = [&](std::size_t i) { return Input{"palette", "/palette", values[i]}; };
+    EXPECT_EQ(names_of(*read_palette(input(0))), (std::vector<std::string>{"#ff0000", "#0000ff"}));
+    EXPECT_EQ(names_of(*read_palette(input(1))), (std::vector<std::string>{"#ff0000", "#0000ff"}));
+    expect_refused(input(2), "must have 1 to 6 colours", "/palette");
+    expect_refused(input(3), "/palette/1 must be a colour", "/palette/1");
+    expect_refused(input(4), "is there already: #ff0000", "/palette/1");
+    expect_refused(input(5), "/palette/0 must be a string", "/palette/0");
+    expect_refused(input(6), "must be a string or an array", "/palette");
+    expect_refused(input(7), "must have 1 to 6 colours", "/palette");
+}
+
+TEST(Palette, IsRefusedByWhatIsWrong) {
+    expect_refused(text(""), "must have 1 to 6 colours", "palette");
+    expect_refused(text("#000,#111,#222,#333,#444,#555,#666"), "must have 1 to 6 colours", "palette");
+    expect_refused(text("#000,"), "colour 2 must be a colour as #rgb or #rrggbb", "palette");
+    expect_refused(text("#000,transparent"), "colour 2 must be a colour", "palette");
+    expect_refused(text("#abc,#000,#aabbcc"), "colour 3 is there already: #aabbcc", "palette");
+}
+
+}  // namespace
+}  // namespace ccdt::api
