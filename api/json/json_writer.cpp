@@ -104,12 +104,17 @@ void append_spectrum(std::string& out, const Spectrum& spectrum) {
     out += '}';
 }
 
-/// Members that tell where points come from.
-void append_run(std::string& out, const Distribution& distribution, const Report& report) {
+/// Members that tell what was asked for.
+void append_order(std::string& out, std::size_t sites, const Report& report) {
     out += "\"sites\":";
-    append_number(out, std::uint64_t{distribution.points.size()});
+    append_number(out, std::uint64_t{sites});
     append_member(out, "seed", report.seed);
     out.append(",\"method\":\"").append(report.method).append("\"");
+}
+
+/// Members that tell where points come from.
+void append_run(std::string& out, const Distribution& distribution, const Report& report) {
+    append_order(out, distribution.points.size(), report);
     append_member(out, "iterations", static_cast<std::uint64_t>(distribution.iterations));
     append_member(out, "variation", distribution.variation());
     if (distribution.stopped) out += ",\"partial\":true";
@@ -117,6 +122,27 @@ void append_run(std::string& out, const Distribution& distribution, const Report
 
 double rounded_to_microseconds(double milliseconds) {
     return std::round(milliseconds * 1000) / 1000;
+}
+
+/// Members that tell of the whole answer.
+void append_report(std::string& out, const Report& report) {
+    append_member(out, "elapsed_ms", rounded_to_microseconds(report.elapsed_ms));
+    if (!report.picture) return;
+    append_member(out, "width", static_cast<std::uint64_t>(report.picture->width));
+    append_member(out, "height", static_cast<std::uint64_t>(report.picture->height));
+}
+
+void append_ink(std::string& out, const InkReport& ink, const std::stop_token& stop) {
+    const Distribution& distribution = ink.distribution;
+    out.append("{\"name\":\"").append(ink.name).append("\",\"color\":\"").append(hexadecimal(ink.color)).append("\"");
+    append_member(out, "sites", std::uint64_t{distribution.points.size()});
+    append_member(out, "iterations", static_cast<std::uint64_t>(distribution.iterations));
+    append_member(out, "variation", distribution.variation());
+    out += ",\"trace\":";
+    append_trace(out, distribution.trace);
+    out += ",\"points\":";
+    append_points(out, distribution.points, stop);
+    out += '}';
 }
 
 }  // namespace
@@ -128,12 +154,25 @@ std::string write_distribution(const Distribution& distribution, const Report& r
     append_run(out, distribution, report);
     out += ",\"trace\":";
     append_trace(out, distribution.trace);
-    append_member(out, "elapsed_ms", rounded_to_microseconds(report.elapsed_ms));
-    if (report.picture) {
-        append_member(out, "width", static_cast<std::uint64_t>(report.picture->width));
-        append_member(out, "height", static_cast<std::uint64_t>(report.picture->height));
-    }
+    append_report(out, report);
     if (distribution.mesh) append_mesh(out, *distribution.mesh, stop);
+    out += "}\n";
+    return out;
+}
+
+std::string write_inks(std::span<const InkReport> inks, const Report& report, const std::stop_token& stop) {
+    std::size_t sites = 0;
+    bool stopped = false;
+    for (const InkReport& ink : inks) {
+        sites += ink.distribution.points.size();
+        stopped = stopped || ink.distribution.stopped;
+    }
+    std::string out = "{\"inks\":";
+    append_array(out, inks, [&](std::string& to, const InkReport& ink) { append_ink(to, ink, stop); });
+    out += ',';
+    append_order(out, sites, report);
+    if (stopped) out += ",\"partial\":true";
+    append_report(out, report);
     out += "}\n";
     return out;
 }

@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <string_view>
 
+#include "api/input/colour.h"
 #include "core/analysis/analysis.h"
 #include "core/ccdt/ccdt.h"
 
@@ -30,6 +32,16 @@ struct Report {
 /// Stopped, it ends early, with nothing of use.
 std::string write_distribution(const Distribution& distribution, const Report& report,
                                const std::stop_token& stop = {});
+
+/// What a JSON answer tells of an ink.
+struct InkReport {
+    std::string_view name;
+    Colour color;
+    const Distribution& distribution;
+};
+
+/// Writes the JSON answer of /halftone in colour: the same, with points and what is told of their run ink by ink.
+std::string write_inks(std::span<const InkReport> inks, const Report& report, const std::stop_token& stop = {});
 
 /// Writes points as GeoJSON (RFC 7946): a Feature whose geometry is a MultiPoint, with what the report tells, but for
 /// times, among its properties. Stopped, it ends early, with nothing of use.

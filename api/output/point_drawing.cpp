@@ -38,7 +38,8 @@ private:
 /// An SVG document of dots in the making.
 class DotDocument {
 public:
-    DotDocument(const Page& page, std::size_t dots)
+    /// @param attributes  of the root, besides what it always has
+    DotDocument(const Page& page, std::size_t dots, std::string_view attributes = {})
         : unit_(page.width_mm ? *page.width_mm / page.box.width() : 1),
           width_(page.box.width() * unit_),
           height_(page.box.height() * unit_),
@@ -46,7 +47,7 @@ public:
               std::min(kDigits - static_cast<int>(std::floor(std::log10(std::max(width_, height_)))), kMostDecimals)) {
         decimals_ = std::max(decimals_, 0);
         out_.reserve(dots * kUsualDot);
-        write(R"(<svg xmlns="http://www.w3.org/2000/svg" width=")");
+        write(R"(<svg xmlns="http://www.w3.org/2000/svg")", attributes, R"( width=")");
         if (page.width_mm) {
             write(width_, R"(mm" height=")", height_, "mm");
         } else {
@@ -67,6 +68,13 @@ public:
         if (colour.transparent) return;
         write(R"(<rect width=")", width_, R"(" height=")", height_, R"(" fill=")", hexadecimal(colour), "\"/>\n");
     }
+
+    /// @param blend  of CSS
+    void begin_layer(std::string_view name, std::string_view blend) {
+        write(R"(<g inkscape:groupmode="layer" inkscape:label=")", name, R"(" style="mix-blend-mode:)", blend, "\">\n");
+    }
+
+    void end_layer() { write("</g>\n"); }
 
     void discs(std::span<const Point> centres, double radius, const Colour& colour, const std::stop_token& stop) {
         write(R"(<g fill=")", hexadecimal(colour), "\">\n");
@@ -136,6 +144,18 @@ void add_copies(std::vector<Point>& dots, Point size, double radius) {
     }
 }
 
+/// A short path's dots, as they lie on the page, and what is told of it.
+std::vector<Point> order(std::span<const Point> points, const Page& page, DotDocument& document,
+                         const std::stop_token& hurry) {
+    const Placing place(page, document.unit());
+    std::vector<Point> dots;
+    dots.reserve(points.size());
+    for (const std::uint32_t i : short_path(points, hurry)) dots.push_back(place(points[i]));
+    document.describe(points.size(), path_length(dots), document.unit() * path_length(points),
+                      page.width_mm ? " mm" : "");
+    return dots;
+}
+
 }  // namespace
 
 Result<void> read_width_mm(const Input& input, DrawingOptions& options) {
@@ -168,17 +188,34 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels) {
 std::string write_svg(std::span<const Point> points, const Page& page, double radius, DotStyle style, const Inks& inks,
                       const std::stop_token& hurry, const std::stop_token& stop) {
     DotDocument document(page, points.size());
-    const Placing place(page, document.unit());
-    std::vector<Point> dots;
-    dots.reserve(points.size());
-    for (const std::uint32_t i : short_path(points, hurry)) dots.push_back(place(points[i]));
-    document.describe(points.size(), path_length(dots), document.unit() * path_length(points),
-                      page.width_mm ? " mm" : "");
+    const std::vector<Point> dots = order(points, page, document, hurry);
     if (style == DotStyle::Stroke) {
         document.strokes(dots, radius * document.unit(), inks.foreground, stop);
     } else {
         document.paper(inks.background);
         document.discs(dots, radius * document.unit(), inks.foreground, stop);
+    }
+    return document.finish();
+}
+
+std::string write_svg(std::span<const DotLayer> layers, const Page& page, DotStyle style, const LayerGround& ground,
+                      const std::stop_token& hurry, const std::stop_token& stop) {
+    std::size_t dots = 0;
+    for (const DotLayer& layer : layers) dots += layer.points.size();
+    // Isolated, the layers do not mix with the page that the drawing stands on.
+    DotDocument document(page, dots,
+                         R"( xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" style="isolation:isolate")");
+    if (style == DotStyle::Fill) document.paper(ground.paper);
+    for (const DotLayer& layer : layers) {
+        document.begin_layer(layer.name, ground.additive ? "screen" : "multiply");
+        const std::vector<Point> placed = order(layer.points, page, document, hurry);
+        const double radius = layer.radius * document.unit();
+        if (style == DotStyle::Stroke) {
+            document.strokes(placed, radius, layer.colour, stop);
+        } else {
+            document.discs(placed, radius, layer.colour, stop);
+        }
+        document.end_layer();
     }
     return document.finish();
 }

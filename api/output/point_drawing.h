@@ -56,6 +56,25 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 std::string write_svg(std::span<const Point> points, const Page& page, double radius, DotStyle style, const Inks& inks,
                       const std::stop_token& hurry = {}, const std::stop_token& stop = {});
 
+/// The dots of an ink.
+struct DotLayer {
+    std::string name;
+    Colour colour;
+    std::span<const Point> points;
+    double radius = 0;  ///< in the points' units
+};
+
+/// What the layers of a drawing are drawn on, and how they mix.
+struct LayerGround {
+    Colour paper = kWhite;
+    bool additive = false;  ///< layers add their light; else each multiplies what is below it
+};
+
+/// The same in layers as Inkscape and programs for plotters know them, each along a path of its own, so that pens are
+/// changed between them.
+std::string write_svg(std::span<const DotLayer> layers, const Page& page, DotStyle style, const LayerGround& ground,
+                      const std::stop_token& hurry = {}, const std::stop_token& stop = {});
+
 /// Draws dots antialiased; on a torus they come in again where they leave it, so that the picture tiles.
 ///
 /// @param radius  of the dots, in the points' units

@@ -3,6 +3,7 @@
 #include <span>
 #include <stop_token>
 #include <string>
+#include <string_view>
 
 #include "core/geometry/point.h"
 
@@ -14,5 +15,17 @@ std::string write_csv(std::span<const Point> points, const std::stop_token& stop
 
 /// Writes points as an array of NumPy, float64 [n, 2]. Source: NEP 1, format version 1.0.
 std::string write_npy(std::span<const Point> points);
+
+/// The points of an ink.
+struct InkPoints {
+    std::string_view name;
+    std::span<const Point> points;
+};
+
+/// The same of several inks, one after the other, with a third column `ink`: its name.
+std::string write_ink_csv(std::span<const InkPoints> inks, const std::stop_token& stop = {});
+
+/// The same with the number of the ink, from 0: float64 [n, 3].
+std::string write_ink_npy(std::span<const InkPoints> inks);
 
 }  // namespace ccdt::api

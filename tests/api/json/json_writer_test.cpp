@@ -30,6 +30,40 @@ TEST(JsonWriter, WritesEveryMember) {
     EXPECT_EQ(json.size(), 8U);
 }
 
+TEST(JsonWriter, WritesInksApart) {
+    const Distribution some = example();
+    Distribution none;
+    none.trace = {0};
+    const std::vector<InkReport> inks = {{"cyan", {0, 255, 255}, some}, {"black", kBlack, none}};
+    const auto json = nlohmann::json::parse(write_inks(inks, {7, 12.34567, PictureSize{30, 20}}));
+    EXPECT_EQ(json.at("sites"), 3);
+    EXPECT_EQ(json.at("seed"), 7);
+    EXPECT_EQ(json.at("method"), "ccdt");
+    EXPECT_EQ(json.at("elapsed_ms"), 12.346);
+    EXPECT_EQ(json.at("width"), 30);
+    EXPECT_EQ(json.at("height"), 20);
+    EXPECT_EQ(json.size(), 7U);
+    const auto plain = nlohmann::json::parse(write_distribution(some, {}));
+    const auto& cyan = json.at("inks").at(0);
+    for (const auto* same : {"sites", "points", "trace", "iterations", "variation"})
+        EXPECT_EQ(cyan.at(same), plain.at(same)) << same;
+    EXPECT_EQ(cyan.at("name"), "cyan");
+    EXPECT_EQ(cyan.at("color"), "#00ffff");
+    const auto& black = json.at("inks").at(1);
+    EXPECT_EQ(black.at("sites"), 0);
+    EXPECT_EQ(black.at("points").size(), 0U);
+    EXPECT_EQ(black.at("variation"), 0);
+}
+
+TEST(JsonWriter, TellsThatInksWereStopped) {
+    const Distribution whole = example();
+    Distribution stopped = whole;
+    stopped.stopped = true;
+    const std::vector<InkReport> inks = {{"cyan", kBlack, whole}, {"black", kBlack, stopped}};
+    EXPECT_EQ(nlohmann::json::parse(write_inks(inks, {})).at("partial"), true);
+    EXPECT_FALSE(nlohmann::json::parse(write_inks(std::span(inks).first(1), {})).contains("partial"));
+}
+
 TEST(JsonWriter, TellsTheVariationOfThePolishedPoints) {
     Distribution distribution = example();
     distribution.polished = 0.375;

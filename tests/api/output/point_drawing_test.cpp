@@ -56,6 +56,36 @@ TEST(Svg, GivesPensAStrokeForEachDotAndNoPaper) {
     EXPECT_EQ(svg.find("<rect"), std::string::npos);
 }
 
+TEST(Svg, HasALayerForEachInk) {
+    const std::vector<Point> one = {{10, 20}};
+    const std::vector<DotLayer> layers = {{"cyan", {0, 255, 255}, kPoints, 0.5}, {"black", kBlack, one, 0.25}};
+    EXPECT_EQ(
+        write_svg(layers, page(), DotStyle::Fill, {}),
+        R"(<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" style="isolation:isolate" width="40" height="20" viewBox="0 0 10 5">
+<rect width="10" height="5" fill="#ffffff"/>
+<g inkscape:groupmode="layer" inkscape:label="cyan" style="mix-blend-mode:multiply">
+<desc>3 dots along a path of 10.5873; in their original order it is 15.29931</desc>
+<g fill="#00ffff">
+<circle cx="1" cy="4" r="0.5"/>
+<circle cx="2.34568" cy="1" r="0.5"/>
+<circle cx="9" cy="4" r="0.5"/>
+</g>
+</g>
+<g inkscape:groupmode="layer" inkscape:label="black" style="mix-blend-mode:multiply">
+<desc>1 dots along a path of 0; in their original order it is 0</desc>
+<g fill="#000000">
+<circle cx="0" cy="5" r="0.25"/>
+</g>
+</g>
+</svg>
+)");
+    const std::string lights = write_svg(layers, page(100), DotStyle::Stroke, {kBlack, true});
+    EXPECT_NE(lights.find(R"(inkscape:label="cyan" style="mix-blend-mode:screen")"), std::string::npos);
+    EXPECT_NE(lights.find(R"(stroke="#00ffff" stroke-width="10")"), std::string::npos);
+    EXPECT_NE(lights.find(R"(stroke="#000000" stroke-width="5")"), std::string::npos);
+    EXPECT_EQ(lights.find("<rect"), std::string::npos);
+}
+
 TEST(Svg, BreaksPathsThatWouldBeTooLongToRead) {
     std::vector<Point> points;
     for (int i = 0; i < 20'001; ++i) points.push_back({10 + i * 4e-4, 22});

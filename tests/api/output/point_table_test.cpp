@@ -25,6 +25,13 @@ TEST(Csv, EndsOnceItIsStopped) {
     EXPECT_EQ(write_csv(kPoints, stopped_token()), "x,y\r\n");
 }
 
+TEST(Csv, NamesInks) {
+    const std::vector<Point> one = {{1, 2}};
+    const std::vector<InkPoints> inks = {{"cyan", kPoints}, {"magenta", {}}, {"#abcdef", one}};
+    EXPECT_EQ(write_ink_csv(inks),
+              "x,y,ink\r\n0.1,1e+300,cyan\r\n-0,5e-324,cyan\r\n0.3333333333333333,2,cyan\r\n1,2,#abcdef\r\n");
+}
+
 TEST(Npy, HasTheHeaderThatItsFormatWants) {
     for (const std::size_t count : {0U, 1U, 9U, 10U, 12'345U}) {
         const std::string file = write_npy(std::vector<Point>(count));
@@ -36,6 +43,16 @@ TEST(Npy, HasTheHeaderThatItsFormatWants) {
         EXPECT_EQ(file.size(), 10 + length + count * 16);
         EXPECT_NE(file.find("'shape': (" + std::to_string(count) + ", 2)"), std::string::npos);
     }
+}
+
+TEST(Npy, NumbersInks) {
+    const std::vector<Point> one = {{1, 2}};
+    const std::vector<InkPoints> inks = {{"cyan", one}, {"magenta", {}}, {"black", one}};
+    const std::string file = write_ink_npy(inks);
+    EXPECT_NE(file.find("'shape': (2, 3)"), std::string::npos);
+    const double rows[] = {1, 2, 0, 1, 2, 2};
+    ASSERT_EQ(file.size() % 64, sizeof(rows));
+    EXPECT_EQ(std::memcmp(file.data() + file.size() - sizeof(rows), rows, sizeof(rows)), 0);
 }
 
 TEST(Npy, HoldsTheNumbersThemselves) {
