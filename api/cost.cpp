@@ -34,12 +34,27 @@ Cost cost(const Estimate& estimate) {
     return {static_cast<std::size_t>(estimate.bytes + kFixedBytes), estimate.seconds};
 }
 
-Estimate decoding(const ImageFile& file) {
-    constexpr double kPlanes = 16;  // bytes a pixel: luminance, alpha, coverage and a copy turned over
+/// Bytes a pixel: luminance, alpha, coverage and a copy turned over.
+constexpr double kGreyPlanes = 16;
+
+Estimate decoding(const ImageFile& file, double planes = kGreyPlanes) {
     constexpr double kTime = 0.03 * kMicrosecond;
     const auto pixels = static_cast<double>(file.header.pixels());
     const double decoder = static_cast<double>(file.header.decoder_bytes) + static_cast<double>(file.bytes.size());
-    return {pixels * kPlanes + decoder, pixels * kTime};
+    return {pixels * planes + decoder, pixels * kTime};
+}
+
+double inks_of(const HalftoneRequest& request) {
+    return request.print ? static_cast<double>(request.print->inks.size()) : 1;
+}
+
+/// Of a picture in colour: four planes, and the coverage of each ink.
+Estimate decoding(const HalftoneRequest& request) {
+    if (!request.print) return decoding(request.image);
+    constexpr double kSeparating = 0.2 * kMicrosecond;
+    constexpr double kTable = 300'000;  // takes as long as so many pixels
+    const auto pixels = static_cast<double>(request.image.header.pixels());
+    return decoding(request.image, 16 + 4 * inks_of(request)) + Estimate{0, (pixels + kTable) * kSeparating};
 }
 
 /// The triangulation, its passes and the polish.
@@ -88,6 +103,19 @@ Estimate weighing(double cells) {
     return {cells * 20, cells * 0.03 * kMicrosecond};
 }
 
+/// Of inks in colour there is one grid each, and one of all together.
+Estimate weighing(const HalftoneRequest& request) {
+    const auto pixels = static_cast<double>(request.image.header.pixels());
+    return weighing(pixels * (request.print ? inks_of(request) * 1.2 + 1 : 1));
+}
+
+/// What keeps dots of different inks apart.
+Estimate parting(const HalftoneRequest& request, const Options& options) {
+    if (!request.print || options.quality == Quality::Draft || options.iterations == 0) return {};
+    const auto sites = static_cast<double>(options.sites);
+    return {sites * 400, sites * (options.quality == Quality::Best ? 30 : 10) * kMicrosecond};
+}
+
 /// Pixels of the output at most: the chosen scale stops at 16 million.
 double drawn_pixels(const HalftoneRequest& request, const Limits& limits) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
@@ -107,9 +135,17 @@ Estimate rasterising(double sites, double pixels, std::optional<double> radius, 
     return {sites * 150 + pixels * 6, (pixels * (antialias ? 0.04 : 0.005) + covered * 0.001) * kMicrosecond};
 }
 
+/// The rasters of the inks, which stay until they are laid over each other.
+Estimate rasterising(const HalftoneRequest& request, double sites, double pixels, bool antialias) {
+    const Estimate one = rasterising(sites, pixels, request.dot, antialias);
+    if (!request.print) return one;
+    const double inks = inks_of(request);
+    return one + Estimate{pixels * inks, pixels * inks * (antialias ? 0.08 : 0.02) * kMicrosecond};
+}
+
 Estimate drawing(const HalftoneRequest& request, double sites, const Limits& limits) {
     const double pixels = drawn_pixels(request, limits);
-    const auto raster = [&](bool antialias) { return rasterising(sites, pixels, request.dot, antialias); };
+    const auto raster = [&](bool antialias) { return rasterising(request, sites, pixels, antialias); };
     switch (request.format) {
         case HalftoneFormat::Png:
         case HalftoneFormat::Tiff:
@@ -167,10 +203,10 @@ std::size_t bytes_of(const PolygonInput& polygon) {
 Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
     Options options = request.run;
-    options.sites = request.sites.value_or(default_sites(pixels, limits.max_sites));
-    const Estimate placing = weighing(pixels) + triangulating(options, false);
+    options.sites = request.sites.value_or(default_sites(pixels * inks_of(request), limits.max_sites));
+    const Estimate placing = weighing(request) + triangulating(options, false) + parting(request, options);
     const Estimate drawn = drawing(request, static_cast<double>(options.sites), limits);
-    return cost(then(then(decoding(request.image), placing), drawn));
+    return cost(then(then(decoding(request), placing), drawn));
 }
 
 Cost cost_of(const SampleRequest& request, const Limits& limits) {

@@ -9,6 +9,7 @@
 #include "api/image/image_codec.h"
 #include "api/image/image_header.h"
 #include "api/input/colour.h"
+#include "api/input/print.h"
 #include "api/input/run_options.h"
 #include "api/options.h"
 #include "api/output/point_drawing.h"
@@ -31,6 +32,7 @@ struct HalftoneRequest {
     bool antialias = false;
     bool invert = false;
     Tone tone = Tone::Linear;
+    std::optional<Print> print;        ///< none: in grey
     std::optional<Colour> foreground;  ///< none: black, inverted white
     std::optional<Colour> background;  ///< none: white, inverted black
     HalftoneFormat format = HalftoneFormat::Png;

@@ -1,5 +1,9 @@
 #include "api/input/run_options.h"
 
+#include <algorithm>
+
+#include "core/ccdt/inks.h"
+
 namespace ccdt::api {
 namespace {
 
@@ -46,6 +50,14 @@ Result<Distribution> distribute_all(const Domain& domain, const Density& density
     auto distribution = distribute_by(method, domain, density, options, control);
     if (distribution && distribution->stopped && on_stop == OnStop::Error) return stopped();
     return distribution;
+}
+
+Result<std::vector<Distribution>> distribute_all_inks(const Domain& domain, std::span<const Density> densities,
+                                                      std::span<const std::size_t> sites, const Options& options,
+                                                      const Control& control, OnStop on_stop) {
+    auto inks = distribute_inks(domain, densities, sites, options, control);
+    if (inks && on_stop == OnStop::Error && std::ranges::any_of(*inks, &Distribution::stopped)) return stopped();
+    return inks;
 }
 
 std::stop_token stop_of_writing(const Control& control, OnStop on_stop) {

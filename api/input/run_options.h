@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <span>
+#include <vector>
+
 #include "api/input/option_reader.h"
 #include "api/method.h"
 #include "core/ccdt/ccdt.h"
@@ -19,6 +23,13 @@ Result<void> read_on_deadline(const Input& input, OnStop& on_stop);
 /// Distributes, and takes a run that was stopped for a failure unless its part will do.
 Result<Distribution> distribute_all(const Domain& domain, const Density& density, const Options& options,
                                     const Control& control, OnStop on_stop, Method method = Method::Ccdt);
+
+/// The same for each of several inks.
+/// @param densities  [inks]
+/// @param sites      [inks]; 0: nothing is distributed
+Result<std::vector<Distribution>> distribute_all_inks(const Domain& domain, std::span<const Density> densities,
+                                                      std::span<const std::size_t> sites, const Options& options,
+                                                      const Control& control, OnStop on_stop);
 
 /// What writing an answer listens to: nothing, where a part will do and is to be told in full.
 std::stop_token stop_of_writing(const Control& control, OnStop on_stop);

@@ -47,11 +47,15 @@ std::size_t default_sites(double ink, std::size_t limit) {
 }
 
 double default_scale(const std::vector<float>& coverage, std::size_t sites) {
+    return default_scale(ink_of(coverage), coverage.size(), sites);
+}
+
+double default_scale(double ink, std::size_t pixels, std::size_t sites) {
     constexpr double kPi = 3.141592653589793;
     constexpr double kRadius = 3;  // canvas pixels: a binary disc of this size looks round
-    const double radius = std::sqrt(ink_of(coverage) / (kPi * static_cast<double>(sites)));
+    const double radius = std::sqrt(ink / (kPi * static_cast<double>(sites)));
     const double wanted = std::max(1.0, std::ceil(kRadius / std::max(radius, 1e-6)));
-    const double most = std::sqrt(kMostCanvasPixels / static_cast<double>(coverage.size()));
+    const double most = std::sqrt(kMostCanvasPixels / static_cast<double>(pixels));
     return std::clamp(std::min(wanted, most), 0.1, kLargestScale);
 }
 

@@ -39,4 +39,7 @@ inline constexpr double kMostCanvasPixels = 16e6;
 /// radius of 3 pixels or more and so look round; less where the canvas would pass 16 million pixels, but at least 0.1.
 double default_scale(const std::vector<float>& coverage, std::size_t sites);
 
+/// The same by the sum of the shares and the pixels of the picture.
+double default_scale(double ink, std::size_t pixels, std::size_t sites);
+
 }  // namespace ccdt

@@ -128,13 +128,16 @@ struct HalftoneCase {
     std::string name;
     std::vector<TextOption> options;
     double most = 4;
+    std::string picture = "camera.png";
 };
+
+const std::string kColours = "astronaut.png";
 
 class HalftoneCost : public testing::TestWithParam<HalftoneCase> {};
 
 TEST_P(HalftoneCost, IsNeverPassed) {
     if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
-    const auto request = parse_halftone(photograph("camera.png"), GetParam().options, "", {});
+    const auto request = parse_halftone(photograph(GetParam().picture), GetParam().options, "", {});
     ASSERT_TRUE(request) << request.error().message;
     const auto work = [&] {
         Timings timings;
@@ -145,17 +148,36 @@ TEST_P(HalftoneCost, IsNeverPassed) {
 
 INSTANTIATE_TEST_SUITE_P(
     Requests, HalftoneCost,
-    testing::Values(HalftoneCase{"usual", {{"scale", "2"}}, 6},
-                    HalftoneCase{"dots", {{"sites", "65536"}, {"scale", "1"}}},
-                    HalftoneCase{"draft", {{"sites", "65536"}, {"quality", "draft"}, {"scale", "1"}}},
-                    HalftoneCase{"large", {{"sites", "2000"}, {"scale", "12"}}},
-                    HalftoneCase{"smooth", {{"sites", "2000"}, {"scale", "12"}, {"antialias", "true"}}},
-                    HalftoneCase{"points", {{"sites", "65536"}, {"format", "json"}}},
-                    HalftoneCase{"webp", {{"sites", "2000"}, {"scale", "12"}, {"format", "webp"}}},
-                    HalftoneCase{"smooth_webp",
-                                 {{"sites", "2000"}, {"scale", "12"}, {"format", "webp"}, {"antialias", "true"}}},
-                    HalftoneCase{"tiff", {{"sites", "2000"}, {"scale", "12"}, {"format", "tiff"}}},
-                    HalftoneCase{"vectors", {{"sites", "65536"}, {"format", "svg"}, {"scale", "4"}}}),
+    testing::Values(
+        HalftoneCase{"usual", {{"scale", "2"}}, 6}, HalftoneCase{"dots", {{"sites", "65536"}, {"scale", "1"}}},
+        HalftoneCase{"draft", {{"sites", "65536"}, {"quality", "draft"}, {"scale", "1"}}},
+        HalftoneCase{"large", {{"sites", "2000"}, {"scale", "12"}}},
+        HalftoneCase{"smooth", {{"sites", "2000"}, {"scale", "12"}, {"antialias", "true"}}},
+        HalftoneCase{"points", {{"sites", "65536"}, {"format", "json"}}},
+        HalftoneCase{"webp", {{"sites", "2000"}, {"scale", "12"}, {"format", "webp"}}},
+        HalftoneCase{"smooth_webp", {{"sites", "2000"}, {"scale", "12"}, {"format", "webp"}, {"antialias", "true"}}},
+        HalftoneCase{"tiff", {{"sites", "2000"}, {"scale", "12"}, {"format", "tiff"}}},
+        HalftoneCase{"vectors", {{"sites", "65536"}, {"format", "svg"}, {"scale", "4"}}},
+        HalftoneCase{"cmyk", {{"color", "cmyk"}, {"sites", "65536"}, {"scale", "1"}}, 4, kColours},
+        HalftoneCase{"rgb", {{"color", "rgb"}, {"sites", "2000"}, {"scale", "12"}}, 4, kColours},
+        HalftoneCase{
+            "palette", {{"palette", "#000,#f00,#0f0,#00f,#ff0,#0ff"}, {"sites", "2000"}, {"scale", "1"}}, 4, kColours},
+        HalftoneCase{
+            "smooth_cmyk", {{"color", "cmyk"}, {"sites", "2000"}, {"scale", "12"}, {"antialias", "true"}}, 4, kColours},
+        HalftoneCase{"clear_cmyk",
+                     {{"color", "cmyk"},
+                      {"sites", "2000"},
+                      {"scale", "12"},
+                      {"antialias", "true"},
+                      {"background", "transparent"},
+                      {"format", "webp"}},
+                     4,
+                     kColours},
+        HalftoneCase{
+            "cmyk_tiff", {{"color", "cmyk"}, {"sites", "2000"}, {"scale", "12"}, {"format", "tiff"}}, 4, kColours},
+        HalftoneCase{"cmyk_points", {{"color", "cmyk"}, {"sites", "65536"}, {"format", "json"}}, 4, kColours},
+        HalftoneCase{
+            "cmyk_vectors", {{"color", "cmyk"}, {"sites", "65536"}, {"format", "svg"}, {"scale", "4"}}, 4, kColours}),
     [](const auto& each) { return each.param.name; });
 
 TEST(AnalyzeCost, IsNeverPassed) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -258,6 +259,111 @@ TEST(Halftone, RefusesPicturesWithoutInk) {
         EXPECT_NE(result.error().message.find("white"), std::string::npos);
     }
     EXPECT_TRUE(answer(white, {{"invert", "true"}}));
+    for (const Options& options : {Options{{"color", "cmyk"}}, Options{{"palette", "#f00,#fff"}}}) {
+        const auto result = answer(white, options);
+        ASSERT_FALSE(result);
+        EXPECT_EQ(result.error().code, ErrorCode::Unusable);
+        EXPECT_NE(result.error().message.find("like its paper"), std::string::npos);
+    }
+    EXPECT_TRUE(answer(white, {{"color", "rgb"}}));
+}
+
+TEST(HalftoneOptions, ChooseInks) {
+    EXPECT_FALSE(parse({})->print);
+    EXPECT_FALSE(parse({{"color", "gray"}})->print);
+    EXPECT_EQ(parse({{"color", "cmyk"}})->print->inks.size(), 4U);
+    EXPECT_TRUE(parse({{"color", "rgb"}})->print->additive);
+    EXPECT_EQ(parse({{"color", "cmyk"}, {"background", "#ffe"}})->print->paper, (Colour{255, 255, 0xee}));
+    EXPECT_EQ(parse({{"palette", "#f00,#00f"}, {"background", "transparent"}})->print->paper.transparent, true);
+    EXPECT_TRUE(parse({{"palette", "#f00,#00f"}, {"invert", "false"}})->print);
+}
+
+TEST(HalftoneOptions, OfInksFitTogether) {
+    const std::vector<std::pair<Options, std::string>> wrong = {
+        {{{"color", "CMYK"}}, "color"},
+        {{{"palette", "#f00,#f00"}}, "palette"},
+        {{{"palette", "#f00"}, {"color", "cmyk"}}, "palette"},
+        {{{"color", "gray"}, {"palette", "#f00"}}, "palette"},
+        {{{"color", "cmyk"}, {"foreground", "#f00"}}, "foreground"},
+        {{{"invert", "true"}, {"palette", "#f00"}}, "invert"},
+        {{{"color", "rgb"}, {"background", "#000"}}, "background"},
+    };
+    for (const auto& [options, field] : wrong) {
+        const auto request = parse(options);
+        ASSERT_FALSE(request) << field;
+        EXPECT_EQ(request.error().code, ErrorCode::Malformed) << field;
+        EXPECT_EQ(request.error().field, field);
+    }
+    const std::string image = R"("image":")" + base64(fixture("rgba.png")) + '"';
+    EXPECT_EQ(parse_halftone_json('{' + image + R"(,"palette":["#f00"],"invert":true})", {}, "", {}).error().field,
+              "/invert");
+}
+
+/// Mean light of each channel.
+std::array<double, 3> mean_light(const ColourPicture& picture) {
+    std::array<double, 3> mean{};
+    const std::array<const Plane*, 3> planes = {&picture.red, &picture.green, &picture.blue};
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (const float light : *planes[i]) mean[i] += static_cast<double>(light);
+        mean[i] /= static_cast<double>(planes[i]->size());
+    }
+    return mean;
+}
+
+TEST(Halftone, KeepsTheMeanColour) {
+    constexpr std::size_t kMaxPixels = 16'000'000;
+    const std::string photo = photograph("chelsea.png");
+    const auto wanted = mean_light(*decode_colour_image(photo, kMaxPixels));
+    for (const auto* color : {"cmyk", "rgb"}) {
+        for (const auto* antialias : {"false", "true"}) {
+            const auto result =
+                answer(photo, {{"sites", "8000"}, {"scale", "4"}, {"color", color}, {"antialias", antialias}});
+            ASSERT_TRUE(result) << result.error().message;
+            EXPECT_EQ(result->sites, 8000U);
+            const auto seen = mean_light(*decode_colour_image(result->body, kMaxPixels));
+            for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(seen[i], wanted[i], 0.03) << color << antialias << i;
+        }
+    }
+}
+
+TEST(Halftone, ListsTheDotsOfEachInk) {
+    const Options options = {{"sites", "700"}, {"palette", "#c00,#00c"}, {"format", "json"}};
+    const auto json = nlohmann::json::parse(answer(photograph("chelsea.png"), options)->body);
+    EXPECT_FALSE(json.contains("points"));
+    EXPECT_EQ(json.at("sites"), 700);
+    ASSERT_EQ(json.at("inks").size(), 2U);
+    std::size_t sites = 0;
+    for (const auto& ink : json.at("inks")) {
+        sites += ink.at("points").size();
+        EXPECT_EQ(ink.at("points").size(), ink.at("sites"));
+        EXPECT_EQ(ink.at("name"), ink.at("color"));
+    }
+    EXPECT_EQ(sites, 700U);
+}
+
+/// Share of the points of one list that lie where those of the other do. The coverages differ in their last digits.
+double agreement(const nlohmann::json& points, const nlohmann::json& others) {
+    if (points.size() != others.size()) return 0;
+    std::size_t near = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const double dx = points[i][0].get<double>() - others[i][0].get<double>();
+        const double dy = points[i][1].get<double>() - others[i][1].get<double>();
+        if (std::hypot(dx, dy) < 0.1) ++near;
+    }
+    return static_cast<double>(near) / static_cast<double>(points.size());
+}
+
+TEST(Halftone, OfBlackInkHasTheDotsOfGrey) {
+    const std::string photo = photograph("camera.png");
+    const auto points = [&](Options options) {
+        options.insert(options.end(), {{"sites", "900"}, {"seed", "5"}, {"format", "json"}});
+        return nlohmann::json::parse(answer(photo, options)->body);
+    };
+    const auto grey = points({});
+    EXPECT_GT(agreement(points({{"palette", "#000"}}).at("inks").at(0).at("points"), grey.at("points")), 0.9);
+    const auto cmyk = points({{"color", "cmyk"}}).at("inks");
+    EXPECT_GT(agreement(cmyk.at(3).at("points"), grey.at("points")), 0.9);
+    EXPECT_EQ(cmyk.at(0).at("sites"), 0);
 }
 
 TEST(Halftone, ReportsBrokenImages) {
@@ -275,6 +381,41 @@ TEST(Halftone, StopsWhenAsked) {
     const auto result = run_halftone(*request, {}, decode_inline(), control, timings);
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::Stopped);
+}
+
+TEST(Halftone, StopsInColourWhenAsked) {
+    for (const auto& [on_deadline, may_answer] : {std::pair{"error", false}, {"partial", true}}) {
+        std::stop_source stop;
+        const auto request = parse_halftone(
+            photograph("chelsea.png"), {{"sites", "500"}, {"color", "cmyk"}, {"on_deadline", on_deadline}}, "", {});
+        Timings timings;
+        Control control{stop.get_token(), [&](const Progress&) { stop.request_stop(); }};
+        const auto result = run_halftone(*request, {}, decode_inline(), control, timings);
+        ASSERT_EQ(result.has_value(), may_answer);
+        if (may_answer) {
+            EXPECT_TRUE(result->partial);
+            EXPECT_EQ(result->sites, 500U);
+        } else {
+            EXPECT_EQ(result.error().code, ErrorCode::Stopped);
+        }
+    }
+}
+
+TEST(Halftone, ReportsProgressThatOnlyGrows) {
+    double done = 0;
+    int iteration = 0;
+    const auto request = parse_halftone(photograph("chelsea.png"), {{"sites", "500"}, {"color", "rgb"}}, "", {});
+    Timings timings;
+    Control control{{}, [&](const Progress& progress) {
+                        EXPECT_GT(progress.done(), done);
+                        EXPECT_EQ(progress.iterations, 5);
+                        done = progress.done();
+                        iteration = progress.iteration;
+                    }};
+    ASSERT_TRUE(run_halftone(*request, {}, decode_inline(), control, timings));
+    EXPECT_EQ(iteration, 5);
+    EXPECT_GT(done, 0.9);
+    EXPECT_LT(done, 1);
 }
 
 }  // namespace

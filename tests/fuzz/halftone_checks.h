@@ -2,6 +2,7 @@
 
 #include "api/halftone.h"
 #include "api/image/image_codec.h"
+#include "core/halftone/separation.h"
 #include "tests/fuzz/checks.h"
 
 namespace ccdt::fuzz {
@@ -16,6 +17,11 @@ inline void check_request(const api::HalftoneRequest& request) {
     CCDT_CHECK(request.run.passes >= 1 && request.run.passes <= 100);
     CCDT_CHECK(!request.scale || (*request.scale >= 0.1 && *request.scale <= 16));
     CCDT_CHECK(!request.dot || (*request.dot > 0 && *request.dot <= 65536));
+    if (request.print) {
+        CCDT_CHECK(!request.print->inks.empty() && request.print->inks.size() <= kMostInks);
+        CCDT_CHECK(!request.invert && !request.foreground);
+        CCDT_CHECK(!request.print->additive || !request.background);
+    }
     CCDT_CHECK(!request.foreground || !request.foreground->transparent);
     CCDT_CHECK(request.format <= api::HalftoneFormat::Tiff);
     CCDT_CHECK(request.image.header.pixels() >= 1);

@@ -289,7 +289,7 @@ class Options(ContractCase):
     def test_have_their_defaults(self):
         others = {"seed": 1, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "antialias": True,
                   "invert": True, "tone": "perceptual", "foreground": "#123456", "background": "#123456",
-                  "style": "stroke", "method": "odt", "mesh": True, "max_frequency": 5, "spectrum": True,
+                  "color": "cmyk", "style": "stroke", "method": "odt", "mesh": True, "max_frequency": 5, "spectrum": True,
                   "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}
         tried = set()
         for path, option, described in options():
@@ -316,6 +316,14 @@ class Options(ContractCase):
             self.refuse("/halftone", "foreground", colour)
         self.assertEqual(pixels(self.pose("/halftone", {**self.base("/halftone"), "format": "png",
                                                        "background": "transparent"}).body, "RGBA")[..., 3].min(), 0)
+
+    def test_name_palettes(self):
+        six = [f"#00{digit}" for digit in range(6)]
+        for palette in ("#abc", "#abc, #aBcDeF ,#000", ["#abc"], ["#abc", "#aBcDeF"], ",".join(six), six):
+            self.take("/halftone", "palette", palette)
+        for palette in ("", "red", "#abc,", "#abc #000", [], ["red"], [7], 7, ["#abc", "#abc"], six + ["#abc"],
+                        ",".join(six + ["#abc"])):
+            self.refuse("/halftone", "palette", palette)
 
 
 class Formats(ContractCase):

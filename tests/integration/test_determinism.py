@@ -18,6 +18,7 @@ def everything(server):
     answers = [
         ask(server, "/halftone?sites=3000&seed=5", data=CAMERA),
         ask(server, "/halftone?sites=3000&seed=5&format=json", data=CAMERA),
+        ask(server, "/halftone?sites=3000&seed=5&color=rgb", data=CAMERA),
         post_json(server, "/sample", SAMPLE),
     ]
     for answer in answers:

@@ -88,6 +88,7 @@ class Budget(unittest.TestCase):
             requests.append(("/sample", JSON, json.dumps({"sites": 120_000, "iterations": 1, "domain": TORUS})))
             requests.append(("/sample", JSON, json.dumps({"sites": 200_000, "method": "random", "domain": TORUS})))
             requests.append(("/halftone?sites=5000&iterations=1&scale=2", (), pictures[index % 3]))
+            requests.append(("/halftone?sites=5000&iterations=1&scale=2&color=rgb", (), pictures[2]))
             values = ",".join(["0.5"] * 1_000_000)
             requests.append(("/sample", JSON, '{"sites":500,"domain":{"type":"rectangle","width":1,"height":1},'
                                               '"density":{"width":1000,"height":1000,"values":[' + values + ']}}'))

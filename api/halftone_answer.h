@@ -1,0 +1,21 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "api/halftone.h"
+#include "api/halftone_plan.h"
+#include "core/ccdt/ccdt.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Draws and encodes, or lists, the dots in the format that the request wants.
+///
+/// @param dots     [inks]
+/// @param elapsed  milliseconds, for JSON
+/// Errors: Stopped, unless a part is asked for; Internal if memory runs out.
+Result<std::string> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan,
+                                   std::span<const Distribution> dots, double elapsed, const Control& control);
+
+}  // namespace ccdt::api

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "api/halftone.h"
+#include "api/image/image_codec.h"
+#include "api/json/json_writer.h"
+#include "core/ccdt/ccdt.h"
+#include "core/density/density.h"
+#include "core/halftone/dots.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Whether an answer is drawn on a canvas.
+bool is_drawn(HalftoneFormat format);
+
+/// Where the dots of each ink go in the picture, and how many there are. In grey there is one ink.
+struct HalftonePlan {
+    PictureSize picture;
+    std::vector<double> cover;       ///< [inks] mean share that dots cover
+    std::vector<std::size_t> sites;  ///< [inks]
+    std::vector<Density> densities;  ///< [inks]; uniform for inks without sites
+    Canvas canvas;                   ///< of an answer that is drawn
+
+    Box box() const { return {{0, 0}, {static_cast<double>(picture.width), static_cast<double>(picture.height)}}; }
+};
+
+/// Decodes, separates into inks, shares the sites among them.
+/// Errors: those of run_halftone but for writing.
+Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
+                                   const Control& control);
+
+/// Distributes the dots of each ink. The densities are taken, and given back as soon as the dots lie.
+/// @returns  [inks]
+Result<std::vector<Distribution>> place_dots(const HalftoneRequest& request, HalftonePlan& plan,
+                                             const Control& control);
+
+}  // namespace ccdt::api

@@ -1,0 +1,226 @@
+"""Halftones in colour: what they look like, what they are made as, what is refused."""
+
+import csv
+import io
+import pathlib
+import subprocess
+import tempfile
+import unittest
+from xml.etree import ElementTree
+
+import numpy
+from PIL import Image
+
+from harness import PICTURES, Call, Server, ServerCase, ask, data_uri, file_of, pixels, post_json
+
+ASTRONAUT = (PICTURES / "astronaut.png").read_bytes()
+CHELSEA = (PICTURES / "chelsea.png").read_bytes()
+GREY = (PICTURES / "camera.png").read_bytes()
+SVG = "{http://www.w3.org/2000/svg}"
+INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
+LATER = ("--header", "Prefer: respond-async")
+INKS = {"cyan": "#00ffff", "magenta": "#ff00ff", "yellow": "#ffff00", "black": "#000000"}
+
+
+def light(file):
+    """Linear light of each channel."""
+    level = numpy.arange(256) / 255
+    table = numpy.where(level <= 0.04045, level / 12.92, ((level + 0.055) / 1.055) ** 2.4)
+    return table[pixels(file, "RGB")]
+
+
+def blocks(picture, side):
+    """Means over squares."""
+    height, width = (length // side * side for length in picture.shape[:2])
+    return picture[:height, :width].reshape(height // side, side, width // side, side, 3).mean(axis=(1, 3))
+
+
+def rendered(svg, width):
+    """As librsvg sees it."""
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = pathlib.Path(folder) / "dots.svg", pathlib.Path(folder) / "dots.png"
+        source.write_bytes(svg)
+        subprocess.run(["rsvg-convert", "--width", str(width), "--output", str(target), str(source)], check=True)
+        return target.read_bytes()
+
+
+class Colours(ServerCase):
+    def test_local_means_are_those_of_the_picture(self):
+        for query in ("color=cmyk", "color=cmyk&antialias=true", "color=rgb", "color=rgb&antialias=true",
+                      "palette=%230ff,%23f0f,%23ff0,%23000,%23f00,%2300f"):
+            with self.subTest(query=query):
+                answer = self.halftone(ASTRONAUT, f"?sites=40000&scale=3&{query}")
+                errors = blocks(light(answer.body), 3 * 32) - blocks(light(ASTRONAUT), 32)
+                self.assertLess(numpy.abs(errors.mean(axis=(0, 1))).max(), 0.02)
+                self.assertLess(numpy.sqrt((errors ** 2).mean(axis=(0, 1))).max(), 0.04)
+
+    def test_grey_pictures_have_black_dots_only(self):
+        inks = self.halftone(GREY, "?sites=600&color=cmyk&format=json").json()["inks"]
+        self.assertEqual([ink["sites"] for ink in inks], [0, 0, 0, 600])
+        grey = self.halftone(GREY, "?sites=600&format=json").json()
+        self.assertAlmostEqual(inks[3]["variation"], grey["variation"], delta=0.02)
+
+    def test_sites_are_as_many_as_asked_for(self):
+        for sites in (1, 3, 1000, 30_001):
+            answer = self.halftone(CHELSEA, f"?sites={sites}&color=cmyk&iterations=1&format=json").json()
+            self.assertEqual(sum(len(ink["points"]) for ink in answer["inks"]), sites)
+            self.assertEqual(answer["sites"], sites)
+
+    def test_dots_lie_where_their_colour_is(self):
+        picture = numpy.zeros((60, 90, 3))
+        picture[:, :30], picture[:, 30:60], picture[:, 60:] = (255, 0, 0), (0, 255, 0), (0, 0, 255)
+        inks = self.halftone(file_of(picture), "?sites=900&color=rgb&format=json").json()["inks"]
+        for index, ink in enumerate(inks):
+            x = numpy.array(ink["points"])[:, 0]
+            self.assertTrue((30 * index < x).all() and (x < 30 * (index + 1)).all(), ink["name"])
+            self.assertEqual(ink["sites"], 300)
+
+    def test_transparent_parts_have_no_dots(self):
+        picture = numpy.full((40, 60, 4), (200, 30, 90, 255), dtype=numpy.uint8)
+        picture[:, 30:, 3] = 0
+        inks = self.halftone(file_of(picture), "?sites=400&color=cmyk&format=json").json()["inks"]
+        self.assertLess(max(x for ink in inks for x, _ in ink["points"]), 30)
+
+    def test_paper_is_seen_between_dots(self):
+        answer = self.halftone(CHELSEA, "?sites=500&palette=%23800,%23008&background=%23ffe")
+        self.assertIn((255, 255, 238), {tuple(colour) for colour in pixels(answer.body, "RGB").reshape(-1, 3).tolist()})
+        clear = self.halftone(CHELSEA, "?sites=500&color=cmyk&background=transparent")
+        self.assertEqual(set(numpy.unique(pixels(clear.body, "RGBA")[..., 3])), {0, 255})
+
+
+class Formats(ServerCase):
+    QUERY = "?sites=3000&color=cmyk&seed=2"
+
+    def made(self, format_, query=""):
+        return self.halftone(CHELSEA, f"{self.QUERY}&format={format_}{query}")
+
+    def test_png(self):
+        binary = self.made("png")
+        image = Image.open(io.BytesIO(binary.body))
+        self.assertEqual((image.mode, len(image.getpalette()) // 3 >= 16), ("P", True))
+        self.assertLessEqual(len(numpy.unique(pixels(binary.body, "RGB").reshape(-1, 3), axis=0)), 16)
+        self.assertEqual(Image.open(io.BytesIO(self.made("png", "&antialias=true").body)).mode, "RGB")
+        with tempfile.NamedTemporaryFile(suffix=".png") as file:
+            file.write(binary.body)
+            file.flush()
+            subprocess.run(["pngcheck", "-q", file.name], check=True)
+
+    def test_webp_and_tiff_look_like_png(self):
+        for query in ("", "&antialias=true", "&background=transparent", "&background=transparent&antialias=true"):
+            expected = pixels(self.made("png", query).body, "RGBA")
+            for form in ("webp", "tiff"):
+                with self.subTest(form=form, query=query):
+                    answer = self.made(form, query)
+                    self.assertEqual(answer.type, "image/" + form)
+                    found = pixels(answer.body, "RGBA")
+                    numpy.testing.assert_array_equal(found[..., 3], expected[..., 3])
+                    seen = expected[..., 3] > 0
+                    numpy.testing.assert_array_equal(found[seen], expected[seen])
+
+    def test_svg_has_a_layer_for_each_ink(self):
+        inks = self.made("json").json()["inks"]
+        for style, tag in (("fill", "circle"), ("stroke", "path")):
+            root = ElementTree.fromstring(self.made("svg", "&style=" + style).body)
+            layers = [group for group in root.findall(SVG + "g") if group.get(INKSCAPE + "groupmode") == "layer"]
+            self.assertEqual([layer.get(INKSCAPE + "label") for layer in layers], list(INKS))
+            for layer, ink in zip(layers, inks):
+                group = layer.find(SVG + "g")
+                self.assertEqual(group.get("fill" if style == "fill" else "stroke"), ink["color"])
+                self.assertTrue(layer.find(SVG + "desc").text.startswith(f"{ink['sites']} dots along a path of"))
+                drawn = group.findall(SVG + tag)
+                count = len(drawn) if style == "fill" else sum(path.get("d").count("M") for path in drawn)
+                self.assertEqual(count, ink["sites"])
+
+    def test_svg_looks_like_png(self):
+        for color in ("cmyk", "rgb"):
+            query = f"?sites=3000&scale=4&color={color}&antialias=true"
+            png = light(self.halftone(CHELSEA, query).body)
+            svg = light(rendered(self.halftone(CHELSEA, query + "&format=svg").body, png.shape[1]))
+            self.assertEqual(svg.shape, png.shape)
+            # They round the rims otherwise, and mix there as sRGB has it.
+            self.assertLess(numpy.abs(svg - png).mean(), 0.05)
+            self.assertLess(numpy.abs(blocks(svg, 100) - blocks(png, 100)).max(), 0.06)
+
+    def test_tables_name_the_ink(self):
+        inks = self.made("json").json()["inks"]
+        rows = list(csv.reader(io.StringIO(self.made("csv").body.decode("ascii"), newline="")))
+        self.assertEqual(rows[0], ["x", "y", "ink"])
+        expected = [(*point, ink["name"]) for ink in inks for point in ink["points"]]
+        self.assertEqual([(float(x), float(y), ink) for x, y, ink in rows[1:]], expected)
+        array = numpy.load(io.BytesIO(self.made("npy").body), allow_pickle=False)
+        numbered = [(*point, number) for number, ink in enumerate(inks) for point in ink["points"]]
+        numpy.testing.assert_array_equal(array, numpy.array(numbered))
+
+    def test_json_tells_each_ink(self):
+        answer = self.made("json").json()
+        self.assertNotIn("points", answer)
+        self.assertEqual({ink["name"]: ink["color"] for ink in answer["inks"]}, INKS)
+        self.assertEqual((answer["sites"], answer["seed"], answer["method"]), (3000, 2, "ccdt"))
+        for ink in answer["inks"]:
+            self.assertEqual(len(ink["trace"]), ink["iterations"] + 1)
+            self.assertEqual(len(ink["points"]), ink["sites"])
+
+    def test_palettes_are_named_by_their_colours(self):
+        for palette in ("#0AF, #112233", ["#0af", "#112233"]):
+            answer = post_json(self.server, "/halftone",
+                               {"image": data_uri(CHELSEA), "sites": 200, "palette": palette, "format": "json"})
+            self.assertEqual(answer.status, 200, answer)
+            self.assertEqual([ink["name"] for ink in answer.json()["inks"]], ["#00aaff", "#112233"])
+
+
+class Options(ServerCase):
+    def test_that_are_wrong_are_named(self):
+        for query, field, words in (
+                ("color=pink", "color", "'gray' or 'cmyk' or 'rgb'"),
+                ("palette=", "palette", "1 to 6 colours"),
+                ("palette=%23000,%23111,%23222,%23333,%23444,%23555,%23666", "palette", "1 to 6 colours"),
+                ("palette=%23000,red", "palette", "colour 2 must be a colour as #rgb or #rrggbb"),
+                ("palette=%23fff,%23ffffff", "palette", "colour 2 is there already"),
+                ("palette=%23000&color=cmyk", "palette", "give one of the two"),
+                ("color=cmyk&foreground=%23f00", "foreground", "color=gray"),
+                ("color=cmyk&invert=true", "invert", "color=gray"),
+                ("color=rgb&background=%23fff", "background", "on black")):
+            with self.subTest(query=query):
+                problem = self.assert_problem(self.ask("/halftone?" + query, data=GREY), 400, words)
+                self.assertEqual(problem["errors"][0]["pointer"], field)
+
+    def test_without_ink_there_is_nothing_to_draw(self):
+        white = file_of(numpy.full((9, 9, 3), 255))
+        black = file_of(numpy.zeros((9, 9, 3)))
+        self.assert_problem(self.ask("/halftone?color=cmyk", data=white), 422, "like its paper")
+        self.assert_problem(self.ask("/halftone?color=rgb", data=black), 422, "like its paper")
+        self.assertEqual(self.ask("/halftone?color=rgb&sites=9", data=white).status, 200)
+
+    def test_make_other_tags(self):
+        tags = {self.halftone(GREY, "?sites=50" + query).headers["etag"]
+                for query in ("", "&color=gray", "&color=cmyk", "&palette=%23000", "&palette=%23000,%23f00")}
+        self.assertEqual(len(tags), 5)
+
+
+class Runs(unittest.TestCase):
+    def test_are_the_same_everywhere(self):
+        queries = ("?sites=3000&color=cmyk", "?sites=3000&palette=%23c00,%2306c&antialias=true")
+        with Server("--workers=1", "--decoder=inline") as one, Server("--workers=4") as four:
+            calls = [Call(four.url("/halftone" + query), data=CHELSEA) for query in queries for _ in range(3)]
+            bodies = [call.answer().body for call in calls]
+            for index, query in enumerate(queries):
+                expected = ask(one, "/halftone" + query, data=CHELSEA)
+                self.assertEqual(expected.status, 200, expected)
+                self.assertEqual(set(bodies[3 * index:3 * index + 3]), {expected.body})
+
+    def test_of_jobs_only_go_forward(self):
+        with Server("--workers=2") as server:
+            accepted = ask(server, "/halftone?sites=9000&color=cmyk", *LATER, data=ASTRONAUT)
+            self.assertEqual(accepted.status, 202, accepted)
+            job = accepted.headers["location"]
+            stream = ask(server, job + "/events", "--no-buffer").body.decode()
+            told = [line for line in stream.splitlines() if line.startswith("data:")]
+            progress = [float(line.split('"progress":')[1].split(",")[0].rstrip("}")) for line in told]
+            self.assertEqual(progress, sorted(progress))
+            self.assertEqual(progress[-1], 1)
+            now = ask(server, "/halftone?sites=9000&color=cmyk", data=ASTRONAUT)
+            self.assertEqual(ask(server, job + "/result").body, now.body)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
