@@ -24,7 +24,7 @@ const notes = {
   torus: "The points tile the plane, and are measured around the torus.",
   rectangle: "The rectangle is taken for a window on a larger pattern.",
   polygon: "Measured are the points in the largest square inside the shape, a window on a larger pattern.",
-  halftone: "The picture's own light and dark is part of this spectrum: that is the low power near the middle and left.",
+  halftone: "The picture's own light and dark is part of this spectrum: that is the low power near the middle and left. Of several inks all dots are taken together.",
 };
 
 export class Analyze extends Panel {
@@ -39,8 +39,8 @@ export class Analyze extends Panel {
   /** @returns  {points, domain, note} of what was made */
   async #made(signal) {
     if (this.source.value === "halftone") {
-      const { points, width, height } = await (await this.halftone.ask("json", signal, this.tell)).json();
-      return { points, domain: { type: "rectangle", width, height }, note: notes.halftone };
+      const { points, inks, width, height } = await (await this.halftone.ask("json", signal, this.tell)).json();
+      return { points: points ?? inks.flatMap((ink) => ink.points), domain: { type: "rectangle", width, height }, note: notes.halftone };
     }
     const { shape } = this.sample;
     if (!shape) throw new Error("there are no points yet: make some under Sample");

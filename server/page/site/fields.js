@@ -61,7 +61,44 @@ function colourField(field, id, change) {
   return { input: well, parts: [entry], value: () => (none?.checked ? "transparent" : well.value) };
 }
 
-const makers = { number: numberField, choice: choiceField, check: checkField, colour: colourField };
+/** One well for each of 1 to as many colours as `field.colours` has, of which `field.number` are there at first. */
+function paletteField(field, id, change) {
+  const wells = [];
+  const place = make("div", { className: "wells", attributes: { role: "group", "aria-label": field.label } });
+  const more = make("button", { type: "button", textContent: "Add", attributes: { "aria-label": "Add an ink" } });
+  const settle = () => {
+    more.disabled = wells.length === field.colours.length;
+    place.classList.toggle("single", wells.length === 1);
+  };
+  const remove = (index) => {
+    for (let i = index; i + 1 < wells.length; ++i) wells[i].value = wells[i + 1].value;
+    wells.pop().parentElement.remove();
+    settle();
+    more.focus();
+    change(false);
+  };
+  const add = (value) => {
+    const index = wells.length;
+    const well = make("input", { type: "color", value, attributes: { "aria-label": `Ink ${index + 1}` } });
+    if (index === 0) well.id = id;
+    const less = make("button", { type: "button", textContent: "\u00d7", attributes: { "aria-label": `Remove ink ${index + 1}` } });
+    well.addEventListener("input", () => change(true));
+    well.addEventListener("change", () => change(false));
+    less.addEventListener("click", () => remove(index));
+    wells.push(well);
+    more.before(make("span", {}, well, less));
+    settle();
+  };
+  more.addEventListener("click", () => {
+    add(field.colours.find((colour) => wells.every(({ value }) => value !== colour)));
+    change(false);
+  });
+  place.append(more);
+  field.colours.slice(0, field.number).forEach(add);
+  return { input: wells[0], parts: [place], value: () => wells.map((well) => well.value).join(",") };
+}
+
+const makers = { number: numberField, choice: choiceField, check: checkField, colour: colourField, palette: paletteField };
 
 /**
  * Fields in a form. `change(draft)` is called while a slider moves, with true, and when it rests.
@@ -90,10 +127,15 @@ export class Fields {
     return this.#entries.find((entry) => entry.field.name === name);
   }
 
-  /** What differs from the server's defaults, by name. */
+  /** What differs from the server's defaults, by name, of what is offered. */
   values() {
-    const all = this.#entries.map((entry) => [entry.field.name, entry.value(), entry.field.standard]);
+    const offered = this.#entries.filter(({ element }) => !element.hidden);
+    const all = offered.map((entry) => [entry.field.name, entry.value(), entry.field.standard]);
     return Object.fromEntries(all.filter(([, value, standard]) => value !== undefined && value !== standard));
+  }
+
+  offer(name, offered) {
+    this.#find(name).element.hidden = !offered;
   }
 
   enable(name, enabled) {

@@ -16,6 +16,8 @@ const fields = [
   { kind: "choice", name: "tone", label: "Tone", standard: "linear", choices: [["linear", "linear"], ["perceptual", "perceptual: lighter"]] },
   { kind: "check", name: "invert", label: "Invert", standard: false },
   { kind: "check", name: "antialias", label: "Soft rims", checked: true, standard: false },
+  { kind: "choice", name: "color", label: "Inks", standard: "gray", choices: [["gray", "one"], ["cmyk", "CMYK: four"], ["rgb", "RGB: light on black"], ["palette", "a palette"]] },
+  { kind: "palette", name: "palette", label: "Palette", number: 4, colours: ["#0078bf", "#ff48b0", "#ffe800", "#000000", "#00a95c", "#ff6c2f"] },
   { kind: "colour", name: "foreground", label: "Dots' colour", value: "#000000", standard: "#000000" },
   { kind: "colour", name: "background", label: "Paper", value: "#ffffff", standard: "#ffffff", transparent: true },
   { kind: "choice", name: "quality", label: "Quality", standard: "standard", choices: [["standard", "standard"], ["draft", "draft: faster"], ["best", "best: slower"]] },
@@ -32,6 +34,7 @@ export class Halftone extends Panel {
     this.divider = this.find(".divider");
     this.viewport = new Viewport(this.find("canvas"), this.find(".zoom"), (...args) => this.#draw(...args));
     this.fields = new Fields(this.find("form"), fields, (draft) => this.refresh(draft));
+    this.#offerFields();
     this.snippets = new Snippets(this.find(".snippets"));
     this.divider.addEventListener("input", () => this.viewport.redraw());
     this.addDownloads(["png", "svg", "csv", "json"], "dots", (format, signal) => this.ask(format, signal));
@@ -71,9 +74,19 @@ export class Halftone extends Panel {
     this.refresh(false);
   }
 
+  /** What makes no sense with the inks that are chosen is not there to be asked for. */
+  #offerFields() {
+    const { color = "gray" } = this.fields.values();
+    this.fields.offer("palette", color === "palette");
+    this.fields.offer("foreground", color === "gray");
+    this.fields.offer("invert", color === "gray");
+    this.fields.offer("background", color !== "rgb");
+  }
+
   /** A radius is in pixels of the output, whose scale then must stay what it was when the radius was seen. */
   #options() {
     const options = this.fields.values();
+    if (options.palette) delete options.color;
     if (options.dot !== undefined && this.#original && this.#dots)
       options.scale = Math.round((100 * this.#dots.width) / this.#original.width) / 100;
     return options;
@@ -91,6 +104,7 @@ export class Halftone extends Panel {
   }
 
   refresh(draft = false) {
+    this.#offerFields();
     if (!this.#picture) return;
     const options = this.#options();
     this.snippets.showHalftone({ picture: this.#picture, options });
