@@ -34,6 +34,7 @@ void InkPolish::refine(const InkPolishOptions& options, const std::stop_token& s
     });
     repeat(options.near_rounds,
            [&](int) { push_apart(options.nearest, options.near_push, options.other_nearest, options.push, stop); });
+    repeat(options.last_rounds, [&](int) { even_out_each(stop); });
 }
 
 /// Calls with each ink, and the moves of its sites, until it is stopped.

@@ -20,19 +20,20 @@ namespace ccdt {
 /// Measured on flat tints and photographs: these keep an ink nearly as even as it is alone, while the dots of
 /// different inks lie about as far apart as those of a halftone made of all of them.
 struct InkPolishOptions {
-    int rounds = 10;             ///< that push near sites apart, own ones and those of other inks
-    int rounds_even = 2;         ///< rounds after which each ink's long waves are evened out
-    int rounds_mesh = 5;         ///< rounds after which the neighbours are found anew
-    int even_rounds = 2;         ///< then, that only even out, all inks together and each by itself
-    int near_rounds = 2;         ///< last, that only push the nearest ones
-    double reach = 0.93;         ///< distance below which sites of an ink are pushed
-    double push = 0.3;           ///< share of what is missing by which each of two sites moves
-    double other_reach = 0.9;    ///< distance below which sites of different inks are pushed
-    double nearest = 0.72;       ///< reach of the last rounds,
-    double other_nearest = 0.6;  ///< and that between different inks
-    double near_push = 0.5;      ///< their push within an ink
+    int rounds = 10;              ///< that push near sites apart, own ones and those of other inks
+    int rounds_even = 2;          ///< rounds after which each ink's long waves are evened out
+    int rounds_mesh = 5;          ///< rounds after which the neighbours are found anew
+    int even_rounds = 2;          ///< then, that only even out, all inks together and each by itself
+    int near_rounds = 3;          ///< then, that only push the nearest ones
+    int last_rounds = 1;          ///< last, that even out what these have left behind in each ink
+    double reach = 0.93;          ///< distance below which sites of an ink are pushed
+    double push = 0.3;            ///< share of what is missing by which each of two sites moves
+    double other_reach = 0.9;     ///< distance below which sites of different inks are pushed
+    double nearest = 0.72;        ///< reach of the near rounds,
+    double other_nearest = 0.66;  ///< and that between different inks
+    double near_push = 0.5;       ///< their push within an ink
 
-    int all_rounds() const { return rounds + even_rounds + near_rounds; }
+    int all_rounds() const { return rounds + even_rounds + near_rounds + last_rounds; }
 };
 
 /// Polishes several inks at once, as Polish does one, such that sites of different inks keep apart.

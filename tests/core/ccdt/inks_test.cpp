@@ -170,7 +170,7 @@ TEST(DistributeInks, KeepsTheToneOfEachInk) {
     const std::vector<std::size_t> counts{1200, 900, 600};
     const auto inks = distribute_inks(kSquare, densities, counts, {.seed = 2}).value();
     for (std::size_t i = 0; i < counts.size(); ++i) {
-        EXPECT_LT(tone_error(densities[i], inks[i].points), 2e-4) << i;
+        EXPECT_LT(tone_error(densities[i], inks[i].points), 1.5e-5) << i;
         EXPECT_LT(inks[i].variation(), 0.25) << i;
     }
 }
