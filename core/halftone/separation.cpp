@@ -243,14 +243,6 @@ private:
 
 }  // namespace
 
-InkSet cmyk_inks() {
-    return {{{0, 1, 1}, {1, 0, 1}, {1, 1, 0}, {0, 0, 0}}, {1, 1, 1}, false};
-}
-
-InkSet rgb_inks() {
-    return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}, true};
-}
-
 Light printed(const InkSet& inks, std::span<const float> cover) {
     Light light = inks.paper;
     for (std::size_t i = 0; i < inks.inks.size(); ++i) {

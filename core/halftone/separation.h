@@ -29,12 +29,6 @@ struct InkSet {
     bool additive = false;
 };
 
-/// Cyan, magenta, yellow, black, in this order, each of which takes out its part of the light wholly; on white paper.
-InkSet cmyk_inks();
-
-/// Red, green and blue light on black.
-InkSet rgb_inks();
-
 /// What is seen where shares of a place are covered by inks that know nothing of each other.
 /// @param cover  [inks] in [0, 1]
 Light printed(const InkSet& inks, std::span<const float> cover);
@@ -49,7 +43,7 @@ Light halftoned(const InkSet& inks, std::span<const float> cover);
 ///
 /// Transparent parts show the paper: no dots. Values of the picture beyond [0, 1] count as the nearer end, what is no
 /// number as 0. Continuous in the colour. Of the mixtures that look alike that one is taken which covers least, so
-/// that with cmyk_inks() greys are black alone.
+/// that with ideal cyan, magenta, yellow and black greys are black alone.
 ///
 /// @param stop  asked once a row; a stop ends it early, with nothing of use
 /// O(pixels), after a table whose making takes as long as some 300,000 pixels do.

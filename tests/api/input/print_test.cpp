@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "api/image/ink_set.h"
+#include "tests/support/inks.h"
 
 namespace ccdt::api {
 namespace {
@@ -31,7 +32,7 @@ TEST(Print, HasTheInksThatCoreKnows) {
     ASSERT_TRUE(cmyk && *cmyk && rgb && *rgb);
     EXPECT_EQ(names_of(**cmyk), (std::vector<std::string>{"cyan", "magenta", "yellow", "black"}));
     EXPECT_EQ(names_of(**rgb), (std::vector<std::string>{"red", "green", "blue"}));
-    for (const auto& [print, inks] : {std::pair{**cmyk, cmyk_inks()}, std::pair{**rgb, rgb_inks()}}) {
+    for (const auto& [print, inks] : {std::pair{**cmyk, test::cmyk_inks()}, std::pair{**rgb, test::rgb_inks()}}) {
         const InkSet set = ink_set(print);
         EXPECT_EQ(set.inks, inks.inks);
         EXPECT_EQ(set.paper, inks.paper);

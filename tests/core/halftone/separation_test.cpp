@@ -12,6 +12,7 @@
 
 #include "core/ccdt/inks.h"
 #include "core/halftone/dots.h"
+#include "tests/support/inks.h"
 
 namespace ccdt {
 namespace {
@@ -33,7 +34,7 @@ void expect_near(const std::vector<float>& cover, const std::vector<float>& expe
 }
 
 TEST(Separation, CoversWithOneInkWhereThePictureHasItsColour) {
-    const InkSet inks = cmyk_inks();
+    const InkSet inks = test::cmyk_inks();
     expect_near(mix({1, 1, 1}, inks), {0, 0, 0, 0}, 1e-6f);
     expect_near(mix({0, 0, 0}, inks), {0, 0, 0, 1}, 1e-3f);
     expect_near(mix({0, 1, 1}, inks), {1, 0, 0, 0}, 1e-3f);
@@ -44,13 +45,13 @@ TEST(Separation, CoversWithOneInkWhereThePictureHasItsColour) {
 TEST(Separation, LeavesTransparentPixelsToThePaper) {
     const ColourPicture picture{3,         1,         {0, 0, 0},
                                 {0, 0, 0}, {0, 0, 0}, {0, 0.5f, std::numeric_limits<float>::quiet_NaN()}};
-    const Covers covers = separate(picture, cmyk_inks(), Tone::Linear);
+    const Covers covers = separate(picture, test::cmyk_inks(), Tone::Linear);
     expect_near(covers[3], {0, 0.5f, 0}, 1e-3f);
 }
 
 TEST(Separation, MakesGreysOfBlackAlone) {
     for (const float grey : {0.0f, 0.03f, 0.18f, 0.5f, 0.7f, 0.95f}) {
-        const std::vector<float> cover = mix({grey, grey, grey}, cmyk_inks());
+        const std::vector<float> cover = mix({grey, grey, grey}, test::cmyk_inks());
         for (std::size_t ink = 0; ink < 3; ++ink) EXPECT_EQ(cover[ink], 0) << "ink " << ink << " of grey " << grey;
         EXPECT_NEAR(cover[3], 1 - grey, 1e-3);
     }
@@ -75,8 +76,8 @@ TEST(Separation, TakesInksAsTheyAreAlsoIfPerceptual) {
 
 TEST(Separation, TakesWhatIsNoNumberForNone) {
     const float none = std::numeric_limits<float>::quiet_NaN();
-    expect_near(mix({none, none, none}, cmyk_inks()), {0, 0, 0, 1}, 1e-3f);
-    expect_near(mix({2, -1, 2}, cmyk_inks()), {0, 1, 0, 0}, 1e-3f);
+    expect_near(mix({none, none, none}, test::cmyk_inks()), {0, 0, 0, 1}, 1e-3f);
+    expect_near(mix({2, -1, 2}, test::cmyk_inks()), {0, 1, 0, 0}, 1e-3f);
 }
 
 /// A picture of one row.
@@ -101,7 +102,7 @@ TEST(Separation, LooksLikeThePicture) {
         lights.push_back({share(i % kSide), share(i / kSide % kSide), share(i / kSide / kSide)});
     }
     const ColourPicture picture = row_of(lights);
-    for (const InkSet& inks : {cmyk_inks(), rgb_inks()}) {
+    for (const InkSet& inks : {test::cmyk_inks(), test::rgb_inks()}) {
         const Covers covers = separate(picture, inks, Tone::Linear);
         for (std::size_t p = 0; p < lights.size(); ++p) {
             std::vector<float> here;
@@ -134,7 +135,7 @@ TEST(Separation, IsContinuousInTheColour) {
         lights.push_back({t, 0.5f - 0.4f * t, t * t});
     }
     const ColourPicture picture = row_of(lights);
-    for (const InkSet& inks : {six, cmyk_inks()}) {
+    for (const InkSet& inks : {six, test::cmyk_inks()}) {
         for (const auto& cover : separate(picture, inks, Tone::Linear)) {
             for (std::size_t i = 1; i < kSteps; ++i) EXPECT_LT(std::abs(cover[i] - cover[i - 1]), 0.02f) << i;
         }
@@ -144,17 +145,17 @@ TEST(Separation, IsContinuousInTheColour) {
 TEST(Separation, EndsWhenStopped) {
     std::stop_source source;
     source.request_stop();
-    const auto covers = separate({1, 1, {0}, {0}, {0}, {}}, cmyk_inks(), Tone::Linear, source.get_token());
+    const auto covers = separate({1, 1, {0}, {0}, {0}, {}}, test::cmyk_inks(), Tone::Linear, source.get_token());
     EXPECT_EQ(covers, Covers(4, {0}));
 }
 
 TEST(Halftoned, AddsWhatInksTakeWhereThereIsRoomAndMultipliesWhereThereIsNone) {
-    const Light light = halftoned(cmyk_inks(), std::vector<float>{0.1f, 0, 0, 0.1f});
+    const Light light = halftoned(test::cmyk_inks(), std::vector<float>{0.1f, 0, 0, 0.1f});
     EXPECT_NEAR(light.red, 0.8f, 1e-3);
     EXPECT_NEAR(light.green, 0.9f, 1e-6);
-    const Light dark = halftoned(cmyk_inks(), std::vector<float>{0.9f, 0.9f, 0.9f, 0.9f});
+    const Light dark = halftoned(test::cmyk_inks(), std::vector<float>{0.9f, 0.9f, 0.9f, 0.9f});
     EXPECT_NEAR(dark.red, 0.01f, 0.01);
-    EXPECT_EQ(halftoned(rgb_inks(), std::vector<float>{0.3f, 1, 0}), (Light{0.3f, 1, 0}));
+    EXPECT_EQ(halftoned(test::rgb_inks(), std::vector<float>{0.3f, 1, 0}), (Light{0.3f, 1, 0}));
 }
 
 /// What dots of a flat tint show in the mean.
@@ -184,7 +185,7 @@ Light dotted(const InkSet& inks, const std::vector<float>& cover) {
 }
 
 TEST(Halftoned, IsWhatDotsShow) {
-    const InkSet inks = cmyk_inks();
+    const InkSet inks = test::cmyk_inks();
     for (const std::vector<float>& cover :
          {std::vector<float>{0.2f, 0, 0, 0.2f}, {0.3f, 0.2f, 0, 0.3f}, {0.2f, 0.5f, 0, 0.4f}, {0.7f, 0, 0, 0.6f}}) {
         EXPECT_LT(furthest(dotted(inks, cover), halftoned(inks, cover)), 0.035f) << cover[0] << " " << cover[3];
@@ -192,7 +193,7 @@ TEST(Halftoned, IsWhatDotsShow) {
 }
 
 TEST(Separation, TakesRedGreenAndBlueAsTheyAre) {
-    expect_near(mix({0.25f, 0.5f, 0.75f}, rgb_inks()), {0.25f, 0.5f, 0.75f}, 1e-3f);
+    expect_near(mix({0.25f, 0.5f, 0.75f}, test::rgb_inks()), {0.25f, 0.5f, 0.75f}, 1e-3f);
 }
 
 TEST(ShareSites, GivesEachInkItsPartByLargestRemainders) {
