@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/polish/rounds.h"
+
 namespace ccdt {
 
 InkPolish::InkPolish(const Domain& domain, const Density& together, std::vector<Ink> inks, const std::stop_token& stop)
@@ -17,24 +19,18 @@ InkPolish::InkPolish(const Domain& domain, const Density& together, std::vector<
 
 void InkPolish::refine(const InkPolishOptions& options, const std::stop_token& stop,
                        const std::function<void()>& after) {
-    const auto repeat = [&](int rounds, auto&& round) {
-        for (int i = 0; i < rounds && !stop.stop_requested(); ++i) {
-            round(i);
-            if (after && !stop.stop_requested()) after();
-        }
-    };
-    repeat(options.rounds, [&](int round) {
+    repeat(options.rounds, stop, after, [&](int round) {
         if (round % options.rounds_mesh == 0) restore_meshes(stop);
         push_apart(options.reach, options.push, options.other_reach, options.push, stop);
         if ((round + 1) % options.rounds_even == 0) even_out_each(stop);
     });
-    repeat(options.even_rounds, [&](int) {
+    repeat(options.even_rounds, stop, after, [&](int) {
         even_out_together(stop);
         even_out_each(stop);
     });
-    repeat(options.near_rounds,
+    repeat(options.near_rounds, stop, after,
            [&](int) { push_apart(options.nearest, options.near_push, options.other_nearest, options.push, stop); });
-    repeat(options.last_rounds, [&](int) { even_out_each(stop); });
+    repeat(options.last_rounds, stop, after, [&](int) { even_out_each(stop); });
 }
 
 /// Calls with each ink, and the moves of its sites, until it is stopped.

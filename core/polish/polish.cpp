@@ -6,6 +6,7 @@
 
 #include "core/ccdt/border.h"
 #include "core/geometry/predicates.h"
+#include "core/polish/rounds.h"
 
 namespace ccdt {
 
@@ -137,18 +138,12 @@ void Polish::begin(const Triangulation& mesh) {
 void Polish::refine(Triangulation& mesh, const PolishOptions& options, const std::stop_token& stop,
                     const std::function<void()>& after) {
     begin(mesh);
-    const auto repeat = [&](int rounds, auto&& round) {
-        for (int i = 0; i < rounds && !stop.stop_requested(); ++i) {
-            round();
-            if (after && !stop.stop_requested()) after();
-        }
-    };
-    repeat(options.rounds, [&] {
+    repeat(options.rounds, stop, after, [&](int) {
         push_apart(mesh, options.reach, options.push, {}, stop);
         even_out(mesh, stop);
     });
-    repeat(options.even_rounds, [&] { even_out(mesh, stop); });
-    repeat(options.near_rounds, [&] { push_apart(mesh, options.nearest, 0.5, {}, stop); });
+    repeat(options.even_rounds, stop, after, [&](int) { even_out(mesh, stop); });
+    repeat(options.near_rounds, stop, after, [&](int) { push_apart(mesh, options.nearest, 0.5, {}, stop); });
 }
 
 void Polish::even_out(Triangulation& mesh, const std::stop_token& stop) {
