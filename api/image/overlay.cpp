@@ -12,10 +12,7 @@ namespace {
 /// What pixels look like by how much of them each ink covers.
 class Mixer {
 public:
-    explicit Mixer(const Print& print) : inks_(ink_set(print)), transparent_(print.paper.transparent) {
-        for (std::size_t i = 0; i < stored_.size(); ++i)
-            stored_[i] = to_srgb(static_cast<double>(i) / static_cast<double>(stored_.size() - 1));
-    }
+    explicit Mixer(const Print& print) : inks_(ink_set(print)), transparent_(print.paper.transparent) {}
 
     /// @param cover  [inks] in [0, 1]
     /// @returns      red, green, blue, alpha
@@ -33,13 +30,23 @@ private:
     /// Fine enough that no more than a rounding differs from to_srgb.
     static constexpr std::size_t kSteps = 1 << 16;
 
+    /// Made once: it takes as long as a small picture.
+    static const std::vector<std::uint8_t>& table() {
+        static const std::vector<std::uint8_t> values = [] {
+            std::vector<std::uint8_t> stored(kSteps);
+            for (std::size_t i = 0; i < kSteps; ++i) stored[i] = to_srgb(static_cast<double>(i) / (kSteps - 1));
+            return stored;
+        }();
+        return values;
+    }
+
     std::uint8_t store(float light) const {
         return stored_[static_cast<std::size_t>(std::clamp(light, 0.0F, 1.0F) * (kSteps - 1) + 0.5F)];
     }
 
     InkSet inks_;
     bool transparent_;
-    std::vector<std::uint8_t> stored_ = std::vector<std::uint8_t>(kSteps);
+    const std::vector<std::uint8_t>& stored_ = table();
 };
 
 /// Of pixels that each ink covers or does not, a bit for each.
