@@ -76,6 +76,18 @@ public:
 
     void end_layer() { write("</g>\n"); }
 
+    void dots(std::span<const Point> centres, double radius, DotStyle style, const Colour& colour,
+              const std::stop_token& stop) {
+        if (style == DotStyle::Stroke) return strokes(centres, radius, colour, stop);
+        discs(centres, radius, colour, stop);
+    }
+
+    std::string finish() {
+        write("</svg>\n");
+        return std::move(out_);
+    }
+
+private:
     void discs(std::span<const Point> centres, double radius, const Colour& colour, const std::stop_token& stop) {
         write(R"(<g fill=")", hexadecimal(colour), "\">\n");
         for (std::size_t i = 0; i < centres.size() && !stop.stop_requested(); i += kChunk) {
@@ -99,12 +111,6 @@ public:
         write("</g>\n");
     }
 
-    std::string finish() {
-        write("</svg>\n");
-        return std::move(out_);
-    }
-
-private:
     static std::span<const Point> chunk(std::span<const Point> all, std::size_t first) {
         return all.subspan(first, std::min(kChunk, all.size() - first));
     }
@@ -189,12 +195,8 @@ std::string write_svg(std::span<const Point> points, const Page& page, double ra
                       const std::stop_token& hurry, const std::stop_token& stop) {
     DotDocument document(page, points.size());
     const std::vector<Point> dots = order(points, page, document, hurry);
-    if (style == DotStyle::Stroke) {
-        document.strokes(dots, radius * document.unit(), inks.foreground, stop);
-    } else {
-        document.paper(inks.background);
-        document.discs(dots, radius * document.unit(), inks.foreground, stop);
-    }
+    if (style == DotStyle::Fill) document.paper(inks.background);
+    document.dots(dots, radius * document.unit(), style, inks.foreground, stop);
     return document.finish();
 }
 
@@ -209,12 +211,7 @@ std::string write_svg(std::span<const DotLayer> layers, const Page& page, DotSty
     for (const DotLayer& layer : layers) {
         document.begin_layer(layer.name, ground.additive ? "screen" : "multiply");
         const std::vector<Point> placed = order(layer.points, page, document, hurry);
-        const double radius = layer.radius * document.unit();
-        if (style == DotStyle::Stroke) {
-            document.strokes(placed, radius, layer.colour, stop);
-        } else {
-            document.discs(placed, radius, layer.colour, stop);
-        }
+        document.dots(placed, layer.radius * document.unit(), style, layer.colour, stop);
         document.end_layer();
     }
     return document.finish();
