@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "core/halftone/box_programme.h"
 
@@ -190,20 +191,13 @@ Cover Mixer::mix(const Light& light) const {
     return result;
 }
 
-/// A table over all colours. Between its nodes it is linear in each tetrahedron about the greys, as are inks that
-/// stand for the least of a colour's channels.
+/// A table over all colours, filled where it is asked. Between its nodes it is linear in each tetrahedron about the
+/// greys, as are inks that stand for the least of a colour's channels.
 class MixTable {
 public:
-    explicit MixTable(const Mixer& mixer) {
-        nodes_.reserve(kSide * kSide * kSide);
-        for (std::size_t b = 0; b < kSide; ++b) {
-            for (std::size_t g = 0; g < kSide; ++g) {
-                for (std::size_t r = 0; r < kSide; ++r) nodes_.push_back(mixer.mix({at(r), at(g), at(b)}));
-            }
-        }
-    }
+    explicit MixTable(const Mixer& mixer) : mixer_(mixer), nodes_(kSide * kSide * kSide) {}
 
-    Cover mix(const Light& light) const {
+    Cover mix(const Light& light) {
         struct Axis {
             float part;
             std::size_t step;
@@ -224,7 +218,9 @@ public:
         order(axes[0], axes[1]);
         Cover cover{};
         const auto add = [&](float weight) {
-            for (std::size_t i = 0; i < kMostInks; ++i) cover[i] += weight * nodes_[node][i];
+            if (!(weight > 0)) return;
+            const Cover& corner = at_node(node);
+            for (std::size_t i = 0; i < kMostInks; ++i) cover[i] += weight * corner[i];
         };
         add(1 - axes[0].part);
         for (std::size_t k = 0; k < 3; ++k) {
@@ -236,9 +232,16 @@ public:
 
 private:
     static constexpr std::size_t kSide = 17;
-    static float at(std::size_t index) { return static_cast<float>(index) / (kSide - 1); }
 
-    std::vector<Cover> nodes_;
+    const Cover& at_node(std::size_t node) {
+        const auto at = [](std::size_t index) { return static_cast<float>(index) / (kSide - 1); };
+        auto& cover = nodes_[node];
+        if (!cover) cover = mixer_.mix({at(node % kSide), at(node / kSide % kSide), at(node / (kSide * kSide))});
+        return *cover;
+    }
+
+    const Mixer mixer_;
+    std::vector<std::optional<Cover>> nodes_;  ///< red is the fastest axis
 };
 
 }  // namespace
@@ -268,7 +271,7 @@ std::vector<std::vector<float>> separate(const ColourPicture& picture, const Ink
     assert(!inks.inks.empty() && inks.inks.size() <= kMostInks);
     const std::size_t pixels = picture.red.size();
     std::vector<std::vector<float>> coverage(inks.inks.size(), std::vector<float>(pixels));
-    const MixTable table(Mixer(inks, tone));
+    MixTable table(Mixer(inks, tone));
     for (std::size_t p = 0; p < pixels; ++p) {
         if (p % static_cast<std::size_t>(picture.width) == 0 && stop.stop_requested()) break;
         const float alpha = picture.alpha.empty() ? 1 : to_share(picture.alpha[p]);

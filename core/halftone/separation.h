@@ -46,7 +46,7 @@ Light halftoned(const InkSet& inks, std::span<const float> cover);
 /// that with ideal cyan, magenta, yellow and black greys are black alone.
 ///
 /// @param stop  asked once a row; a stop ends it early, with nothing of use
-/// O(pixels), after a table whose making takes as long as some 300,000 pixels do.
+/// O(pixels), and besides that for each kind of colour; all there are take as long as some 300,000 pixels do.
 std::vector<std::vector<float>> separate(const ColourPicture& picture, const InkSet& inks, Tone tone,
                                          const std::stop_token& stop = {});
 
