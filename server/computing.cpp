@@ -89,13 +89,6 @@ std::string cache_key(const std::string& name, bool compressed) {
     return compressed ? name + "-gzip" : name;
 }
 
-Response not_modified(std::string_view tag) {
-    Response response;
-    response.status = 304;
-    response.tag = tag;
-    return response;
-}
-
 /// @param name  of the answer, unless it is only a part of it
 Response response_of(api::Answer answer, const std::string& name) {
     Response response;

@@ -183,7 +183,7 @@ Outcome Routes::job_status(const Request& request, Connection& connection) {
 }
 
 Outcome Routes::job_result(const Request& request, Connection& connection) {
-    return job_routes_.result(std::string(job_id(request.path)), connection);
+    return job_routes_.result(std::string(job_id(request.path)), request.header("If-None-Match"), connection);
 }
 
 Outcome Routes::job_events(const Request& request, Connection& connection) {

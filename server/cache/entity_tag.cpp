@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "api/input/text.h"
-#include "server/http/http.h"
 #include "server/http/multipart.h"
 
 namespace ccdt::server {
@@ -81,6 +80,13 @@ std::optional<std::string_view> find_tag(std::string_view if_none_match, std::st
         if (opaque == name) return tag;
     }
     return std::nullopt;
+}
+
+Response not_modified(std::string_view tag) {
+    Response response;
+    response.status = 304;
+    response.tag = tag;
+    return response;
 }
 
 }  // namespace ccdt::server

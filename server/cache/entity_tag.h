@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "api/options.h"
+#include "server/http/http.h"
 #include "server/work/planner.h"
 
 namespace ccdt::server {
@@ -20,5 +21,8 @@ std::string name_of_answer(const Question& question, const api::Limits& limits);
 /// 13.1.2). A star names none.
 /// @returns  the tag as it stands there
 std::optional<std::string_view> find_tag(std::string_view if_none_match, std::string_view name);
+
+/// What is answered to those who have the answer of that tag.
+Response not_modified(std::string_view tag);
 
 }  // namespace ccdt::server

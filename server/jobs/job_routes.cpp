@@ -4,6 +4,8 @@
 #include <memory>
 #include <utility>
 
+#include "server/cache/entity_tag.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -55,16 +57,19 @@ Outcome JobRoutes::status(const std::string& id, const Connection& connection) c
     return document(*job);
 }
 
-Outcome JobRoutes::result(const std::string& id, const Connection& connection) {
+/// A result stays what it is as long as it is there, so the job names it.
+Outcome JobRoutes::result(const std::string& id, std::string_view if_none_match, const Connection& connection) {
     const auto job = jobs_.find(id, connection.key());
     if (!job) return tl::unexpected(job.error());
     if (job->status != JobStatus::Succeeded) return no_result(*job);
+    if (const auto tag = find_tag(if_none_match, id)) return not_modified(*tag);
     auto lease = memory_.take(job->result_bytes);
     if (!lease) return busy(503, "there is too little memory left to send a result of this size", kSoon);
     auto result = jobs_.result(id);
     if (!result) return tl::unexpected(std::move(result.error()));
     Response response;
     response.media_type = job->media_type;
+    response.tag = '"' + id + '"';
     response.body = *std::move(result);
     response.lease = std::make_shared<MemoryBudget::Lease>(*std::move(lease));
     if (job->partial) response.headers.push_back({"X-Partial", "deadline"});

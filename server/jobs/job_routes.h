@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <semaphore>
 #include <string>
+#include <string_view>
 
 #include "server/http/connection.h"
 #include "server/http/http.h"
@@ -23,7 +24,7 @@ public:
         : jobs_(jobs), memory_(memory), streams_(static_cast<std::ptrdiff_t>(streams)), ping_(ping) {}
 
     Outcome status(const std::string& id, const Connection& connection) const;
-    Outcome result(const std::string& id, const Connection& connection);
+    Outcome result(const std::string& id, std::string_view if_none_match, const Connection& connection);
     Outcome remove(const std::string& id, const Connection& connection);
     Outcome events(const std::string& id, const Connection& connection);
 

@@ -391,11 +391,12 @@ class Statuses(ContractCase):
             self.see("/jobs/{id}", "delete", ask(server, job, "--request", "DELETE"), 204)
             self.see("/jobs/{id}/result", "get", ask(server, job + "/result"), 410)
 
-    def see_failed(self, server, body, status, path="/sample"):
+    def see_ended(self, server, body, status, path="/sample"):
         job = post_json(server, path, body, *LATER).headers["location"]
         self.see("/jobs/{id}/events", "get", ask(server, job + "/events"), 200)
         self.see("/jobs/{id}", "get", ask(server, job), 200)
         self.see("/jobs/{id}/result", "get", ask(server, job + "/result"), status)
+        return job
 
     def test_are_all_told_and_no_others(self):
         for path in COMPUTING:
@@ -410,14 +411,16 @@ class Statuses(ContractCase):
                 if "304" in operation["responses"]:
                     known = ("--header", "If-None-Match: " + answer.headers["etag"])
                     self.see(path, method, self.ask(path, *known), 304)
-        self.see_failed(self.server, SAMPLE, 200)
-        self.see_failed(self.server, CROSSING, 422)
+        result = self.see_ended(self.server, SAMPLE, 200) + "/result"
+        known = ("--header", "If-None-Match: " + self.ask(result).headers["etag"])
+        self.see("/jobs/{id}/result", "get", self.ask(result, *known), 304)
+        self.see_ended(self.server, CROSSING, 422)
         wide = {**BODIES["/halftone"], "image": data_uri(file_of([[0] * 1200])), "format": "webp", "scale": 16}
-        self.see_failed(self.server, wide, 413, "/halftone")
+        self.see_ended(self.server, wide, 413, "/halftone")
         with Server("--job-timeout=0.1") as server:
-            self.see_failed(server, ENDLESS, 504)
+            self.see_ended(server, ENDLESS, 504)
         with Server("--job-bytes=2KiB") as server:
-            self.see_failed(server, {**SAMPLE, "sites": 1000}, 507)
+            self.see_ended(server, {**SAMPLE, "sites": 1000}, 507)
         self.see_late()
         with Server("--rate-limit=0.000001", "--rate-burst=1") as server:
             ask(server, "/metrics")

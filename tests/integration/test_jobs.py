@@ -249,6 +249,19 @@ class Jobs(ServerCase):
         self.assertEqual(squeezed.headers["content-encoding"], "gzip")
         self.assertEqual(squeezed.body, plain.body)
 
+    def test_results_are_sent_once(self):
+        jobs = [submit(self.server, SMALL) for _ in range(2)]
+        for job in jobs:
+            wait_for_end(self.server, job)
+        tags = [ask(self.server, job + "/result").headers["etag"] for job in jobs]
+        packed = ask(self.server, jobs[0] + "/result", "--compressed").headers["etag"]
+        self.assertEqual(packed, tags[0][:-1] + '-gzip"')
+        for tag in (tags[0], packed):
+            again = ask(self.server, jobs[0] + "/result", "--header", "If-None-Match: " + tag)
+            self.assertEqual((again.status, again.body, again.headers["etag"]), (304, b"", tag))
+        other = ask(self.server, jobs[0] + "/result", "--header", "If-None-Match: " + tags[1])
+        self.assertEqual(other.status, 200, "results of different jobs have different tags")
+
 
 class Limits(unittest.TestCase):
     def test_too_many_that_wait_are_refused(self):
