@@ -253,6 +253,8 @@ Result<Domain> Domain::create(const std::vector<PolygonPart>& parts, const std::
     constexpr double kMinArea = 1e-12;
     // Coordinates must resolve the domain: its size may not drown in their magnitude.
     constexpr double kMinSize = 1e-9;
+    // Areas must keep all their digits.
+    constexpr double kMinSquare = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
     // So may not its thickness, in units of what rounding can move a point.
     constexpr double kMinThickness = 1000;
 
@@ -264,8 +266,8 @@ Result<Domain> Domain::create(const std::vector<PolygonPart>& parts, const std::
     domain.scale_ = std::max(box.width(), box.height());
     const double magnitude =
         std::max({std::abs(box.min.x), std::abs(box.min.y), std::abs(box.max.x), std::abs(box.max.y)});
-    if (!std::isfinite(domain.scale_ * domain.scale_) || domain.scale_ < kMinSize * magnitude ||
-        domain.scale_ < std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon()) {
+    const double square = domain.scale_ * domain.scale_;
+    if (!std::isfinite(square) || square < kMinSquare || domain.scale_ < kMinSize * magnitude) {
         return failure(ErrorCode::Unusable, "the polygon's extent is too large, or too small for its coordinates",
                        "/0/0");
     }

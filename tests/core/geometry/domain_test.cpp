@@ -208,6 +208,7 @@ TEST(Domain, RefusesZeroArea) {
 TEST(Domain, RefusesExtentsThatNumbersCannotResolve) {
     EXPECT_FALSE(Domain::create({{box(1e16, 1e16, 64, 64), {}}}));
     EXPECT_FALSE(Domain::create({{box(0, 0, 1e200, 1e200), {}}}));
+    EXPECT_FALSE(Domain::create({{box(0, 0, 1e-160, 1e-160), {}}}));
     EXPECT_FALSE(Domain::create({{box(-1.5e308, 0, 1.7e308, 1), {}}}));
 }
 
