@@ -1,0 +1,54 @@
+#include "core/polish/cell_list.h"
+
+namespace ccdt {
+
+namespace {
+
+/// Places in a cell from which on it has a grid of its own.
+constexpr std::uint32_t kCrowd = 32;
+
+/// Of grids in grids; what is closer together than their cells is next to one place.
+constexpr int kDeepest = 16;
+
+}  // namespace
+
+CellList::CellList(const Domain& domain, std::span<const Point> places)
+    : torus_(domain.is_torus()), sides_(domain.unit_bounds().max) {
+    sorted_.reserve(places.size());
+    for (const Point p : places) sorted_.push_back({p, static_cast<std::uint32_t>(sorted_.size())});
+    divide(domain.unit_bounds(), 0, static_cast<std::uint32_t>(sorted_.size()), 0);
+}
+
+/// Sorts places into the cells of a grid over the box, and those of crowded cells into grids of theirs.
+void CellList::divide(const Box& box, std::uint32_t begin, std::uint32_t end, int depth) {
+    const double count = end - begin;
+    const double side = std::sqrt(box.width() * box.height() / count);
+    const auto cells = [&](double length) { return std::max(1, static_cast<int>(std::min(length / side, count))); };
+    const int columns = cells(box.width()), rows = cells(box.height());
+    const Grid grid{{box.min.x, columns / box.width(), columns}, {box.min.y, rows / box.height(), rows}, cells_.size()};
+    grids_.push_back(grid);
+    const std::size_t last = grid.cell(columns - 1, rows - 1);
+    cells_.resize(last + 2, {0});
+
+    const std::vector<Listed> unsorted(sorted_.begin() + begin, sorted_.begin() + end);
+    for (const Listed& listed : unsorted) ++cells_[grid.cell(listed.place)].begin;
+    std::uint32_t upto = begin;
+    for (std::size_t k = grid.first; k <= last; ++k) upto = cells_[k].begin += upto;
+    cells_[last + 1].begin = end;
+    for (std::size_t i = unsorted.size(); i-- > 0;) sorted_[--cells_[grid.cell(unsorted[i].place)].begin] = unsorted[i];
+
+    if (depth == kDeepest) return;
+    const double width = box.width() / columns, height = box.height() / rows;
+    for (int row = 0; row < rows; ++row) {
+        for (int column = 0; column < columns; ++column) {
+            const std::size_t k = grid.cell(column, row);
+            const std::uint32_t from = cells_[k].begin, to = cells_[k + 1].begin;
+            if (to - from <= kCrowd) continue;
+            cells_[k].grid = static_cast<std::uint32_t>(grids_.size());
+            const Point corner = box.min + Point{column * width, row * height};
+            divide({corner, corner + Point{width, height}}, from, to, depth + 1);
+        }
+    }
+}
+
+}  // namespace ccdt

@@ -1,0 +1,72 @@
+#include "core/polish/cell_list.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+
+namespace ccdt {
+namespace {
+
+/// Some anywhere, most crowded around two places at two scales.
+std::vector<Point> crowds(std::size_t count) {
+    Random random(6, 0);
+    std::vector<Point> places;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Point at{random.uniform(), random.uniform()};
+        places.push_back(i % 8 == 0 ? at : i % 8 == 1 ? Point{0.999, 0.5} + 1e-3 * at : Point{0.3, 0.7} + 1e-6 * at);
+    }
+    return places;
+}
+
+/// Of all copies of a place on a torus the nearest.
+double distance(const Domain& domain, Point a, Point b) {
+    Point apart = a - b;
+    if (domain.is_torus()) apart = {apart.x - std::round(apart.x), apart.y - std::round(apart.y)};
+    return std::sqrt(dot(apart, apart));
+}
+
+TEST(CellList, FindsAllThatAreNear) {
+    const std::vector<Point> places = crowds(2000);
+    for (const Domain& domain : {Domain::rectangle(1, 1).value(), Domain::torus(1, 1).value()}) {
+        const CellList cells(domain, places);
+        for (const double reach : {1e-8, 1e-5, 0.01, 0.3}) {
+            for (std::size_t i = 0; i < places.size(); i += 7) {
+                std::set<std::uint32_t> found, expected;
+                cells.for_near(places[i], reach, [&](Point place, std::uint32_t number) {
+                    const Point apart = places[i] - place;
+                    if (dot(apart, apart) >= reach * reach) return;
+                    EXPECT_TRUE(found.insert(number).second) << "twice";
+                });
+                for (std::uint32_t k = 0; k < places.size(); ++k) {
+                    if (distance(domain, places[i], places[k]) < reach) expected.insert(k);
+                }
+                ASSERT_EQ(found, expected) << domain.is_torus() << ' ' << reach << ' ' << i;
+            }
+        }
+    }
+}
+
+TEST(CellList, LooksAtFewWherePlacesCrowd) {
+    const std::vector<Point> places = crowds(80'000);
+    const CellList cells(Domain::rectangle(1, 1).value(), places);
+    for (std::size_t i = 2; i < places.size(); i += 101) {
+        if (i % 8 < 2) continue;
+        int looked_at = 0;
+        cells.for_near(places[i], 4e-9, [&](Point, std::uint32_t) { ++looked_at; });
+        ASSERT_LT(looked_at, 200) << "of 60,000 in a crowd with 4e-9 between neighbours";
+    }
+}
+
+TEST(CellList, TakesManyOnOnePlace) {
+    const std::vector<Point> places(100, Point{0.5, 0.5});
+    int found = 0;
+    CellList(Domain::rectangle(3, 1).value(), places).for_near({0.5, 0.5}, 1e-3, [&](Point, std::uint32_t) {
+        ++found;
+    });
+    EXPECT_EQ(found, 100);
+}
+
+}  // namespace
+}  // namespace ccdt
