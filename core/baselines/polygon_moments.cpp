@@ -35,7 +35,7 @@ SquaredDensity::SquaredDensity(const Domain& domain, const Density& density) {
     const auto width = static_cast<std::size_t>(columns_);
     std::vector<double> row_masses(width);
     for (int row = 0; row < rows_; ++row) {
-        density.resample_row(columns_, rows_, row, row_masses);
+        density.resample_row(density.cells(), columns_, rows_, row, row_masses);
         double sum = 0, x_moment = 0;
         sums_.push_back(0);
         x_moments_.push_back(0);

@@ -52,18 +52,32 @@ std::span<const double> Density::row_sums(int row) const {
     return std::span(row_sums_).subspan(static_cast<std::size_t>(row) * stride, stride);
 }
 
-void Density::resample_row(int columns, int rows, int row, std::span<double> masses) const {
-    const double cell_width = static_cast<double>(width_) / columns;
-    const double cell_height = static_cast<double>(height_) / rows;
-    const double low = row * cell_height, high = (row + 1) * cell_height;
+CellBlock Density::support() const {
+    CellBlock block{width_, height_, 0, 0};
+    for (int row = 0; row < height_; ++row) {
+        const auto sums = row_sums(row);
+        if (!(sums.back() > 0)) continue;
+        const auto first = std::ranges::upper_bound(sums, 0.0), last = std::ranges::lower_bound(sums, sums.back());
+        block.left = std::min(block.left, static_cast<int>(first - sums.begin()) - 1);
+        block.right = std::max(block.right, static_cast<int>(last - sums.begin()));
+        block.low = std::min(block.low, row);
+        block.high = row + 1;
+    }
+    return block;
+}
+
+void Density::resample_row(const CellBlock& block, int columns, int rows, int row, std::span<double> masses) const {
+    const double cell_width = static_cast<double>(block.columns()) / columns;
+    const double cell_height = static_cast<double>(block.rows()) / rows;
+    const double low = block.low + row * cell_height, high = block.low + (row + 1) * cell_height;
     std::fill(masses.begin(), masses.end(), 0.0);
-    for (int j = static_cast<int>(low); j < height_ && j < high; ++j) {
+    for (int j = static_cast<int>(low); j < block.high && j < high; ++j) {
         const double overlap = std::min(high, j + 1.0) - std::max(low, static_cast<double>(j));
         const auto sums = row_sums(j);
-        double before = 0;
+        double before = sums[static_cast<std::size_t>(block.left)];
         for (std::size_t column = 0; column < masses.size(); ++column) {
-            const double x = static_cast<double>(column + 1) * cell_width;
-            const auto i = static_cast<std::size_t>(std::min(static_cast<int>(x), width_ - 1));
+            const double x = block.left + static_cast<double>(column + 1) * cell_width;
+            const auto i = static_cast<std::size_t>(std::min(static_cast<int>(x), block.right - 1));
             const double upto = sums[i] + (x - static_cast<double>(i)) * (sums[i + 1] - sums[i]);
             masses[column] += std::max(0.0, upto - before) * overlap;
             before = upto;

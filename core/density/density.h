@@ -9,6 +9,17 @@
 
 namespace ccdt {
 
+/// A block of a grid's cells: columns [left, right), rows [low, high).
+struct CellBlock {
+    int left = 0;
+    int low = 0;
+    int right = 0;
+    int high = 0;
+
+    int columns() const { return right - left; }
+    int rows() const { return high - low; }
+};
+
 /// How many sites an area wants, relative to other areas: constant, or constant on each cell of a grid that is
 /// stretched over the bounding box of the domain. Only ratios matter.
 class Density {
@@ -34,9 +45,15 @@ public:
     /// Sum of the values in a row left of column x; `row_sums(row)[x]`, x in [0, width].
     std::span<const double> row_sums(int row) const;
 
-    /// Integral over each cell of one row of another grid, of `columns` x `rows` cells over the same box, in units of
-    /// this grid's cells [columns]. Not for uniform densities.
-    void resample_row(int columns, int rows, int row, std::span<double> masses) const;
+    /// All cells. Not for uniform densities, nor are the following.
+    CellBlock cells() const { return {0, 0, width_, height_}; }
+
+    /// The smallest block with all that is not zero. O(cells).
+    CellBlock support() const;
+
+    /// Integral over each cell of one row of another grid, of `columns` x `rows` cells over a block of this one, in
+    /// units of this grid's cells [columns].
+    void resample_row(const CellBlock& block, int columns, int rows, int row, std::span<double> masses) const;
 
     /// Sum of all values.
     double total() const { return total_; }

@@ -39,14 +39,14 @@ double sinc(double cycles) {
 }
 
 /// Density that the average site stands in, over the mean density.
-double contrast(const Density& density) {
+double contrast_of(const Density& density, const CellBlock& block) {
     double squares = 0;
-    for (int row = 0; row < density.height(); ++row) {
-        for (int column = 0; column < density.width(); ++column) {
+    for (int row = block.low; row < block.high; ++row) {
+        for (int column = block.left; column < block.right; ++column) {
             squares += density.value(column, row) * density.value(column, row);
         }
     }
-    const double cells = static_cast<double>(density.width()) * density.height();
+    const double cells = static_cast<double>(block.columns()) * block.rows();
     return squares / density.total() * cells / density.total();
 }
 
@@ -57,9 +57,18 @@ Transport::Transport(const Domain& domain, const Density& density, std::size_t s
       uniform_(density.is_uniform()),
       sides_(domain.unit_bounds().max),
       sites_(static_cast<double>(sites)) {
+    CellBlock block;
+    if (!uniform_) {
+        block = torus_ ? density.cells() : density.support();
+        const Point cell{sides_.x / density.width(), sides_.y / density.height()};
+        origin_ = {block.left * cell.x, block.low * cell.y};
+        sides_ = {block.columns() * cell.x, block.rows() * cell.y};
+    }
     const double area = sides_.x * sides_.y;
-    const double denser = uniform_ ? 1 : std::min(contrast(density), kMostContrast);
+    const double contrast = uniform_ ? 1 : contrast_of(density, block);
+    const double denser = std::min(contrast, kMostContrast);
     finest_ = std::sqrt(area / (sites_ * denser));
+    if (contrast > kMostContrast) denser_.emplace(domain.unit_bounds().max, density, sites_);
     // In a box thinner than its sites' spacing they stand in a line.
     in_line_ = std::max(sides_.x, sides_.y) / (sites_ * denser);
     octaves_.reserve(kMostOctaves);
@@ -73,10 +82,14 @@ Transport::Transport(const Domain& domain, const Density& density, std::size_t s
         to_potential_[number] = -1 / (4 * kPi * kPi * dot(f, f) * grid.window(i, j) * grid.copies() * area);
     });
     if (uniform_ || stop.stop_requested()) return;
-    const std::vector<double> mass = masses(density);
+    const std::vector<double> mass = masses(density, block);
     if (stop.stop_requested()) return;
     assign_octaves(mass);
-    set_targets(mass, stop);
+    if (denser_) {
+        set_fine_targets(density, block, stop);
+    } else {
+        set_targets(mass, stop);
+    }
 }
 
 double Transport::octave_spacing(std::size_t octave) const {
@@ -102,12 +115,12 @@ void Transport::add_octave() {
 }
 
 /// Sites that each cell of octave 0 wants.
-std::vector<double> Transport::masses(const Density& density) const {
+std::vector<double> Transport::masses(const Density& density, const CellBlock& block) const {
     const SplineGrid& grid = octaves_[0].grid;
     const auto columns = static_cast<std::size_t>(grid.columns()), rows = static_cast<std::size_t>(grid.rows());
     std::vector<double> mass(columns * rows);
     for (std::size_t row = 0; row < rows; ++row) {
-        density.resample_row(grid.columns(), grid.rows(), static_cast<int>(row),
+        density.resample_row(block, grid.columns(), grid.rows(), static_cast<int>(row),
                              std::span(mass).subspan(row * columns, columns));
     }
     for (double& m : mass) m *= sites_ / density.total();
@@ -188,6 +201,43 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
     }
 }
 
+/// The same for a density that has more to it than the finest grid resolves: it is spread as sites are, in pieces no
+/// larger than the grid's cells.
+void Transport::set_fine_targets(const Density& density, const CellBlock& block, const std::stop_token& stop) {
+    const Point cell = octaves_[0].grid.cell();
+    const auto pieces = [](double side, double longest) {
+        return std::max(1, static_cast<int>(std::ceil(side / longest)));
+    };
+    const int across = pieces(sides_.x / block.columns(), cell.x), up = pieces(sides_.y / block.rows(), cell.y);
+    const int columns = across * block.columns(), rows = up * block.rows();
+    const Point piece{sides_.x / columns, sides_.y / rows};
+    const double weight = sites_ / density.total() / (across * up);
+    clear();
+    for (int row = 0; row < rows; ++row) {
+        if (stop.stop_requested()) return;
+        for (int column = 0; column < columns; ++column) {
+            const double value = density.value(block.left + column / across, block.low + row / up);
+            if (value > 0) spread({(column + 0.5) * piece.x, (row + 0.5) * piece.y}, weight * value);
+        }
+    }
+    if (!transform(stop)) return;
+    targets_.assign(octaves_[0].grid.coefficient_count(), 0);
+    octaves_[0].grid.with_coefficients([&](auto total) {
+        join_octaves(total);
+        octaves_[0].grid.for_frequencies([&](std::size_t number, int i, int j) {
+            const Point f = octaves_[0].grid.frequency(i, j);
+            targets_[number] = total[number] * (sinc(f.x * piece.x) * sinc(f.y * piece.y));
+        });
+    });
+}
+
+/// The nearest place in the grids' box, from its corner.
+Point Transport::in_box(Point p) const {
+    if (torus_) return p;
+    return {std::clamp(p.x - origin_.x, 0.0, sides_.x), std::clamp(p.y - origin_.y, 0.0, sides_.y)};
+}
+
+/// @param p  in the grids' box
 std::size_t Transport::cell_of(Point p) const {
     const SplineGrid& grid = octaves_[0].grid;
     const auto index = [&](double share, int cells) {
@@ -205,27 +255,30 @@ double Transport::part(std::size_t cell, std::size_t octave) const {
 }
 
 double Transport::spacing(Point p) const {
-    return spacings_.empty() ? finest_ : static_cast<double>(spacings_[cell_of(p)]);
+    if (spacings_.empty()) return finest_;
+    const auto smooth = static_cast<double>(spacings_[cell_of(in_box(p))]);
+    if (!denser_) return smooth;
+    const double local = denser_->at(torus_ ? wrapped(p, sides_) : p);
+    return local < finest_ ? local : smooth;
+}
+
+void Transport::clear() {
+    for (Octave& octave : octaves_) octave.grid.clear();
+}
+
+/// @param p  in the grids' box
+void Transport::spread(Point p, double weight) {
+    if (levels_.empty()) return octaves_[0].grid.spread(p, weight);
+    const std::size_t cell = cell_of(p);
+    const auto lower = static_cast<std::size_t>(levels_[cell]);
+    for (std::size_t octave = lower; octave < std::min(lower + 2, octaves_.size()); ++octave) {
+        const double share = part(cell, octave);
+        if (share > 0) octaves_[octave].grid.spread(p, weight * share);
+    }
 }
 
 /// @returns  false if it was stopped
-bool Transport::spread(std::span<const Point> sites, const std::stop_token& stop) {
-    for (Octave& octave : octaves_) octave.grid.clear();
-    for (std::size_t i = 0; i < sites.size(); ++i) {
-        if (i % kStopStride == 0 && stop.stop_requested()) return false;
-        const Point p = sites[i];
-        if (levels_.empty()) {
-            octaves_[0].grid.spread(p, 1);
-            continue;
-        }
-        const std::size_t cell = cell_of(p);
-        const auto lower = static_cast<std::size_t>(levels_[cell]);
-        for (std::size_t octave = lower; octave < std::min(lower + 2, octaves_.size()); ++octave) {
-            SplineGrid& grid = octaves_[octave].grid;
-            const double share = part(cell, octave);
-            if (share > 0) grid.spread(p, share);
-        }
-    }
+bool Transport::transform(const std::stop_token& stop) {
     for (Octave& octave : octaves_) {
         if (stop.stop_requested()) return false;
         octave.grid.transform();
@@ -233,9 +286,19 @@ bool Transport::spread(std::span<const Point> sites, const std::stop_token& stop
     return true;
 }
 
-/// @param total  coefficients of octave 0; from its sites' to the potential's
+/// @returns  false if it was stopped
+bool Transport::spread(std::span<const Point> sites, const std::stop_token& stop) {
+    clear();
+    for (std::size_t i = 0; i < sites.size(); ++i) {
+        if (i % kStopStride == 0 && stop.stop_requested()) return false;
+        spread(in_box(sites[i]), 1);
+    }
+    return transform(stop);
+}
+
+/// @param total  coefficients of octave 0; from its sites' to those of all sites' long waves
 template <class Coefficient>
-void Transport::solve(std::span<Coefficient> total) {
+void Transport::join_octaves(std::span<Coefficient> total) {
     const SplineGrid& finest = octaves_[0].grid;
     for (std::size_t number = 0; number < total.size(); ++number) total[number] *= octaves_[0].factors[number];
     for (std::size_t octave = 1; octave < octaves_.size(); ++octave) {
@@ -248,6 +311,12 @@ void Transport::solve(std::span<Coefficient> total) {
             }
         });
     }
+}
+
+/// @param total  coefficients of octave 0; from its sites' to the potential's
+template <class Coefficient>
+void Transport::solve(std::span<Coefficient> total) {
+    join_octaves(total);
     for (std::size_t number = 0; number < total.size(); ++number) {
         if (!targets_.empty()) {
             if constexpr (std::is_same_v<Coefficient, double>) {
@@ -269,7 +338,7 @@ bool Transport::displacements(std::span<const Point> sites, std::span<Point> mov
     for (std::size_t i = 0; i < sites.size(); ++i) {
         if (i % kStopStride == 0 && stop.stop_requested()) return false;
         const double spacing = this->spacing(sites[i]);
-        const Point move = (spacing * spacing) * finest.gradient(sites[i]);
+        const Point move = (spacing * spacing) * finest.gradient(in_box(sites[i]));
         const double longest = kLongestMove * spacing, distance = length(move);
         moves[i] = distance > longest ? (longest / distance) * move : move;
     }

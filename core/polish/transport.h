@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
+#include "core/polish/local_spacing.h"
 #include "core/polish/spline_grid.h"
 
 namespace ccdt {
@@ -21,14 +23,16 @@ namespace ccdt {
 /// and a cosine transform in a box that no site leaves. Waves shorter than about two spacings are the pattern itself,
 /// not an error, and are left alone. Where the density varies, sites and density are split among octaves of spacing
 /// alike, each with its own limit. To first order a round undoes E; what is left is of second order, and of ridges so
-/// thin that the gradient cannot follow them.
+/// thin that the gradient cannot follow them. In a box all this is done where there is density at all: margins without
+/// any count for nothing.
 ///
 /// Departs from a plain blur in that what is called an error ends sharply: no wave below is left, none above is harmed.
 class Transport {
 public:
-    /// @param domain  a box or a torus
-    /// @param sites   >= 1
-    /// @param stop   asked now and then; leaves what is of no use
+    /// @param domain   a box or a torus
+    /// @param density  must outlive this
+    /// @param sites    >= 1
+    /// @param stop     asked now and then; leaves what is of no use
     /// O(density's cells + sites log sites).
     Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {});
 
@@ -39,7 +43,8 @@ public:
     /// O(sites log sites).
     bool displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop = {});
 
-    /// 1 / sqrt(density of sites) around a point, the density smoothed over a spacing; in the unit frame.
+    /// 1 / sqrt(density of sites) around a point, the density smoothed over a spacing; in the unit frame. Where sites
+    /// are denser than octaves go, over as little as holds one.
     double spacing(Point p) const;
 
 private:
@@ -51,18 +56,26 @@ private:
 
     void add_octave();
     double octave_spacing(std::size_t octave) const;
-    std::vector<double> masses(const Density& density) const;
+    std::vector<double> masses(const Density& density, const CellBlock& block) const;
     std::vector<double> smoothed(const std::vector<double>& masses, double sigma);
     void assign_octaves(const std::vector<double>& masses);
     void set_targets(const std::vector<double>& masses, const std::stop_token& stop);
+    void set_fine_targets(const Density& density, const CellBlock& block, const std::stop_token& stop);
+    Point in_box(Point p) const;
     std::size_t cell_of(Point p) const;
     double part(std::size_t cell, std::size_t octave) const;
+    void clear();
+    void spread(Point p, double weight);
+    bool transform(const std::stop_token& stop);
     bool spread(std::span<const Point> sites, const std::stop_token& stop);
+    template <class Coefficient>
+    void join_octaves(std::span<Coefficient> total);
     template <class Coefficient>
     void solve(std::span<Coefficient> total);
 
     bool torus_;
     bool uniform_;
+    Point origin_;  ///< of the box that holds all of the density, and its sides
     Point sides_;
     double sites_;
     double finest_ = 0;   ///< spacing of octave 0
@@ -72,6 +85,7 @@ private:
     std::vector<std::complex<double>> targets_;  ///< [coefficients of octave 0] of the density, if not uniform
     std::vector<float> levels_;                  ///< [cells of octave 0] octave that sites there belong to
     std::vector<float> spacings_;                ///< [cells of octave 0]
+    std::optional<LocalSpacing> denser_;         ///< if sites are closer somewhere than octave 0 resolves
 };
 
 }  // namespace ccdt

@@ -37,6 +37,32 @@ TEST(Density, TakesFloats) {
     EXPECT_EQ(density->value(1, 0), 0.25);
 }
 
+TEST(Density, KnowsItsSupport) {
+    const auto support = [](std::vector<double> values) { return Density::grid(4, 3, std::span(values))->support(); };
+    const auto expect = [](const CellBlock& block, int left, int low, int right, int high) {
+        EXPECT_EQ(block.left, left);
+        EXPECT_EQ(block.low, low);
+        EXPECT_EQ(block.right, right);
+        EXPECT_EQ(block.high, high);
+    };
+    expect(support({1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}), 0, 0, 4, 3);
+    expect(support({0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0}), 2, 1, 3, 2);
+    expect(support({0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}), 1, 1, 3, 3);
+    expect(support({0, 0, 0, 1e-30, 0, 0, 0, 0, 1e30, 0, 0, 0}), 0, 0, 4, 3);
+}
+
+TEST(Density, ResamplesABlock) {
+    const std::vector<double> values{9, 9, 9, 9, 9, 1, 2, 9, 9, 3, 4, 9};
+    const Density density = *Density::grid(4, 3, std::span(values));
+    std::vector<double> masses(4);
+    density.resample_row({1, 1, 3, 3}, 4, 4, 0, masses);
+    EXPECT_EQ(masses, (std::vector<double>{0.25, 0.25, 0.5, 0.5}));
+    density.resample_row({1, 1, 3, 3}, 4, 1, 0, masses);
+    EXPECT_EQ(masses, (std::vector<double>{2, 2, 3, 3}));
+    density.resample_row(density.cells(), 4, 3, 2, masses);
+    EXPECT_EQ(masses, (std::vector<double>{9, 3, 4, 9}));
+}
+
 TEST(Density, RefusesWrongCounts) {
     for (const auto& density : {grid(2, 2, {1, 2, 3}), grid(2, 1, {1, 2, 3})}) {
         ASSERT_FALSE(density);

@@ -130,6 +130,40 @@ TEST(Polish, KeepsTrianglesAndSitesInside) {
     }
 }
 
+/// How far counts of sites in blocks of a spot of 32 x 32 cells are off, over what chance would make of them.
+double count_error(const std::vector<Point>& sites, Point corner) {
+    constexpr int kBlocks = 4;
+    std::vector<double> counts(kBlocks * kBlocks);
+    double all = 0;
+    for (const Point p : sites) {
+        const Point g = (kBlocks / 32.0) * (p - corner);
+        if (g.x < 0 || g.y < 0 || g.x >= kBlocks || g.y >= kBlocks) continue;
+        ++counts[static_cast<std::size_t>(g.y) * kBlocks + static_cast<std::size_t>(g.x)];
+        ++all;
+    }
+    double squares = 0;
+    for (const double count : counts) squares += std::pow(count - all / (kBlocks * kBlocks), 2);
+    return std::sqrt(squares / all);
+}
+
+TEST(Polish, EvensOutSmallSpots) {
+    const Domain page = Domain::rectangle(512, 512).value();
+    const Density spots = grid_of(512, 512, [](int i, int j) {
+        return (i >= 20 && i < 52 && j >= 20 && j < 52) || (i >= 440 && i < 472 && j >= 441 && j < 473) ? 1.0 : 0.0;
+    });
+    const auto error = [&](Quality quality) {
+        double sum = 0;
+        for (const std::uint64_t seed : {1, 2, 3}) {
+            const auto sites = distribute(page, spots, {.sites = 4000, .seed = seed, .quality = quality})->points;
+            sum += count_error(sites, {20, 20}) + count_error(sites, {440, 441});
+        }
+        return sum / 6;
+    };
+    const double draft = error(Quality::Draft);
+    EXPECT_LT(error(Quality::Standard), 0.8 * draft);
+    EXPECT_LT(error(Quality::Best), 0.8 * draft);
+}
+
 /// Shifted places are exact only while none lies far from the box: few sites on a steep density wander, together.
 TEST(Polish, KeepsPlacesNearTheBoxOfATorus) {
     const Domain torus = Domain::torus(1, 1).value();

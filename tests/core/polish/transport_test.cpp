@@ -125,6 +125,35 @@ TEST(Transport, KnowsTheSpacing) {
     EXPECT_NEAR(transport.spacing({0.75, 0.25}), std::sqrt(0.25 / 8000), 1e-3 * std::sqrt(0.25 / 8000));
 }
 
+TEST(Transport, KnowsTheSpacingWhereSitesCrowd) {
+    const Domain box = Domain::rectangle(1, 1).value();
+    const Density spots =
+        grid_of(500, 500, [](int i, int j) { return (i < 5 && j < 5) || (i >= 490 && j >= 490) ? 1.0 : 0.0; });
+    const Transport transport(box, spots, 12'500);
+    for (const Point p : {Point{0.005, 0.005}, Point{0.99, 0.99}})
+        EXPECT_NEAR(transport.spacing(p), 0.0002, 1e-6) << "100 sites a cell";
+}
+
+TEST(Transport, DoesNotCareForMargins) {
+    const auto wave = [](int i, int j) { return 1 + 0.5 * std::sin(0.3 * i) * std::cos(0.2 * j); };
+    const Density tight = grid_of(40, 40, wave);
+    const Density wide = grid_of(
+        160, 80, [&](int i, int j) { return i >= 20 && i < 60 && j >= 8 && j < 48 ? wave(i - 20, j - 8) : 0.0; });
+    const Domain small = Domain::rectangle(1, 1).value(), page = Domain::rectangle(4, 2).value();
+    const auto sites = distribute(small, tight, {.sites = 900, .iterations = 1})->points;
+    std::vector<Point> moves(sites.size()), moves_on_page(sites.size()), on_page;
+    for (const Point p : sites) on_page.push_back({0.25 * (p.x + 0.5), 0.25 * (p.y + 0.2)});
+    ASSERT_TRUE(Transport(small, tight, sites.size()).displacements(sites, moves));
+    ASSERT_TRUE(Transport(page, wide, sites.size()).displacements(on_page, moves_on_page));
+    double longest = 0;
+    for (std::size_t i = 0; i < sites.size(); ++i) {
+        longest = std::max(longest, std::sqrt(dot(moves[i], moves[i])));
+        const Point off = moves[i] - 4 * moves_on_page[i];
+        EXPECT_LT(std::sqrt(dot(off, off)), 1e-6);
+    }
+    EXPECT_GT(longest, 1e-4);
+}
+
 /// What a site's move is does not depend on where a torus is cut.
 TEST(Transport, HasNoSeam) {
     const Domain torus = Domain::torus(1, 1).value();
