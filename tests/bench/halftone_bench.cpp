@@ -1,8 +1,6 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <numeric>
 #include <string>
 
@@ -11,6 +9,7 @@
 #include "core/ccdt/ccdt.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/tone.h"
+#include "tests/bench/photograph.h"
 #include "tests/bench/stages.h"
 #include "tests/bench/yardstick.h"
 
@@ -19,15 +18,10 @@ namespace {
 
 constexpr std::size_t kMaxPixels = 64'000'000;
 
-std::string camera_png() {
-    std::ifstream file(CCDT_TEST_DATA "/images/camera.png", std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
 /// The photograph enlarged, as a PNG file of 8 bits a pixel.
 std::string enlarged_png(int factor) {
-    if (factor == 1) return camera_png();
-    const Picture small = *api::decode_image(camera_png(), kMaxPixels);
+    if (factor == 1) return photograph("camera.png");
+    const Picture small = *api::decode_image(photograph("camera.png"), kMaxPixels);
     Raster large{small.width * factor, small.height * factor, 0, {}};
     const auto at = [&](int x, int y) {
         return small.luminance[static_cast<std::size_t>(y) * static_cast<std::size_t>(small.width) +

@@ -1,13 +1,12 @@
 #include <benchmark/benchmark.h>
 
-#include <fstream>
-#include <iterator>
 #include <numeric>
-#include <string>
+#include <vector>
 
 #include "api/image/image_codec.h"
 #include "core/ccdt/inks.h"
 #include "core/halftone/separation.h"
+#include "tests/bench/photograph.h"
 #include "tests/bench/stages.h"
 #include "tests/bench/yardstick.h"
 #include "tests/support/inks.h"
@@ -15,18 +14,12 @@
 namespace ccdt::bench {
 namespace {
 
-ColourPicture astronaut() {
-    std::ifstream file(CCDT_TEST_DATA "/images/astronaut.png", std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-    return *api::decode_colour_image(bytes, 1'000'000);
-}
-
 /// A photograph's dots in cyan, magenta, yellow and black, of `astronaut.png`, 512 x 512 pixels. `over_delaunay` is the
 /// time from the inks' coverage to the sites over that of one CGAL Delaunay triangulation of each ink's sites,
 /// `over_alone` over that of distributing each ink's alone; medians of the same run.
 /// Arguments: number of sites, quality (0 draft, 1 standard, 2 best).
 void Inks(benchmark::State& state) {
-    const ColourPicture picture = astronaut();
+    const ColourPicture picture = *api::decode_colour_image(photograph("astronaut.png"), 1'000'000);
     const Domain domain = *Domain::rectangle(picture.width, picture.height);
     Options options;
     options.quality = static_cast<Quality>(state.range(1));

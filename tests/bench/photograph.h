@@ -1,0 +1,15 @@
+#pragma once
+
+#include <fstream>
+#include <iterator>
+#include <string>
+
+namespace ccdt::bench {
+
+/// The bytes of one of the pictures that all tests share.
+inline std::string photograph(const std::string& name) {
+    std::ifstream file(CCDT_TEST_DATA "/images/" + name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace ccdt::bench
