@@ -112,7 +112,8 @@ void StartSites::make_grid(const Domain& domain) {
     sums_.assign((width + 1) * (height + 1), 0);
     std::vector<double> row_mass(width, 1);
     for (std::size_t row = 0; row < height; ++row) {
-        if (!density_.is_uniform()) density_.resample_row(density_.cells(), columns_, rows_, static_cast<int>(row), row_mass);
+        if (!density_.is_uniform())
+            density_.resample_row(density_.cells(), columns_, rows_, static_cast<int>(row), row_mass);
         double from_left = 0;
         for (std::size_t column = 0; column < width; ++column) {
             from_left += row_mass[column] * (share.empty() ? 1 : share[row * width + column]);

@@ -251,10 +251,10 @@ std::optional<Error> find_conflict(const std::vector<RingInput>& rings, const st
 Result<Domain> Domain::create(const std::vector<PolygonPart>& parts, const std::stop_token& stop) {
     // A ring whose area is below this share of the bounding box's larger side squared has no room for rounding.
     constexpr double kMinArea = 1e-12;
-    // Coordinates must resolve the domain: its size may not drown in their magnitude.
-    constexpr double kMinSize = 1e-9;
     // Areas must keep all their digits.
     constexpr double kMinSquare = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+    // Coordinates must resolve the domain: its size may not drown in their magnitude.
+    constexpr double kMinSize = 1e-9;
     // So may not its thickness, in units of what rounding can move a point.
     constexpr double kMinThickness = 1000;
 
