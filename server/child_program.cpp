@@ -1,0 +1,140 @@
+#include "server/child_program.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace ccdt::server {
+namespace {
+
+/// What posix_spawn does in the child before the program starts.
+class SpawnActions {
+public:
+    explicit SpawnActions(int socket) {
+        posix_spawn_file_actions_init(&actions_);
+        posix_spawn_file_actions_adddup2(&actions_, socket, ChildProgram::kSocket);
+        for (const int stream : {STDIN_FILENO, STDOUT_FILENO})
+            posix_spawn_file_actions_addopen(&actions_, stream, "/dev/null", O_RDWR, 0);
+        posix_spawn_file_actions_addclosefrom_np(&actions_, ChildProgram::kSocket + 1);
+    }
+    ~SpawnActions() { posix_spawn_file_actions_destroy(&actions_); }
+    SpawnActions(const SpawnActions&) = delete;
+    SpawnActions& operator=(const SpawnActions&) = delete;
+
+    const posix_spawn_file_actions_t* get() const { return &actions_; }
+
+private:
+    posix_spawn_file_actions_t actions_{};
+};
+
+class SpawnAttributes {
+public:
+    SpawnAttributes() {
+        sigset_t none, all;
+        sigemptyset(&none);
+        sigfillset(&all);
+        posix_spawnattr_init(&attributes_);
+        posix_spawnattr_setsigmask(&attributes_, &none);
+        posix_spawnattr_setsigdefault(&attributes_, &all);
+        posix_spawnattr_setpgroup(&attributes_, 0);
+        posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+    }
+    ~SpawnAttributes() { posix_spawnattr_destroy(&attributes_); }
+    SpawnAttributes(const SpawnAttributes&) = delete;
+    SpawnAttributes& operator=(const SpawnAttributes&) = delete;
+
+    const posix_spawnattr_t* get() const { return &attributes_; }
+
+private:
+    posix_spawnattr_t attributes_{};
+};
+
+std::vector<char*> environment_to_inherit() {
+    std::vector<char*> kept;
+    for (char** entry = environ; *entry != nullptr; ++entry) {
+        if (!std::string_view(*entry).starts_with("CCDT_")) kept.push_back(*entry);
+    }
+    kept.push_back(nullptr);
+    return kept;
+}
+
+tl::unexpected<Error> cannot_start(const std::string& name, int error) {
+    return failure(ErrorCode::Internal, "cannot start " + name + ": " + std::strerror(error));
+}
+
+/// glibc 2.36 has a function for it, but not for C++.
+UniqueFd open_pidfd(pid_t process) {
+    return UniqueFd(static_cast<int>(syscall(SYS_pidfd_open, process, 0)));
+}
+
+std::string describe(int status) {
+    if (WIFEXITED(status)) return "exited with " + std::to_string(WEXITSTATUS(status));
+    const int number = WTERMSIG(status);
+    return "was killed by signal " + std::to_string(number) + " (" + sigdescr_np(number) + ")";
+}
+
+}  // namespace
+
+ChildProgram::ChildProgram(pid_t process) : process_(process), pidfd_(open_pidfd(process)) {}
+
+ChildProgram::ChildProgram(ChildProgram&& other) noexcept
+    : process_(std::exchange(other.process_, 0)), pidfd_(std::move(other.pidfd_)) {}
+
+ChildProgram& ChildProgram::operator=(ChildProgram&& other) noexcept {
+    std::swap(process_, other.process_);
+    std::swap(pidfd_, other.pidfd_);
+    return *this;
+}
+
+ChildProgram::~ChildProgram() {
+    if (process_ == 0) return;
+    kill();
+    wait();
+}
+
+void ChildProgram::kill() const {
+    if (process_ > 0) ::kill(process_, SIGKILL);
+}
+
+std::string ChildProgram::wait() {
+    int status = 0;
+    pid_t reaped = -1;
+    do reaped = waitpid(process_, &status, 0);
+    while (reaped < 0 && errno == EINTR);
+    process_ = 0;
+    // None if this process was started with SIGCHLD ignored: the kernel reaps then.
+    return reaped > 0 ? describe(status) : "ended";
+}
+
+Result<ChildProgram> spawn_sibling(const std::string& name, UniqueFd socket, std::vector<std::string> arguments) {
+    std::error_code error;
+    const auto own = std::filesystem::read_symlink("/proc/self/exe", error);
+    if (error) return cannot_start(name, error.value());
+    const std::string file = own.parent_path() / name;
+    std::vector<char*> argv{const_cast<char*>(name.c_str())};
+    for (auto& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    pid_t process = 0;
+    const int failed = posix_spawn(&process, file.c_str(), SpawnActions(socket.get()).get(), SpawnAttributes().get(),
+                                   argv.data(), environment_to_inherit().data());
+    if (failed != 0) return cannot_start(file, failed);
+    return ChildProgram(process);
+}
+
+Backoff::Milliseconds Backoff::after(std::chrono::steady_clock::duration lived) {
+    last_ = lived > kLongest ? kFirst : std::clamp(2 * last_, kFirst, kLongest);
+    return last_;
+}
+
+}  // namespace ccdt::server

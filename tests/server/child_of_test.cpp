@@ -1,0 +1,51 @@
+/// What the tests of child programs spawn: does what its argument says.
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "server/child_program.h"
+
+namespace {
+
+constexpr int kSocket = ccdt::server::ChildProgram::kSocket;
+
+/// One line: what is inherited.
+std::string inherited() {
+    std::string told = "files:";
+    for (int fd = 0; fd < 100; ++fd) {
+        std::error_code error;
+        const auto target = std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(fd), error);
+        if (error || fd == STDERR_FILENO) continue;
+        told += " " + std::to_string(fd) + (target == "/dev/null" ? "=null" : "");
+    }
+    sigset_t blocked;
+    sigprocmask(SIG_SETMASK, nullptr, &blocked);
+    told += sigismember(&blocked, SIGTERM) == 1 ? " blocked" : "";
+    told += std::signal(SIGPIPE, SIG_DFL) == SIG_DFL ? "" : " ignored";
+    told += getpgid(0) == getpid() ? " own group" : "";
+    for (const char* name : {"CCDT_SECRET", "NO_SECRET"})
+        told += std::getenv(name) != nullptr ? std::string(" ") + name : "";
+    return told;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const std::string_view order = argc > 1 ? argv[1] : "";
+    if (order == "tell") {
+        const std::string told = inherited();
+        send(kSocket, told.data(), told.size(), 0);
+    }
+    if (order == "crash") std::raise(SIGKILL);
+    char byte = 0;
+    if (order == "wait") static_cast<void>(recv(kSocket, &byte, 1, 0));
+    return argc - 1;
+}
