@@ -198,6 +198,10 @@ std::size_t bytes_of(const PolygonInput& polygon) {
     return polygon.corner_count() * sizeof(Point);
 }
 
+std::size_t bytes_of(const ImageFile& file) {
+    return file.decoded ? file.decoded->size() : 0;
+}
+
 }  // namespace
 
 Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
@@ -244,14 +248,14 @@ Cost cost_of_parsing(std::string_view body) {
 }
 
 std::size_t size_of(const HalftoneRequest& request) {
-    return request.image.bytes.size();
+    return bytes_of(request.image);
 }
 
 std::size_t size_of(const SampleRequest& request) {
     std::size_t size = 0;
     if (const auto* polygon = std::get_if<PolygonInput>(&request.domain)) size += bytes_of(*polygon);
     if (const auto* grid = std::get_if<DensityGrid>(&request.density)) size += grid->values.size() * sizeof(double);
-    if (const auto* image = std::get_if<DensityImage>(&request.density)) size += image->file.bytes.size();
+    if (const auto* image = std::get_if<DensityImage>(&request.density)) size += bytes_of(image->file);
     return size;
 }
 

@@ -22,7 +22,7 @@ Cost cost_of(const AnalyzeRequest& request);
 /// Of reading a JSON body: of parse_sample and the like.
 Cost cost_of_parsing(std::string_view body);
 
-/// Bytes that a request holds while it waits.
+/// Bytes that a request holds besides the body that it was read from.
 std::size_t size_of(const HalftoneRequest& request);
 std::size_t size_of(const SampleRequest& request);
 std::size_t size_of(const AnalyzeRequest& request);

@@ -110,14 +110,14 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
 
 }  // namespace
 
-Result<HalftoneRequest> parse_halftone(std::string image, const std::vector<TextOption>& options,
+Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector<TextOption>& options,
                                        std::string_view accept, const Limits& limits) {
     HalftoneRequest request;
     auto parsed = parse_options(std::move(request), inputs_of(options), accept, limits);
     if (!parsed) return parsed;
     const auto header = read_image_header(image, limits.max_pixels);
     if (!header) return tl::make_unexpected(header.error());
-    parsed->image = {std::move(image), *header};
+    parsed->image = {image, *header};
     return parsed;
 }
 

@@ -42,13 +42,13 @@ struct HalftoneRequest {
 
 /// Reads a request whose image is the body, or a part of a form; options come as text.
 ///
-/// @param image    the file's bytes
+/// @param image    the file's bytes, which must outlive the request
 /// @param options  in the order they came
 /// @param accept   the Accept header, empty if there is none; the option `format` wins over it
 /// Errors: Malformed for an option that is unknown, repeated or out of range, or no image; Unsupported for an
 /// image of a format that is not read; LimitExceeded for too many sites; NotAcceptable if neither of the formats
 /// is accepted. The field is the option's name. Cheap: the image is not decoded.
-Result<HalftoneRequest> parse_halftone(std::string image, const std::vector<TextOption>& options,
+Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector<TextOption>& options,
                                        std::string_view accept, const Limits& limits);
 
 /// The same for a body that is a JSON object, with the member `image` in base64 or as a data: URI.

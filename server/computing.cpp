@@ -68,22 +68,6 @@ private:
     Stages stages_;
 };
 
-/// The same work, whose answer is compressed in the end if no stop has come: what there is by a deadline goes out as it
-/// is.
-Task<api::Answer> compressing(Task<api::Answer> work) {
-    return [work = std::move(work)](const Control& control, api::Timings& timings) -> Result<api::Answer> {
-        auto answer = work(control, timings);
-        if (!answer || !is_worth_compressing(answer->media_type, answer->body)) return answer;
-        const auto start = Clock::now();
-        if (auto compressed = gzip(answer->body, control.stop)) {
-            answer->body = std::move(*compressed);
-            answer->coding = "gzip";
-        }
-        timings.encode += Milliseconds(Clock::now() - start).count();
-        return answer;
-    };
-}
-
 /// Clients that take answers compressed have them kept so: compressing is work, too.
 std::string cache_key(const std::string& name, bool compressed) {
     return compressed ? name + "-gzip" : name;
@@ -106,16 +90,23 @@ Response response_of(api::Answer answer, const std::string& name) {
 
 }  // namespace
 
+/// A question, and its part of the memory for those that wait. Shared with the worker, which may still read it when the
+/// connection has left.
+struct Computing::Asked {
+    Question question;
+    MemoryBudget::Lease lease;
+};
+
 /// An answer, and its part of the memory that computing it had.
 struct Computing::Product {
     api::Answer answer;
     MemoryBudget::Lease lease;
 };
 
-Computing::Computing(const Config& config, WorkerPool& pool, const Planner& planner, Jobs& jobs)
+Computing::Computing(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs)
     : config_(config),
       pool_(pool),
-      planner_(planner),
+      compute_(std::move(compute)),
       jobs_(jobs),
       waiting_memory_(pool.memory().total() / 3),  // a quarter of both
       cache_(config.cache) {}
@@ -126,26 +117,28 @@ Outcome Computing::answer(const Request& request, Connection& connection) {
                       std::string(request.header("Content-Type")),
                       std::string(request.header("Accept")),
                       {}};
-    if (auto checked = Planner::check(question); !checked) return problem(std::move(checked.error()));
+    if (auto checked = check(question); !checked) return problem(std::move(checked.error()));
     const bool deferred = prefers(request, "respond-async");
     auto body = read_body(request, connection, deferred);
     if (!body) return tl::unexpected(std::move(body.error()));
     question.body = *std::move(body);
-    const std::string name = name_of_answer(question, config_.limits);
+    const auto asked = take_in(std::move(question));
+    if (!asked) return tl::unexpected(asked.error());
+    const std::string name = name_of_answer((*asked)->question, config_.limits);
     if (const auto tag = find_tag(request.header("If-None-Match"), name)) return not_modified(*tag);
-    if (deferred) return defer(question, connection);
+    if (deferred) return defer(*asked, connection);
     const bool compressed = accepts_gzip(request.header("Accept-Encoding"));
     if (auto response = recall(name, compressed)) return *std::move(response);
-    return compute(std::move(question), name, compressed, connection);
+    return compute(*asked, name, compressed, connection);
 }
 
-Outcome Computing::compute(Question question, const std::string& name, bool compressed, Connection& connection) {
+Outcome Computing::compute(const AskedPointer& asked, const std::string& name, bool compressed,
+                           Connection& connection) {
     const auto deadline = Clock::now() + config_.timeout;
     Stages stages;
-    auto plan = understand(std::move(question), connection, deadline, stages);
-    if (!plan) return tl::unexpected(std::move(plan.error()));
-    if (compressed) plan->work = compressing(std::move(plan->work));
-    auto product = run(*std::move(plan), connection, deadline, stages);
+    const auto cost = find_cost(asked, connection, deadline, stages);
+    if (!cost) return tl::unexpected(cost.error());
+    auto product = run(asked, *cost, compressed, connection, deadline, stages);
     if (!product) return tl::unexpected(std::move(product.error()));
     if (!product->answer.partial) cache_.keep(cache_key(name, compressed), product->answer);
     const Computed computed{product->answer.sites, product->answer.pixels};
@@ -184,60 +177,55 @@ tl::expected<std::string, Problem> Computing::read_body(const Request& request, 
     return std::move(*body);
 }
 
-/// Makes a job of what is understood now and computed when its turn comes.
-Outcome Computing::defer(const Question& question, Connection& connection) {
+/// Has the question counted from here on until nobody needs it any more.
+tl::expected<Computing::AskedPointer, Problem> Computing::take_in(Question question) {
     const std::size_t size = question.body.size();
-    const std::size_t held = 2 * size;  // it is copied, to be understood
-    if (held > waiting_memory_.total()) return too_large(held);
-    const auto lease = waiting_memory_.take(held);
+    if (size > waiting_memory_.total()) return too_large(size);
+    auto lease = waiting_memory_.take(size);
     if (!lease) return busy(429, "too many large requests are waiting");
+    return std::make_shared<const Asked>(Asked{std::move(question), *std::move(lease)});
+}
+
+/// Makes a job of what is understood now and computed when its turn comes.
+Outcome Computing::defer(const AskedPointer& asked, Connection& connection) {
     Stages stages;
-    const auto plan = understand(question, connection, Clock::now() + config_.timeout, stages);
-    if (!plan) return tl::unexpected(plan.error());
+    const auto cost = find_cost(asked, connection, Clock::now() + config_.timeout, stages);
+    if (!cost) return tl::unexpected(cost.error());
     Job job;
     job.owner = connection.key();
     job.client = connection.client_name();
-    job.cost = plan->cost;
-    // Its run understands it again, from the store.
-    const bool quick = Planner::is_quick(question);
-    const std::size_t reading = quick ? size : Planner::cost_of_planning(question).memory + size;
-    job.cost.memory = std::max(plan->cost.memory + plan->size, reading);
+    job.cost = *cost;
+    job.cost.memory += asked->question.body.size();  // its run takes it from the store
     if (job.cost.memory > pool_.memory().total()) return too_large(job.cost.memory);
-    return jobs_.accept(std::move(job), question).map(accepted);
+    return jobs_.accept(std::move(job), asked->question).map(accepted);
 }
 
-/// What a request costs is known once its body is read, which a worker does unless it is quick.
-tl::expected<Plan, Problem> Computing::understand(Question question, Connection& connection, Clock::time_point deadline,
-                                                  Stages& stages) {
-    if (Planner::is_quick(question)) {
-        auto plan = planner_.plan(std::move(question));
-        if (!plan) return problem(std::move(plan.error()));
-        return *std::move(plan);
-    }
-    const std::size_t size = question.body.size();
-    const auto cost = Planner::cost_of_planning(question);
-    // All of it is the worker's own: the connection may leave before it is done.
-    Task<Plan> read = [this, shared = std::make_shared<Question>(std::move(question))](const Control&, api::Timings&) {
-        return planner_.plan(std::move(*shared));
+/// What a request costs is known once it is understood, which a worker does unless that is quick.
+tl::expected<api::Cost, Problem> Computing::find_cost(const AskedPointer& asked, Connection& connection,
+                                                      Clock::time_point deadline, Stages& stages) {
+    Task<api::Cost> find = [asked, &limits = config_.limits](const Control&, api::Timings&) {
+        return understand(asked->question, limits).map([&](const Understood& understood) {
+            return cost_of_answering(asked->question, understood, limits);
+        });
     };
-    return have_done(cost, size, std::move(read), connection, deadline, stages);
+    if (!is_quickly_understood(asked->question))
+        return have_done(cost_of_understanding(asked->question), std::move(find), connection, deadline, stages);
+    auto cost = find({}, stages.work);
+    if (!cost) return problem(std::move(cost.error()));
+    return *cost;
 }
 
 /// Has a worker do it, and waits: for the result, the deadline or the client's leaving.
 ///
-/// @param held    bytes that the request holds until it is done
 /// @param stages  filled as far as it came
 template <class T>
-tl::expected<T, Problem> Computing::have_done(const api::Cost& cost, std::size_t held, Task<T> work,
-                                              Connection& connection, Clock::time_point deadline, Stages& stages) {
-    if (cost.memory > pool_.memory().total() || held > waiting_memory_.total()) return too_large(cost.memory + held);
-    auto lease = waiting_memory_.take(held);
-    if (!lease) return busy(429, "too many large requests are waiting");
+tl::expected<T, Problem> Computing::have_done(const api::Cost& cost, Task<T> work, Connection& connection,
+                                              Clock::time_point deadline, Stages& stages) {
+    if (cost.memory > pool_.memory().total()) return too_large(cost.memory);
     const auto ticket = std::make_shared<Ticket<T>>();
     const auto job = pool_.submit(
         connection.client_name(),
-        [ticket, work = std::move(work),
-         lease = std::make_shared<MemoryBudget::Lease>(*std::move(lease))](std::stop_token stop) {
+        [ticket, work = std::move(work)](std::stop_token stop) {
             ticket->begin();
             api::Timings timings;
             try {
@@ -284,16 +272,18 @@ tl::expected<T, Problem> Computing::have_done(const api::Cost& cost, std::size_t
 }
 
 /// @param stages  with the wait so far
-tl::expected<Computing::Product, Problem> Computing::run(Plan plan, Connection& connection, Clock::time_point deadline,
-                                                         Stages& stages) {
-    Task<Product> job = [this, work = std::move(plan.work)](const Control& control, api::Timings& timings) {
-        return work(control, timings).map([this](api::Answer answer) {
+tl::expected<Computing::Product, Problem> Computing::run(const AskedPointer& asked, const api::Cost& cost,
+                                                         bool compressed, Connection& connection,
+                                                         Clock::time_point deadline, Stages& stages) {
+    const Manner manner{compressed, WorkerPool::is_short(cost)};
+    Task<Product> job = [this, asked, manner](const Control& control, api::Timings& timings) {
+        return compute_(asked->question, manner, control, timings).map([this](api::Answer answer) {
             const std::size_t size = answer.body.size();
             return Product{std::move(answer), pool_.memory().hold(size)};
         });
     };
     const double waited = stages.queue;
-    auto product = have_done(plan.cost, plan.size, std::move(job), connection, deadline, stages);
+    auto product = have_done(cost, std::move(job), connection, deadline, stages);
     stages.queue += waited;
     return product;
 }

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -13,8 +15,8 @@
 #include "server/http/http.h"
 #include "server/jobs/jobs.h"
 #include "server/problem.h"
+#include "server/work/computation.h"
 #include "server/work/memory_budget.h"
-#include "server/work/planner.h"
 #include "server/work/worker_pool.h"
 
 namespace ccdt::server {
@@ -23,9 +25,8 @@ namespace ccdt::server {
 /// from any thread.
 class Computing {
 public:
-    /// Pool, planner and jobs must outlive it. Requests may take a third of the memory that the pool has for jobs,
-    /// besides that.
-    Computing(const Config& config, WorkerPool& pool, const Planner& planner, Jobs& jobs);
+    /// Pool and jobs must outlive it. Requests may take a third of the memory that the pool has for jobs, besides that.
+    Computing(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs);
 
     Outcome answer(const Request& request, Connection& connection);
 
@@ -45,25 +46,31 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
+    template <class T>
+    using Task = std::function<Result<T>(const Control&, api::Timings&)>;  ///< what a worker does
 
+    struct Asked;
+    using AskedPointer = std::shared_ptr<const Asked>;
     struct Product;
 
     tl::unexpected<Problem> too_slow() const;
     tl::unexpected<Problem> too_large(std::size_t bytes) const;
     tl::expected<std::string, Problem> read_body(const Request& request, Connection& connection, bool deferred) const;
-    Outcome defer(const Question& question, Connection& connection);
-    tl::expected<Plan, Problem> understand(Question question, Connection& connection, Clock::time_point deadline,
-                                           Stages& stages);
+    tl::expected<AskedPointer, Problem> take_in(Question question);
+    Outcome defer(const AskedPointer& asked, Connection& connection);
+    tl::expected<api::Cost, Problem> find_cost(const AskedPointer& asked, Connection& connection,
+                                               Clock::time_point deadline, Stages& stages);
     template <class T>
-    tl::expected<T, Problem> have_done(const api::Cost& cost, std::size_t held, Task<T> work, Connection& connection,
+    tl::expected<T, Problem> have_done(const api::Cost& cost, Task<T> work, Connection& connection,
                                        Clock::time_point deadline, Stages& stages);
     std::optional<Response> recall(const std::string& name, bool compressed);
-    Outcome compute(Question question, const std::string& name, bool compressed, Connection& connection);
-    tl::expected<Product, Problem> run(Plan plan, Connection& connection, Clock::time_point deadline, Stages& stages);
+    Outcome compute(const AskedPointer& asked, const std::string& name, bool compressed, Connection& connection);
+    tl::expected<Product, Problem> run(const AskedPointer& asked, const api::Cost& cost, bool compressed,
+                                       Connection& connection, Clock::time_point deadline, Stages& stages);
 
     const Config config_;
     WorkerPool& pool_;
-    const Planner& planner_;
+    const Compute compute_;
     Jobs& jobs_;
     MemoryBudget waiting_memory_;  ///< of requests; apart, lest those that wait leave nothing to those that run
     ResultCache cache_;

@@ -32,7 +32,7 @@
 #include "server/metrics.h"
 #include "server/process.h"
 #include "server/routes.h"
-#include "server/work/planner.h"
+#include "server/work/computation.h"
 #include "server/work/worker_pool.h"
 
 namespace ccdt::server {
@@ -184,13 +184,16 @@ int serve(const Config& config) {
         log.error(store.error().message);
         return kFailed;
     }
-    const Planner planner(config.limits, decoder_of(box->get()));
+    const Compute compute = [limits = config.limits, decode = decoder_of(box->get())](
+                                const auto& question, const auto& manner, const auto& control, auto& timings) {
+        return compute_here(question, manner, limits, decode, control, timings);
+    };
     Metrics metrics(CCDT_VERSION);
-    Jobs jobs(config.jobs, **store, !config.data_dir.empty(), pool, planner, [&](const JobEnd& end) {
+    Jobs jobs(config.jobs, **store, !config.data_dir.empty(), pool, compute, [&](const JobEnd& end) {
         metrics.add(end);
         log.job(end);
     });
-    Routes routes(config, pool, planner, jobs, metrics);
+    Routes routes(config, pool, compute, jobs, metrics);
     HttpServer server(
         config.patience, config.capacity,
         [&](const auto& request, const auto& fault, auto& connection) {

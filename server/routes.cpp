@@ -98,11 +98,11 @@ constexpr Routes::Route Routes::kRoutes[] = {
     {"/jobs/{id}/result", "GET", "GET, HEAD, OPTIONS", &Routes::job_result},
 };
 
-Routes::Routes(const Config& config, WorkerPool& pool, const Planner& planner, Jobs& jobs, const Metrics& metrics)
+Routes::Routes(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs, const Metrics& metrics)
     : config_(config),
       pool_(pool),
       metrics_(metrics),
-      computing_(config, pool, planner, jobs),
+      computing_(config, pool, std::move(compute), jobs),
       job_routes_(jobs, pool.memory(), config.capacity.connections / kConnectionsPerStream, config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
 

@@ -15,7 +15,7 @@
 #include "server/metrics.h"
 #include "server/problem.h"
 #include "server/work/memory_budget.h"
-#include "server/work/planner.h"
+#include "server/work/question.h"
 #include "server/work/worker_pool.h"
 
 namespace ccdt::server {
@@ -24,7 +24,7 @@ namespace ccdt::server {
 class Routes {
 public:
     /// All of these must outlive the routes.
-    Routes(const Config& config, WorkerPool& pool, const Planner& planner, Jobs& jobs, const Metrics& metrics);
+    Routes(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs, const Metrics& metrics);
 
     /// Answers anything that came over a connection; a fault is answered as what it says.
     Response answer(const Request& request, const std::optional<Fault>& fault, Connection& connection);

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <utility>
 
 #include "api/image/image_header.h"
 
@@ -65,7 +67,8 @@ Result<ImageFile> read_embedded_image(const Input& input, const Limits& limits) 
     if (!bytes) return malformed(input, bytes.error().message);
     const auto header = read_image_header(*bytes, limits.max_pixels);
     if (!header) return failure(header.error().code, input.name + ": " + header.error().message, input.field);
-    return ImageFile{*std::move(bytes), *header};
+    const auto decoded = std::make_shared<const std::string>(*std::move(bytes));
+    return ImageFile{*decoded, *header, decoded};
 }
 
 }  // namespace ccdt::api

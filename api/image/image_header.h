@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,8 +27,9 @@ struct ImageHeader {
 
 /// A file whose header was read.
 struct ImageFile {
-    std::string bytes;
+    std::string_view bytes;  ///< of whoever gave it, who must outlive this, or of `decoded`
     ImageHeader header;
+    std::shared_ptr<const std::string> decoded = {};  ///< from a text that held the file; null: it came as it is
 };
 
 /// Tiles of a TIFF may stand over its border, by so many pixels in all.

@@ -6,7 +6,7 @@
 
 #include "api/options.h"
 #include "server/http/http.h"
-#include "server/work/planner.h"
+#include "server/work/question.h"
 
 namespace ccdt::server {
 

@@ -8,7 +8,7 @@
 
 #include "core/result.h"
 #include "server/jobs/job.h"
-#include "server/work/planner.h"
+#include "server/work/question.h"
 
 namespace ccdt::server {
 

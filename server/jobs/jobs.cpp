@@ -56,13 +56,12 @@ JobFailure too_late(std::chrono::milliseconds timeout) {
 
 }  // namespace
 
-Jobs::Jobs(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, const Planner& planner,
-           Logger logger)
+Jobs::Jobs(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute, Logger logger)
     : limits_(limits),
       store_(store),
       survives_(survives),
       pool_(pool),
-      planner_(planner),
+      compute_(std::move(compute)),
       logger_(std::move(logger)),
       at_once_(std::max<std::size_t>(2, pool.load().workers) - 1),
       keeper_([this](const std::stop_token& closing) { keep(closing); }) {}
@@ -218,18 +217,13 @@ Jobs::Run Jobs::compute(const Job& job, const LivePointer& live, const std::stop
     Run run{failure(ErrorCode::Internal, ""), {}};
     run.stages.queue = Milliseconds(*job.started - job.created).count();
     try {
-        auto question = store_.question(job.id);
+        const auto question = store_.question(job.id);
         if (!question || !*question) {
             run.answer = failure(ErrorCode::Internal, question ? "the question is lost" : question.error().message);
             return run;
         }
-        auto plan = planner_.plan(**std::move(question));
-        if (!plan) {
-            run.answer = tl::unexpected(std::move(plan.error()));
-            return run;
-        }
         const Control control{stop, [&](const Progress& progress) { note(live, progress); }};
-        run.answer = plan->work(control, run.stages.work);
+        run.answer = compute_(**question, {false, WorkerPool::is_short(job.cost)}, control, run.stages.work);
     } catch (const std::exception& exception) {
         run.answer = failure(ErrorCode::Internal, exception.what());
     }

@@ -21,8 +21,8 @@
 #include "server/jobs/job_limits.h"
 #include "server/jobs/job_store.h"
 #include "server/problem.h"
+#include "server/work/computation.h"
 #include "server/work/fair_queue.h"
-#include "server/work/planner.h"
 #include "server/work/worker_pool.h"
 
 namespace ccdt::server {
@@ -52,8 +52,7 @@ public:
 
     /// @param survives  the store outlives the process: what is not done when it drains is done by the next one
     /// The others must outlive it.
-    Jobs(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, const Planner& planner,
-         Logger logger);
+    Jobs(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute, Logger logger);
 
     /// Stops what runs.
     ~Jobs();
@@ -161,7 +160,7 @@ private:
     JobStore& store_;
     const bool survives_;
     WorkerPool& pool_;
-    const Planner& planner_;
+    const Compute compute_;
     const Logger logger_;
     const std::size_t at_once_;  ///< jobs that the pool is handed
 

@@ -137,7 +137,8 @@ class HalftoneCost : public testing::TestWithParam<HalftoneCase> {};
 
 TEST_P(HalftoneCost, IsNeverPassed) {
     if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
-    const auto request = parse_halftone(photograph(GetParam().picture), GetParam().options, "", {});
+    const std::string file = photograph(GetParam().picture);
+    const auto request = parse_halftone(file, GetParam().options, "", {});
     ASSERT_TRUE(request) << request.error().message;
     const auto work = [&] {
         Timings timings;
@@ -223,8 +224,9 @@ TEST(Cost, KnowsShortRequests) {
 }
 
 TEST(Cost, OfAPictureIsKnownFromItsHeader) {
-    const auto memory = [](std::vector<TextOption> options) {
-        return cost_of(*parse_halftone(fixture("grey.jpg"), options, "", {}), {}).memory;
+    const std::string file = fixture("grey.jpg");
+    const auto memory = [&](std::vector<TextOption> options) {
+        return cost_of(*parse_halftone(file, options, "", {}), {}).memory;
     };
     EXPECT_LT(memory({{"sites", "10"}, {"scale", "1"}}), std::size_t{64} << 20);
     EXPECT_GT(memory({{"sites", "100000"}, {"scale", "1"}}), std::size_t{64} << 20);

@@ -15,7 +15,8 @@ namespace {
 using Options = std::vector<TextOption>;
 
 Result<HalftoneRequest> parse(const Options& options, std::string_view accept = "", const Limits& limits = {}) {
-    return parse_halftone(fixture("rgba.png"), options, accept, limits);
+    static const std::string file = fixture("rgba.png");
+    return parse_halftone(file, options, accept, limits);
 }
 
 Result<Answer> answer(const std::string& image, const Options& options, const Limits& limits = {}) {
@@ -375,7 +376,8 @@ TEST(Halftone, ReportsBrokenImages) {
 
 TEST(Halftone, StopsWhenAsked) {
     std::stop_source stop;
-    const auto request = parse_halftone(fixture("lossless.webp"), {{"sites", "50"}}, "", {});
+    const std::string file = fixture("lossless.webp");
+    const auto request = parse_halftone(file, {{"sites", "50"}}, "", {});
     Timings timings;
     Control control{stop.get_token(), [&](const Progress&) { stop.request_stop(); }};
     const auto result = run_halftone(*request, {}, decode_inline(), control, timings);
@@ -384,10 +386,11 @@ TEST(Halftone, StopsWhenAsked) {
 }
 
 TEST(Halftone, StopsInColourWhenAsked) {
+    const std::string file = photograph("chelsea.png");
     for (const auto& [on_deadline, may_answer] : {std::pair{"error", false}, {"partial", true}}) {
         std::stop_source stop;
-        const auto request = parse_halftone(
-            photograph("chelsea.png"), {{"sites", "500"}, {"color", "cmyk"}, {"on_deadline", on_deadline}}, "", {});
+        const auto request =
+            parse_halftone(file, {{"sites", "500"}, {"color", "cmyk"}, {"on_deadline", on_deadline}}, "", {});
         Timings timings;
         Control control{stop.get_token(), [&](const Progress&) { stop.request_stop(); }};
         const auto result = run_halftone(*request, {}, decode_inline(), control, timings);
@@ -404,7 +407,8 @@ TEST(Halftone, StopsInColourWhenAsked) {
 TEST(Halftone, ReportsProgressThatOnlyGrows) {
     double done = 0;
     int iteration = 0;
-    const auto request = parse_halftone(photograph("chelsea.png"), {{"sites", "500"}, {"color", "rgb"}}, "", {});
+    const std::string file = photograph("chelsea.png");
+    const auto request = parse_halftone(file, {{"sites", "500"}, {"color", "rgb"}}, "", {});
     Timings timings;
     Control control{{}, [&](const Progress& progress) {
                         EXPECT_GT(progress.done(), done);

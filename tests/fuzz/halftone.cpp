@@ -49,7 +49,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto query = fuzz::take_line(accept);
     const auto options = server::parse_query(query);
     fuzz::check_query(query, options);
-    const auto request = api::parse_halftone(std::string(fuzz::kImage), options, accept, fuzz::kHalftoneLimits);
+    const auto request = api::parse_halftone(fuzz::kImage, options, accept, fuzz::kHalftoneLimits);
     if (request) {
         fuzz::check_request(*request);
         CCDT_CHECK(request->image.bytes == fuzz::kImage);

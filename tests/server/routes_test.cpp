@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "server/jobs/sqlite_job_store.h"
+#include "tests/server/computing_in_process.h"
 
 namespace ccdt::server {
 namespace {
@@ -36,10 +37,10 @@ protected:
     Config config_;
     WorkerPool pool_{1, 1};
     Metrics metrics_{"1.2.3"};
-    Planner planner_{config_.limits, api::decode_inline()};
+    Compute compute_ = test::compute_in_process(config_.limits);
     std::unique_ptr<SqliteJobStore> store_ = *SqliteJobStore::open("");
-    Jobs jobs_{config_.jobs, *store_, false, pool_, planner_, [](const JobEnd&) {}};
-    Routes routes_{config_, pool_, planner_, jobs_, metrics_};
+    Jobs jobs_{config_.jobs, *store_, false, pool_, compute_, [](const JobEnd&) {}};
+    Routes routes_{config_, pool_, compute_, jobs_, metrics_};
 
 private:
     std::array<int, 2> sockets_{};
@@ -102,7 +103,7 @@ TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
 TEST_F(RoutesTest, NamesTheConfiguredOrigin) {
     Config config;
     config.cors_origins = {"https://example.org"};
-    Routes routes(config, pool_, planner_, jobs_, metrics_);
+    Routes routes(config, pool_, compute_, jobs_, metrics_);
     Connection connection(-1);
     const auto request = parse_head(
         "OPTIONS /halftone HTTP/1.1\r\nOrigin: https://example.org\r\nAccess-Control-Request-Method: POST\r\n\r\n");
@@ -140,7 +141,7 @@ TEST_F(RoutesTest, TagsCodingsApart) {
 TEST_F(RoutesTest, KeepsStreamsOfEventsFromFallingSilent) {
     Config config;
     config.jobs.ping = std::chrono::milliseconds(1);
-    Routes routes(config, pool_, planner_, jobs_, metrics_);
+    Routes routes(config, pool_, compute_, jobs_, metrics_);
     const auto job = jobs_.accept({}, {"/sample", "", "", "", "{}"});  // waits: nothing has been started
     Connection connection(socket());
     const auto request = parse_head("GET /jobs/" + job->id + "/events HTTP/1.1\r\n\r\n");
@@ -158,7 +159,7 @@ TEST_F(RoutesTest, KeepsStreamsOfEventsFromFallingSilent) {
 TEST_F(RoutesTest, BoundsStreamsOfEvents) {
     Config config;
     config.capacity.connections = 4;
-    Routes routes(config, pool_, planner_, jobs_, metrics_);
+    Routes routes(config, pool_, compute_, jobs_, metrics_);
     const auto job = jobs_.accept({}, {"/sample", "", "", "", "{}"});
     Connection connection(socket());
     const auto request = parse_head("GET /jobs/" + job->id + "/events HTTP/1.1\r\n\r\n");

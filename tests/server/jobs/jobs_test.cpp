@@ -5,6 +5,7 @@
 #include <string>
 
 #include "server/jobs/sqlite_job_store.h"
+#include "tests/server/computing_in_process.h"
 
 namespace ccdt::server {
 namespace {
@@ -30,7 +31,7 @@ class JobsTest : public testing::Test {
 protected:
     Jobs& start(JobLimits limits = {}, bool survives = false) {
         limits_ = limits;
-        jobs_.emplace(limits, *store_, survives, pool_, planner_, [](const JobEnd&) {});
+        jobs_.emplace(limits, *store_, survives, pool_, compute_, [](const JobEnd&) {});
         EXPECT_TRUE(jobs_->start());
         return *jobs_;
     }
@@ -78,7 +79,7 @@ protected:
 
     std::unique_ptr<SqliteJobStore> store_ = *SqliteJobStore::open("");
     WorkerPool pool_{1, 0};
-    Planner planner_{{}, api::decode_inline()};
+    Compute compute_ = test::compute_in_process();
     JobLimits limits_;
     std::optional<Jobs> jobs_;
 };
@@ -86,7 +87,7 @@ protected:
 TEST_F(JobsTest, AnswerAsIfTheyHadBeenWaitedFor) {
     start();
     api::Timings timings;
-    const auto expected = planner_.plan(kAnalysis)->work({}, timings);
+    const auto expected = compute_(kAnalysis, {}, {}, timings);
     const std::string id = submit(kAnalysis);
     EXPECT_EQ(id.size(), 32u);
     const Job job = wait_for_end(id);
@@ -100,7 +101,7 @@ TEST_F(JobsTest, AnswerAsIfTheyHadBeenWaitedFor) {
 }
 
 TEST_F(JobsTest, TellEveryStep) {
-    jobs_.emplace(JobLimits{}, *store_, false, pool_, planner_, [](const JobEnd&) {});
+    jobs_.emplace(JobLimits{}, *store_, false, pool_, compute_, [](const JobEnd&) {});
     const std::string id = submit(sample(R"("sites":500,"iterations":7)"));
     auto watch = jobs_->watch(id, kAlice);
     const auto never = [] { return Jobs::Clock::now() + std::chrono::minutes(2); };

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "api/image/image_codec.h"
+#include "api/options.h"
+#include "server/work/computation.h"
+
+namespace ccdt::server::test {
+
+/// What the server's processes do, done here.
+inline Compute compute_in_process(const api::Limits& limits = {}) {
+    return [limits](const Question& question, const Manner& manner, const Control& control, api::Timings& timings) {
+        return compute_here(question, manner, limits, api::decode_inline(), control, timings);
+    };
+}
+
+}  // namespace ccdt::server::test
