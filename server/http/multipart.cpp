@@ -1,16 +1,33 @@
 #include "server/http/multipart.h"
 
+#include <algorithm>
 #include <utility>
+
+#include "api/input/text.h"
 
 namespace ccdt::server {
 namespace {
 
+constexpr std::string_view kLineEnd = "\r\n";
+constexpr std::string_view kBlankLine = "\r\n\r\n";
+constexpr std::size_t kLongestBoundary = 70;
+constexpr std::size_t kLargestHeaders = 16'384;  ///< of a part
+constexpr std::size_t kMostParts = 1'000;
+
+/// RFC 2046, section 5.1.1.
+bool is_boundary(std::string_view text) {
+    const auto is_allowed = [](char c) {
+        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+               std::string_view("'()+_,-./:=? ").find(c) != std::string_view::npos;
+    };
+    return !text.empty() && text.size() <= kLongestBoundary && text.back() != ' ' &&
+           std::ranges::all_of(text, is_allowed);
+}
+
 /// The name in a part's Content-Disposition.
 std::string part_name(std::string_view headers) {
     while (!headers.empty()) {
-        const auto end = headers.find("\r\n");
-        const auto line = headers.substr(0, end);
-        headers.remove_prefix(end == std::string_view::npos ? headers.size() : end + 2);
+        const auto line = api::take_until(headers, kLineEnd);
         const auto colon = line.find(':');
         if (colon != std::string_view::npos && equals_ignoring_case(line.substr(0, colon), "Content-Disposition"))
             return header_parameter(line.substr(colon + 1), "name");
@@ -18,33 +35,50 @@ std::string part_name(std::string_view headers) {
     return {};
 }
 
+/// Where a part's content begins.
+/// @param at  after the boundary before it
+Received<std::size_t> skip_headers(std::string_view body, std::size_t at) {
+    const auto window = body.substr(at, kLargestHeaders);
+    const auto padding = std::min(window.find_first_not_of(" \t"), window.size());
+    const auto end = window.find(kBlankLine);
+    const auto follows = window.substr(padding, kLineEnd.size());
+    if (!kLineEnd.starts_with(follows)) return fault(400, "a boundary of the form is not followed by a line's end");
+    if (end != std::string_view::npos) return at + end + kBlankLine.size();
+    if (window.size() == kLargestHeaders)
+        return fault(400, "the headers of a part of the form take more than 16384 bytes");
+    return fault(400, "the form ends within the headers of a part");
+}
+
 }  // namespace
 
 Received<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view content_type) {
     const std::string boundary = header_parameter(content_type, "boundary");
     if (boundary.empty()) return fault(400, "the form's Content-Type names no boundary");
-    const std::string delimiter = "--" + boundary;
+    if (!is_boundary(boundary))
+        return fault(400, "the form's boundary is not 1 to 70 of the characters that RFC 2046 allows there");
+    // Only its first character is a CR, so that a search for it looks at each byte of the body twice at most.
+    const std::string delimiter = "\r\n--" + boundary;
     const auto truncated = [] { return fault(400, "the form ends before its last boundary"); };
 
-    std::vector<FormPart> parts;
-    std::size_t at = body.find(delimiter);
-    while (at != std::string_view::npos) {
-        at += delimiter.size();
-        if (body.substr(at, 2) == "--") return parts;
-        const auto headers_begin = body.find("\r\n", at);
-        if (headers_begin == std::string_view::npos) return truncated();
-        const auto headers_end = body.find("\r\n\r\n", headers_begin);
-        if (headers_end == std::string_view::npos) return truncated();
-        const auto begin = headers_end + 4;
-        const auto end = body.find("\r\n" + delimiter, begin);
-        if (end == std::string_view::npos) return truncated();
-
-        auto name = part_name(body.substr(headers_begin, headers_end - headers_begin));
-        if (name.empty()) return fault(400, "a part of the form has no name");
-        parts.push_back({std::move(name), begin, end - begin});
-        at = end + 2;
+    std::size_t at = delimiter.size() - kLineEnd.size();  // after a boundary
+    if (!body.starts_with(std::string_view(delimiter).substr(kLineEnd.size()))) {
+        const auto first = body.find(delimiter);
+        if (first == std::string_view::npos) return truncated();
+        at = first + delimiter.size();
     }
-    return truncated();
+    std::vector<FormPart> parts;
+    while (body.substr(at, 2) != "--") {
+        if (parts.size() == kMostParts) return fault(400, "the form has more than 1000 parts");
+        const auto begin = skip_headers(body, at);
+        if (!begin) return tl::unexpected(begin.error());
+        auto name = part_name(body.substr(at, *begin - at));
+        if (name.empty()) return fault(400, "a part of the form has no name");
+        const auto end = body.find(delimiter, *begin);
+        if (end == std::string_view::npos) return truncated();
+        parts.push_back({std::move(name), *begin, end - *begin});
+        at = end + delimiter.size();
+    }
+    return parts;
 }
 
 }  // namespace ccdt::server

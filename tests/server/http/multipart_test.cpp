@@ -37,6 +37,55 @@ TEST(Multipart, RefusesWhatIsCutOff) {
         EXPECT_FALSE(parse_multipart(body.substr(0, size), kType)) << size;
 }
 
+TEST(Multipart, SkipsWhatStandsBeforeTheFirstBoundary) {
+    const std::string part = "--XX \t\r\nContent-Disposition: form-data; name=a\r\n\r\nb\r\n--XX--";
+    const std::string body = "no--XX\r\n" + part;
+    const auto parts = parse_multipart(body, kType);
+    ASSERT_TRUE(parts) << parts.error().detail;
+    ASSERT_EQ(parts->size(), 1u);
+    EXPECT_EQ(parts->front().content(body), "b");
+    EXPECT_TRUE(parse_multipart("no" + part, kType)->empty()) << "a boundary begins a line";
+}
+
+/// A form of one part with this boundary.
+Received<std::vector<FormPart>> parse_with(const std::string& boundary) {
+    const std::string body =
+        "--" + boundary + "\r\nContent-Disposition: form-data; name=a\r\n\r\nb\r\n--" + boundary + "--";
+    return parse_multipart(body, "multipart/form-data; boundary=\"" + boundary + '"');
+}
+
+TEST(Multipart, TakesBoundariesThatAreAllowed) {
+    for (const std::string& boundary : {std::string("x"), std::string(70, '-'), std::string("'()+_,-./:=? aZ09")})
+        EXPECT_TRUE(parse_with(boundary)) << boundary;
+    const std::string dashes(30'000, '-');
+    for (const std::string& boundary : {std::string(71, 'x'), dashes + 'x', std::string("x "), std::string("a@b"),
+                                        std::string("a\xe9"), std::string("a\tb")}) {
+        const auto parts = parse_with(boundary);
+        ASSERT_FALSE(parts) << boundary;
+        EXPECT_EQ(parts.error().status, 400);
+        EXPECT_NE(parts.error().detail.find("1 to 70"), std::string::npos) << parts.error().detail;
+    }
+}
+
+TEST(Multipart, BoundsPartsAndTheirHeaders) {
+    const auto form = [](int parts, std::size_t padding) {
+        std::string body;
+        for (int i = 0; i < parts; ++i)
+            body +=
+                "--XX\r\nX: " + std::string(padding, '\r') + "\r\nContent-Disposition: form-data; name=a\r\n\r\n\r\n";
+        return body + "--XX--";
+    };
+    EXPECT_EQ(parse_multipart(form(1000, 0), kType)->size(), 1000u);
+    EXPECT_NE(parse_multipart(form(1001, 0), kType).error().detail.find("1000"), std::string::npos);
+    EXPECT_EQ(parse_multipart(form(1, 16'000), kType)->size(), 1u);
+    EXPECT_NE(parse_multipart(form(1, 20'000), kType).error().detail.find("16384"), std::string::npos);
+}
+
+TEST(Multipart, RefusesMoreThanABoundaryOnItsLine) {
+    EXPECT_FALSE(parse_multipart("--XXY\r\nContent-Disposition: form-data; name=a\r\n\r\nb\r\n--XX--", kType));
+    EXPECT_FALSE(parse_multipart("--XX\nContent-Disposition: form-data; name=a\r\n\r\nb\r\n--XX--", kType));
+}
+
 TEST(Multipart, RefusesFormsWithoutBoundaryOrNames) {
     EXPECT_FALSE(parse_multipart("--XX--", "multipart/form-data"));
     EXPECT_FALSE(parse_multipart("--YY--", kType));
