@@ -7,6 +7,14 @@
 #include <nlohmann/json.hpp>
 
 namespace ccdt::api {
+namespace {
+
+/// @param position  counted from 1
+tl::unexpected<Error> invalid_at(std::size_t position) {
+    return failure(ErrorCode::Malformed, "the body is not valid JSON: error at byte " + std::to_string(position));
+}
+
+}  // namespace
 
 /// Takes the parser's events and stops it at the first that goes too far. The names are the library's.
 class JsonBuilder {
@@ -28,7 +36,8 @@ public:
     bool end_object() { return names_differ() && close(2); }
 
     bool parse_error(std::size_t position, const std::string&, const nlohmann::json::exception&) {
-        return fail(ErrorCode::Malformed, "the body is not valid JSON: error at byte " + std::to_string(position));
+        error_ = invalid_at(position).value();
+        return false;
     }
 
     Result<JsonDocument> take() {
@@ -101,6 +110,8 @@ private:
 };
 
 Result<JsonDocument> JsonDocument::parse(std::string_view text) {
+    // Which the library takes for the end.
+    if (const auto nul = text.find('\0'); nul != std::string_view::npos) return invalid_at(nul + 1);
     JsonBuilder builder;
     nlohmann::json::sax_parse(text.begin(), text.end(), &builder);
     return builder.take();

@@ -46,6 +46,16 @@ TEST(JsonDocument, RefusesWhatIsNotJson) {
     }
 }
 
+TEST(JsonDocument, RefusesWhatFollowsTheText) {
+    for (const char c : {'\0', '\v', '\f', '\x01', '\x7f', '\xa0', '}', ','}) {
+        for (const std::string& text : {std::string("{}") + c, std::string("1") + c, std::string("[1]") + c + " [2]"})
+            EXPECT_FALSE(JsonDocument::parse(text)) << static_cast<int>(c);
+    }
+    EXPECT_TRUE(JsonDocument::parse(" \t\r\n{} \t\r\n"));
+    EXPECT_EQ(JsonDocument::parse(std::string("[1]\0", 4)).error().message,
+              "the body is not valid JSON: error at byte 4");
+}
+
 TEST(JsonDocument, StopsAtDepth) {
     const auto nested = [](std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); };
     EXPECT_TRUE(JsonDocument::parse(nested(JsonDocument::kMaxDepth)));
