@@ -11,6 +11,7 @@ namespace ccdt::server {
 namespace {
 
 constexpr std::string_view kLineEnd = "\r\n";
+constexpr std::string_view kAuthority = "://";  ///< what it stands behind
 constexpr std::size_t kLongestTarget = 8'192;
 
 char to_lower(char c) {
@@ -64,12 +65,19 @@ std::string decode_percent(std::string_view text, bool plus_is_space) {
     return decoded;
 }
 
-/// A proxy may send the whole URL as the target.
-std::string_view without_authority(std::string_view target) {
-    const auto scheme = target.find("://");
-    if (scheme == std::string_view::npos || target.front() == '/') return target;
-    const auto path = target.find('/', scheme + 3);
-    return path == std::string_view::npos ? "/" : target.substr(path);
+/// The part of a target that names what is asked for: all of one in origin-form, what follows the authority in
+/// absolute-form, which proxies may send. None: it is neither.
+std::optional<std::string_view> without_authority(std::string_view target) {
+    if (target.starts_with('/')) return target;
+    const auto colon = target.find(kAuthority);
+    if (colon == std::string_view::npos) return std::nullopt;
+    const auto scheme = target.substr(0, colon);
+    if (!equals_ignoring_case(scheme, "http") && !equals_ignoring_case(scheme, "https")) return std::nullopt;
+    target.remove_prefix(colon + kAuthority.size());
+    const auto authority = target.substr(0, target.find_first_of("/?#"));
+    if (authority.empty() || authority.front() == ':' || !std::ranges::all_of(authority, is_host_character))
+        return std::nullopt;
+    return target.substr(authority.size());
 }
 
 Received<bool> parse_request_line(std::string_view line, Request& request) {
@@ -85,9 +93,12 @@ Received<bool> parse_request_line(std::string_view line, Request& request) {
     request.is_http_1_0 = line == "HTTP/1.0";
     request.keep_alive = !request.is_http_1_0;
 
-    auto rest = without_authority(target);
-    rest = rest.substr(0, rest.find('#'));
-    request.path = decode_percent(api::take_until(rest, "?"), false);
+    const bool whole_server = target == "*" && method == "OPTIONS";
+    const auto resource = whole_server ? std::optional(target) : without_authority(target);
+    if (!resource) return fault(400, "the request target is neither a path nor a URL of http or https");
+    auto rest = resource->substr(0, resource->find('#'));
+    const auto path = api::take_until(rest, "?");
+    request.path = path.empty() ? "/" : decode_percent(path, false);
     request.query = rest;
     return true;
 }

@@ -94,7 +94,7 @@ inline tl::unexpected<Fault> fault(int status, std::string detail, std::vector<H
 ///
 /// Stricter than most servers, since two that read the same bytes differently can be played against each other:
 /// lines end in CRLF, names are tokens, there is one Content-Length of digits or one `Transfer-Encoding: chunked`
-/// but not both.
+/// but not both. The target is a path, a URL of `http` or `https` with a host, or of OPTIONS `*`.
 Received<Request> parse_head(std::string_view head);
 
 /// What is wrong with a request that can be read: no Host or several (400), an expectation that is not understood

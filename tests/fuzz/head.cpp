@@ -40,6 +40,23 @@ void check_framing(const Request& request) {
     CCDT_CHECK(!(request.chunked && request.is_http_1_0));
 }
 
+bool begins_ignoring_case(std::string_view text, std::string_view start) {
+    return server::equals_ignoring_case(text.substr(0, start.size()), start);
+}
+
+/// A path, a URL that a web server may have, or of OPTIONS the whole server.
+void check_target(const Request& request) {
+    if (request.target == "*") {
+        CCDT_CHECK(request.method == "OPTIONS" && request.path == "*" && request.query.empty());
+        return;
+    }
+    CCDT_CHECK(request.path.starts_with('/'));
+    if (request.target.starts_with('/')) return;
+    const std::size_t scheme = begins_ignoring_case(request.target, "http://") ? 7 : 8;
+    CCDT_CHECK(scheme == 7 || begins_ignoring_case(request.target, "https://"));
+    CCDT_CHECK(request.target.find_first_of("/?#:", scheme) != scheme && request.target.size() > scheme);
+}
+
 void check_request(const Request& request, std::string_view head) {
     CCDT_CHECK(head.starts_with(request.method + ' ' + request.target + ' '));
     CCDT_CHECK(!request.method.empty() && is_visible(request.target));
@@ -49,6 +66,7 @@ void check_request(const Request& request, std::string_view head) {
         CCDT_CHECK(is_visible(value));
         CCDT_CHECK(count(request, name) > 1 || request.header(name) == value);
     }
+    check_target(request);
     check_framing(request);
     const auto again = server::parse_head(write(request));
     CCDT_CHECK(again && equal(request, *again));

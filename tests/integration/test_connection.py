@@ -90,6 +90,16 @@ class Malformed(ServerCase):
             with self.subTest(request=request):
                 self.check(request)
 
+    def test_targets_are_paths_or_urls(self):
+        for target in (b"foo?x://y/metrics", b"x://metrics/health/live", b"http:///health", b"http://:80/health", b"health",
+                       b"*"):
+            with self.subTest(target=target):
+                self.check(b"GET " + target + b" HTTP/1.1\r\nHost: h\r\n\r\n")
+        with Raw(self.server) as raw:
+            raw.send(b"GET HTTP://h/health HTTP/1.1\r\nHost: h\r\n\r\nOPTIONS * HTTP/1.1\r\nHost: h\r\n"
+                     b"Connection: close\r\n\r\n")
+            self.assertEqual(statuses(raw.rest()), [200, 204])
+
     def test_ambiguous_lengths_are_refused(self):
         for headers in (b"Content-Length: abc", b"Content-Length: 10abc", b"Content-Length: 1\r\nContent-Length: 1",
                         b"Content-Length: 1\r\nTransfer-Encoding: chunked", b"Transfer-Encoding: gzip"):

@@ -26,7 +26,22 @@ TEST(ParseHead, ReadsLineAndHeaders) {
 TEST(ParseHead, FindsThePathOfAWholeUrl) {
     EXPECT_EQ(parse_with("", "GET http://host:80/health?a#b HTTP/1.1")->path, "/health");
     EXPECT_EQ(parse_with("", "GET http://host HTTP/1.1")->path, "/");
+    EXPECT_EQ(parse_with("", "GET http://host?a=/b HTTP/1.1")->path, "/");
+    EXPECT_EQ(parse_with("", "GET http://host?a=/b HTTP/1.1")->query, "a=/b");
+    EXPECT_EQ(parse_with("", "GET HTTPS://[::1]:80/a?b HTTP/1.1")->path, "/a");
     EXPECT_EQ(parse_with("", "GET /x://y HTTP/1.1")->path, "/x://y");
+    EXPECT_EQ(parse_with("", "OPTIONS * HTTP/1.1")->path, "*");
+}
+
+TEST(ParseHead, RefusesTargetsThatAreNeitherPathNorUrl) {
+    for (const char* target : {"foo?x://y/metrics", "x://metrics/health/live", "foo", "?x", "*", "http",
+                               "http:", "http://", "http:///health", "http://:80/health", "http://u@h/health",
+                               "http:/h/health", "ftp://h/health", "https://?x"}) {
+        const auto request = parse_with("", std::string("GET ") + target + " HTTP/1.1");
+        ASSERT_FALSE(request) << target;
+        EXPECT_EQ(request.error().status, 400) << target;
+    }
+    EXPECT_FALSE(parse_with("", "CONNECT h:80 HTTP/1.1"));
 }
 
 TEST(ParseHead, ReadsHowTheBodyIsFramed) {
