@@ -7,7 +7,10 @@ namespace {
 
 /// Parts follow each other, each between two boundaries and without one of its own.
 void check_parts(const std::vector<server::FormPart>& parts, std::string_view body, std::string_view content_type) {
-    const std::string delimiter = "\r\n--" + server::header_parameter(content_type, "boundary");
+    const auto boundary = server::header_parameter(content_type, "boundary");
+    CCDT_CHECK(boundary.size() <= 70 && boundary.find_first_of("\r\n\"") == std::string::npos);
+    CCDT_CHECK(parts.size() <= 1000);
+    const std::string delimiter = "\r\n--" + boundary;
     std::size_t end = 0;
     for (const auto& part : parts) {
         CCDT_CHECK(!part.name.empty());
