@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-
-#include "api/input/text.h"
+#include <utility>
 
 namespace ccdt::server {
 namespace {
@@ -16,7 +15,8 @@ using std::chrono::duration_cast;
 using std::chrono::milliseconds;
 
 constexpr std::size_t kLargestHead = 32'768;
-constexpr std::size_t kLargestLine = 4'096;  ///< of a chunk's size or a trailer
+constexpr std::string_view kLineEnd = "\r\n";
+constexpr std::size_t kLongestLine = 4'096;  ///< of a chunk's size or a trailer
 constexpr std::size_t kMostFraming = 8;      ///< bytes of it for one in chunks, beyond a first kLargestHead
 constexpr std::size_t kReceiveSize = 16'384;
 constexpr std::size_t kFreeBytes = 65'536;      ///< of a body, which are read even if memory is short
@@ -43,11 +43,8 @@ tl::unexpected<Fault> too_large(std::size_t limit) {
     return fault(413, "the body is larger than this server's limit (max-body) of " + std::to_string(limit) + " bytes");
 }
 
-/// Size of a chunk; what follows a semicolon is an extension, and ignored.
-Received<std::uint64_t> parse_chunk_size(std::string_view line) {
-    const auto size = api::parse_number<std::uint64_t>(api::take_until(line, ";"), 16);
-    if (!size) return fault(400, "a chunk's size is malformed");
-    return *size;
+bool may_break_a_line(char c) {
+    return c == '\r' || c == '\n' || c == '\0';
 }
 
 }  // namespace
@@ -73,19 +70,22 @@ Received<Request> Connection::read_head() {
         return start + (is_pressed() ? std::min(patience_.header, kHeadUnderPressure) : patience_.header);
     };
     between_requests_ = false;
-    std::size_t end = std::string::npos;
-    while (true) {
-        // Clients may send a line end after a body; it is no part of the next head.
-        std::size_t blank = 0;
-        while (unread_.compare(blank, 2, "\r\n") == 0) blank += 2;
-        unread_.erase(0, blank);
-        end = unread_.find("\r\n\r\n");
-        if (std::min(end, unread_.size()) > kLargestHead)
+    const Fill fill_up = [&] { return fill(deadline); };
+    std::size_t end = 0;
+    for (bool blank = false; !blank;) {
+        const auto line_end = find_line_end(end, kLargestHead, fill_up);
+        if (!line_end) return tl::unexpected(line_end.error());
+        if (*line_end == std::string_view::npos)
             return fault(431, "the head of the request is larger than " + std::to_string(kLargestHead) + " bytes");
-        if (end != std::string::npos) break;
-        if (auto filled = fill(deadline); !filled) return tl::unexpected(filled.error());
+        if (*line_end == 0) {
+            // Clients may send a line end after a body; it is no part of the next head.
+            unread_.use(kLineEnd.size());
+            continue;
+        }
+        blank = *line_end == end;
+        end = *line_end + kLineEnd.size();
     }
-    auto request = parse_head(take(end + 4));
+    auto request = parse_head(use(end));
     between_requests_ = request && !request->chunked && request->content_length.value_or(0) == 0;
     return request;
 }
@@ -118,7 +118,7 @@ bool Connection::write(std::string_view bytes) {
             continue;
         }
         if (sent <= 0) return false;
-        answer.move(static_cast<std::size_t>(sent));
+        answer.move_to(answer.bytes + static_cast<std::uint64_t>(sent));
         bytes_out_ += static_cast<std::uint64_t>(sent);
         bytes.remove_prefix(static_cast<std::size_t>(sent));
     }
@@ -133,12 +133,18 @@ void Connection::close_gently() {
     }
     shutdown(socket_, SHUT_WR);
     const auto deadline = Clock::now() + kLinger;
-    while (!between_requests_ && fill([deadline] { return deadline; })) unread_.clear();
+    while (!between_requests_ && fill([deadline] { return deadline; })) unread_.use(unread_.view().size());
 }
 
-void Connection::Transfer::move(std::size_t more) {
+void Connection::Unread::add(std::string_view more) {
+    bytes_.erase(0, std::exchange(used_, 0));
+    bytes_ += more;
+}
+
+void Connection::Transfer::move_to(std::uint64_t total) {
+    if (total == bytes) return;
     moved = Clock::now();
-    bytes += more;
+    bytes = total;
 }
 
 /// When a transfer has taken too long: after a pause, or once its rate has been too low for as long.
@@ -168,46 +174,61 @@ Received<bool> Connection::fill(const Deadline& deadline) {
     do received = recv(socket_, buffer.data(), buffer.size(), 0);
     while (received < 0 && errno == EINTR);
     if (received <= 0) return fault(400, "the client closed the connection within its request");
-    unread_.append(buffer.data(), static_cast<std::size_t>(received));
+    unread_.add({buffer.data(), static_cast<std::size_t>(received)});
     return true;
 }
 
-std::string Connection::take(std::size_t size) {
-    std::string taken = unread_.substr(0, size);
-    unread_.erase(0, size);
-    bytes_in_ += taken.size();
-    return taken;
+/// The same for a body of which so much is there.
+Received<bool> Connection::fill(const std::string& body, Held& held) {
+    body_.move_to(body.size());
+    held.resize(body.size());
+    if (body.size() > kFreeBytes && capacity_ != nullptr && capacity_->is_out_of_memory())
+        return fault(503, "too many bodies are being sent at once", {{"Retry-After", "1"}});
+    return fill([this] { return deadline(body_); });
 }
 
-/// A line of the body's framing, without its end.
-Received<std::string> Connection::read_line() {
-    while (true) {
-        const auto end = unread_.find("\r\n");
-        if (std::min(end, unread_.size()) > kLargestLine) return fault(400, "a line of the chunked body is too long");
-        if (end != std::string::npos) {
-            std::string line = take(end + 2);
-            line.resize(end);
-            return line;
-        }
-        if (auto filled = fill([this] { return deadline(body_); }); !filled) return tl::unexpected(filled.error());
+/// @returns  what was used, as long as nothing more is received
+std::string_view Connection::use(std::size_t size) {
+    const auto used = unread_.view().substr(0, size);
+    unread_.use(size);
+    bytes_in_ += size;
+    return used;
+}
+
+/// Looks for the end of a line in what was received, and receives more until it is there.
+/// @param begin  of the line
+/// @param limit  where it has to end at the latest
+/// @returns      where its CRLF stands; npos: beyond the limit
+/// Fault besides (400), at once: a CR or LF alone, which others might take for a line's end, or a NUL.
+Received<std::size_t> Connection::find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up) {
+    for (std::size_t at = begin;;) {
+        const auto received = unread_.view();
+        while (at < received.size() && at <= limit && !may_break_a_line(received[at])) ++at;
+        if (at > limit) return std::string_view::npos;
+        const auto found = received.substr(at, kLineEnd.size());
+        if (found == kLineEnd) return at;
+        if (!kLineEnd.starts_with(found)) return fault(400, "a line does not end in CRLF, or holds a NUL");
+        if (auto filled = fill_up(); !filled) return tl::unexpected(filled.error());
     }
 }
 
-Received<bool> Connection::append(std::string& body, std::uint64_t size, Held& held) {
+/// A line of the body's framing, without its end; it lies in what was received until more is.
+Received<std::string_view> Connection::read_line(const Fill& fill_up) {
+    const auto end = find_line_end(0, kLongestLine, fill_up);
+    if (!end) return tl::unexpected(end.error());
+    if (*end == std::string_view::npos) return fault(400, "a line of the chunked body is too long");
+    return use(*end + kLineEnd.size()).substr(0, *end);
+}
+
+Received<bool> Connection::append(std::string& body, std::uint64_t size, const Fill& fill_up) {
     while (size > 0) {
         if (unread_.empty()) {
-            if (auto filled = fill([this] { return deadline(body_); }); !filled) return filled;
+            if (body.size() > kTrustedBytes) body.reserve(body.size() + size);
+            if (auto filled = fill_up(); !filled) return filled;
         }
-        const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(size, unread_.size()));
-        body.append(unread_, 0, part);
-        unread_.erase(0, part);
-        size -= part;
-        bytes_in_ += part;
-        body_.move(part);
-        held.resize(body.size());
-        if (body.size() > kFreeBytes && capacity_ != nullptr && capacity_->is_out_of_memory())
-            return fault(503, "too many bodies are being sent at once", {{"Retry-After", "1"}});
-        if (body.size() > kTrustedBytes) body.reserve(body.size() + size);
+        const auto part = use(std::min<std::uint64_t>(size, unread_.view().size()));
+        body += part;
+        size -= part.size();
     }
     return true;
 }
@@ -215,36 +236,48 @@ Received<bool> Connection::append(std::string& body, std::uint64_t size, Held& h
 Received<std::string> Connection::read_plain(std::uint64_t size) {
     std::string body;
     Held held(capacity_);
-    if (auto read = append(body, size, held); !read) return tl::unexpected(read.error());
+    if (auto read = append(body, size, [&] { return fill(body, held); }); !read) return tl::unexpected(read.error());
     return body;
 }
 
+/// What is received at once is taken apart without waiting, counting or looking at the clock: chunks may be small.
 Received<std::string> Connection::read_chunked(std::size_t limit) {
     std::string body;
     Held held(capacity_);
+    const Fill fill_up = [&] { return fill(body, held); };
     const auto before = bytes_in_;
     while (true) {
-        const auto size = read_line().and_then(parse_chunk_size);
+        const auto size = read_line(fill_up).and_then(parse_chunk_size);
         if (!size) return tl::unexpected(size.error());
         if (*size == 0) break;
         if (*size > limit - body.size()) return too_large(limit);
-        if (auto read = append(body, *size, held); !read) return tl::unexpected(read.error());
-        const auto end = read_line();
-        if (!end) return tl::unexpected(end.error());
-        if (!end->empty()) return fault(400, "a chunk is longer than its size");
+        const auto read = append(body, *size, fill_up).and_then([&](bool) { return skip_chunk_end(fill_up); });
+        if (!read) return tl::unexpected(read.error());
         if (bytes_in_ - before > body.size() * (1 + kMostFraming) + kLargestHead)
             return fault(400, "the chunks are small for their framing");
     }
-    if (auto skipped = skip_trailers(); !skipped) return tl::unexpected(skipped.error());
+    if (auto skipped = skip_trailers(fill_up); !skipped) return tl::unexpected(skipped.error());
     return body;
 }
 
+Received<bool> Connection::skip_chunk_end(const Fill& fill_up) {
+    while (true) {
+        const auto found = unread_.view().substr(0, kLineEnd.size());
+        if (!kLineEnd.starts_with(found)) return fault(400, "a chunk is longer than its size");
+        if (found == kLineEnd) break;
+        if (auto filled = fill_up(); !filled) return filled;
+    }
+    use(kLineEnd.size());
+    return true;
+}
+
 /// Nothing here uses trailers, and few of them are enough.
-Received<bool> Connection::skip_trailers() {
-    for (std::size_t skipped = 0; skipped <= kLargestLine;) {
-        const auto line = read_line();
+Received<bool> Connection::skip_trailers(const Fill& fill_up) {
+    for (std::size_t skipped = 0; skipped <= kLongestLine;) {
+        const auto line = read_line(fill_up);
         if (!line) return tl::unexpected(line.error());
         if (line->empty()) return true;
+        if (auto wrong = find_trailer_fault(*line)) return tl::unexpected(*std::move(wrong));
         skipped += line->size();
     }
     return fault(400, "the trailers of the chunked body are too long");

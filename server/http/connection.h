@@ -83,6 +83,20 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
     using Deadline = std::function<Clock::time_point()>;
+    using Fill = std::function<Received<bool>()>;
+
+    /// Bytes that were received, of which those at the front are used first.
+    class Unread {
+    public:
+        bool empty() const { return used_ == bytes_.size(); }
+        std::string_view view() const { return std::string_view(bytes_).substr(used_); }
+        void use(std::size_t size) { used_ += size; }
+        void add(std::string_view more);
+
+    private:
+        std::string bytes_;
+        std::size_t used_ = 0;
+    };
 
     /// A body or an answer on its way; how it is framed does not count.
     struct Transfer {
@@ -90,19 +104,22 @@ private:
         Clock::time_point moved;  ///< when last
         std::uint64_t bytes = 0;
 
-        void move(std::size_t more);
+        void move_to(std::uint64_t total);
     };
 
     bool is_pressed() const { return capacity_ != nullptr && capacity_->is_pressed(); }
     Clock::time_point deadline(const Transfer& transfer) const;
     bool wait(short events, const Deadline& deadline) const;
     Received<bool> fill(const Deadline& deadline);
-    Received<std::string> read_line();
-    Received<bool> append(std::string& body, std::uint64_t size, Held& held);
+    Received<bool> fill(const std::string& body, Held& held);
+    Received<std::size_t> find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up);
+    Received<std::string_view> read_line(const Fill& fill_up);
+    Received<bool> append(std::string& body, std::uint64_t size, const Fill& fill_up);
     Received<std::string> read_plain(std::uint64_t size);
     Received<std::string> read_chunked(std::size_t limit);
-    Received<bool> skip_trailers();
-    std::string take(std::size_t size);
+    Received<bool> skip_chunk_end(const Fill& fill_up);
+    Received<bool> skip_trailers(const Fill& fill_up);
+    std::string_view use(std::size_t size);
 
     const int socket_;
     const Patience patience_;
@@ -110,8 +127,8 @@ private:
     const Peer peer_;
     std::string client_name_;
     std::string key_;
-    std::string unread_;  ///< received, not yet used
-    Transfer body_;       ///< that of the current request
+    Unread unread_;
+    Transfer body_;  ///< that of the current request
     bool between_requests_ = true;
     bool too_slow_ = false;  ///< the client, for its answer
     std::uint64_t bytes_in_ = 0;

@@ -103,14 +103,63 @@ Received<bool> parse_request_line(std::string_view line, Request& request) {
     return true;
 }
 
-Received<bool> parse_header(std::string_view line, Request& request) {
+Received<Header> parse_header(std::string_view line) {
     const auto colon = line.find(':');
     if (colon == std::string_view::npos || !is_token(line.substr(0, colon)))
         return fault(400, "a header line is malformed");
     const auto value = api::trim(line.substr(colon + 1));
     if (std::ranges::any_of(value, [](char c) { return is_control(c) && c != '\t'; }))
         return fault(400, "a header's value holds control characters");
-    request.headers.push_back({std::string(line.substr(0, colon)), std::string(value)});
+    return Header{std::string(line.substr(0, colon)), std::string(value)};
+}
+
+/// Fields that frame a message, lead it on its way, say who sends it or how it is to be read: RFC 9110, section 6.5.1.
+bool may_be_trailer(std::string_view name) {
+    constexpr std::string_view kForbidden[] = {
+        "Authorization", "Connection",        "Content-Encoding", "Content-Length",
+        "Content-Range", "Content-Type",      "Expect",           "Host",
+        "Keep-Alive",    "Max-Forwards",      "Prefer",           "TE",
+        "Trailer",       "Transfer-Encoding", "Upgrade"};
+    return std::ranges::none_of(kForbidden,
+                                [name](std::string_view other) { return equals_ignoring_case(name, other); });
+}
+
+std::string_view skip_blanks(std::string_view text) {
+    return text.substr(std::min(text.find_first_not_of(" \t"), text.size()));
+}
+
+/// @returns  none if the text does not begin with a token
+std::optional<std::string_view> after_token(std::string_view text) {
+    const auto* const end = std::ranges::find_if_not(text, is_token_character);
+    if (end == text.begin()) return std::nullopt;
+    return std::string_view(end, text.end());
+}
+
+/// @returns  none if the text does not begin with a whole quoted string
+std::optional<std::string_view> after_quoted(std::string_view text) {
+    bool escaped = false;
+    for (std::size_t i = 1; i < text.size(); ++i) {
+        if (is_control(text[i]) && text[i] != '\t') return std::nullopt;
+        if (text[i] == '"' && !escaped) return text.substr(i + 1);
+        escaped = text[i] == '\\' && !escaped;
+    }
+    return std::nullopt;
+}
+
+/// Whether a text is any number of chunk extensions: RFC 9112, section 7.1.1.
+bool are_extensions(std::string_view text) {
+    while (!text.empty()) {
+        text = skip_blanks(text);
+        if (!text.starts_with(';')) return false;
+        auto rest = after_token(skip_blanks(text.substr(1)));
+        if (!rest) return false;
+        if (const auto value = skip_blanks(*rest); value.starts_with('=')) {
+            const auto content = skip_blanks(value.substr(1));
+            rest = content.starts_with('"') ? after_quoted(content) : after_token(content);
+            if (!rest) return false;
+        }
+        text = *rest;
+    }
     return true;
 }
 
@@ -168,11 +217,30 @@ Received<Request> parse_head(std::string_view head) {
     auto parsed = parse_request_line(api::take_until(head, kLineEnd), request);
     while (parsed && head != kLineEnd) {
         if (head.empty()) return fault(400, "the head of the request is not complete");
-        parsed = parse_header(api::take_until(head, kLineEnd), request);
+        parsed = parse_header(api::take_until(head, kLineEnd)).map([&](Header header) {
+            request.headers.push_back(std::move(header));
+            return true;
+        });
     }
     if (parsed) parsed = read_framing(request);
     if (!parsed) return tl::unexpected(parsed.error());
     return request;
+}
+
+Received<std::uint64_t> parse_chunk_size(std::string_view line) {
+    constexpr std::size_t kMostDigits = 16;
+    const auto digits = line.substr(0, std::min(line.find_first_of("; \t"), line.size()));
+    const auto size = api::parse_number<std::uint64_t>(digits, 16);
+    if (!size || digits.size() > kMostDigits) return fault(400, "a chunk's size is malformed");
+    if (!are_extensions(line.substr(digits.size()))) return fault(400, "a chunk's extensions are malformed");
+    return *size;
+}
+
+std::optional<Fault> find_trailer_fault(std::string_view line) {
+    const auto trailer = parse_header(line);
+    if (!trailer) return Fault{400, "a trailer is malformed", {}};
+    if (!may_be_trailer(trailer->name)) return Fault{400, trailer->name + " must not be a trailer", {}};
+    return std::nullopt;
 }
 
 std::optional<Fault> find_fault(const Request& request) {

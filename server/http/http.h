@@ -97,6 +97,14 @@ inline tl::unexpected<Fault> fault(int status, std::string detail, std::vector<H
 /// but not both. The target is a path, a URL of `http` or `https` with a host, or of OPTIONS `*`.
 Received<Request> parse_head(std::string_view head);
 
+/// Reads the line before a chunk, without its end: the chunk's size in bytes, and extensions, which are ignored.
+/// Fault (400): anything but what RFC 9112, section 7.1, lets a client send; more than 16 digits.
+Received<std::uint64_t> parse_chunk_size(std::string_view line);
+
+/// What is wrong with a line after the last chunk, without its end: no well-formed field, or one that nobody may learn
+/// of so late, such as a length (400).
+std::optional<Fault> find_trailer_fault(std::string_view line);
+
 /// What is wrong with a request that can be read: no Host or several (400), an expectation that is not understood
 /// (417).
 std::optional<Fault> find_fault(const Request& request);

@@ -90,6 +90,12 @@ class Malformed(ServerCase):
             with self.subTest(request=request):
                 self.check(request)
 
+    def test_lines_that_do_not_end_in_crlf_are_refused_before_the_head_is_over(self):
+        for head in (b"GET /health HTTP/1.1\n", b"GET /health HTTP/1.1\r\nHost: h\n", b"GET /health HTTP/1.1\r\nA: b\rC",
+                     b"GET /health HTTP/1.1\r\nA: \0"):
+            with self.subTest(head=head):
+                self.check(head)
+
     def test_targets_are_paths_or_urls(self):
         for target in (b"foo?x://y/metrics", b"x://metrics/health/live", b"http:///health", b"http://:80/health", b"health",
                        b"*"):
@@ -107,7 +113,9 @@ class Malformed(ServerCase):
                 self.check(b"POST /halftone HTTP/1.1\r\nHost: h\r\n" + headers + b"\r\n\r\nx")
 
     def test_malformed_chunks_are_refused(self):
-        for chunks in (b"x\r\n", b"-1\r\n", b"1\r\nab\r\n"):
+        for chunks in (b"x\r\n", b"-1\r\n", b"1\r\nab\r\n", b"1\n", b"1;a\n\r\n", b"1;a\0\r\n", b"1;a\rb\r\n", b"1;\r\n",
+                       b"0\r\nnonsense\r\n\r\n", b"0\r\nA: b\nC: d\r\n\r\n", b"0\r\nContent-Length: 1\r\n\r\n",
+                       b"0\r\n\n"):
             with self.subTest(chunks=chunks):
                 self.check(b"POST /halftone HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n" + chunks)
 

@@ -109,6 +109,61 @@ TEST(Connection, RefusesMalformedChunks) {
     EXPECT_EQ(status_of(Pair().read(kChunked + std::string(5000, '0'))), 400);
 }
 
+TEST(Connection, ReadsChunksHoweverTheyArrive) {
+    const std::string body =
+        "5 ; a = \"b\\\"; c\" ;d=e\r\nhe\r\n!\r\n00000000001;x\r\n\n\r\n0;last\r\nX-Digest:\ta\r\nEmpty:\r\n\r\n";
+    for (std::size_t cut = 1; cut < body.size(); ++cut) {
+        Pair pair;
+        pair.send(kChunked + body.substr(0, cut));
+        ASSERT_TRUE(pair.connection().wait_for_request(never));
+        const auto head = pair.connection().read_head();
+        ASSERT_TRUE(head);
+        pair.send(body.substr(cut));
+        EXPECT_EQ(pair.connection().read_body(*head, 100), "he\r\n!\n") << cut;
+        EXPECT_TRUE(pair.connection().between_requests());
+    }
+}
+
+/// Statuses and texts of faults; a body that is taken has none.
+std::string detail_of(const Received<std::string>& body) {
+    return body ? "" : std::to_string(body.error().status) + ' ' + body.error().detail;
+}
+
+TEST(Connection, RefusesLinesOfChunksThatOthersMightReadDifferently) {
+    using std::string_view_literals::operator""sv;
+    for (const auto line : {"1\n"sv, "1;a\n\r\n"sv, "1;a\rb\r\n"sv, "1;a\0\r\n"sv, "1\r\r\n"sv, "1;a=\"\n\"\r\n"sv})
+        EXPECT_EQ(detail_of(Pair().read(kChunked + std::string(line) + "x\r\n0\r\n\r\n")),
+                  "400 a line does not end in CRLF, or holds a NUL")
+            << line;
+    for (const auto line :
+         {"1;"sv, "1 a"sv, "1;;a"sv, "1;a="sv, "1;a=\"b"sv, "1;a=\"b\"c"sv, "1;a=\x01"sv, "1;a=\"\\\x01\""sv,
+          "1;\xe9"sv, "1;a b"sv, "1;a "sv, ";a"sv, " 1"sv, "+1"sv, "00000000000000001"sv})
+        EXPECT_EQ(status_of(Pair().read(kChunked + std::string(line) + "\r\nx\r\n0\r\n\r\n")), 400) << line;
+}
+
+TEST(Connection, RefusesTrailersThatAreNoneOrComeTooLate) {
+    using std::string_view_literals::operator""sv;
+    for (const auto trailer : {"nonsense"sv, ": a"sv, "A : b"sv, " folded"sv, "A: b\nC: d"sv, "A: b\rC"sv, "A: \0"sv,
+                               "A: \x01"sv, "Content-Length: 5"sv, "transfer-encoding: chunked"sv, "HOST: h"sv,
+                               "Authorization: Bearer x"sv, "Content-Type: text/plain"sv, "GET /metrics HTTP/1.1"sv})
+        EXPECT_EQ(status_of(Pair().read(std::string(kChunked) + "0\r\n" + std::string(trailer) + "\r\n\r\n")), 400)
+            << trailer;
+    EXPECT_EQ(status_of(Pair().read(std::string(kChunked) + "0\r\n\n")), 400);
+}
+
+TEST(Connection, RefusesAHeadAtTheFirstLineThatDoesNotEndInCrlf) {
+    using std::string_view_literals::operator""sv;
+    for (const auto begun : {"GET / HTTP/1.1\n"sv, "\n"sv, "\r\r"sv, "GET / HTTP/1.1\r\nHost: h\n"sv,
+                             "GET / HTTP/1.1\r\nA: b\rC"sv, "GET / HTTP/1.1\r\nA: \0"sv}) {
+        Pair pair;
+        pair.send(begun);
+        ASSERT_TRUE(pair.connection().wait_for_request(never));
+        const auto head = pair.connection().read_head();
+        ASSERT_FALSE(head) << begun;
+        EXPECT_EQ(head.error().status, 400) << begun;
+    }
+}
+
 TEST(Connection, AsksForALength) {
     EXPECT_EQ(status_of(Pair().read("POST / HTTP/1.1\r\n\r\n")), 411);
     EXPECT_EQ(Pair().read("POST / HTTP/1.1\r\nContent-Length: 0\r\n\r\n"), "");
