@@ -18,7 +18,7 @@ struct Patience {
     std::chrono::milliseconds header{10'000};  ///< for the whole head of a request
     /// Longest pause within a body or an answer, and what it may take over that at the least rate, 32 KiB/s.
     std::chrono::milliseconds body{30'000};
-    std::chrono::milliseconds idle{60'000};  ///< between two requests
+    std::chrono::milliseconds idle{60'000};  ///< between two requests; a thread rests as long before it ends
 };
 
 /// One client's socket, with what was read from it and not yet used.

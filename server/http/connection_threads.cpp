@@ -1,38 +1,66 @@
 #include "server/http/connection_threads.h"
 
+#include <malloc.h>
+
 #include <exception>
+#include <iterator>
 #include <utility>
 
 namespace ccdt::server {
 
+ConnectionThreads::~ConnectionThreads() {
+    const std::lock_guard lock(mutex_);
+    closing_ = true;
+    for (Thread& thread : idle_) thread.wake.notify_one();
+}
+
 bool ConnectionThreads::run(std::function<void()> task) {
     const std::lock_guard lock(mutex_);
-    const auto before = tasks_.size();
+    if (!idle_.empty()) {
+        const auto next = std::prev(idle_.end());
+        busy_.splice(busy_.end(), idle_, next);
+        next->task = std::move(task);
+        next->wake.notify_one();
+        return true;
+    }
+    const auto before = busy_.size();
     try {
-        tasks_.push_back(std::move(task));
-        if (idle_ < tasks_.size()) threads_.emplace_back([this](const std::stop_token& closing) { work(closing); });
+        const auto made = busy_.emplace(busy_.end());
+        made->task = std::move(task);
+        made->handle = std::jthread([this, made] { work(made); });
     } catch (const std::exception&) {
-        tasks_.resize(before);
+        busy_.resize(before);
         return false;
     }
-    task_waits_.notify_one();
     return true;
 }
 
-void ConnectionThreads::work(const std::stop_token& closing) {
+ConnectionThreads::Counts ConnectionThreads::counts() const {
+    const std::lock_guard lock(mutex_);
+    return {busy_.size(), idle_.size()};
+}
+
+void ConnectionThreads::work(Threads::iterator self) {
     std::unique_lock lock(mutex_);
     while (true) {
-        ++idle_;
-        const bool found = task_waits_.wait(lock, closing, [this] { return !tasks_.empty(); });
-        --idle_;
-        if (!found) return;
-        auto task = std::move(tasks_.front());
-        tasks_.pop_front();
+        self->wake.wait_for(lock, rest_, [&] { return self->task || closing_; });
+        if (!self->task) break;
+        auto task = std::exchange(self->task, nullptr);
         lock.unlock();
         task();
         task = nullptr;
         lock.lock();
+        if (closing_) return;
+        idle_.splice(idle_.end(), busy_, self);
     }
+    if (closing_) return;
+    // A thread cannot join itself. Left unjoined it would keep its stack, so that at most one is at any time.
+    const auto before = std::exchange(ended_, std::move(self->handle));
+    idle_.erase(self);
+    const bool last = idle_.empty();
+    lock.unlock();
+    // What many of them took at once lies in pieces between others, which is not given back by itself.
+    if (last) malloc_trim(0);
 }
 
 }  // namespace ccdt::server

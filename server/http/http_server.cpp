@@ -187,7 +187,7 @@ public:
     }
 
     bool serve() {
-        ConnectionThreads threads;
+        ConnectionThreads threads(patience_.idle);
         Parting parting;
         while (!draining_) {
             wait_for_client(parting);

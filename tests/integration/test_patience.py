@@ -126,6 +126,24 @@ class Caps(unittest.TestCase):
             self.assertEqual(ask(server, "/halftone?sites=10&scale=1", data=GREY).status, 200)
 
 
+class Rest(unittest.TestCase):
+    def test_threads_of_a_busy_moment_end(self):
+        with Server("--idle-timeout=0.5") as server:
+            def threads():
+                return len(list(pathlib.Path(f"/proc/{server.process.pid}/task").iterdir()))
+
+            before = threads()
+            with crowd(server, 300, HEALTH) as clients:
+                for client in clients:
+                    self.assertEqual(client.answer()[0], 200)
+                self.assertGreaterEqual(threads(), before + 300)
+            deadline = time.monotonic() + PATIENCE
+            while threads() > before + 1 and time.monotonic() < deadline:
+                pass
+            self.assertLessEqual(threads(), before + 1)
+            self.assertEqual(ask(server, "/health").status, 200)
+
+
 class UnixSocket(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()

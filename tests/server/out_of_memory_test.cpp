@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -67,7 +68,7 @@ TEST(ConnectionThreads, DropATaskForWhichThereIsNoMemory) {
     for (int number = 0; !accepted; ++number) {
         std::atomic<int> done = 0;
         {
-            ConnectionThreads threads;
+            ConnectionThreads threads(std::chrono::hours(1));
             std::function<void()> task = [&] { ++done; };
             {
                 const Shortage shortage(number, true);

@@ -4,24 +4,59 @@
 
 #include <atomic>
 #include <latch>
+#include <thread>
+#include <vector>
 
 namespace ccdt::server {
 namespace {
 
+using namespace std::chrono_literals;
+
+void wait_until_idle(const ConnectionThreads& threads) {
+    while (threads.counts().busy > 0) std::this_thread::yield();
+}
+
+/// As many tasks, all at once; returns when their threads are idle.
+void run_at_once(ConnectionThreads& threads, int tasks) {
+    std::latch all(tasks);
+    for (int i = 0; i < tasks; ++i) ASSERT_TRUE(threads.run([&] { all.arrive_and_wait(); }));
+    wait_until_idle(threads);
+}
+
 TEST(ConnectionThreads, LetNoTaskWaitForAnother) {
-    constexpr int kTasks = 50;
-    std::latch all(kTasks);
-    ConnectionThreads threads;
-    for (int i = 0; i < kTasks; ++i) ASSERT_TRUE(threads.run([&] { all.arrive_and_wait(); }));
+    ConnectionThreads threads(1h);
+    run_at_once(threads, 50);
+    EXPECT_EQ(threads.counts().idle, 50u);
 }
 
 TEST(ConnectionThreads, FinishWhatTheyWereGiven) {
-    std::atomic<int> done = 0;
-    {
-        ConnectionThreads threads;
-        for (int i = 0; i < 200; ++i) ASSERT_TRUE(threads.run([&] { ++done; }));
+    for (const auto rest : {std::chrono::milliseconds(0), std::chrono::milliseconds(1h)}) {
+        std::atomic<int> done = 0;
+        {
+            ConnectionThreads threads(rest);
+            for (int i = 0; i < 200; ++i) ASSERT_TRUE(threads.run([&] { ++done; }));
+        }
+        EXPECT_EQ(done, 200);
     }
-    EXPECT_EQ(done, 200);
+}
+
+TEST(ConnectionThreads, EndAfterTheirRest) {
+    ConnectionThreads threads(1ms);
+    for (int i = 0; i < 3; ++i) {
+        run_at_once(threads, 50);
+        while (threads.counts().idle > 0) std::this_thread::yield();
+    }
+}
+
+TEST(ConnectionThreads, GiveATaskToWhoWasBusyLast) {
+    ConnectionThreads threads(1h);
+    run_at_once(threads, 10);
+    std::vector<std::thread::id> ids;
+    for (int i = 0; i < 20; ++i) {
+        ASSERT_TRUE(threads.run([&] { ids.push_back(std::this_thread::get_id()); }));
+        wait_until_idle(threads);
+    }
+    EXPECT_EQ(ids, std::vector(20, ids.front()));
 }
 
 }  // namespace
