@@ -19,9 +19,8 @@ bool is_of_page(const Request& request) {
     return (request.method == "GET" || request.method == "HEAD") && find_page_file(request.path) != nullptr;
 }
 
-bool is_open_to_all(const Request& request) {
-    return is_preflight(request) || is_of_page(request) || request.path == "/health" ||
-           request.path.starts_with("/health/");
+bool is_free(const Request& request) {
+    return is_of_page(request) || request.path == "/health" || request.path.starts_with("/health/");
 }
 
 }  // namespace
@@ -36,7 +35,7 @@ Result<void> Gate::read_keys() {
 }
 
 Gate::Verdict Gate::check(const Request& request, const std::string& address) {
-    if (is_open_to_all(request)) return {{}, address, {}};
+    if (is_free(request)) return {{}, address, {}};
     const auto ring = keys();
     const auto key = bearer_key(request.header("Authorization"));
     const auto name = ring && !key.empty() ? ring->find(key) : std::nullopt;
@@ -47,7 +46,7 @@ Gate::Verdict Gate::check(const Request& request, const std::string& address) {
         verdict.fault = Fault{429,
                               "too many requests for this key or address (rate-limit)",
                               {{"Retry-After", std::to_string(wait.count())}}};
-    } else if (ring && !name) {
+    } else if (ring && !name && !is_preflight(request)) {
         verdict.fault = Fault{401,
                               key.empty() ? "an API key is needed: Authorization: Bearer KEY" : "the key is unknown",
                               {{"WWW-Authenticate", "Bearer"}}};

@@ -103,6 +103,20 @@ class Rates(unittest.TestCase):
                         found.append(raw.answer()[0])
                 self.assertEqual(found, [404, 404, 429, 429])
 
+    def test_count_preflights(self):
+        preflight = (b"OPTIONS /sample HTTP/1.1\r\nHost: h\r\nOrigin: https://a.example\r\n"
+                     b"Access-Control-Request-Method: POST\r\n\r\n")
+        with Server("--rate-limit=0.001", "--rate-burst=2", "--cors-origin=https://a.example") as server:
+            with Raw(server) as raw:
+                found = []
+                for _ in range(4):
+                    raw.send(preflight)
+                    status, headers, _ = raw.answer()
+                    self.assertEqual(headers["Access-Control-Allow-Origin"], "https://a.example")
+                    found.append(status)
+            self.assertEqual(found, [204, 204, 429, 429])
+            self.assertEqual(ask(server, "/health").status, 200)
+
     def test_are_off_by_default(self):
         with Server() as server, Raw(server) as raw:
             raw.send(b"GET /nothing HTTP/1.1\r\nHost: h\r\n\r\n" * 500 + b"GET /nothing HTTP/1.0\r\n\r\n")

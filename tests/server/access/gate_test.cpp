@@ -66,6 +66,23 @@ TEST_F(GateTest, LetsPreflightsPass) {
     EXPECT_FALSE(passes("POST", origin + asked));
 }
 
+TEST_F(GateTest, CountsPreflightsByAddress) {
+    write("alice:" + kKey);
+    config_.rate = {.per_second = 0.001, .burst = 2};
+    Gate gate(config_);
+    ASSERT_TRUE(gate.read_keys());
+    const auto status = [&](const std::string& line, const std::string& address) {
+        const auto asked = "Origin: https://example.org\r\nAccess-Control-Request-Method: POST\r\n";
+        const auto fault = gate.check(*parse_head(line + " HTTP/1.1\r\n" + asked + "\r\n"), address).fault;
+        return fault ? fault->status : 200;
+    };
+    for (const int expected : {200, 200, 429, 429}) EXPECT_EQ(status("OPTIONS /halftone", "a"), expected);
+    EXPECT_EQ(status("OPTIONS /halftone", "b"), 200);
+    EXPECT_FALSE(gate.check(request(kKey), "a").fault) << "a key has its own count";
+    for (int i = 0; i < 5; ++i) EXPECT_EQ(status("OPTIONS /health", "a"), 200);
+    for (int i = 0; i < 5; ++i) EXPECT_EQ(status("GET /", "a"), 200);
+}
+
 TEST_F(GateTest, LetsEverybodyPassWithoutAFile) {
     config_.api_key_file.clear();
     Gate gate(config_);
