@@ -110,6 +110,10 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
 
 }  // namespace
 
+std::vector<std::string_view> halftone_options() {
+    return names_of<Draft>(kRules);
+}
+
 Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector<TextOption>& options,
                                        std::string_view accept, const Limits& limits) {
     HalftoneRequest request;

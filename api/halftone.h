@@ -40,6 +40,9 @@ struct HalftoneRequest {
     OnStop on_deadline = OnStop::Error;
 };
 
+/// The names of the options that may come as text.
+std::vector<std::string_view> halftone_options();
+
 /// Reads a request whose image is the body, or a part of a form; options come as text.
 ///
 /// @param image    the file's bytes, which must outlive the request

@@ -1,9 +1,14 @@
 #include "server/log.h"
 
+#include <algorithm>
+
 #include <spdlog/logger.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "api/halftone.h"
+#include "api/input/text.h"
+#include "server/http/http.h"
 #include "server/http/trace.h"
 
 namespace ccdt::server {
@@ -12,9 +17,36 @@ namespace {
 /// A request target may be long; its beginning tells which it was.
 constexpr std::size_t kLongestTarget = 512;
 
+/// What stands for what clients sent and nobody should read.
+constexpr std::string_view kHidden = "***";
+
 std::string member(LogFormat format, std::string_view message) {
     if (format == LogFormat::Text) return escape(message);
     return fmt::format(R"("message":"{}")", escape(message));
+}
+
+/// Whether a parameter of a query is nothing but an option: whatever else clients send there may be a key.
+bool is_plain_option(const api::TextOption& option) {
+    static const auto known = api::halftone_options();  // other paths have none
+    const auto is_plain = [](char c) {
+        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+               std::string_view("#+,-._").find(c) != std::string_view::npos;
+    };
+    return std::ranges::find(known, option.name) != known.end() && std::ranges::all_of(option.value, is_plain);
+}
+
+/// The target of a request as it was sent, but for parameters that are no options, and a fragment.
+std::string target_of(const Request& request) {
+    std::string_view fragment = request.target;
+    std::string_view query = api::take_until(fragment, "#");
+    std::string target(api::take_until(query, "?"));
+    for (char separator = '?'; !query.empty(); separator = '&') {
+        const auto parameter = api::take_until(query, "&");
+        const auto options = parse_query(parameter);
+        target += separator;
+        target += options.empty() || is_plain_option(options.front()) ? parameter : kHidden;
+    }
+    return fragment.empty() ? target : target + '#' + std::string(kHidden);
 }
 
 /// Unless there is nothing to tell.
@@ -54,7 +86,7 @@ std::string exchange_line(const Exchange& exchange, LogFormat format) {
     };
     const bool text = format == LogFormat::Text;
     std::string line = fmt::format(fmt::runtime(text ? kText : kJson), shown(response.request_id), shown(client),
-                                   shown(request.method), shown(request.target), response.status, in, out, total,
+                                   shown(request.method), shown(target_of(request)), response.status, in, out, total,
                                    stages.queue, stages.work.decode, stages.work.optimise, stages.work.encode);
     const auto add = [&](const char* as_text, const char* as_json, std::string_view value) {
         add_member(line, text ? as_text : as_json, value);

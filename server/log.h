@@ -33,7 +33,8 @@ private:
     std::shared_ptr<spdlog::logger> logger_;
 };
 
-/// The line for a request: `key=value` pairs, or the members of a JSON object.
+/// The line for a request: `key=value` pairs, or the members of a JSON object. Of the query it has only what can be an
+/// option: a client may have put its key there, under whatever name.
 std::string exchange_line(const Exchange& exchange, LogFormat format);
 
 std::string job_line(const JobEnd& end, LogFormat format);

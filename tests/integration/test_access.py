@@ -52,6 +52,20 @@ class Keys(unittest.TestCase):
             for key in (ALICE, BOB):
                 self.assertNotIn(key, server.log())
 
+    def test_do_not_reach_the_log_by_the_url(self):
+        names = ("key", "api_key", "apikey", "token", "access_token", "Authorization", "kye")
+        for form in ("text", "json"):
+            with Server(f"--api-key-file={self.file}", f"--log-format={form}") as server:
+                for name in names:
+                    for path in ("/metrics?", "/jobs/1?x=1&", HALFTONE + "&"):
+                        ask(server, f"{path}{name}={ALICE}")
+                        ask(server, f"{path}{name}={ALICE}", *bearer(ALICE), data=GREY)
+                ask(server, "/metrics?" + ALICE)
+                ask(server, HALFTONE, *bearer(ALICE), data=GREY)
+                server.wait_for_log(HALFTONE)
+                self.assertEqual(server.stop(), 0)
+                self.assertNotIn(ALICE, server.log())
+
     def test_are_read_again_on_sighup(self):
         with Server(f"--api-key-file={self.file}") as server:
             self.file.write_text("carol:carol-0123456789abcdef\n")

@@ -8,7 +8,7 @@ namespace {
 Exchange example() {
     Exchange exchange;
     exchange.request.method = "POST";
-    exchange.request.target = "/halftone?a=\"\r\n\x1b[1m\xff\\";
+    exchange.request.target = "/a=\"\r\n\x1b[1m\xff\\";
     exchange.response.status = 500;
     exchange.response.request_id = "abc-1";
     exchange.response.cause = "out of \"luck\"";
@@ -22,14 +22,14 @@ Exchange example() {
 
 TEST(Log, WritesARequestOnOneLine) {
     EXPECT_EQ(exchange_line(example(), LogFormat::Text),
-              R"(abc-1 127.0.0.1:5 POST /halftone?a=\"\u000d\u000a\u001b[1m\u00ff\\ 500 in=10 out=20 total=30.0 )"
+              R"(abc-1 127.0.0.1:5 POST /a=\"\u000d\u000a\u001b[1m\u00ff\\ 500 in=10 out=20 total=30.0 )"
               R"(queue=1.0 decode=2.0 optimise=3.0 encode=4.0 cause="out of \"luck\"")");
 }
 
 TEST(Log, WritesARequestAsJson) {
     EXPECT_EQ(exchange_line(example(), LogFormat::Json),
               R"("message":"request","id":"abc-1","client":"127.0.0.1:5","method":"POST",)"
-              R"("target":"/halftone?a=\"\u000d\u000a\u001b[1m\u00ff\\","status":500,"bytes_in":10,"bytes_out":20,)"
+              R"("target":"/a=\"\u000d\u000a\u001b[1m\u00ff\\","status":500,"bytes_in":10,"bytes_out":20,)"
               R"("total_ms":30.0,"queue_ms":1.0,"decode_ms":2.0,"optimise_ms":3.0,"encode_ms":4.0,)"
               R"("cause":"out of \"luck\"")");
 }
@@ -56,6 +56,29 @@ TEST(Log, ShortensLongTargets) {
     Exchange exchange = example();
     exchange.request.target = "/" + std::string(10'000, 'x');
     EXPECT_LT(exchange_line(exchange, LogFormat::Text).size(), 1'000u);
+}
+
+TEST(Log, ShowsNothingOfAQueryButOptions) {
+    const auto shown = [](const std::string& target) {
+        Exchange exchange;
+        exchange.request.method = "GET";
+        exchange.request.target = target;
+        const std::string line = exchange_line(exchange, LogFormat::Text);
+        const std::size_t begin = std::string_view("- - GET ").size();
+        return line.substr(begin, line.find(' ', begin) - begin);
+    };
+    const std::string options = "/halftone?sites=5&palette=%23c30,%23036&scale=1.5&format=json&&antialias";
+    EXPECT_EQ(shown(options), options);
+    for (const char* name : {"key", "api_key", "token", "access_token", "Key", "sites%20", "site", "auth", "%6bey"})
+        EXPECT_EQ(shown("/halftone?" + std::string(name) + "=0123456789abcdef&seed=1"), "/halftone?***&seed=1") << name;
+    EXPECT_EQ(shown("/metrics?0123456789abcdef"), "/metrics?***");
+    EXPECT_EQ(shown("/halftone?sites=5?key=0123456789abcdef"), "/halftone?***");
+    EXPECT_EQ(shown("/halftone?sites=5;key=0123456789abcdef"), "/halftone?***");
+    EXPECT_EQ(shown("/halftone?sites=5%26key%3D0123456789abcdef"), "/halftone?***");
+    EXPECT_EQ(shown("http://h/halftone?key=0123456789abcdef"), "http://h/halftone?***");
+    EXPECT_EQ(shown("/halftone?seed=1#0123456789abcdef"), "/halftone?seed=1#***");
+    EXPECT_EQ(shown("/halftone#?key=0123456789abcdef"), "/halftone#***");
+    EXPECT_EQ(shown("/halftone?"), "/halftone");
 }
 
 TEST(Log, WritesAJobOnOneLine) {
