@@ -17,6 +17,10 @@ constexpr std::size_t kQueuePerWorker = 16;
 /// Connections beyond those that compute or wait to: for health checks, refusals and slow clients.
 constexpr std::size_t kSpareConnections = 512;
 
+/// Connections beyond all of those, for health checks and figures when they are taken.
+constexpr std::size_t kLeastReserve = 16;
+constexpr std::size_t kConnectionsPerReserved = 4;
+
 /// Of bodies and answers on their way, at least: a large answer alone must not put the server under pressure.
 constexpr std::size_t kTransferBytes = std::size_t{256} << 20;
 constexpr std::size_t kBodiesAtOnce = 4;
@@ -158,6 +162,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.patience.idle, text); }},
     {"--max-connections", "CCDT_MAX_CONNECTIONS", "N", "most open connections (512 + workers + queue)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.connections.emplace(), text, 1, 32'768); }},
+    {"--max-streams", "CCDT_MAX_STREAMS", "N", "most streams of events, which are no part of these (1024)",
+     [](Draft& draft, std::string_view text) { return set_whole(draft.config.capacity.streams, text, 0, 32'768); }},
     {"--max-connections-per-address", "CCDT_MAX_CONNECTIONS_PER_ADDRESS", "N", "of one address, 0 for no limit (64)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.capacity.per_address, text, 0, 32'768); }},
     {"--data-dir", "CCDT_DATA_DIR", "FOLDER", "where jobs are kept; made if it is missing (in memory)",
@@ -240,6 +246,7 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     draft.config.queue = draft.queue.value_or(kQueuePerWorker * draft.config.workers);
     auto& capacity = draft.config.capacity;
     capacity.connections = draft.connections.value_or(kSpareConnections + draft.config.workers + draft.config.queue);
+    capacity.reserve = std::max(kLeastReserve, capacity.connections / kConnectionsPerReserved);
     draft.config.memory = draft.memory ? *draft.memory : available_memory() / 2;
     capacity.bytes = std::min(std::max(kTransferBytes, kBodiesAtOnce * draft.config.max_body), draft.config.memory / 4);
     draft.config.cache = draft.cache.value_or(std::min(kCacheBytes, draft.config.memory / kMemoryPerCacheByte));

@@ -172,7 +172,8 @@ int serve(const Config& config) {
         log.error(read.error().message);
         return kFailed;
     }
-    allow_open_files(config.capacity.connections + kOtherFiles);
+    const auto& capacity = config.capacity;
+    allow_open_files(capacity.connections + capacity.reserve + capacity.streams + kOtherFiles);
     const auto memory = memory_to_compute_with(config);
     if (!memory) {
         log.error(memory.error().message);

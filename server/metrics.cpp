@@ -68,13 +68,15 @@ struct Metrics::Families {
     Counter& received = make_counter(registry, "ccdt_http_received_bytes_total", "Bytes of requests.");
     Counter& sent = make_counter(registry, "ccdt_http_sent_bytes_total", "Bytes of answers.");
     Gauge& connections = make_gauge(registry, "ccdt_connections_open", "Open connections.");
+    Gauge& streams = make_gauge(registry, "ccdt_event_streams_open", "Those of them that stream events.");
     Family<Counter>& refusals =
         prometheus::BuildCounter()
             .Name("ccdt_connections_refused_total")
-            .Help("Connections that were refused, because the server or their address had enough.")
+            .Help("Connections that were refused: the server, their address or the streams had enough.")
             .Register(registry);
     Counter& refused_full = refusals.Add({{"reason", "full"}});
     Counter& refused_address = refusals.Add({{"reason", "address"}});
+    Counter& refused_streams = refusals.Add({{"reason", "streams"}});
     Gauge& waiting = make_gauge(registry, "ccdt_queue_requests", "Requests that wait for a worker.");
     Gauge& capacity = make_gauge(registry, "ccdt_queue_capacity_requests", "Requests that may wait for a worker.");
     Gauge& oldest = make_gauge(registry, "ccdt_queue_oldest_seconds", "How long the oldest of them has waited.");
@@ -163,12 +165,14 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
     Families& all = *families_;
     const Watched watched = watched_();
     all.connections.Set(static_cast<double>(watched.connections.open));
+    all.streams.Set(static_cast<double>(watched.connections.streams));
     all.budget.Set(static_cast<double>(watched.memory_budget));
     all.reserved.Set(static_cast<double>(watched.memory_reserved));
     {
         const std::lock_guard lock(all.mutex);
         raise(all.refused_full, watched.connections.refused);
         raise(all.refused_address, watched.connections.refused_by_address);
+        raise(all.refused_streams, watched.connections.refused_streams);
         raise(all.deaths, watched.decoder_deaths);
         raise(all.cache_hits, watched.cache.hits);
         raise(all.cache_misses, watched.cache.misses);

@@ -28,9 +28,6 @@ constexpr std::size_t kQuickToCompress = 262'144;
 /// What `OPTIONS *` tells: the methods that some path takes.
 constexpr std::string_view kAllMethods = "GET, HEAD, POST, DELETE, OPTIONS";
 
-/// So that streams of events leave most connections to others.
-constexpr std::size_t kConnectionsPerStream = 4;
-
 /// Seconds after which a worker that goes on though its job was cancelled is taken for stuck.
 constexpr double kLongestOverdue = 10;
 
@@ -73,6 +70,13 @@ bool matches(std::string_view pattern, std::string_view path) {
            path.substr(place + id.size()) == pattern.substr(place + kId.size());
 }
 
+tl::unexpected<Problem> no_place(Room room) {
+    return busy(503,
+                room == Room::Streams ? "too many streams of events are open (max-streams)"
+                                      : "too many connections are open (max-connections)",
+                std::chrono::seconds(1));
+}
+
 Response json_response(std::string body) {
     Response response;
     response.media_type = kJson;
@@ -83,19 +87,19 @@ Response json_response(std::string body) {
 }  // namespace
 
 constexpr Routes::Route Routes::kRoutes[] = {
-    {"/", "GET", "GET, HEAD, OPTIONS", &Routes::page},
-    {"/openapi.json", "GET", "GET, HEAD, OPTIONS", &Routes::page},
-    {"/halftone", "POST", "POST, OPTIONS", &Routes::compute},
-    {"/sample", "POST", "POST, OPTIONS", &Routes::compute},
-    {"/analyze", "POST", "POST, OPTIONS", &Routes::compute},
-    {"/health", "GET", "GET, HEAD, OPTIONS", &Routes::live},
-    {"/health/live", "GET", "GET, HEAD, OPTIONS", &Routes::live},
-    {"/health/ready", "GET", "GET, HEAD, OPTIONS", &Routes::ready},
-    {"/metrics", "GET", "GET, HEAD, OPTIONS", &Routes::metrics},
-    {"/jobs/{id}", "GET", "GET, HEAD, DELETE, OPTIONS", &Routes::job_status},
-    {"/jobs/{id}", "DELETE", "GET, HEAD, DELETE, OPTIONS", &Routes::remove_job},
-    {"/jobs/{id}/events", "GET", "GET, HEAD, OPTIONS", &Routes::job_events},
-    {"/jobs/{id}/result", "GET", "GET, HEAD, OPTIONS", &Routes::job_result},
+    {"/", "GET", "GET, HEAD, OPTIONS", Room::Common, &Routes::page},
+    {"/openapi.json", "GET", "GET, HEAD, OPTIONS", Room::Common, &Routes::page},
+    {"/halftone", "POST", "POST, OPTIONS", Room::Common, &Routes::compute},
+    {"/sample", "POST", "POST, OPTIONS", Room::Common, &Routes::compute},
+    {"/analyze", "POST", "POST, OPTIONS", Room::Common, &Routes::compute},
+    {"/health", "GET", "GET, HEAD, OPTIONS", Room::Reserve, &Routes::live},
+    {"/health/live", "GET", "GET, HEAD, OPTIONS", Room::Reserve, &Routes::live},
+    {"/health/ready", "GET", "GET, HEAD, OPTIONS", Room::Reserve, &Routes::ready},
+    {"/metrics", "GET", "GET, HEAD, OPTIONS", Room::Reserve, &Routes::metrics},
+    {"/jobs/{id}", "GET", "GET, HEAD, DELETE, OPTIONS", Room::Common, &Routes::job_status},
+    {"/jobs/{id}", "DELETE", "GET, HEAD, DELETE, OPTIONS", Room::Common, &Routes::remove_job},
+    {"/jobs/{id}/events", "GET", "GET, HEAD, OPTIONS", Room::Streams, &Routes::job_events},
+    {"/jobs/{id}/result", "GET", "GET, HEAD, OPTIONS", Room::Common, &Routes::job_result},
 };
 
 Routes::Routes(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs, const Metrics& metrics)
@@ -103,7 +107,7 @@ Routes::Routes(const Config& config, WorkerPool& pool, Compute compute, Jobs& jo
       pool_(pool),
       metrics_(metrics),
       computing_(config, pool, std::move(compute), jobs),
-      job_routes_(jobs, pool.memory(), config.capacity.connections / kConnectionsPerStream, config.jobs.ping),
+      job_routes_(jobs, pool.memory(), config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
 
 Response Routes::answer(const Request& request, const std::optional<Fault>& fault, Connection& connection) {
@@ -146,6 +150,7 @@ Outcome Routes::dispatch(const Route* route, const Request& request, Connection&
         refused.value().headers.push_back({"Allow", std::string(route->allow)});
         return refused;
     }
+    if (!connection.move_to(route->room)) return no_place(route->room);
     return (this->*route->handler)(request, connection);
 }
 

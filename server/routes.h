@@ -50,6 +50,7 @@ private:
         std::string_view path;  ///< `{id}` stands for a job's
         std::string_view method;
         std::string_view allow;
+        Room room;  ///< in which a connection needs its place
         Handler handler;
     };
     static const Route kRoutes[];

@@ -1,35 +1,67 @@
 #include "server/http/capacity.h"
 
+#include <utility>
+
 namespace ccdt::server {
-
-Capacity::Entry Capacity::enter(const std::string& address) {
-    const std::lock_guard lock(mutex_);
-    if (open_ >= limits_.connections) {
-        ++refused_;
-        return Entry::Full;
-    }
-    if (limits_.per_address > 0 && !address.empty()) {
-        auto& count = by_address_[address];
-        if (count >= limits_.per_address) {
-            ++refused_by_address_;
-            return Entry::AddressFull;
-        }
-        ++count;
-    }
-    ++open_;
-    return Entry::Admitted;
-}
-
-void Capacity::leave(const std::string& address) {
-    const std::lock_guard lock(mutex_);
-    --open_;
-    const auto found = by_address_.find(address);
-    if (found != by_address_.end() && --found->second == 0) by_address_.erase(found);
-}
 
 Capacity::Counts Capacity::counts() const {
     const std::lock_guard lock(mutex_);
-    return {open_, refused_, refused_by_address_};
+    Counts counts{0, taken_[static_cast<std::size_t>(Room::Streams)], refused_, refused_by_address_, refused_streams_};
+    for (const auto& taken : taken_) counts.open += taken;
+    return counts;
+}
+
+std::size_t Capacity::limit(Room room) const {
+    switch (room) {
+        case Room::Reserve:
+            return limits_.reserve;
+        case Room::Streams:
+            return limits_.streams;
+        case Room::Common:
+            break;
+    }
+    return limits_.connections;
+}
+
+Place::Place(Capacity& capacity, std::string address) : capacity_(capacity), address_(std::move(address)) {
+    const std::lock_guard lock(capacity_.mutex_);
+    const bool common = capacity_.has_place_locked(Room::Common);
+    if (!common && !capacity_.has_place_locked(Room::Reserve)) {
+        ++capacity_.refused_;
+        return;
+    }
+    if (const auto most = capacity_.limits_.per_address; most > 0 && !address_.empty()) {
+        auto& count = capacity_.by_address_[address_];
+        if (count >= most) {
+            ++capacity_.refused_by_address_;
+            entry_ = Entry::AddressFull;
+            return;
+        }
+        ++count;
+    }
+    room_ = common ? Room::Common : Room::Reserve;
+    entry_ = Entry::Admitted;
+    ++capacity_.taken(room_);
+}
+
+Place::~Place() {
+    if (entry_ != Entry::Admitted) return;
+    const std::lock_guard lock(capacity_.mutex_);
+    --capacity_.taken(room_);
+    const auto found = capacity_.by_address_.find(address_);
+    if (found != capacity_.by_address_.end() && --found->second == 0) capacity_.by_address_.erase(found);
+}
+
+bool Place::move_to(Room room) {
+    if (room == Room::Reserve || room == room_) return true;
+    const std::lock_guard lock(capacity_.mutex_);
+    if (!capacity_.has_place_locked(room)) {
+        ++(room == Room::Streams ? capacity_.refused_streams_ : capacity_.refused_);
+        return false;
+    }
+    --capacity_.taken(std::exchange(room_, room));
+    ++capacity_.taken(room);
+    return true;
 }
 
 void Held::resize(std::size_t bytes) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -9,31 +10,35 @@
 
 namespace ccdt::server {
 
+/// What a connection has its place for. Each kind has places of its own, so that none takes another's.
+enum class Room {
+    Common,   ///< whatever is asked
+    Reserve,  ///< what takes next to nothing, health checks and figures, once the common places are taken
+    Streams,  ///< streams of events, which last
+};
+
 /// How much of the server its clients hold: connections, and memory for what is on its way to or from them.
 ///
 /// Says no at its limits, and well before them that it is time to be less patient. May be used from any thread.
 class Capacity {
 public:
     struct Limits {
-        std::size_t connections = 512;
-        std::size_t per_address = 64;                ///< connections of one address; 0: no limit
+        std::size_t connections = 512;               ///< common places
+        std::size_t reserve = 128;                   ///< further ones
+        std::size_t streams = 1024;                  ///< and those of streams
+        std::size_t per_address = 64;                ///< connections of one address, wherever; 0: no limit
         std::size_t bytes = std::size_t{256} << 20;  ///< of bodies that are being read and answers being written
     };
 
-    enum class Entry { Admitted, Full, AddressFull };
-
     struct Counts {
-        std::size_t open = 0;
+        std::size_t open = 0;                  ///< connections, with those that stream
+        std::size_t streams = 0;               ///< among them
         std::uint64_t refused = 0;             ///< since the start, because the server was full
         std::uint64_t refused_by_address = 0;  ///< since the start, because their address had enough
+        std::uint64_t refused_streams = 0;     ///< since the start, because there were enough
     };
 
     explicit Capacity(const Limits& limits) : limits_(limits) {}
-
-    /// Asks for a connection's place; one that was admitted has to `leave` again.
-    /// @param address  empty: not counted by address
-    Entry enter(const std::string& address);
-    void leave(const std::string& address);
 
     void hold(std::size_t bytes) { bytes_ += bytes; }
     void release(std::size_t bytes) { bytes_ -= bytes; }
@@ -41,20 +46,56 @@ public:
     /// No more bodies are to be read.
     bool is_out_of_memory() const { return bytes_ > limits_.bytes; }
 
-    /// Three quarters of the connections or half of the memory are taken: slow clients have to make room.
-    bool is_pressed() const { return open_ > limits_.connections / 4 * 3 || bytes_ > limits_.bytes / 2; }
+    /// Three quarters of the common places or half of the memory are taken: slow clients have to make room.
+    bool is_pressed() const { return taken_.front() > limits_.connections / 4 * 3 || bytes_ > limits_.bytes / 2; }
 
     Counts counts() const;
 
 private:
+    friend class Place;
+
+    std::size_t limit(Room room) const;
+    std::atomic<std::size_t>& taken(Room room) { return taken_[static_cast<std::size_t>(room)]; }
+    bool has_place_locked(Room room) { return taken(room) < limit(room); }
+
     const Limits limits_;
     std::atomic<std::size_t> bytes_ = 0;
-    std::atomic<std::size_t> open_ = 0;  ///< written under the mutex
+    std::array<std::atomic<std::size_t>, 3> taken_{};  ///< places of each room; written under the mutex
 
     mutable std::mutex mutex_;  ///< guards the rest
     std::map<std::string, std::size_t> by_address_;
     std::uint64_t refused_ = 0;
     std::uint64_t refused_by_address_ = 0;
+    std::uint64_t refused_streams_ = 0;
+};
+
+/// A connection's place, given back at the end.
+class Place {
+public:
+    enum class Entry { Admitted, Full, AddressFull };
+
+    /// Asks for one: a common one, or else one of the reserve.
+    /// @param address  empty: not counted by address
+    Place(Capacity& capacity, std::string address);
+    ~Place();
+    Place(const Place&) = delete;
+    Place& operator=(const Place&) = delete;
+
+    /// Only those admitted have a place.
+    Entry entry() const { return entry_; }
+
+    /// Where it is now. May be asked by the thread that moves it.
+    Room room() const { return room_; }
+
+    /// Has the place where the current request needs it; any will do for what the reserve is for.
+    /// @returns  false if that room is full; the place is then where it was
+    bool move_to(Room room);
+
+private:
+    Capacity& capacity_;
+    const std::string address_;
+    Entry entry_ = Entry::Full;
+    Room room_ = Room::Common;
 };
 
 /// Bytes that a connection holds, let go at the end.

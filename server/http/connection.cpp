@@ -49,8 +49,8 @@ bool may_break_a_line(char c) {
 
 }  // namespace
 
-Connection::Connection(int socket, const Patience& patience, Capacity* capacity)
-    : socket_(socket), patience_(patience), capacity_(capacity), peer_(peer_of(socket)) {}
+Connection::Connection(int socket, const Patience& patience, Capacity* capacity, Place* place)
+    : socket_(socket), patience_(patience), capacity_(capacity), place_(place), peer_(peer_of(socket)) {}
 
 bool Connection::wait_for_request(const std::function<bool(Milliseconds waited)>& give_up) {
     bytes_in_ = 0;

@@ -30,8 +30,9 @@ class Connection {
 public:
     using Milliseconds = std::chrono::milliseconds;
 
-    /// Does not own the socket. The capacity, if there is one, must outlive the connection.
-    explicit Connection(int socket, const Patience& patience = {}, Capacity* capacity = nullptr);
+    /// Does not own the socket. The capacity and the place, if there are any, must outlive the connection.
+    explicit Connection(int socket, const Patience& patience = {}, Capacity* capacity = nullptr,
+                        Place* place = nullptr);
 
     /// Waits for the first byte of the next request.
     /// @param give_up  asked about five times a second with the time waited so far
@@ -60,6 +61,12 @@ public:
     /// with unread bytes resets the connection, and the client would lose the answer. A client that took its answer
     /// too slowly is reset, or the system would keep the rest for it.
     void close_gently();
+
+    /// Has the connection's place where the current request needs it; false if that room is full.
+    bool move_to(Room room) { return place_ == nullptr || place_->move_to(room); }
+
+    /// It is one of those that only their first request keeps.
+    bool in_reserve() const { return place_ != nullptr && place_->room() == Room::Reserve; }
 
     /// Address and port of the client, for the log.
     const std::string& client() const { return peer_.name; }
@@ -124,6 +131,7 @@ private:
     const int socket_;
     const Patience patience_;
     Capacity* const capacity_;
+    Place* const place_;
     const Peer peer_;
     std::string client_name_;
     std::string key_;

@@ -129,8 +129,8 @@ void contain(const Task& task) {
     }
 }
 
-Fault refusal(Capacity::Entry entry) {
-    const std::string reason = entry == Capacity::Entry::AddressFull
+Fault refusal(Place::Entry entry) {
+    const std::string reason = entry == Place::Entry::AddressFull
                                    ? "this address has too many connections (max-connections-per-address)"
                                    : "too many connections are open (max-connections)";
     return {503, reason, {{"Retry-After", "1"}}};
@@ -224,17 +224,14 @@ private:
     void receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, Parting& parting) {
         const int yes = 1;
         setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
-        std::function<void()> task = [this, socket = socket.get(), address = peer.address] {
-            serve_socket(UniqueFd(socket), address);
-        };
-        auto entry = capacity_.enter(peer.address);
-        if (entry == Capacity::Entry::Admitted) {
-            if (threads.run(std::move(task))) {
+        const auto place = std::make_shared<Place>(capacity_, peer.address);
+        auto entry = place->entry();
+        if (entry == Place::Entry::Admitted) {
+            if (threads.run([this, socket = socket.get(), place] { serve_socket(UniqueFd(socket), *place); })) {
                 socket.release();
                 return;
             }
-            capacity_.leave(peer.address);
-            entry = Capacity::Entry::Full;
+            entry = Place::Entry::Full;
         }
         contain([&] {
             Connection connection(socket.get(), patience_, &capacity_);
@@ -244,21 +241,20 @@ private:
         parting.add(std::move(socket));
     }
 
-    void serve_socket(UniqueFd socket, const std::string& address) {
+    void serve_socket(const UniqueFd& socket, Place& place) {
         contain([&] {
-            Connection connection(socket.get(), patience_, &capacity_);
-            contain([&] { serve_connection(connection); });
+            Connection connection(socket.get(), patience_, &capacity_, &place);
+            contain([&] { serve_connection(connection, place); });
             connection.close_gently();
         });
-        socket.reset();
-        capacity_.leave(address);
     }
 
-    void serve_connection(Connection& connection) {
+    void serve_connection(Connection& connection, const Place& place) {
         // Whoever connects has something to ask.
         auto longest = patience_.header;
         const auto give_up = [&](milliseconds waited) {
-            const bool pressed = capacity_.is_pressed() || (draining_ && busy_ == 0);
+            const bool idles_elsewhere = place.room() != Room::Common;
+            const bool pressed = capacity_.is_pressed() || idles_elsewhere || (draining_ && busy_ == 0);
             return waited >= (pressed ? std::min(longest, kIdleUnderPressure) : longest);
         };
         for (std::size_t left = keep_alive_max_count_; left > 0 && connection.wait_for_request(give_up); --left) {
@@ -291,7 +287,8 @@ private:
     void answer(httplib::Response& response) {
         Response& ours = answering->response = handler_(answering->request, answering->fault, answering->connection);
         answering->last = answering->last || draining_ || !ours.deliver || !answering->request.keep_alive ||
-                          !answering->connection.between_requests() || (ours.stream && answering->request.is_http_1_0);
+                          answering->connection.in_reserve() || !answering->connection.between_requests() ||
+                          (ours.stream && answering->request.is_http_1_0);
         response.status = ours.status;
         for (const auto& [name, value] : ours.headers) response.set_header(name, value);
         if (!ours.media_type.empty()) response.set_header("Content-Type", ours.media_type);

@@ -83,14 +83,12 @@ Outcome JobRoutes::remove(const std::string& id, const Connection& connection) {
     return response;
 }
 
-Outcome JobRoutes::events(const std::string& id, const Connection& connection) {
+Outcome JobRoutes::events(const std::string& id, const Connection& connection) const {
     auto watch = jobs_.watch(id, connection.key());
     if (!watch) return tl::unexpected(std::move(watch.error()));
-    if (!streams_.try_acquire()) return busy(503, "too many streams of events are open", kSoon);
-    const std::shared_ptr<void> place(nullptr, [this](void*) { streams_.release(); });
     Response response = for_now("text/event-stream", {});
     response.headers.push_back({"X-Accel-Buffering", "no"});  // nginx would wait for more
-    response.stream = [this, place, &connection, watch = *std::move(watch)](const Send& send) {
+    response.stream = [this, &connection, watch = *std::move(watch)](const Send& send) {
         send_events(watch, connection, send);
     };
     return response;

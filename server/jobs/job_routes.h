@@ -1,8 +1,6 @@
 #pragma once
 
 #include <chrono>
-#include <cstddef>
-#include <semaphore>
 #include <string>
 #include <string_view>
 
@@ -17,23 +15,21 @@ namespace ccdt::server {
 /// Answers what clients ask about their jobs. May be used from any thread.
 class JobRoutes {
 public:
-    /// @param memory   what results take on their way to clients
-    /// @param streams  of events, at the same time
+    /// @param memory  what results take on their way to clients
     /// Jobs and memory must outlive it, and every answer that streams.
-    JobRoutes(Jobs& jobs, MemoryBudget& memory, std::size_t streams, std::chrono::milliseconds ping)
-        : jobs_(jobs), memory_(memory), streams_(static_cast<std::ptrdiff_t>(streams)), ping_(ping) {}
+    JobRoutes(Jobs& jobs, MemoryBudget& memory, std::chrono::milliseconds ping)
+        : jobs_(jobs), memory_(memory), ping_(ping) {}
 
     Outcome status(const std::string& id, const Connection& connection) const;
     Outcome result(const std::string& id, std::string_view if_none_match, const Connection& connection);
     Outcome remove(const std::string& id, const Connection& connection);
-    Outcome events(const std::string& id, const Connection& connection);
+    Outcome events(const std::string& id, const Connection& connection) const;
 
 private:
     void send_events(Jobs::Watch watch, const Connection& connection, const Send& send) const;
 
     Jobs& jobs_;
     MemoryBudget& memory_;
-    std::counting_semaphore<> streams_;  ///< that there may be more of
     const std::chrono::milliseconds ping_;
 };
 

@@ -1,5 +1,6 @@
 """How long clients may take, how many there may be, and the Unix socket."""
 
+import contextlib
 import json
 import os
 import pathlib
@@ -10,7 +11,7 @@ import time
 import unittest
 
 from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, flat
-from raw import AT_ONCE, MOST_MEMORY, Memory, Raw, crowd, ping, statuses
+from raw import AT_ONCE, MOST_MEMORY, Memory, Raw, crowd, ping, sources, statuses
 
 GREY = file_of(flat(128))
 HEALTH = b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n"
@@ -66,24 +67,36 @@ class Deadlines(ServerCase):
 
 
 class Caps(unittest.TestCase):
+    def assert_refused(self, raw):
+        status, headers, body = raw.answer()
+        self.assertEqual(status, 503)
+        self.assertGreaterEqual(int(headers["Retry-After"]), 1)
+        self.assertEqual(headers["Connection"], "close")
+        self.assertIn("max-connections", json.loads(body)["detail"])
+        self.assertEqual(raw.rest(), b"")
+
     def test_connections_in_all(self):
         with Server("--max-connections=8", "--header-timeout=300") as server, Memory(server) as memory:
             with crowd(server, 8, b"GET /health HTTP/1.1\r\n") as clients:
                 for _ in range(20):
                     start = time.monotonic()
                     with Raw(server) as raw:
-                        status, headers, body = raw.answer()
-                        self.assertEqual(status, 503)
-                        self.assertGreaterEqual(int(headers["Retry-After"]), 1)
-                        self.assertEqual(headers["Connection"], "close")
-                        self.assertIn("max-connections", json.loads(body)["detail"])
-                        self.assertEqual(raw.rest(), b"")
+                        raw.send(b"GET /openapi.json HTTP/1.1\r\nHost: h\r\n\r\n")
+                        self.assert_refused(raw)
                     self.assertLess(time.monotonic() - start, AT_ONCE)
                 server.wait_for_log(" 503 ")
                 self.assertEqual([statuses(client.rest()) for client in clients], [[408]] * 8, "they had to make room")
-            while ask(server, "/health").status != 200:
+            while ask(server, "/openapi.json").status != 200:
                 pass
         self.assertLess(memory.rise, MOST_MEMORY)
+
+    def test_connections_of_a_full_reserve(self):
+        # 8 common places and 16 of the reserve: those that come later are told before they ask.
+        with Server("--max-connections=8", "--header-timeout=300") as server:
+            with crowd(server, 24, b"GET /health HTTP/1.1\r\n"), Raw(server) as raw:
+                self.assert_refused(raw)
+            while ask(server, "/openapi.json").status != 200:
+                pass
 
     def test_a_refused_client_may_send_first(self):
         with Server("--max-connections=1", "--header-timeout=300") as server, Raw(server) as first:
@@ -124,6 +137,57 @@ class Caps(unittest.TestCase):
         with Server("--workers=1", "--queue=1") as server, crowd(server, 200, slow), crowd(server, 150, b"GET /"):
             self.assertLess(ping(server), AT_ONCE)
             self.assertEqual(ask(server, "/halftone?sites=10&scale=1", data=GREY).status, 200)
+
+
+class Rooms(unittest.TestCase):
+    """Health checks, figures and streams of events have places of their own."""
+
+    def begin_job(self, server):
+        body = json.dumps({"sites": 100_000, "iterations": 1000, "domain": RECTANGLE})
+        answer = ask(server, "/sample", "--header", "Prefer: respond-async", data=body)
+        self.assertEqual(answer.status, 202, answer)
+        return answer.headers["location"]
+
+    def test_listeners_take_nobodys_place(self):
+        with Server("--max-connections=8", "--max-streams=100") as server:
+            job = self.begin_job(server)
+            listen = b"GET %s/events HTTP/1.1\r\nHost: h\r\n\r\n" % job.encode()
+            with contextlib.ExitStack() as stack:
+                for _, source in zip(range(100), sources()):
+                    listener = stack.enter_context(Raw(server, source))
+                    listener.send(listen)
+                    self.assertTrue(listener.socket.recv(12).endswith(b" 200"))
+                with Raw(server) as late:
+                    late.send(listen)
+                    status, _, body = late.answer()
+                    self.assertEqual(status, 503)
+                    self.assertIn("max-streams", json.loads(body)["detail"])
+                for path in ("/health/live", "/health/ready", "/metrics", "/openapi.json", job):
+                    self.assertEqual(ask(server, path).status, 200)
+                figures = ask(server, "/metrics").body.decode()
+                self.assertIn("ccdt_event_streams_open 100\n", figures)
+                self.assertIn('ccdt_connections_refused_total{reason="streams"} 1\n', figures)
+            ask(server, job, "--request", "DELETE")
+
+    def test_health_checks_pass_when_all_places_are_taken(self):
+        # Places of computations, which no pressure ends.
+        endless = json.dumps({"sites": 100_000, "iterations": 1000, "domain": RECTANGLE}).encode()
+        with Server("--max-connections=4", "--workers=1", "--queue=4", "--timeout=300") as server:
+            job = self.begin_job(server)
+            with crowd(server, 4, post(b"/sample", endless)):
+                while ask(server, "/openapi.json").status == 200:
+                    pass
+                for _ in range(20):
+                    for path in ("/health", "/health/live", "/metrics"):
+                        answer = ask(server, path)
+                        self.assertEqual((answer.status, answer.headers["connection"]), (200, "close"))
+                    self.assertEqual(ask(server, job).status, 503)
+                with Raw(server) as listener:
+                    listener.send(b"GET %s/events HTTP/1.1\r\nHost: h\r\n\r\n" % job.encode())
+                    self.assertTrue(listener.socket.recv(12).endswith(b" 200"), "streams are not crowded")
+            while ask(server, job).status != 200:
+                pass
+            ask(server, job, "--request", "DELETE")
 
 
 class Rest(unittest.TestCase):

@@ -35,6 +35,8 @@ TEST(Config, HasTheDocumentedDefaults) {
     EXPECT_EQ(config.patience.body, std::chrono::seconds(30));
     EXPECT_EQ(config.patience.idle, std::chrono::seconds(60));
     EXPECT_EQ(config.capacity.connections, 512 + config.workers + config.queue);
+    EXPECT_EQ(config.capacity.reserve, config.capacity.connections / 4);
+    EXPECT_EQ(config.capacity.streams, 1024u);
     EXPECT_EQ(config.capacity.per_address, 64u);
     EXPECT_EQ(config.capacity.bytes, std::size_t{256} << 20);
     EXPECT_EQ(config.cache, std::min(std::size_t{64} << 20, config.memory / 16));
@@ -99,15 +101,17 @@ TEST(Config, ReadsTheEnvironment) {
 
 TEST(Config, ReadsWhatKeepsClientsInBounds) {
     const auto parsed = parse({"--header-timeout=1", "--body-timeout=2", "--idle-timeout=0.5", "--max-connections=7",
-                               "--max-connections-per-address=0", "--max-body=1GiB", "--memory=100GiB",
-                               "--cors-origin=https://a.example,http://b:81", "--api-key-file=keys", "--rate-limit=0.5",
-                               "--rate-burst=3"});
+                               "--max-streams=0", "--max-connections-per-address=0", "--max-body=1GiB",
+                               "--memory=100GiB", "--cors-origin=https://a.example,http://b:81", "--api-key-file=keys",
+                               "--rate-limit=0.5", "--rate-burst=3"});
     ASSERT_TRUE(parsed) << parsed.error().message;
     const Config& config = parsed->config;
     EXPECT_EQ(config.patience.header, std::chrono::seconds(1));
     EXPECT_EQ(config.patience.body, std::chrono::seconds(2));
     EXPECT_EQ(config.patience.idle, std::chrono::milliseconds(500));
     EXPECT_EQ(config.capacity.connections, 7u);
+    EXPECT_EQ(config.capacity.reserve, 16u);
+    EXPECT_EQ(config.capacity.streams, 0u);
     EXPECT_EQ(config.capacity.per_address, 0u);
     EXPECT_EQ(config.capacity.bytes, std::size_t{4} << 30);
     EXPECT_EQ(config.memory, std::size_t{100} << 30);
@@ -180,6 +184,8 @@ TEST(Config, ListsEveryFlagAndVariableInItsHelp) {
                              "CCDT_IDLE_TIMEOUT",
                              "--max-connections",
                              "CCDT_MAX_CONNECTIONS",
+                             "--max-streams",
+                             "CCDT_MAX_STREAMS",
                              "--max-connections-per-address",
                              "CCDT_MAX_CONNECTIONS_PER_ADDRESS",
                              "--data-dir",
@@ -234,6 +240,7 @@ TEST(Config, NamesWhatIsWrong) {
         {{"--cors-origin=https://a.example,"}, {}, "--cors-origin"},
         {{"--header-timeout=0"}, {}, "--header-timeout"},
         {{"--max-connections=0"}, {}, "--max-connections"},
+        {{"--max-streams=x"}, {}, "--max-streams"},
         {{"--api-key-file="}, {}, "--api-key-file"},
         {{"--data-dir="}, {}, "--data-dir"},
         {{"--job-ttl=0"}, {}, "--job-ttl"},

@@ -113,7 +113,7 @@ TEST(Metrics, ShowsThePoolAndTheProcess) {
 
 TEST(Metrics, TellsWhatIsCountedElsewhere) {
     Metrics metrics("1");
-    Metrics::Watched watched{.connections = {.open = 5, .refused = 2, .refused_by_address = 0},
+    Metrics::Watched watched{.connections = {.open = 5, .streams = 3, .refused = 2},
                              .memory_budget = 1000,
                              .memory_reserved = 100,
                              .decoder_deaths = 3,
@@ -123,11 +123,13 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
                              .cache = {.answers = 2, .bytes = 77, .hits = 5, .misses = 4}};
     metrics.watch([&] { return watched; });
     EXPECT_EQ(value(metrics.text({}), "ccdt_connections_open"), 5);
-    watched.connections = {.open = 4, .refused = 7, .refused_by_address = 1};
+    EXPECT_EQ(value(metrics.text({}), "ccdt_event_streams_open"), 3);
+    watched.connections = {.open = 4, .refused = 7, .refused_by_address = 1, .refused_streams = 2};
     const std::string text = metrics.text({});
     EXPECT_EQ(value(text, "ccdt_connections_open"), 4);
     EXPECT_EQ(value(text, R"(ccdt_connections_refused_total{reason="full"})"), 7);
     EXPECT_EQ(value(text, R"(ccdt_connections_refused_total{reason="address"})"), 1);
+    EXPECT_EQ(value(text, R"(ccdt_connections_refused_total{reason="streams"})"), 2);
     EXPECT_EQ(value(text, "ccdt_memory_budget_bytes"), 1000);
     EXPECT_EQ(value(text, "ccdt_memory_reserved_bytes"), 100);
     EXPECT_EQ(value(text, "ccdt_decoder_deaths_total"), 3);

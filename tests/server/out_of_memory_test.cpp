@@ -59,7 +59,7 @@ TEST(OutOfMemory, CostsAServerOneConnection) {
 
 TEST(OutOfMemory, CostsAServerOneRefusal) {
     int number = 0;
-    while (survives(number, {.connections = 0}, "HTTP/1.1 503")) ++number;
+    while (survives(number, {.connections = 0, .reserve = 0}, "HTTP/1.1 503")) ++number;
     EXPECT_GT(number, 10);
 }
 

@@ -156,18 +156,32 @@ TEST_F(RoutesTest, KeepsStreamsOfEventsFromFallingSilent) {
     EXPECT_TRUE(sent.starts_with("event: progress\ndata: {\"id\":\"" + job->id)) << sent;
 }
 
-TEST_F(RoutesTest, BoundsStreamsOfEvents) {
-    Config config;
-    config.capacity.connections = 4;
-    Routes routes(config, pool_, compute_, jobs_, metrics_);
+TEST_F(RoutesTest, GivesConnectionsTheirRoom) {
     const auto job = jobs_.accept({}, {"/sample", "", "", "", "{}"});
-    Connection connection(socket());
-    const auto request = parse_head("GET /jobs/" + job->id + "/events HTTP/1.1\r\n\r\n");
-    std::optional<Response> first = routes.answer(*request, {}, connection);
-    EXPECT_EQ(first->status, 200);
-    EXPECT_EQ(routes.answer(*request, {}, connection).status, 503);
-    first.reset();
-    EXPECT_EQ(routes.answer(*request, {}, connection).status, 200);
+    const auto is_answered = [&](const Capacity::Limits& limits, const std::string& path) {
+        Capacity capacity(limits);
+        Place place(capacity, "a");
+        Connection connection(socket(), {}, &capacity, &place);
+        const auto request = parse_head("GET " + path + " HTTP/1.1\r\n\r\n");
+        const Response response = routes_.answer(*request, {}, connection);
+        EXPECT_EQ(header(response, "Retry-After"), response.status == 503 ? "1" : "");
+        return response.status == 200;
+    };
+    const Capacity::Limits common{.connections = 1, .reserve = 0, .streams = 0};
+    const Capacity::Limits reserve{.connections = 0, .reserve = 1, .streams = 0};
+    const Capacity::Limits streams{.connections = 0, .reserve = 1, .streams = 1};
+    for (const char* path : {"/health", "/health/live", "/health/ready", "/metrics"}) {
+        EXPECT_TRUE(is_answered(common, path)) << path;
+        EXPECT_TRUE(is_answered(reserve, path)) << path;
+    }
+    for (const std::string& path : {std::string("/"), std::string("/openapi.json"), "/jobs/" + job->id}) {
+        EXPECT_TRUE(is_answered(common, path)) << path;
+        EXPECT_FALSE(is_answered(reserve, path)) << path;
+        EXPECT_FALSE(is_answered(streams, path)) << path;
+    }
+    EXPECT_TRUE(is_answered(streams, "/jobs/" + job->id + "/events"));
+    EXPECT_FALSE(is_answered(common, "/jobs/" + job->id + "/events"));
+    EXPECT_FALSE(is_answered(reserve, "/jobs/" + job->id + "/events"));
 }
 
 }  // namespace

@@ -296,7 +296,7 @@ def hostile(port, known, until):
 
 
 def everyone_at_once(port, count):
-    """As many connections at once as never after: the server makes a thread for each, and keeps it."""
+    """As many connections at once as never after: the server makes a thread for each, and keeps it a while."""
     with contextlib.ExitStack() as stack:
         clients = [stack.enter_context(Raw(Address(port), f"127.0.5.{i % 250 + 1}")) for i in range(count)]
         for client in clients:

@@ -42,7 +42,7 @@ TEST(HttpServer, AnswersThoughItsLoggerThrows) {
 
 TEST(HttpServer, RefusesThoughItsLoggerThrows) {
     std::atomic<int> logged = 0;
-    RunningServer server({.connections = 0}, greet, [&](const Exchange&) {
+    RunningServer server({.connections = 0, .reserve = 0}, greet, [&](const Exchange&) {
         ++logged;
         throw std::runtime_error("the disk is full");
     });
