@@ -251,8 +251,8 @@ std::optional<Error> find_conflict(const std::vector<RingInput>& rings, const st
 Result<Domain> Domain::create(const std::vector<PolygonPart>& parts, const std::stop_token& stop) {
     // A ring whose area is below this share of the bounding box's larger side squared has no room for rounding.
     constexpr double kMinArea = 1e-12;
-    // Areas must keep all their digits.
-    constexpr double kMinSquare = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+    // Squares of lengths, and their sums, must be finite and keep all their digits.
+    constexpr double kMinExtent = 1e-140, kMaxExtent = 1e140;
     // Coordinates must resolve the domain: its size may not drown in their magnitude.
     constexpr double kMinSize = 1e-9;
     // So may not its thickness, in units of what rounding can move a point.
@@ -266,8 +266,7 @@ Result<Domain> Domain::create(const std::vector<PolygonPart>& parts, const std::
     domain.scale_ = std::max(box.width(), box.height());
     const double magnitude =
         std::max({std::abs(box.min.x), std::abs(box.min.y), std::abs(box.max.x), std::abs(box.max.y)});
-    const double square = domain.scale_ * domain.scale_;
-    if (!std::isfinite(square) || square < kMinSquare || domain.scale_ < kMinSize * magnitude) {
+    if (!(domain.scale_ >= kMinExtent && domain.scale_ <= kMaxExtent) || domain.scale_ < kMinSize * magnitude) {
         return failure(ErrorCode::Unusable, "the polygon's extent is too large, or too small for its coordinates",
                        "/0/0");
     }

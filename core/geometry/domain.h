@@ -23,14 +23,19 @@ struct PolygonPart {
 /// Kept normalised: `rings()` are in the unit frame, where the longer side of the bounding box is 1 and its
 /// lower left corner the origin; repeated corners are dropped, outer rings run counter-clockwise, holes
 /// clockwise. `to_user` takes a point of the unit frame back to the caller's coordinates.
+///
+/// Whoever computes with a domain may rely on it: in the caller's coordinates the longer side is 1e-140 to 1e140 and no
+/// coordinate more than 1e9 times that; the shorter side is at least 1e-12 times the longer, the area 1e-12 times its
+/// square. So quotients of sides, and products of two lengths with whatever counts sites or cells, are finite and
+/// not 0.
 class Domain {
 public:
     /// @param parts  at least one; a part may lie inside a hole of another
     /// @param stop   asked now and then: Error Stopped
-    /// Errors (Unusable): fewer than three distinct corners, a coordinate that is not finite, zero area, crossing,
-    /// touching or overlapping rings, a hole outside its part, a hole in a hole. The message names the
-    /// ring and the vertex; `field` is their JSON Pointer below the polygon, as GeoJSON's MultiPolygon
-    /// nests them: /part/ring/vertex, ring 0 being the outer one and vertices as the caller counts them.
+    /// Errors (Unusable): fewer than three distinct corners, a coordinate that is not finite, an extent out of range,
+    /// zero area, crossing, touching or overlapping rings, a hole outside its part, a hole in a hole. The message names
+    /// the ring and the vertex; `field` is their JSON Pointer below the polygon, as GeoJSON's MultiPolygon nests them:
+    /// /part/ring/vertex, ring 0 being the outer one and vertices as the caller counts them.
     static Result<Domain> create(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
 
     /// [0, width] x [0, height].

@@ -210,6 +210,19 @@ TEST(Domain, RefusesExtentsThatNumbersCannotResolve) {
     EXPECT_FALSE(Domain::create({{box(0, 0, 1e200, 1e200), {}}}));
     EXPECT_FALSE(Domain::create({{box(0, 0, 1e-160, 1e-160), {}}}));
     EXPECT_FALSE(Domain::create({{box(-1.5e308, 0, 1.7e308, 1), {}}}));
+    EXPECT_FALSE(Domain::rectangle(1.01e140, 1e140));
+    EXPECT_FALSE(Domain::torus(0.99e-140, 0.99e-140));
+}
+
+TEST(Domain, KeepsSquaresOfLengthsOrdinaryNumbers) {
+    for (const double side : {1e-140, 1e140}) {
+        for (const double shape : {1.0, 1e-11}) {
+            const auto domain = Domain::rectangle(side, shape * side);
+            ASSERT_TRUE(domain) << side;
+            const double diagonal = std::hypot(side, shape * side);
+            EXPECT_NEAR(domain->area() / (diagonal * diagonal), shape / (1 + shape * shape), 1e-15);
+        }
+    }
 }
 
 TEST(Domain, RefusesSelfCrossing) {
