@@ -1,9 +1,52 @@
 #include "core/density/density.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace ccdt {
+
+namespace {
+
+/// Multiplies values by the power of two that brings the largest into [1, 2).
+class Scaling {
+public:
+    /// @param largest  > 0, finite
+    explicit Scaling(double largest) {
+        const int exponent = -std::ilogb(largest);
+        // At the ends of its range a double has a power of two, but not that one's inverse.
+        first_ = std::ldexp(1.0, exponent / 2);
+        second_ = std::ldexp(1.0, exponent - exponent / 2);
+    }
+
+    double operator()(double value) const {
+        const double scaled = value * first_ * second_;
+        return scaled < Density::kLeast ? 0 : scaled;
+    }
+
+private:
+    double first_;
+    double second_;
+};
+
+/// The largest value.
+/// Errors: Malformed for one that is negative or not finite, Unusable if all are zero.
+template <class T>
+Result<double> largest_of(std::span<const T> values) {
+    double largest = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const auto value = static_cast<double>(values[i]);
+        if (!(value >= 0) || !std::isfinite(value)) {
+            return failure(ErrorCode::Malformed, "a density's values must be finite and not negative",
+                           "values/" + std::to_string(i));
+        }
+        largest = std::max(largest, value);
+    }
+    if (!(largest > 0)) return failure(ErrorCode::Unusable, "the density is zero everywhere", "values");
+    return largest;
+}
+
+}  // namespace
 
 template <class T>
 Result<Density> Density::make(int width, int height, std::span<const T> values) {
@@ -17,25 +60,21 @@ Result<Density> Density::make(int width, int height, std::span<const T> values) 
                            std::to_string(columns * rows) + " values, not " + std::to_string(values.size()),
                        "values");
     }
+    const auto largest = largest_of(values);
+    if (!largest) return tl::make_unexpected(largest.error());
+    const Scaling scaled(*largest);
     Density density;
     density.width_ = width;
     density.height_ = height;
+    density.largest_ = scaled(*largest);
     density.row_sums_.resize((columns + 1) * rows);
     for (std::size_t row = 0; row < rows; ++row) {
         double* sums = &density.row_sums_[row * (columns + 1)];
         double sum = sums[0] = 0;
-        for (std::size_t column = 0; column < columns; ++column) {
-            const auto value = static_cast<double>(values[row * columns + column]);
-            if (!(value >= 0) || !(value <= kMaxValue)) {
-                return failure(ErrorCode::Malformed, "a density's values must lie between 0 and 1e100",
-                               "values/" + std::to_string(row * columns + column));
-            }
-            sums[column + 1] = sum += value;
-            density.largest_ = std::max(density.largest_, value);
-        }
+        for (std::size_t column = 0; column < columns; ++column)
+            sums[column + 1] = sum += scaled(static_cast<double>(values[row * columns + column]));
         density.total_ += sum;
     }
-    if (!(density.total_ > 0)) return failure(ErrorCode::Unusable, "the density is zero everywhere", "values");
     return density;
 }
 

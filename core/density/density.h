@@ -21,12 +21,20 @@ struct CellBlock {
 };
 
 /// How many sites an area wants, relative to other areas: constant, or constant on each cell of a grid that is
-/// stretched over the bounding box of the domain. Only ratios matter.
+/// stretched over the bounding box of the domain.
+///
+/// Only ratios matter, so that values are scaled where they enter, all by one power of two, which costs no digit:
+/// the largest lies in [1, 2), and what is below kLeast counts as 0. Whoever computes with values may rely on it:
+/// their sums, products of two of them and of areas with these, and the quotients of such are finite, and none of
+/// them is lost to underflow. Densities whose values differ by a power of two are the same, byte for byte.
 class Density {
 public:
+    /// The least value but 0: far less than what any number of sites takes notice of.
+    static constexpr double kLeast = 0x1p-256;
+
     static Density uniform() { return {}; }
 
-    /// @param values  [width * height], row by row, the first row at the smallest y; in [0, 1e100], one > 0
+    /// @param values  [width * height], row by row, the first row at the smallest y; finite, >= 0, one > 0
     /// Errors: Malformed for a wrong count or value (field `values/i`), Unusable if all are zero.
     static Result<Density> grid(int width, int height, std::span<const double> values);
     static Result<Density> grid(int width, int height, std::span<const float> values);
@@ -35,7 +43,7 @@ public:
     int width() const { return width_; }    ///< cells; 0 if uniform
     int height() const { return height_; }  ///< cells; 0 if uniform
 
-    /// Value of a cell.
+    /// Value of a cell, as scaled, to the rounding of its row's sums.
     double value(int column, int row) const {
         const double* sums = row_sums_.data() + static_cast<std::size_t>(row) * (static_cast<std::size_t>(width_) + 1) +
                              static_cast<std::size_t>(column);
@@ -58,14 +66,12 @@ public:
     /// Sum of all values.
     double total() const { return total_; }
 
-    /// Largest value.
+    /// Largest value: in [1, 2).
     double largest() const { return largest_; }
 
 private:
     template <class T>
     static Result<Density> make(int width, int height, std::span<const T> values);
-
-    static constexpr double kMaxValue = 1e100;  // sums and squares of sums stay finite
 
     int width_ = 0;
     int height_ = 0;

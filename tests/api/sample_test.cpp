@@ -306,6 +306,44 @@ TEST(Sample, RefusesADensityOfZero) {
     EXPECT_TRUE(result.error().field.starts_with("/density"));
 }
 
+/// Numbers are promised wherever an answer may hold them: null would stand for one that is none.
+void expect_numbers(const Answer& answer, const std::string& request) {
+    for (const std::string_view word : {"null", "nan", "inf"})
+        EXPECT_EQ(answer.body.find(word), std::string::npos) << word << " for " << request;
+}
+
+TEST(Sample, TakesDensitiesOfAnySizeForTheirRatios) {
+    const std::vector<std::string> domains = {
+        R"("polygon":[[0,0],[2,0],[2,1],[1.5,1.5],[0,1]])",
+        R"("domain":{"type":"rectangle","width":2,"height":1})",
+        R"("domain":{"type":"torus","width":2,"height":1})",
+    };
+    const std::vector<std::string> values = {"1e-300,1e-300", "0,5e-324", "1e-200,3e-200",  "5e-324,1",
+                                             "1e-310,1",      "1,1e308",  "1.7e308,1.7e308"};
+    for (const auto& domain : domains) {
+        for (const std::string method : {"ccdt", "cvt", "odt", "ccvt", "random"}) {
+            for (const auto& pair : values) {
+                const std::string body = '{' + domain + R"(,"sites":9,"method":")" + method +
+                                         R"(","density":{"width":2,"height":1,"values":[)" + pair + "]}}";
+                const auto result = answer(body);
+                ASSERT_TRUE(result) << body << result.error().message;
+                expect_numbers(*result, body);
+                EXPECT_EQ(nlohmann::json::parse(result->body).at("points").size(), 9) << body;
+            }
+        }
+    }
+}
+
+TEST(Sample, IsTheSameForDensitiesThatDifferByAPowerOfTwo) {
+    const auto points = [](const std::string& values) {
+        return sample('{' + kSquare + R"(,"sites":50,"density":{"width":3,"height":1,"values":[)" + values + "]}}")
+            .at("points");
+    };
+    EXPECT_EQ(points("1,3,0.25"), points("1024,3072,256"));
+    EXPECT_EQ(points("1,3,0.25"), points("0.0009765625,0.0029296875,0.000244140625"));
+    EXPECT_NE(points("1,3,0.25"), points("1,3,0.5"));
+}
+
 TEST(Sample, StopsWhenAsked) {
     std::stop_source stop;
     const auto request = parse('{' + kSquare + R"(,"sites":100})");

@@ -56,7 +56,7 @@ TEST(Capacity, OfOneCellIsTheArea) {
     const Triangulation mesh = mesh_of(domain, {{0.1, 0.3}, {0.9, 0.6}});
     const auto capacities = capacities_of(capacity, mesh);
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        EXPECT_NEAR(capacities[t], 3 * mesh.doubled_area(t) / 2, 1e-15);
+        EXPECT_NEAR(capacities[t], one.value(0, 0) * mesh.doubled_area(t) / 2, 1e-15);
     }
 }
 
@@ -74,21 +74,22 @@ TEST(Capacity, FollowsALinearRamp) {
     const auto ramp = [](double x, double y) { return 0.25 + x + 2 * y; };
     const Density density =
         grid_of(kCells, kCells, [&](int i, int j) { return ramp((i + 0.5) / kCells, (j + 0.5) / kCells); });
+    const double unit = density.largest() / ramp(1 - 0.5 / kCells, 1 - 0.5 / kCells);
     const Capacity capacity(domain, density);
     const Triangulation mesh = mesh_of(domain, {{0.31, 0.42}, {0.77, 0.13}, {0.52, 0.91}, {0.11, 0.86}});
     const auto capacities = capacities_of(capacity, mesh);
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         const auto [a, b, c] = mesh.corners(t);
         const Point middle = (1.0 / 3) * (mesh.point(a) + mesh.point(b) + mesh.point(c));
-        const double exact = mesh.doubled_area(t) / 2 * ramp(middle.x, middle.y) * kCells * kCells;
+        const double exact = unit * mesh.doubled_area(t) / 2 * ramp(middle.x, middle.y) * kCells * kCells;
         EXPECT_NEAR(capacities[t], exact, 1e-4 * exact);
     }
 }
 
 TEST(Capacity, IsExactWhereEdgesLieOnCellLines) {
-    // Four cells of values 1, 2, 4 and 8, a site in the middle: each triangle has half of two cells.
+    // Four cells of values 1/8, 1/4, 1/2 and 1, a site in the middle: each triangle has half of two cells.
     const Domain domain = domain_of(kSquare);
-    const Density density = grid_of(2, 2, [](int i, int j) { return std::ldexp(1.0, i + 2 * j); });
+    const Density density = grid_of(2, 2, [](int i, int j) { return std::ldexp(1.0, i + 2 * j - 3); });
     const Triangulation mesh = mesh_of(domain, {{0.5, 0.5}});
     const auto capacities = capacities_of(Capacity(domain, density), mesh);
     ASSERT_EQ(capacities.size(), 4u);
@@ -96,7 +97,7 @@ TEST(Capacity, IsExactWhereEdgesLieOnCellLines) {
         const auto [a, b, c] = mesh.corners(t);
         const Point sum = mesh.point(a) + mesh.point(b) + mesh.point(c);
         const double expected = sum.y < 1 ? 1.5 : sum.x > 2 - 1e-9 && sum.y < 2 ? 5 : sum.x < 1 ? 2.5 : 6;
-        EXPECT_DOUBLE_EQ(capacities[t], expected) << "triangle about " << sum.x / 3 << ' ' << sum.y / 3;
+        EXPECT_DOUBLE_EQ(8 * capacities[t], expected) << "triangle about " << sum.x / 3 << ' ' << sum.y / 3;
     }
 }
 
