@@ -226,10 +226,16 @@ Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const
                    "/width");
 }
 
+/// Of the dots, in units of the domain: a dot of twice its box's longer side covers it from anywhere inside.
+double radius_of(const SampleRequest& request, const Domain& domain) {
+    const double largest = 2 * std::max(domain.bounds().width(), domain.bounds().height());
+    return std::min(request.dot.value_or(pitch_of(domain, request.run.sites) / 4), largest);
+}
+
 Result<std::string> draw(const SampleRequest& request, const Domain& domain, const Page& page,
                          std::span<const Point> points, const Control& control) {
     const std::stop_token stop = stop_of_writing(control, request.on_deadline);
-    const double radius = request.dot.value_or(pitch_of(domain, points.size()) / 4);
+    const double radius = radius_of(request, domain);
     if (request.format == SampleFormat::Svg) {
         return write_svg(points, page, radius, request.drawing.style, {}, control.stop, stop);
     }

@@ -42,7 +42,7 @@ struct SampleRequest {
     SampleFormat format = SampleFormat::Json;
     DrawingOptions drawing;
     std::optional<int> width;   ///< of a drawing, in pixels; none: chosen
-    std::optional<double> dot;  ///< radius in units of the domain; none: chosen
+    std::optional<double> dot;  ///< radius in units of the domain, > 0; none: chosen
     OnStop on_deadline = OnStop::Error;
 };
 

@@ -344,6 +344,24 @@ TEST(Sample, IsTheSameForDensitiesThatDifferByAPowerOfTwo) {
     EXPECT_NE(points("1,3,0.25"), points("1,3,0.5"));
 }
 
+TEST(Sample, WritesNumbersAtTheEndsOfTheirRanges) {
+    for (const std::string side : {"1e-140", "1", "1e140"}) {
+        for (const std::string& shape : {R"({"type":"rectangle","width":)" + side + R"(,"height":)" + side + '}',
+                                         R"({"type":"torus","width":)" + side + R"(,"height":)" + side + '}'}) {
+            for (const std::string format : {"json", "geojson", "csv", "svg", "png"}) {
+                for (const std::string drawing : {"", R"(,"dot":5e-324)", R"(,"dot":1.7e308)",
+                                                  R"(,"dot":1e308,"style":"stroke","width_mm":10000)"}) {
+                    const std::string body = R"({"sites":3,"domain":)" + shape + R"(,"format":")" + format + '"' +
+                                             (format == "png" && drawing.size() > 20 ? "" : drawing) + '}';
+                    const auto result = answer(body);
+                    ASSERT_TRUE(result) << body << result.error().message;
+                    if (format != "png") expect_numbers(*result, body);
+                }
+            }
+        }
+    }
+}
+
 TEST(Sample, StopsWhenAsked) {
     std::stop_source stop;
     const auto request = parse('{' + kSquare + R"(,"sites":100})");
