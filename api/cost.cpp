@@ -173,6 +173,7 @@ Box bounds_of(const std::variant<PolygonInput, Rectangle>& domain) {
 }
 
 /// Pixels at most: a chosen width depends on the area, which of a polygon is not known yet.
+/// @param box  of positive, finite sides
 double drawn_pixels(const SampleRequest& request, const Box& box, const Limits& limits) {
     const auto most = static_cast<double>(limits.max_pixels);
     if (request.width) return std::min(*request.width * (*request.width * box.height() / box.width() + 1), most);
@@ -188,6 +189,9 @@ Estimate drawing(const SampleRequest& request, const Limits& limits) {
     if (request.format == SampleFormat::Svg) return plotting(sites);
     if (request.format != SampleFormat::Png) return {sites * 150, sites * 0.3 * kMicrosecond};
     const Box box = bounds_of(request.domain);
+    // Of other boxes there is no domain, and nothing is drawn.
+    const auto is_length = [](double side) { return side > 0 && std::isfinite(side); };
+    if (!is_length(box.width()) || !is_length(box.height())) return {};
     const double pixels = drawn_pixels(request, box, limits);
     const double scale = request.width ? *request.width / box.width() : std::sqrt(pixels / box.width() / box.height());
     const auto radius = request.dot ? std::optional(*request.dot * scale) : std::nullopt;

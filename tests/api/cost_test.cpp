@@ -223,6 +223,23 @@ TEST(Cost, KnowsShortRequests) {
     EXPECT_GT(seconds(R"({"sites":1000,"method":"cvt",)" + kSquare + '}'), 0.02);
 }
 
+TEST(Cost, IsANumberForDomainsThatAreNone) {
+    const std::vector<std::string> polygons = {
+        "[[1,1],[1,1],[1,1]]",
+        "[[0,0],[1,0],[2,0]]",
+        "[[-1.7e308,-1.7e308],[1.7e308,-1.7e308],[1.7e308,1.7e308]]",
+        "[[0,0],[5e-324,0],[5e-324,1.7e308]]",
+    };
+    for (const auto& polygon : polygons) {
+        for (const std::string size : {"", R"(,"width":65535)", R"(,"width":1,"dot":1.7e308)", R"(,"dot":5e-324)"}) {
+            const std::string body = R"({"sites":5,"format":"png","polygon":)" + polygon + size + '}';
+            const Cost cost = cost_of(*parse_sample(body, "", {}), {});
+            EXPECT_TRUE(std::isfinite(cost.seconds) && cost.seconds >= 0) << body;
+            EXPECT_LT(cost.memory, std::size_t{1} << 32) << body;
+        }
+    }
+}
+
 TEST(Cost, OfAPictureIsKnownFromItsHeader) {
     const std::string file = fixture("grey.jpg");
     const auto memory = [&](std::vector<TextOption> options) {
