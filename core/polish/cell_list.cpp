@@ -7,7 +7,8 @@ namespace {
 /// Places in a cell from which on it has a grid of its own.
 constexpr std::uint32_t kCrowd = 32;
 
-/// Of grids in grids; what is closer together than their cells is next to one place.
+/// Of grids in grids, unless rounding leaves their cells no width before; what is closer together than these is next to
+/// one place.
 constexpr int kDeepest = 16;
 
 }  // namespace
@@ -43,10 +44,11 @@ void CellList::divide(const Box& box, std::uint32_t begin, std::uint32_t end, in
         for (int column = 0; column < columns; ++column) {
             const std::size_t k = grid.cell(column, row);
             const std::uint32_t from = cells_[k].begin, to = cells_[k + 1].begin;
-            if (to - from <= kCrowd) continue;
-            cells_[k].grid = static_cast<std::uint32_t>(grids_.size());
             const Point corner = box.min + Point{column * width, row * height};
-            divide({corner, corner + Point{width, height}}, from, to, depth + 1);
+            const Box inner{corner, corner + Point{width, height}};
+            if (to - from <= kCrowd || !(inner.width() > 0 && inner.height() > 0)) continue;
+            cells_[k].grid = static_cast<std::uint32_t>(grids_.size());
+            divide(inner, from, to, depth + 1);
         }
     }
 }

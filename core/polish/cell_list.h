@@ -16,7 +16,7 @@ namespace ccdt {
 /// grid of their own.
 class CellList {
 public:
-    /// @param places  in the domain's box; on a torus within it
+    /// @param places  [n >= 1], in the domain's box; on a torus within it
     /// O(places), times the depth of grids in grids.
     CellList(const Domain& domain, std::span<const Point> places);
 

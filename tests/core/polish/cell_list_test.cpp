@@ -60,12 +60,14 @@ TEST(CellList, LooksAtFewWherePlacesCrowd) {
 }
 
 TEST(CellList, TakesManyOnOnePlace) {
-    const std::vector<Point> places(100, Point{0.5, 0.5});
-    int found = 0;
-    CellList(Domain::rectangle(3, 1).value(), places).for_near({0.5, 0.5}, 1e-3, [&](Point, std::uint32_t) {
-        ++found;
-    });
-    EXPECT_EQ(found, 100);
+    for (const std::size_t many : {100, 100'000}) {
+        const std::vector<Point> places(many, Point{0.7, 0.3});
+        std::size_t found = 0;
+        CellList(Domain::rectangle(3, 2).value(), places).for_near({0.7, 0.3}, 1e-3, [&](Point, std::uint32_t) {
+            ++found;
+        });
+        EXPECT_EQ(found, many);
+    }
 }
 
 }  // namespace
