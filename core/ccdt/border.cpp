@@ -41,7 +41,7 @@ Border make_border(const Domain& domain, const Capacity& capacity, std::size_t s
     // Along a domain thinner than the spacing of its sites, fewer do.
     const double most = 4.0 * static_cast<double>(sites) + 64;
     const double wanted = length_in_spacings(domain, capacity, sites_per_capacity);
-    const double thinning = std::min(1.0, most / wanted);
+    const double thinning = wanted > most ? most / wanted : 1;
     Border border;
     for (const Ring& ring : domain.rings()) {
         std::vector<Point>& loop = border.loops.emplace_back();
