@@ -3,8 +3,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <span>
+#include <stdexcept>
 #include <string_view>
 
 #include "api/output/numbers.h"
@@ -12,15 +12,12 @@
 namespace ccdt::api {
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  ///< becomes null
-constexpr std::size_t kUsualPoint = 41;                                ///< `[x,y],` with 17 digits each
-constexpr std::size_t kStopStride = 4'096;                             ///< points between two looks at the stop token
+constexpr std::size_t kUsualPoint = 41;     ///< `[x,y],` with 17 digits each
+constexpr std::size_t kStopStride = 4'096;  ///< points between two looks at the stop token
 
+/// JSON has no word for what is not finite, and whoever reads a number was promised one.
 void append_number(std::string& out, double value) {
-    if (!std::isfinite(value)) {  // JSON has no such numbers
-        out += "null";
-        return;
-    }
+    if (!std::isfinite(value)) throw std::domain_error("a number of the answer is not finite");
     append_shortest(out, value);
 }
 
@@ -195,7 +192,11 @@ std::string write_analysis(const Analysis& analysis, bool with_spectrum) {
     append_numbers(out, analysis.anisotropy_db);
     append_member(out, "min_distance", analysis.min_distance);
     append_member(out, "mean_distance", analysis.mean_distance);
-    append_member(out, "low_frequency_power", analysis.low_frequency_power.value_or(kUnknown));
+    if (analysis.low_frequency_power) {
+        append_member(out, "low_frequency_power", *analysis.low_frequency_power);
+    } else {
+        out += ",\"low_frequency_power\":null";
+    }
     append_member(out, "sets", std::uint64_t{analysis.sets});
     if (with_spectrum) append_spectrum(out, analysis.spectrum);
     out += "}\n";

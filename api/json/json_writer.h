@@ -29,7 +29,8 @@ struct Report {
 
 /// Writes the JSON answer of /sample and /halftone; also the mesh, if there is one, and that a run was stopped. Numbers
 /// are the shortest that read back to the same double. Same input, same bytes. About 0.1 microseconds a number.
-/// Stopped, it ends early, with nothing of use.
+/// Stopped, it ends early, with nothing of use. Like all writers of JSON it throws std::domain_error for a number that
+/// is not finite, which would be our own fault.
 std::string write_distribution(const Distribution& distribution, const Report& report,
                                const std::stop_token& stop = {});
 

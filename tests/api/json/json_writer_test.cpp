@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 namespace ccdt::api {
 namespace {
@@ -88,11 +89,18 @@ TEST(JsonWriter, WritesTheShortestNumbers) {
 }
 
 TEST(JsonWriter, NeverWritesWhatJsonDoesNotHave) {
-    Distribution distribution = example();
-    distribution.trace = {std::nan(""), std::numeric_limits<double>::infinity()};
-    const auto json = nlohmann::json::parse(write_distribution(distribution, {}));
-    EXPECT_TRUE(json.at("variation").is_null());
-    EXPECT_TRUE(json.at("trace")[0].at("variation").is_null());
+    for (const double none : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+        Distribution distribution = example();
+        distribution.trace.back() = none;
+        EXPECT_THROW(write_distribution(distribution, {}), std::domain_error);
+        EXPECT_THROW(write_feature(distribution, {}), std::domain_error);
+        distribution = example();
+        distribution.points.back().y = none;
+        EXPECT_THROW(write_distribution(distribution, {}), std::domain_error);
+        Analysis analysis;
+        analysis.power = {1, none};
+        EXPECT_THROW(write_analysis(analysis, false), std::domain_error);
+    }
 }
 
 TEST(JsonWriter, WritesMeshAndPictureWhereThereIsOne) {
