@@ -1,0 +1,135 @@
+#include <algorithm>
+#include <array>
+
+#include "api/cost.h"
+#include "api/halftone.h"
+#include "tests/fuzz/answer_checks.h"
+#include "tests/fuzz/extreme_pictures.h"
+#include "tests/fuzz/extremes.h"
+#include "tests/support/shapes.h"
+
+namespace ccdt::fuzz {
+namespace {
+
+using std::string_view_literals::operator""sv;
+
+constexpr api::Limits kLimits = {.max_sites = 64, .max_pixels = 4'096};
+
+/// The start and the frame of a JPEG of 2 x 1 pixels; the picture is made by decode_of().
+constexpr std::string_view kImage = "\xff\xd8\xff\xc0\0\x0b\x08\0\1\0\2\1"sv;
+
+constexpr std::array<std::string_view, 3> kQualities = {"draft", "standard", "best"};
+constexpr std::array<std::string_view, 7> kFormats = {"png", "json", "svg", "csv", "npy", "webp", "tiff"};
+constexpr std::array<std::string_view, 3> kColours = {"gray", "cmyk", "rgb"};
+constexpr std::array<std::string_view, 6> kPalettes = {
+    "#000", "#fff", "#fff,#000", "#010101,#000", "#f00,#0f0,#00f,#0ff,#f0f,#ff0", "#00f,#ff8800,#123456"};
+constexpr std::array<std::string_view, 4> kGrounds = {"transparent", "#000", "#fff", "#fefefe"};
+
+/// How an option's value is taken from an input.
+struct Option {
+    std::string_view name;
+    std::string (*take)(Bytes& input);
+};
+
+template <const auto& kWords>
+std::string take_word(Bytes& input) {
+    return std::string(take_one(kWords, input));
+}
+
+std::string take_text(Bytes& input) {
+    return written(take_number(input));
+}
+
+template <unsigned kMost, unsigned kLeast>
+std::string take_count(Bytes& input) {
+    return std::to_string(input.take<std::uint8_t>() % (kMost - kLeast + 1) + kLeast);
+}
+
+std::string take_true(Bytes&) {
+    return "true";
+}
+
+constexpr std::array<Option, 16> kOptions = {{{"sites", take_count<24, 1>},
+                                              {"iterations", take_count<6, 0>},
+                                              {"passes", take_count<4, 1>},
+                                              {"quality", take_word<kQualities>},
+                                              {"scale", take_text},
+                                              {"dot", take_text},
+                                              {"antialias", take_true},
+                                              {"invert", take_true},
+                                              {"color", take_word<kColours>},
+                                              {"palette", take_word<kPalettes>},
+                                              {"foreground", [](Bytes&) { return std::string("#333"); }},
+                                              {"background", take_word<kGrounds>},
+                                              {"width_mm", take_text},
+                                              {"style", [](Bytes&) { return std::string("stroke"); }},
+                                              {"tone", [](Bytes&) { return std::string("perceptual"); }},
+                                              {"on_deadline", [](Bytes&) { return std::string("partial"); }}}};
+
+/// Which options there are, by the bits of a number.
+std::vector<api::TextOption> take_options(Bytes& input) {
+    const auto bits = input.take<std::uint16_t>();
+    std::vector<api::TextOption> options{{"format", take_word<kFormats>(input)}, {"seed", take_count<3, 0>(input)}};
+    for (std::size_t i = 0; i < kOptions.size(); ++i) {
+        if ((bits >> i & 1) != 0) options.push_back({std::string(kOptions[i].name), kOptions[i].take(input)});
+    }
+    return options;
+}
+
+void check_points(const std::vector<Point>& points, const api::HalftoneRequest& request, const api::Answer& answer) {
+    CCDT_CHECK(points.size() == answer.sites);
+    CCDT_CHECK(!request.sites || points.size() == *request.sites);
+    CCDT_CHECK(!points.empty() && points.size() <= kLimits.max_sites);
+    for (const Point& p : points) CCDT_CHECK(p.x > 0 && p.x < 64 && p.y > 0 && p.y < 64);
+    // Dots of different inks may lie on each other.
+    if (!request.print) CCDT_CHECK(test::count_distinct(points) == points.size());
+}
+
+void check_answer(const api::HalftoneRequest& request, const api::Answer& answer) {
+    CCDT_CHECK(!answer.partial && !answer.media_type.empty() && answer.pixels > 0);
+    switch (request.format) {
+        case api::HalftoneFormat::Png:
+            return check_signature(answer.body, "\x89PNG\r\n");
+        case api::HalftoneFormat::WebP:
+            return check_signature(answer.body, "RIFF");
+        case api::HalftoneFormat::Tiff:
+            return check_signature(answer.body, "II");
+        case api::HalftoneFormat::Svg:
+            return check_svg(answer.body);
+        case api::HalftoneFormat::Json:
+            return check_points(points_of_json(answer.body), request, answer);
+        case api::HalftoneFormat::Csv:
+            return check_points(points_of_csv(answer.body), request, answer);
+        case api::HalftoneFormat::Npy:
+            return check_points(points_of_npy(answer.body, request.print ? 3 : 2), request, answer);
+    }
+}
+
+}  // namespace
+}  // namespace ccdt::fuzz
+
+/// A request to /halftone with numbers at the ends of their ranges, from its options to its answer.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace ccdt;
+    fuzz::Bytes input(fuzz::text_of(data, size));
+    const auto options = fuzz::take_options(input);
+    const auto request = api::parse_halftone(std::string(fuzz::kImage), options, {}, fuzz::kLimits);
+    if (!request) {
+        fuzz::check_error(request.error(), options);
+        return 0;
+    }
+    fuzz::check_cost(api::cost_of(*request, fuzz::kLimits));
+    const auto decode = fuzz::decode_of(input);
+    const auto run = [&] {
+        api::Timings timings;
+        return api::run_halftone(*request, fuzz::kLimits, decode, {}, timings);
+    };
+    const auto answer = run();
+    if (!answer) {
+        fuzz::check_error(answer.error());
+        return 0;
+    }
+    fuzz::check_answer(*request, *answer);
+    CCDT_CHECK(fuzz::without_time(answer->body) == fuzz::without_time(run()->body));
+    return 0;
+}

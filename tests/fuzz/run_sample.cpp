@@ -1,0 +1,181 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "api/cost.h"
+#include "api/sample.h"
+#include "tests/fuzz/answer_checks.h"
+#include "tests/fuzz/extreme_pictures.h"
+#include "tests/fuzz/extremes.h"
+#include "tests/fuzz/shape_checks.h"
+
+namespace ccdt::fuzz {
+namespace {
+
+constexpr api::Limits kLimits = {.max_sites = 100, .max_pixels = 4'096};
+
+constexpr std::array<std::string_view, 5> kMethods = {"ccdt", "cvt", "odt", "ccvt", "random"};
+constexpr std::array<std::string_view, 3> kQualities = {"draft", "standard", "best"};
+constexpr std::array<std::string_view, 6> kFormats = {"json", "csv", "geojson", "npy", "svg", "png"};
+
+/// Which members a request has, by the bits of a number.
+enum class Given : std::uint16_t {
+    Iterations = 1,
+    Passes = 2,
+    Quality = 4,
+    Tolerance = 8,
+    Mesh = 16,
+    WidthMm = 32,
+    Stroke = 64,
+    Width = 128,
+    Dot = 256,
+    Partial = 512,
+};
+
+/// A JSON object of the members that are told one after the other.
+class Members {
+public:
+    void add(std::string_view name, std::string_view value) {
+        text_.append(text_.size() > 1 ? ",\"" : "\"").append(name).append("\":").append(value);
+    }
+    void add(std::string_view name, double value) { add(name, std::string_view(written(value))); }
+    void add_word(std::string_view name, std::string_view word) { add(name, '"' + std::string(word) + '"'); }
+    std::string finish() { return text_ + '}'; }
+
+private:
+    std::string text_ = "{";
+};
+
+std::string coordinates(const Ring& ring) {
+    std::string text = "[";
+    for (const Point& p : ring) {
+        text.append(text.size() > 1 ? "," : "");
+        text.append("[" + written(p.x) + ',' + written(p.y) + ']');
+    }
+    return text + ']';
+}
+
+/// A usual shape, as wide, as high and as far off as numbers are, with one corner anywhere perhaps.
+Ring take_ring(Bytes& input) {
+    static const std::array<Ring, 5> kShapes = {{{{0, 0}, {1, 0}, {1, 1}, {0, 1}},
+                                                 {{0, 0}, {1, 0}, {0, 1}},
+                                                 {{0, 0.5}, {0.5, 0}, {1, 0.5}, {0.5, 1}},
+                                                 {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}},
+                                                 {{0, 0}, {1, 0}, {1, 1}, {0.5, 0x1p-30}, {0, 1}}}};
+    const auto bits = input.take<std::uint8_t>();
+    Ring ring = kShapes[bits % kShapes.size()];
+    const double width = take_number(input), height = (bits & 128) != 0 ? take_number(input) : width;
+    const Point offset = (bits & 64) != 0 ? Point{take_number(input), -take_number(input)} : Point{};
+    for (Point& p : ring) {
+        p = {width * p.x + offset.x, height * p.y + offset.y};
+        if (!std::isfinite(p.x) || !std::isfinite(p.y)) p = {};
+    }
+    if ((bits & 32) != 0) ring[input.take<std::uint8_t>() % ring.size()] = {take_number(input), take_number(input)};
+    return ring;
+}
+
+void take_domain(Bytes& input, Members& members) {
+    const auto kind = input.take<std::uint8_t>() % 8;
+    if (kind < 4) {
+        const double width = take_number(input), height = kind < 2 ? width : take_number(input);
+        const std::string_view type = kind % 2 == 0 ? "rectangle" : "torus";
+        members.add("domain", R"({"type":")" + std::string(type) + R"(","width":)" + written(width) + R"(,"height":)" +
+                                  written(height) + '}');
+        return;
+    }
+    members.add("polygon", coordinates(take_ring(input)));
+    if (kind == 7) members.add("holes", '[' + coordinates(take_ring(input)) + ']');
+}
+
+void take_density(Bytes& input, Members& members) {
+    // What matters of it is a header; the picture is made by decode_of().
+    constexpr std::string_view kImage = R"({"image":"/9j/wAALCAABAAIB"})";
+    const auto shape = input.take<std::uint8_t>();
+    if (shape < 32) return;
+    if (shape < 64) return members.add("density", kImage);
+    const int width = shape % 8 + 1, height = shape / 8 % 4 + 1;
+    std::string values;
+    for (int i = 0; i < width * height; ++i) values += (i > 0 ? "," : "") + written(take_number(input));
+    members.add("density", R"({"width":)" + std::to_string(width) + R"(,"height":)" + std::to_string(height) +
+                               R"(,"values":[)" + values + "]}");
+}
+
+/// A request that is mostly valid, by a few bytes.
+std::string take_request(Bytes& input) {
+    Members members;
+    const auto bits = input.take<std::uint16_t>();
+    const auto given = [bits](Given member) { return (bits & static_cast<std::uint16_t>(member)) != 0; };
+    const auto method = input.take<std::uint8_t>() % (2 * kMethods.size());
+    if (method < kMethods.size()) members.add_word("method", kMethods[method]);
+    members.add("sites", input.take<std::uint8_t>() % 16 + 1);
+    members.add("seed", input.take<std::uint8_t>());
+    members.add_word("format", take_one(kFormats, input));
+    if (given(Given::Iterations)) members.add("iterations", input.take<std::uint8_t>() % 8);
+    if (given(Given::Passes)) members.add("passes", input.take<std::uint8_t>() % 4 + 1);
+    if (given(Given::Quality)) members.add_word("quality", take_one(kQualities, input));
+    if (given(Given::Tolerance)) members.add("tolerance", take_number(input));
+    if (given(Given::Mesh)) members.add("mesh", "true");
+    if (given(Given::WidthMm)) members.add("width_mm", take_number(input));
+    if (given(Given::Stroke)) members.add_word("style", "stroke");
+    if (given(Given::Width)) members.add("width", std::floor(take_number(input)));
+    if (given(Given::Dot)) members.add("dot", take_number(input));
+    if (given(Given::Partial)) members.add_word("on_deadline", "partial");
+    take_domain(input, members);
+    take_density(input, members);
+    return members.finish();
+}
+
+std::vector<PolygonPart> parts_of(const api::SampleRequest& request) {
+    const auto* polygon = std::get_if<api::PolygonInput>(&request.domain);
+    return polygon == nullptr ? std::vector<PolygonPart>() : polygon->parts;
+}
+
+Domain domain_of(const api::SampleRequest& request) {
+    if (const auto* rectangle = std::get_if<api::Rectangle>(&request.domain))
+        return api::make_domain(*rectangle).value();
+    return Domain::create(parts_of(request)).value();
+}
+
+std::vector<Point> points_of(api::SampleFormat format, const std::string& body) {
+    if (format == api::SampleFormat::Json) return points_of_json(body);
+    if (format == api::SampleFormat::GeoJson) return points_of_feature(body);
+    if (format == api::SampleFormat::Csv) return points_of_csv(body);
+    return points_of_npy(body, 2);
+}
+
+void check_answer(const api::SampleRequest& request, const api::Answer& answer) {
+    CCDT_CHECK(answer.sites == request.run.sites && !answer.partial && !answer.media_type.empty());
+    if (request.format == api::SampleFormat::Svg) return check_svg(answer.body);
+    if (request.format == api::SampleFormat::Png) return check_signature(answer.body, "\x89PNG\r\n");
+    check_points(points_of(request.format, answer.body), request.run.sites, domain_of(request), parts_of(request));
+}
+
+}  // namespace
+}  // namespace ccdt::fuzz
+
+/// A request to /sample with numbers at the ends of their ranges, from its body to its answer.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace ccdt;
+    fuzz::Bytes input(fuzz::text_of(data, size));
+    const auto body = fuzz::take_request(input);
+    const auto request = api::parse_sample(body, {}, fuzz::kLimits);
+    if (!request) {
+        fuzz::check_error(request.error(), body);
+        return 0;
+    }
+    fuzz::check_cost(api::cost_of(*request, fuzz::kLimits));
+    const auto decode = fuzz::decode_of(input);
+    const auto run = [&] {
+        api::Timings timings;
+        return api::run_sample(*request, fuzz::kLimits, decode, {}, timings);
+    };
+    const auto answer = run();
+    if (!answer) {
+        fuzz::check_error(answer.error(), body);
+        return 0;
+    }
+    fuzz::check_answer(*request, *answer);
+    CCDT_CHECK(fuzz::without_time(answer->body) == fuzz::without_time(run()->body));
+    return 0;
+}
