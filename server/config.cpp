@@ -118,12 +118,6 @@ std::string set_rate(Draft& draft, std::string_view text) {
     return {};
 }
 
-std::string set_decoder(Draft& draft, std::string_view text) {
-    if (text != "box" && text != "inline") return "box or inline";
-    draft.config.decoder = text == "box" ? DecoderPlace::Box : DecoderPlace::Inline;
-    return {};
-}
-
 std::string set_bind(Draft& draft, std::string_view text) {
     if (text.empty()) return "an address or host name";
     draft.config.bind = text;
@@ -191,8 +185,6 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"--rate-limit", "CCDT_RATE_LIMIT", "N", "requests a second for each key or address, 0 for no limit (0)", set_rate},
     {"--rate-burst", "CCDT_RATE_BURST", "N", "requests that may come at once when there is a limit (20)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.rate.burst, text, 1, 1'000'000); }},
-    {"--decoder", "CCDT_DECODER", "PLACE", "box: processes of their own; inline: faster, for trusted pictures (box)",
-     set_decoder},
     {"--log-format", "CCDT_LOG_FORMAT", "FORMAT", "text or json (text)", set_log_format},
 });
 

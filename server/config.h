@@ -19,9 +19,6 @@ namespace ccdt::server {
 
 enum class LogFormat { Text, Json };
 
-/// Where pictures are decoded: in confined processes of their own, or in the server's threads.
-enum class DecoderPlace { Box, Inline };
-
 struct Config {
     std::string bind = "127.0.0.1";
     int port = 8080;                               ///< 0: any that is free
@@ -40,7 +37,6 @@ struct Config {
     std::vector<std::string> cors_origins;  ///< whose pages may call, `*` for all; empty: no CORS headers
     std::string api_key_file;               ///< empty: whoever asks is answered
     RateLimiter::Rate rate;                 ///< of requests, for each key or address
-    DecoderPlace decoder = DecoderPlace::Box;
     LogFormat log_format = LogFormat::Text;
 };
 

@@ -130,6 +130,10 @@ void Log::info(std::string_view message) const {
     logger_->info(member(format_, message));
 }
 
+void Log::warning(std::string_view message) const {
+    logger_->warn(member(format_, message));
+}
+
 void Log::error(std::string_view message) const {
     logger_->error(member(format_, message));
 }

@@ -20,6 +20,7 @@ public:
     explicit Log(LogFormat format);
 
     void info(std::string_view message) const;
+    void warning(std::string_view message) const;
     void error(std::string_view message) const;
 
     /// One line for a request.

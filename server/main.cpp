@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -19,9 +18,9 @@
 #include <malloc.h>
 #include <unistd.h>
 
-#include "api/image/decoder_warm_up.h"
 #include "api/image/image_codec.h"
 #include "server/access/gate.h"
+#include "server/child_program.h"
 #include "server/config.h"
 #include "server/decoder/decoder_box.h"
 #include "server/http/http_server.h"
@@ -114,27 +113,35 @@ std::string url(const std::string& address, int port) {
     return "http://" + (has_colon ? "[" + address + "]" : address) + ":" + std::to_string(port);
 }
 
-Result<std::unique_ptr<DecoderBox>> start_box(const Config& config) {
-    if (config.decoder == DecoderPlace::Inline) return nullptr;
-    return DecoderBox::start(
-        {api::decode_image, api::decode_colour_image, api::warm_up_decoder},
-        [most = config.limits.max_pixels](std::string_view file) { return decoder_limits(file, most); });
+Result<std::unique_ptr<DecoderBox>> start_box(const Config& config, const Log& log) {
+    auto box = DecoderBox::start(
+        [](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
+        [most = config.limits.max_pixels](std::string_view file) { return decoder_limits(file, most); },
+        [&log](const std::string& message) { log.error(message); });
+    if (!box) return box;
+    const Confinement& confinement = (*box)->confinement();
+    if (confinement.is_whole())
+        log.info(confinement.describe());
+    else if (confinement.has(Layer::Calls))
+        log.warning(confinement.describe());
+    else
+        log.error(confinement.describe());
+    return box;
 }
 
-api::Decode decoder_of(DecoderBox* box) {
-    if (box == nullptr) return api::decode_inline();
-    return {[box](std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
-                return box->decode(bytes, max_pixels, stop);
+api::Decode decoder_of(DecoderBox& box) {
+    return {[&box](std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
+                return box.decode(bytes, max_pixels, stop);
             },
-            [box](std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
-                return box->decode_colour(bytes, max_pixels, stop);
+            [&box](std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
+                return box.decode_colour(bytes, max_pixels, stop);
             }};
 }
 
 /// What is left for requests and what is computed for them: not what the program takes by itself, nor what is on its
 /// way to and from clients, nor what is kept of jobs and answers in memory.
 Result<std::size_t> memory_to_compute_with(const Config& config) {
-    constexpr std::size_t kOthers = std::size_t{96} << 20;  // the decoder's processes, and threads to come
+    constexpr std::size_t kOthers = std::size_t{160} << 20;  // the decoder's processes, 70 at rest, and threads to come
     constexpr std::size_t kLeast = std::size_t{192} << 20;
     const std::size_t kept = config.data_dir.empty() ? config.jobs.bytes : 0;
     const std::size_t taken = resident_bytes() + kOthers + config.capacity.bytes + config.cache + kept;
@@ -145,28 +152,19 @@ Result<std::size_t> memory_to_compute_with(const Config& config) {
                                              " are needed (--memory)");
 }
 
-void tell_of_box(const DecoderBox* box, const Log& log) {
-    if (box == nullptr || box->filter_error() == 0) return;
-    log.error(std::string("the decoder runs with limits, but its system calls cannot be filtered: ") +
-              std::strerror(box->filter_error()));
-}
-
 int serve(const Config& config) {
     give_back_freed_memory();
-
-    // Before any thread starts: it forks.
-    const auto box = start_box(config);
 
     // Before any thread starts: they inherit the mask, and only this one takes the signals.
     const sigset_t signals = awaited_signals(!config.api_key_file.empty());
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
     const Log log(config.log_format);
+    const auto box = start_box(config, log);
     if (!box) {
         log.error(box.error().message);
         return kFailed;
     }
-    tell_of_box(box->get(), log);
     Gate gate(config);
     if (const auto read = gate.read_keys(); !read) {
         log.error(read.error().message);
@@ -185,7 +183,7 @@ int serve(const Config& config) {
         log.error(store.error().message);
         return kFailed;
     }
-    const Compute compute = [limits = config.limits, decode = decoder_of(box->get())](
+    const Compute compute = [limits = config.limits, decode = decoder_of(**box)](
                                 const auto& question, const auto& manner, const auto& control, auto& timings) {
         return compute_here(question, manner, limits, decode, control, timings);
     };
@@ -194,7 +192,7 @@ int serve(const Config& config) {
         metrics.add(end);
         log.job(end);
     });
-    Routes routes(config, pool, compute, jobs, metrics);
+    Routes routes(config, pool, compute, jobs, metrics, [&] { return (*box)->is_ready(); });
     HttpServer server(
         config.patience, config.capacity,
         [&](const auto& request, const auto& fault, auto& connection) {
@@ -213,7 +211,8 @@ int serve(const Config& config) {
         return Metrics::Watched{.connections = server.connections(),
                                 .memory_budget = *memory,
                                 .memory_reserved = pool.memory().taken() + routes.waiting_memory().taken(),
-                                .decoder_deaths = *box ? (*box)->deaths() : 0,
+                                .decoder_deaths = (*box)->deaths(),
+                                .decoder_restarts = (*box)->restarts(),
                                 .jobs = jobs.counts(),
                                 .job_bytes = jobs.stored_bytes(),
                                 .job_capacity = config.jobs.bytes,

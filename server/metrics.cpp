@@ -89,6 +89,8 @@ struct Metrics::Families {
     Gauge& reserved = make_gauge(registry, "ccdt_memory_reserved_bytes", "Of the budget, by estimate, taken now.");
     Counter& deaths = make_counter(registry, "ccdt_decoder_deaths_total",
                                    "Pictures whose decoder crashed, passed a limit or gave nonsense.");
+    Counter& restarts = make_counter(registry, "ccdt_decoder_restarts_total",
+                                     "Times that the process which starts decoders ended and was started again.");
     Family<Gauge>& jobs =
         prometheus::BuildGauge().Name("ccdt_jobs").Help("Jobs that have not ended, by status.").Register(registry);
     Gauge& jobs_queued = jobs.Add({{"status", "queued"}});
@@ -174,6 +176,7 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
         raise(all.refused_address, watched.connections.refused_by_address);
         raise(all.refused_streams, watched.connections.refused_streams);
         raise(all.deaths, watched.decoder_deaths);
+        raise(all.restarts, watched.decoder_restarts);
         raise(all.cache_hits, watched.cache.hits);
         raise(all.cache_misses, watched.cache.misses);
     }

@@ -30,6 +30,7 @@ public:
         std::size_t memory_budget = 0;    ///< bytes for requests and what is computed for them
         std::size_t memory_reserved = 0;  ///< of them
         std::uint64_t decoder_deaths = 0;
+        std::uint64_t decoder_restarts = 0;
         Jobs::Counts jobs;
         std::size_t job_bytes = 0;     ///< kept
         std::size_t job_capacity = 0;  ///< bytes that may be kept

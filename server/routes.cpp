@@ -102,10 +102,12 @@ constexpr Routes::Route Routes::kRoutes[] = {
     {"/jobs/{id}/result", "GET", "GET, HEAD, OPTIONS", Room::Common, &Routes::job_result},
 };
 
-Routes::Routes(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs, const Metrics& metrics)
+Routes::Routes(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs, const Metrics& metrics,
+               std::function<bool()> has_decoder)
     : config_(config),
       pool_(pool),
       metrics_(metrics),
+      has_decoder_(std::move(has_decoder)),
       computing_(config, pool, std::move(compute), jobs),
       job_routes_(jobs, pool.memory(), config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
@@ -168,6 +170,7 @@ Outcome Routes::live(const Request&, Connection&) {
 
 Outcome Routes::ready(const Request&, Connection&) {
     if (draining_) return computing_.busy(503, "the server is shutting down");
+    if (!has_decoder_()) return computing_.busy(503, "the decoder of pictures is being started again");
     const WorkerPool::Load load = pool_.load();
     if (load.overdue_seconds > kLongestOverdue)
         return computing_.busy(503, "a worker does not stop when it is told to");

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,7 +25,9 @@ namespace ccdt::server {
 class Routes {
 public:
     /// All of these must outlive the routes.
-    Routes(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs, const Metrics& metrics);
+    /// @param has_decoder  whether pictures can be decoded now
+    Routes(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs, const Metrics& metrics,
+           std::function<bool()> has_decoder);
 
     /// Answers anything that came over a connection; a fault is answered as what it says.
     Response answer(const Request& request, const std::optional<Fault>& fault, Connection& connection);
@@ -77,6 +80,7 @@ private:
     const Config config_;
     WorkerPool& pool_;
     const Metrics& metrics_;
+    const std::function<bool()> has_decoder_;
     Computing computing_;
     JobRoutes job_routes_;
     std::atomic<bool> draining_ = false;

@@ -5,15 +5,17 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <poll.h>
+#include <sys/eventfd.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 
 #include "api/image/image_header.h"
 #include "server/decoder/decoder_protocol.h"
@@ -25,8 +27,8 @@ using Clock = std::chrono::steady_clock;
 
 /// Why there is no reply.
 struct NoReply {
-    enum class Reason { Died, TooSlow, Stopped, NotStarted, HelperLost };
-    Reason reason = Reason::HelperLost;
+    enum class Reason { Died, TooSlow, Stopped, NotStarted, OrderLost, HelperGone };
+    Reason reason = Reason::OrderLost;
     int error = 0;  ///< errno of NotStarted
 };
 
@@ -55,6 +57,10 @@ UniqueFd make_file(std::string_view bytes) {
     return file;
 }
 
+tl::unexpected<Error> cannot_start(const std::string& why) {
+    return failure(ErrorCode::Internal, "cannot start the decoder: " + why);
+}
+
 struct CloseBothWays {
     int socket;
 
@@ -64,6 +70,18 @@ struct CloseBothWays {
 int milliseconds_until(Clock::time_point time) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(time - Clock::now()).count();
     return static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000));
+}
+
+/// Waits until one of the descriptors can be read or was closed by its peer.
+/// @returns  the first of those; -1 if there is none by the deadline
+int wait_for_any(std::initializer_list<int> descriptors, Clock::time_point deadline = Clock::time_point::max()) {
+    std::vector<pollfd> polled;
+    for (const int descriptor : descriptors) polled.push_back({descriptor, POLLIN, 0});
+    const bool forever = deadline == Clock::time_point::max();
+    while (poll(polled.data(), polled.size(), forever ? -1 : milliseconds_until(deadline)) < 0 && errno == EINTR) {
+    }
+    const auto found = std::ranges::find_if(polled, [](const pollfd& p) { return p.revents != 0; });
+    return found == polled.end() ? -1 : found->fd;
 }
 
 /// Waits for what becomes of an order.
@@ -93,7 +111,7 @@ tl::expected<Result<AnyPicture>, NoReply> ask_helper(int orders, std::string_vie
     Order order{{bytes.size(), max_pixels, kColour, limits}, make_file(bytes), Reply::make_file(max_pixels), {}};
     if (!outcome || !order.file || !order.reply) return tl::unexpected(not_started());
     order.outcome = std::move(outcome->theirs);
-    if (!send_order(orders, order)) return tl::unexpected(NoReply{});
+    if (!send_order(orders, order)) return tl::unexpected(NoReply{NoReply::Reason::HelperGone});
     order.outcome.reset();  // the helper's alone, or its death would go unseen
     // To leave closes our end, which ends the child.
     if (const auto none = wait_for(outcome->ours, deadline, stop)) return tl::unexpected(*none);
@@ -114,10 +132,11 @@ tl::unexpected<Error> describe(const NoReply& none) {
             return failure(ErrorCode::Stopped, "the decoding was stopped");
         case NoReply::Reason::NotStarted:
             return failure(ErrorCode::Internal, std::string("cannot start a decoder: ") + std::strerror(none.error));
-        case NoReply::Reason::HelperLost:
+        case NoReply::Reason::OrderLost:
+        case NoReply::Reason::HelperGone:
             break;
     }
-    return failure(ErrorCode::Internal, "the decoder's helper is gone");
+    return failure(ErrorCode::Internal, "the decoder is gone, and was not back in time");
 }
 
 }  // namespace
@@ -131,48 +150,113 @@ DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels) {
     return {header->decoder_bytes, kTime + std::chrono::milliseconds(header->pixels() / kPixelsPerMillisecond)};
 }
 
-Result<std::unique_ptr<DecoderBox>> DecoderBox::start(const Decoder& decoder, LimitsOf limits) {
-    auto sockets = make_sockets();
-    const pid_t keeper = sockets ? fork() : -1;
-    if (keeper < 0) {
-        return failure(ErrorCode::Internal, std::string("cannot start the decoder's helper: ") + std::strerror(errno));
-    }
-    if (keeper == 0) {
-        sockets->ours.reset();
-        run_decoder_helper(std::move(sockets->theirs), decoder);
-    }
-    sockets->theirs.reset();
-    Hello hello;
-    if (recv(sockets->ours.get(), &hello, sizeof(hello), 0) != static_cast<ssize_t>(sizeof(hello))) {
-        waitpid(keeper, nullptr, 0);
-        return failure(ErrorCode::Internal, "cannot start the decoder's helper: it ended at once");
-    }
-    return std::unique_ptr<DecoderBox>(
-        new DecoderBox(std::move(sockets->ours), keeper, hello.filter_error, std::move(limits)));
+/// A helper that is ready.
+struct DecoderBox::Running {
+    ChildProgram helper;
+    UniqueFd orders;
+    Confinement confinement;
+    Clock::time_point started;
+};
+
+Result<std::unique_ptr<DecoderBox>> DecoderBox::start(Launch launch, LimitsOf limits, Tell tell) {
+    UniqueFd closing(eventfd(0, EFD_CLOEXEC));
+    if (!closing) return cannot_start(std::strerror(errno));
+    std::unique_ptr<DecoderBox> box(
+        new DecoderBox(std::move(launch), std::move(limits), std::move(tell), std::move(closing)));
+    auto running = box->launch();
+    if (!running) return tl::unexpected(std::move(running.error()));
+    box->confinement_ = running->confinement;
+    box->set_orders(std::make_shared<const UniqueFd>(std::move(running->orders)));
+    box->watcher_ = std::jthread(&DecoderBox::watch, box.get(), *std::move(running));
+    return box;
 }
 
-DecoderBox::DecoderBox(UniqueFd orders, pid_t keeper, int filter_error, LimitsOf limits)
-    : limits_(std::move(limits)), keeper_(keeper), filter_error_(filter_error), orders_(std::move(orders)) {}
+DecoderBox::DecoderBox(Launch launch, LimitsOf limits, Tell tell, UniqueFd closing)
+    : launch_(std::move(launch)), limits_(std::move(limits)), tell_(std::move(tell)), closing_(std::move(closing)) {}
 
 DecoderBox::~DecoderBox() {
-    orders_.reset();
-    while (waitpid(keeper_, nullptr, 0) < 0 && errno == EINTR) {
+    eventfd_write(closing_.get(), 1);
+}
+
+Result<DecoderBox::Running> DecoderBox::launch() const {
+    constexpr std::chrono::seconds kLongestStart{30};
+    auto sockets = make_sockets();
+    if (!sockets) return cannot_start(std::strerror(errno));
+    const auto started = Clock::now();
+    auto helper = launch_(std::move(sockets->theirs));
+    if (!helper) return tl::unexpected(std::move(helper.error()));
+    const auto ready = wait_for_any({sockets->ours.get(), helper->ended(), closing_.get()}, started + kLongestStart);
+    Hello hello;
+    if (recv(sockets->ours.get(), &hello, sizeof(hello), MSG_DONTWAIT) == static_cast<ssize_t>(sizeof(hello)))
+        return Running{*std::move(helper), std::move(sockets->ours), hello.confinement, started};
+    // Its end of the socket is closed a moment before it has ended.
+    if (ready != sockets->ours.get()) helper->kill();
+    return cannot_start("it " + helper->wait());
+}
+
+std::optional<DecoderBox::Running> DecoderBox::launch_again(Backoff& backoff, Clock::duration lived) const {
+    while (true) {
+        if (wait_for_any({closing_.get()}, Clock::now() + backoff.after(lived)) >= 0) return std::nullopt;
+        auto running = launch();
+        if (running) return *std::move(running);
+        tell_(running.error().message);
+        lived = {};
     }
+}
+
+void DecoderBox::watch(Running running) {
+    constexpr std::chrono::seconds kToEnd{1};
+    Backoff backoff;
+    while (wait_for_any({running.helper.ended(), closing_.get()}) != closing_.get()) {
+        set_orders(nullptr);
+        ++restarts_;
+        tell_("the decoder " + running.helper.wait() + ", and is started again");
+        auto next = launch_again(backoff, Clock::now() - running.started);
+        if (!next) return;
+        running = *std::move(next);
+        set_orders(std::make_shared<const UniqueFd>(std::move(running.orders)));
+    }
+    set_orders(nullptr);
+    wait_for_any({running.helper.ended()}, Clock::now() + kToEnd);  // by itself, as nobody gives it orders any more
+}
+
+void DecoderBox::set_orders(Orders orders) {
+    const std::lock_guard lock(mutex_);
+    orders_ = std::move(orders);
+    changed_.notify_all();
+}
+
+DecoderBox::Orders DecoderBox::wait_for_orders(const Orders& lost, Clock::time_point deadline,
+                                               const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_until(lock, stop, deadline, [&] { return orders_ != nullptr && orders_ != lost; });
+    return orders_ == lost ? nullptr : orders_;
+}
+
+bool DecoderBox::is_ready() const {
+    const std::lock_guard lock(mutex_);
+    return orders_ != nullptr;
 }
 
 template <class AnyPicture>
 Result<AnyPicture> DecoderBox::decode_to(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
+    using Reason = NoReply::Reason;
     const DecoderLimits limits = limits_(bytes);
-    const auto deadline = Clock::now() + limits.time;
-    auto reply = ask_helper<AnyPicture>(orders_.get(), bytes, max_pixels, limits, deadline, stop);
-    // Its keeper has another one, and it was not this picture's fault.
-    if (!reply && reply.error().reason == NoReply::Reason::HelperLost) {
-        reply = ask_helper<AnyPicture>(orders_.get(), bytes, max_pixels, limits, deadline, stop);
+    std::optional<Clock::time_point> give_up;
+    for (Orders gone;;) {
+        // That a helper ended was not this picture's fault.
+        const auto orders = wait_for_orders(gone, give_up.value_or(Clock::now() + kPatience), stop);
+        if (!orders) return describe({stop.stop_requested() ? Reason::Stopped : Reason::HelperGone});
+        const auto deadline = Clock::now() + limits.time;
+        auto reply = ask_helper<AnyPicture>(orders->get(), bytes, max_pixels, limits, deadline, stop);
+        if (reply) return *std::move(reply);
+        const auto reason = reply.error().reason;
+        if (reason == Reason::Died || reason == Reason::TooSlow) ++deaths_;
+        if (reason == Reason::HelperGone) gone = orders;
+        if (!give_up) give_up = Clock::now() + kPatience;
+        const bool is_lost = reason == Reason::OrderLost || reason == Reason::HelperGone;
+        if (!is_lost || Clock::now() > *give_up) return describe(reply.error());
     }
-    if (reply) return *std::move(reply);
-    const auto reason = reply.error().reason;
-    if (reason == NoReply::Reason::Died || reason == NoReply::Reason::TooSlow) ++deaths_;
-    return describe(reply.error());
 }
 
 Result<Picture> DecoderBox::decode(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {

@@ -4,8 +4,9 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <ctime>
+#include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -17,6 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "server/decoder/decoder_confinement.h"
 #include "server/decoder/decoder_protocol.h"
 
 namespace ccdt::server {
@@ -33,39 +35,36 @@ void follow(pid_t parent) {
     if (getppid() != parent) _exit(kFailed);
 }
 
-/// A crashed helper is replaced at once, though not in a tight loop.
-void pause_shortly() {
-    const timespec pause{0, 10'000'000};
-    nanosleep(&pause, nullptr);
-}
-
 /// Signals to the group, as from a terminal, are the server's to act on.
 void settle_signals() {
     for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(number, SIG_IGN);
     std::signal(SIGCHLD, SIG_DFL);  // ignored, children would leave no status
 }
 
-/// Leaves the standard streams and one more.
-bool close_all_but(int kept) {
-    const auto first = static_cast<unsigned>(STDERR_FILENO + 1);
-    const auto middle = static_cast<unsigned>(kept);
-    const bool closed = middle <= first || close_range(first, middle - 1, 0) == 0;
-    return closed && close_range(middle + 1, ~0U, 0) == 0;
+/// What helper and spare have open besides the standard streams: a socket for orders, and /proc, which they could not
+/// open any more.
+constexpr int kOrders = STDERR_FILENO + 1;
+constexpr int kProc = kOrders + 1;
+
+/// Nothing else stays open.
+bool leave_files(int orders) {
+    return dup2(orders, kOrders) == kOrders && close_range(kProc + 1, ~0U, 0) == 0;
 }
 
-/// Nothing of the server stays open but `kept`. Sanitizers keep their voice.
-bool leave_files(int kept) {
+/// Nothing of the server stays open. Sanitizers keep their voice.
+bool leave_files_of_server(int orders) {
+    if (dup2(orders, kOrders) != kOrders) return false;
     const int null = open("/dev/null", O_RDWR | O_CLOEXEC);
-    if (null < 0) return false;
+    const int proc = open("/proc", O_PATH | O_DIRECTORY | O_CLOEXEC);
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO}) dup2(null, stream);
     if (Sandbox::kIsWhole) dup2(null, STDERR_FILENO);
-    return close_all_but(kept);
+    return null >= 0 && dup2(proc, kProc) == kProc && leave_files(kOrders);
 }
 
 class Helper {
 public:
-    Helper(int orders, const Decoder& decoder, const Sandbox& sandbox)
-        : orders_(orders), decoder_(decoder), sandbox_(sandbox), deaths_(watch_children()) {}
+    Helper(const Decoder& decoder, const Sandbox& sandbox)
+        : decoder_(decoder), sandbox_(sandbox), deaths_(watch_children()) {}
 
     /// Until the server goes.
     void run() {
@@ -74,8 +73,8 @@ public:
             reap();
             if (spare_.process == 0 && (quiet || children_.empty())) fork_spare();
             for (Child& child : children_) end_if_unwanted(child);
-            if (!is_ready(orders_)) continue;
-            auto order = receive_order(orders_);
+            if (!is_ready(kOrders)) continue;
+            auto order = receive_order(kOrders);
             if (!order) return;
             start(*std::move(order));  // and lets go of its descriptors, which another child must not get
         }
@@ -97,7 +96,7 @@ private:
 
     /// @returns  false if nothing happened; only as long as there is no spare
     bool wait() {
-        polled_.assign({{orders_, POLLIN, 0}, {deaths_.get(), POLLIN, 0}});
+        polled_.assign({{kOrders, POLLIN, 0}, {deaths_.get(), POLLIN, 0}});
         for (const Child& child : children_) polled_.push_back({child.socket.get(), POLLIN, 0});
         return poll(polled_.data(), polled_.size(), spare_.process == 0 ? kQuiet : -1) != 0;
     }
@@ -161,9 +160,10 @@ private:
         sigset_t none;
         sigemptyset(&none);
         sigprocmask(SIG_SETMASK, &none, nullptr);
-        if (!close_all_but(orders)) _exit(kFailed);
-        auto order = receive_order(orders);
+        if (!leave_files(orders)) _exit(kFailed);
+        auto order = receive_order(kOrders);
         if (!order || !order->outcome) _exit(kFailed);
+        Sandbox::volunteer_for_out_of_memory(kProc);
         if (order->text.colour != 0) decode(*std::move(order), decoder_.colour);
         decode(*std::move(order), decoder_.grey);
     }
@@ -188,7 +188,6 @@ private:
         _exit(0);
     }
 
-    const int orders_;
     const Decoder& decoder_;
     const Sandbox& sandbox_;
     const UniqueFd deaths_;
@@ -197,43 +196,65 @@ private:
     std::vector<pollfd> polled_;
 };
 
-/// @returns  whether the server has gone
-bool helper_ran_to_its_end(pid_t helper) {
-    int status = 0;
-    while (waitpid(helper, &status, 0) < 0 && errno == EINTR) {
+/// Waits for all children and ends as the helper did: the first to end besides the one that started it. Its own, where
+/// they have no namespace, follow.
+[[noreturn]] void end_like_helper(pid_t starter) {
+    prctl(PR_SET_NAME, "decoder-keeper");
+    std::optional<int> end;
+    while (true) {
+        int status = 0;
+        const pid_t child = wait(&status);
+        if (child < 0 && errno != EINTR) break;
+        if (child > 0 && child != starter && !end) end = status;
     }
-    return WIFEXITED(status) && WEXITSTATUS(status) == kServerGone;
+    if (end && WIFSIGNALED(*end)) {
+        std::signal(WTERMSIG(*end), SIG_DFL);
+        std::raise(WTERMSIG(*end));
+    }
+    _exit(end && WIFEXITED(*end) ? WEXITSTATUS(*end) : kFailed);
 }
 
-[[noreturn]] void keep_helper(int orders, const Decoder& decoder, const Sandbox& sandbox) {
-    const pid_t self = getpid();
-    while (true) {
+/// Returns in a process of one thread, in the namespaces; the calling process only waits for its end.
+///
+/// Libraries start threads before there is anything to decode, with which a namespace of users cannot be entered, and
+/// that of processes is for children. So a child enters them, whose child goes on.
+void continue_in_namespaces(Confinement& confinement) {
+    prctl(PR_SET_CHILD_SUBREAPER, 1);
+    const pid_t child = fork();
+    if (child == 0) {
+        enter_namespaces(confinement);
         const pid_t helper = fork();
-        if (helper == 0) {
-            follow(self);
-            Helper(orders, decoder, sandbox).run();
-            _exit(kServerGone);
-        }
-        if (helper > 0 && helper_ran_to_its_end(helper)) _exit(kServerGone);
-        pause_shortly();
+        if (helper == 0) return;
+        _exit(helper > 0 ? 0 : kFailed);
     }
+    close_range(kOrders, ~0U, 0);
+    end_like_helper(child);
+}
+
+/// @returns  whether the helper was ready
+bool be_helper(const Decoder& decoder) {
+    if (decoder.warm_up) decoder.warm_up();
+    Confinement confinement;
+    continue_in_namespaces(confinement);
+    const Sandbox sandbox;
+    confinement.error(Layer::Landlock) = sandbox.landlock_error();
+    confinement.error(Layer::Calls) = sandbox.filter_error();
+    give_up_rights(confinement);
+    const Hello hello{confinement};
+    if (send(kOrders, &hello, sizeof(hello), MSG_NOSIGNAL) != static_cast<ssize_t>(sizeof(hello))) return false;
+    Helper(decoder, sandbox).run();
+    return true;
 }
 
 }  // namespace
 
 void run_decoder_helper(UniqueFd orders, const Decoder& decoder) {
     settle_signals();
-    if (!leave_files(orders.get())) _exit(kFailed);
     try {
-        if (decoder.warm_up) decoder.warm_up();
-        const Sandbox sandbox;
-        const Hello hello{sandbox.filter_error()};
-        if (send(orders.get(), &hello, sizeof(hello), MSG_NOSIGNAL) != static_cast<ssize_t>(sizeof(hello)))
-            _exit(kFailed);
-        keep_helper(orders.get(), decoder, sandbox);
-    } catch (...) {
-        _exit(kFailed);
+        if (leave_files_of_server(orders.release()) && be_helper(decoder)) _exit(kServerGone);
+    } catch (...) {  // as it ends all the same
     }
+    _exit(kFailed);
 }
 
 }  // namespace ccdt::server

@@ -20,11 +20,10 @@ struct Decoder {
     std::function<void()> warm_up;  ///< what these do but once; may be empty
 };
 
-/// The helper: takes orders, and has each done by a child in the sandbox.
+/// The helper: takes orders, and has each done by a child in the sandbox. The calling process only waits for the helper
+/// and ends as it does; of the files that it has open it keeps the standard error.
 ///
-/// The calling process, of one thread, becomes the helper's keeper: it starts another should the helper be killed.
-/// Orders that wait survive that; those in work are lost, and whoever waits for them learns it. Both end when the other
-/// end of `orders` is closed or their parent thread ends, however it ends, and so do the children.
+/// The helper ends once the other end of `orders` is closed, and with it, however it ends, the children.
 [[noreturn]] void run_decoder_helper(UniqueFd orders, const Decoder& decoder);
 
 }  // namespace ccdt::server

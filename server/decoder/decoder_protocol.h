@@ -8,17 +8,18 @@
 
 #include "core/halftone/picture.h"
 #include "core/result.h"
+#include "server/decoder/decoder_confinement.h"
 #include "server/decoder/decoder_sandbox.h"
 #include "server/http/unique_fd.h"
 
 namespace ccdt::server {
 
-/// What server, helper and decoding children say to each other. They are one program, so structs travel as they are.
+/// What server, helper and decoding children say to each other. They are built together, so structs travel as they are.
 /// The server trusts the helper; it takes from a child only what makes sense.
 
 /// From the helper, once: it is ready.
 struct Hello {
-    std::int32_t filter_error = 0;  ///< errno for why system calls cannot be filtered; 0: they are
+    Confinement confinement;  ///< of itself and its children
 };
 
 /// From the server to the helper: a file to decode.

@@ -11,11 +11,13 @@
 
 #include <fcntl.h>
 #include <linux/filter.h>
+#include <linux/landlock.h>
 #include <linux/seccomp.h>
 #include <seccomp.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -87,11 +89,41 @@ bool limit(__rlimit_resource resource, rlim_t most) {
     return setrlimit(resource, &both) == 0;
 }
 
-/// If the machine runs out of memory, this process ends rather than another. Where that cannot be said, the limit on
-/// memory has to do.
-void volunteer_for_out_of_memory() {
-    const UniqueFd file(open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
-    if (file) static_cast<void>(!write(file.get(), "1000", 4));
+/// All that Landlock can deny; none of it is granted. Its versions know more and more of it.
+struct LandlockRules {
+    std::uint64_t files = 0;
+    std::uint64_t ports = 0;
+    std::uint64_t others = 0;  ///< signals and abstract sockets
+};
+
+LandlockRules rules_of(long version) {
+    constexpr auto bits = [](int count) { return (std::uint64_t{1} << count) - 1; };
+    constexpr auto kFiles = std::to_array<int>({0, 13, 14, 15, 15, 16});  // by version; 16 from the fifth on
+    const auto known = static_cast<std::size_t>(std::clamp(version, 0L, static_cast<long>(kFiles.size()) - 1));
+    return {bits(kFiles[known]), version >= 4 ? bits(2) : 0, version >= 6 ? bits(2) : 0};
+}
+
+long landlock_version() {
+    return syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
+}
+
+/// Takes no new privileges for granted.
+bool enter_landlock(const LandlockRules& rules) {
+    const UniqueFd ruleset(static_cast<int>(syscall(SYS_landlock_create_ruleset, &rules, sizeof(rules), 0)));
+    return ruleset && syscall(SYS_landlock_restrict_self, ruleset.get(), 0) == 0;
+}
+
+/// errno for why a step fails, told by a child that takes it; 0: it does not.
+template <class Step>
+int try_in_child(const Step& step) {
+    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return errno;
+    if (!Sandbox::kIsWhole) return ENOSYS;
+    const pid_t child = fork();
+    if (child < 0) return errno;
+    if (child == 0) _exit(step() ? 0 : errno);
+    int status = 0;
+    if (waitpid(child, &status, 0) != child) return errno;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : ENOSYS;
 }
 
 }  // namespace
@@ -109,15 +141,25 @@ struct Sandbox::Filter {
     }
 };
 
-Sandbox::Sandbox() : own_(own_memory()), filter_(Filter::create()), filter_error_(try_filter()) {}
+Sandbox::Sandbox()
+    : own_(own_memory()),
+      filter_(Filter::create()),
+      filter_error_(try_in_child([this] { return filter_calls(); })),
+      landlock_error_(try_in_child([] { return enter_landlock(rules_of(landlock_version())); })) {}
 
 Sandbox::~Sandbox() = default;
 
+void Sandbox::volunteer_for_out_of_memory(int proc) {
+    prctl(PR_SET_DUMPABLE, 1, 0, 0, 0);  // or the file would be root's
+    const UniqueFd file(openat(proc, "self/oom_score_adj", O_WRONLY | O_CLOEXEC));
+    if (file) static_cast<void>(!write(file.get(), "1000", 4));
+}
+
 bool Sandbox::enter(const DecoderLimits& limits, std::size_t mapped) const {
-    volunteer_for_out_of_memory();
     // No core file, and no way in for a debugger of the same user.
-    if (prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) != 0 || !limit_resources(limits, mapped)) return false;
-    return !kIsWhole || filter_error_ != 0 || filter_calls();
+    if (prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) != 0) return false;
+    if (landlock_error_ == 0 && !enter_landlock(rules_of(landlock_version()))) return false;
+    return limit_resources(limits, mapped) && (filter_error_ != 0 || filter_calls());
 }
 
 bool Sandbox::limit_resources(const DecoderLimits& limits, std::size_t mapped) const {
@@ -132,21 +174,14 @@ bool Sandbox::limit_resources(const DecoderLimits& limits, std::size_t mapped) c
 }
 
 bool Sandbox::filter_calls() const {
+    if (filter_->program.empty()) {
+        errno = ENOSYS;
+        return false;
+    }
     // Only read by the kernel, which asks for more all the same.
     auto* const begin = const_cast<sock_filter*>(filter_->program.data());
     const sock_fprog program{static_cast<unsigned short>(filter_->program.size()), begin};
     return prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
-}
-
-int Sandbox::try_filter() const {
-    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return errno;
-    if (!kIsWhole || filter_->program.empty()) return ENOSYS;
-    const pid_t child = fork();
-    if (child < 0) return errno;
-    if (child == 0) _exit(filter_calls() ? 0 : errno);
-    int status = 0;
-    if (waitpid(child, &status, 0) != child) return errno;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : ENOSYS;
 }
 
 }  // namespace ccdt::server

@@ -14,8 +14,8 @@ struct DecoderLimits {
 
 /// Where a process that decodes is put: it can compute, take memory and write to its standard output.
 ///
-/// Sanitizers reserve address space without end, open pipes and make system calls of their own: where they are built
-/// in, neither memory nor files are limited and system calls are not filtered.
+/// Sanitizers reserve address space without end, open files and pipes and make system calls of their own: where they
+/// are built in, neither memory nor files are limited and system calls are not filtered.
 class Sandbox {
 public:
     static constexpr bool kIsWhole =
@@ -43,6 +43,16 @@ public:
         return filter_error_;
     }
 
+    /// The same for Landlock, which denies access to all files, ports and processes outside.
+    int landlock_error() const {
+        return landlock_error_;
+    }
+
+    /// Has the calling process end first if the machine runs out of memory. Where that cannot be said, the limit on
+    /// memory has to do.
+    /// @param proc  where /proc is open
+    static void volunteer_for_out_of_memory(int proc);
+
     /// Shuts the calling process in, for good.
     /// @param mapped  bytes that it has mapped besides
     /// @returns       false if that failed; it must then end
@@ -53,11 +63,11 @@ private:
 
     bool limit_resources(const DecoderLimits& limits, std::size_t mapped) const;
     bool filter_calls() const;
-    int try_filter() const;
 
     const Memory own_;  ///< of the calling process
     const std::unique_ptr<const Filter> filter_;
     const int filter_error_;
+    const int landlock_error_;
 };
 
 }  // namespace ccdt::server

@@ -200,7 +200,7 @@ class Options(ServerCase):
 class Runs(unittest.TestCase):
     def test_are_the_same_everywhere(self):
         queries = ("?sites=3000&color=cmyk", "?sites=3000&palette=%23c00,%2306c&antialias=true")
-        with Server("--workers=1", "--decoder=inline") as one, Server("--workers=4") as four:
+        with Server("--workers=1") as one, Server("--workers=4") as four:
             calls = [Call(four.url("/halftone" + query), data=CHELSEA) for query in queries for _ in range(3)]
             bodies = [call.answer().body for call in calls]
             for index, query in enumerate(queries):

@@ -1,16 +1,15 @@
 """Pictures that are decoded in confined processes of their own."""
 
-import base64
 import os
 import pathlib
-import random
+import re
 import signal
+import threading
 import time
 import unittest
 
-from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, file_of, flat, post_json
+from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, file_of, flat
 
-FIXTURES = pathlib.Path(__file__).resolve().parent.parent / "api" / "data"
 CAMERA = (PICTURES / "camera.png").read_bytes()
 PROC = pathlib.Path("/proc")
 
@@ -75,10 +74,17 @@ class Family:
 
     def __init__(self, server):
         self.server = Process(server.process.pid)
-        (self.keeper,) = self.server.children()
+
+    def keeper(self):
+        return wait_for(self.server.children)[0]
 
     def helper(self):
-        return wait_for(self.keeper.children)[0]
+        """Once it has a child that waits for a picture."""
+        def find():
+            helpers = self.keeper().children()
+            return len(helpers) == 1 and helpers[0].children() and helpers[0]
+
+        return wait_for(find)
 
     def spare(self):
         """The child that waits for a picture, once it is alone. One at work has a socket for its output."""
@@ -89,66 +95,16 @@ class Family:
         return wait_for(find)
 
     def everyone(self):
-        return [self.keeper, self.helper(), self.spare()]
+        return [self.keeper(), self.helper(), self.spare()]
 
 
-def damaged(file, generator):
-    """A file with a few bytes changed behind its first ones."""
-    bytes_ = bytearray(file)
-    for _ in range(8):
-        bytes_[generator.randrange(min(32, len(bytes_) - 1), len(bytes_))] = generator.randrange(256)
-    return bytes(bytes_)
+def restarts(server):
+    told = ask(server, "/metrics").body.decode()
+    return int(float(re.search(r"^ccdt_decoder_restarts_total (\S+)$", told, re.MULTILINE)[1]))
 
 
-class SameAnswers(unittest.TestCase):
-    def ask_both(self, path, *arguments, data):
-        answers = [ask(server, path, *arguments, data=data) for server in self.servers]
-        self.assertEqual(answers[0].status, answers[1].status)
-        if answers[0].status == 200:
-            self.assertEqual(answers[0].body, answers[1].body)
-        else:
-            details = [{**answer.json(), "instance": None} for answer in answers]
-            self.assertEqual(details[0], details[1])
-        return answers[0].status
-
-    @classmethod
-    def setUpClass(cls):
-        flags = ("--max-pixels=1000000",)
-        cls.servers = [Server("--decoder=box", *flags), Server(*flags, environment={"CCDT_DECODER": "inline"})]
-
-    @classmethod
-    def tearDownClass(cls):
-        for server in cls.servers:
-            with server:
-                assert server.stop() == 0, server.log()
-
-    def test_for_every_kind_of_file(self):
-        pictures = [path for path in sorted(FIXTURES.iterdir()) if path.suffix not in (".md", ".py")]
-        self.assertGreater(len(pictures), 30)
-        statuses = set()
-        for path in [*pictures, *sorted(PICTURES.iterdir())]:
-            with self.subTest(name=path.name):
-                query = "/halftone?sites=200&iterations=1&scale=2"
-                statuses.add(self.ask_both(query, data=path.read_bytes()))
-        self.assertEqual(statuses, {200, 413, 415, 422})
-
-    def test_for_damaged_files(self):
-        generator = random.Random(1)
-        for name in ("camera.png", "progressive.jpg", "lossy.webp", "lzw.tif"):
-            folder = PICTURES if name == "camera.png" else FIXTURES
-            file = (folder / name).read_bytes()
-            for size in (12, 40, len(file) // 2, len(file) - 1):
-                with self.subTest(name=name, size=size):
-                    self.assertIn(self.ask_both("/halftone?sites=50&iterations=1", data=file[:size]), (200, 422))
-            for _ in range(5):
-                self.ask_both("/halftone?sites=50&iterations=1", data=damaged(file, generator))
-
-    def test_for_densities(self):
-        for name in ("rgba.png", "grey.jpg"):
-            image = base64.b64encode((FIXTURES / name).read_bytes()).decode()
-            body = {"sites": 50, "domain": {"type": "rectangle", "width": 2, "height": 1}, "density": {"image": image}}
-            answers = [post_json(server, "/sample", body).json() for server in self.servers]
-            self.assertEqual(answers[0]["points"], answers[1]["points"])
+def is_ready(server):
+    return ask(server, "/health/ready").status == 200
 
 
 class Failures(ServerCase):
@@ -177,17 +133,59 @@ class Failures(ServerCase):
         self.assert_problem(call.answer(), 422, "could not be decoded")
         self.halftone(CAMERA, "?sites=50")
 
-    def test_of_the_helper_cost_nothing(self):
-        family = Family(self.server)
-        for _ in range(3):
-            family.helper().kill()
-            self.halftone(CAMERA, "?sites=50")
+
+class Restarts(unittest.TestCase):
+    def ask_until(self, done, server, expected, statuses):
+        while not done.is_set():
+            answer = ask(server, "/halftone?sites=50", data=CAMERA)
+            statuses.append(answer.status if answer.status != 200 or answer.body == expected else "another picture")
+
+    def test_cost_no_picture(self):
+        with Server("--workers=2", "--queue=20") as server:
+            family = Family(server)
+            expected = ask(server, "/halftone?sites=50", data=CAMERA).body
+            done, statuses = threading.Event(), []
+            clients = [threading.Thread(target=self.ask_until, args=(done, server, expected, statuses))
+                       for _ in range(4)]
+            for client in clients:
+                client.start()
+            try:
+                for round_ in range(10):
+                    # Either of the two takes the other one, and what they work on, along.
+                    victim = family.helper() if round_ % 2 == 0 else family.keeper()
+                    gone = [family.helper(), *family.helper().children()]
+                    victim.kill()
+                    wait_for(lambda count=round_ + 1: restarts(server) == count and is_ready(server))
+                    wait_for(lambda gone=gone: not any(process.is_running() for process in gone))
+            finally:
+                done.set()
+                for client in clients:
+                    client.join()
+            self.assertGreater(len(statuses), 10)
+            self.assertEqual(set(statuses), {200})
+            self.assertEqual(len(family.server.children()), 1, "no zombies")
+            self.assertEqual(server.log().count("was killed by signal 9 (Killed), and is started again"), 10)
+            self.assertEqual(server.stop(), 0)
+
+    def test_are_waited_for_and_told(self):
+        with Server() as server:
+            # Stopped, it takes no orders and does not end.
+            helper, keeper = Family(server).helper(), Family(server).keeper()
+            helper.kill(signal.SIGSTOP)
+            call = Call(server.url("/halftone?sites=50"), data=CAMERA)
+            keeper.kill()
+            wait_for(lambda: restarts(server) == 1)
+            self.assertEqual(call.answer().status, 200)
+            wait_for(lambda: is_ready(server))
+            wait_for(lambda: not keeper.is_running())
+            helper.kill()
+            self.assertEqual(server.stop(), 0)
 
 
 class Confinement(ServerCase):
     def test_keeps_nothing_of_the_server_open(self):
         family = Family(self.server)
-        harmless = ("/dev/null", "pipe:", "socket:", "anon_inode:[signalfd]")
+        harmless = ("/dev/null", "pipe:", "socket:", "anon_inode:[signalfd]", "/proc")
 
         def is_closed(process):
             links = process.links()
@@ -196,6 +194,30 @@ class Confinement(ServerCase):
         # One that was forked a moment ago has yet to close what it got.
         for process in family.everyone():
             wait_for(lambda process=process: is_closed(process))
+
+    def test_is_as_told(self):
+        told = self.server.wait_for_log("pictures are decoded by user ")
+        user = re.search(r"by user (\d+)", told)[1]
+        there = re.search(r"in force: (.*?)(?:; not in force|$)", told)[1]
+        family = Family(self.server)
+        for process in (family.helper(), family.spare()):
+            status = dict(line.split(":\t", 1) for line in (PROC / str(process.id) / "status").read_text().splitlines())
+            self.assertEqual(status["Uid"].split(), [user] * 4)
+            self.assertEqual(status["NoNewPrivs"], "1")
+            if "no root" in there:
+                self.assertNotEqual(user, "0")
+            if "no capabilities" in there:
+                self.assertEqual({int(status[name], 16) for name in ("CapInh", "CapPrm", "CapEff", "CapAmb")}, {0})
+            if os.geteuid() != 0:
+                continue  # to look at namespaces
+            for kind, layer in (("net", "network"), ("mnt", "mount"), ("pid", "pid"), ("ipc", "ipc"), ("uts", "uts")):
+                namespaces = {os.readlink(PROC / str(one.id) / "ns" / kind) for one in (process, family.server)}
+                self.assertEqual(len(namespaces) == 2, f"{layer} namespace" in there, kind)
+
+    def test_keeps_libraries_of_decoders_out_of_the_server(self):
+        family = Family(self.server)
+        self.assertNotIn("libOpenImageIO", (PROC / str(family.server.id) / "maps").read_text())
+        self.assertIn("libOpenImageIO", (PROC / str(family.keeper().id) / "maps").read_text())
 
 
 class Ending(unittest.TestCase):

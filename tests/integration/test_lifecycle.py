@@ -86,11 +86,11 @@ class Load(unittest.TestCase):
 
 class Deadline(unittest.TestCase):
     def test_504_if_it_passes_during_the_work_and_503_before(self):
-        # Reading a large picture inline cannot be stopped: the second request is still in the queue when its time is
-        # over.
-        picture = file_of(flat(128, 6000, 6000))
-        with Server("--workers=1", "--queue=1", "--timeout=0.1", "--decoder=inline") as server:
-            calls = [Call(server.url("/halftone"), data=picture) for _ in range(2)]
+        # The first triangulation of so many points is not ended halfway: the second request is still in the queue when
+        # its time is over.
+        body = json.dumps({"sites": 1_000_000, "domain": RECTANGLE})
+        with Server("--workers=1", "--queue=1", "--timeout=0.1") as server:
+            calls = [Call(server.url("/sample"), *JSON, data=body) for _ in range(2)]
             answers = sorted((call.answer() for call in calls), key=lambda answer: answer.status)
             self.assertEqual([answer.status for answer in answers], [503, 504])
             for answer in answers:

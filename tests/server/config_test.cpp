@@ -49,14 +49,13 @@ TEST(Config, HasTheDocumentedDefaults) {
     EXPECT_EQ(config.api_key_file, "");
     EXPECT_EQ(config.rate.per_second, 0);
     EXPECT_EQ(config.rate.burst, 20u);
-    EXPECT_EQ(config.decoder, DecoderPlace::Box);
     EXPECT_EQ(config.log_format, LogFormat::Text);
 }
 
 TEST(Config, ReadsFlagsInBothSpellings) {
     const auto parsed =
         parse({"--port=81", "--bind", "0.0.0.0", "--workers=3", "--queue", "0", "--max-body=2MiB", "--max-pixels=1000",
-               "--max-sites", "77", "--timeout=1.5", "--cors-origin", "*", "--decoder=inline", "--log-format=json"});
+               "--max-sites", "77", "--timeout=1.5", "--cors-origin", "*", "--log-format=json"});
     ASSERT_TRUE(parsed) << parsed.error().message;
     const Config& config = parsed->config;
     EXPECT_EQ(config.port, 81);
@@ -68,7 +67,6 @@ TEST(Config, ReadsFlagsInBothSpellings) {
     EXPECT_EQ(config.limits.max_sites, 77u);
     EXPECT_EQ(config.timeout, std::chrono::milliseconds(1500));
     EXPECT_EQ(config.cors_origins, std::vector<std::string>{"*"});
-    EXPECT_EQ(config.decoder, DecoderPlace::Inline);
     EXPECT_EQ(config.log_format, LogFormat::Json);
 }
 
@@ -82,7 +80,6 @@ TEST(Config, ReadsTheEnvironment) {
                                    {"CCDT_MAX_SITES", "8"},
                                    {"CCDT_TIMEOUT", "2"},
                                    {"CCDT_CORS_ORIGIN", "https://example.org"},
-                                   {"CCDT_DECODER", "inline"},
                                    {"CCDT_LOG_FORMAT", "json"}});
     ASSERT_TRUE(parsed) << parsed.error().message;
     const Config& config = parsed->config;
@@ -95,7 +92,6 @@ TEST(Config, ReadsTheEnvironment) {
     EXPECT_EQ(config.limits.max_sites, 8u);
     EXPECT_EQ(config.timeout, std::chrono::seconds(2));
     EXPECT_EQ(config.cors_origins, std::vector<std::string>{"https://example.org"});
-    EXPECT_EQ(config.decoder, DecoderPlace::Inline);
     EXPECT_EQ(config.log_format, LogFormat::Json);
 }
 

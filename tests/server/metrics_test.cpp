@@ -117,6 +117,7 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
                              .memory_budget = 1000,
                              .memory_reserved = 100,
                              .decoder_deaths = 3,
+                             .decoder_restarts = 2,
                              .jobs = {},
                              .job_bytes = 0,
                              .job_capacity = 0,
@@ -133,6 +134,7 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
     EXPECT_EQ(value(text, "ccdt_memory_budget_bytes"), 1000);
     EXPECT_EQ(value(text, "ccdt_memory_reserved_bytes"), 100);
     EXPECT_EQ(value(text, "ccdt_decoder_deaths_total"), 3);
+    EXPECT_EQ(value(text, "ccdt_decoder_restarts_total"), 2);
     EXPECT_EQ(value(text, "ccdt_cache_bytes"), 77);
     EXPECT_EQ(value(text, "ccdt_cache_hits_total"), 5);
     EXPECT_EQ(value(text, "ccdt_cache_misses_total"), 4);

@@ -40,7 +40,8 @@ protected:
     Compute compute_ = test::compute_in_process(config_.limits);
     std::unique_ptr<SqliteJobStore> store_ = *SqliteJobStore::open("");
     Jobs jobs_{config_.jobs, *store_, false, pool_, compute_, [](const JobEnd&) {}};
-    Routes routes_{config_, pool_, compute_, jobs_, metrics_};
+    bool has_decoder_ = true;
+    Routes routes_{config_, pool_, compute_, jobs_, metrics_, [this] { return has_decoder_; }};
 
 private:
     std::array<int, 2> sockets_{};
@@ -88,6 +89,17 @@ TEST_F(RoutesTest, RefusesNewWorkWhileDraining) {
     EXPECT_FALSE(header(refused, "Retry-After").empty());
 }
 
+TEST_F(RoutesTest, IsNotReadyWithoutADecoder) {
+    has_decoder_ = false;
+    const Response refused = ask("GET /health/ready HTTP/1.1");
+    EXPECT_EQ(refused.status, 503);
+    EXPECT_NE(refused.body.find("the decoder"), std::string::npos);
+    EXPECT_FALSE(header(refused, "Retry-After").empty());
+    EXPECT_EQ(ask("GET /health/live HTTP/1.1").status, 200);
+    has_decoder_ = true;
+    EXPECT_EQ(ask("GET /health/ready HTTP/1.1").status, 200);
+}
+
 TEST_F(RoutesTest, CountsThePageAsOneRoute) {
     EXPECT_EQ(ask("GET / HTTP/1.1").route, "/");
     EXPECT_EQ(ask("GET /assets/main.js HTTP/1.1").route, "/");
@@ -103,7 +115,7 @@ TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
 TEST_F(RoutesTest, NamesTheConfiguredOrigin) {
     Config config;
     config.cors_origins = {"https://example.org"};
-    Routes routes(config, pool_, compute_, jobs_, metrics_);
+    Routes routes(config, pool_, compute_, jobs_, metrics_, [] { return true; });
     Connection connection(-1);
     const auto request = parse_head(
         "OPTIONS /halftone HTTP/1.1\r\nOrigin: https://example.org\r\nAccess-Control-Request-Method: POST\r\n\r\n");
@@ -141,7 +153,7 @@ TEST_F(RoutesTest, TagsCodingsApart) {
 TEST_F(RoutesTest, KeepsStreamsOfEventsFromFallingSilent) {
     Config config;
     config.jobs.ping = std::chrono::milliseconds(1);
-    Routes routes(config, pool_, compute_, jobs_, metrics_);
+    Routes routes(config, pool_, compute_, jobs_, metrics_, [] { return true; });
     const auto job = jobs_.accept({}, {"/sample", "", "", "", "{}"});  // waits: nothing has been started
     Connection connection(socket());
     const auto request = parse_head("GET /jobs/" + job->id + "/events HTTP/1.1\r\n\r\n");

@@ -3,15 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
 #include <iterator>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -19,6 +22,8 @@
 #include <unistd.h>
 
 #include "api/image/decoder_warm_up.h"
+#include "api/image/image_codec.h"
+#include "server/decoder/decoder_helper.h"
 
 namespace ccdt::server {
 namespace {
@@ -108,9 +113,29 @@ Result<ColourPicture> obey_in_colour(std::string_view file, std::size_t max_pixe
     return tl::unexpected(obey(file, max_pixels, make_plane).error());
 }
 
+/// A process that becomes the helper, with a decoder of the tests'.
+DecoderBox::Launch forking(Decoder decoder) {
+    return [decoder = std::move(decoder)](UniqueFd orders) -> Result<ChildProgram> {
+        const pid_t process = fork();
+        if (process == 0) run_decoder_helper(std::move(orders), decoder);
+        return ChildProgram(process);
+    };
+}
+
+void ignore(const std::string&) {}
+
 std::unique_ptr<DecoderBox> make_box(const DecoderLimits& limits = kLimits) {
-    auto box = DecoderBox::start({obey, obey_in_colour, {}}, [limits](std::string_view) { return limits; });
+    auto box = DecoderBox::start(
+        forking({obey, obey_in_colour, {}}), [limits](std::string_view) { return limits; }, ignore);
     return box ? *std::move(box) : nullptr;
+}
+
+/// One that decodes pictures.
+std::unique_ptr<DecoderBox> make_true_box() {
+    return DecoderBox::start(
+               forking({api::decode_image, api::decode_colour_image, api::warm_up_decoder}),
+               [](std::string_view file) { return decoder_limits(file, kMaxPixels); }, ignore)
+        .value();
 }
 
 template <class AnyPicture>
@@ -169,11 +194,28 @@ pid_t keeper() {
     return children_of(getpid()).at(0);
 }
 
-/// Waits for one: after a death it takes its keeper a moment.
+/// Waits for one that gets orders: after a death there is none for a moment.
 pid_t helper() {
-    auto found = children_of(keeper());
-    while (found.empty()) found = children_of(keeper());
-    return found[0];
+    while (true) {
+        const auto keepers = children_of(getpid());
+        const auto helpers = keepers.empty() ? keepers : children_of(keepers[0]);
+        if (helpers.size() == 1 && !children_of(helpers[0]).empty()) return helpers[0];
+    }
+}
+
+/// Its status as /proc has it.
+std::string status_of(pid_t process, const std::string& key) {
+    std::ifstream file("/proc/" + std::to_string(process) + "/status");
+    for (std::string line; std::getline(file, line);) {
+        if (line.starts_with(key + ":\t")) return line.substr(key.size() + 2);
+    }
+    return {};
+}
+
+/// Empty for whom it may not be seen.
+std::string namespace_of(pid_t process, const std::string& kind) {
+    std::error_code error;
+    return std::filesystem::read_symlink("/proc/" + std::to_string(process) + "/ns/" + kind, error);
 }
 
 std::ptrdiff_t open_files(pid_t process) {
@@ -181,9 +223,13 @@ std::ptrdiff_t open_files(pid_t process) {
     return std::distance(begin(files), end(files));
 }
 
-std::string bytes_of(const std::string& name) {
-    std::ifstream file(std::string(CCDT_TEST_DATA) + "/images/" + name, std::ios::binary);
+std::string bytes_at(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string bytes_of(const std::string& name) {
+    return bytes_at(std::filesystem::path(CCDT_TEST_DATA) / "images" / name);
 }
 
 TEST(DecoderBox, HandsOverWhatTheDecoderMakes) {
@@ -221,9 +267,7 @@ TEST(DecoderBox, HandsOverColours) {
 }
 
 TEST(DecoderBox, DecodesPhotographsToTheSameBits) {
-    const auto box = DecoderBox::start({api::decode_image, api::decode_colour_image, api::warm_up_decoder},
-                                       [](std::string_view file) { return decoder_limits(file, kMaxPixels); })
-                         .value();
+    const auto box = make_true_box();
     for (const auto* name : {"camera.png", "chelsea.png", "astronaut.png"}) {
         const std::string file = bytes_of(name);
         const auto expected = api::decode_image(file, kMaxPixels);
@@ -242,6 +286,35 @@ TEST(DecoderBox, DecodesPhotographsToTheSameBits) {
     }
     EXPECT_EQ(box->decode("no image", kMaxPixels, {}).error().code, ErrorCode::Unsupported);
     EXPECT_EQ(box->decode("", kMaxPixels, {}).error().code, ErrorCode::Malformed);
+}
+
+/// The picture or the error.
+void expect_same(const Result<Picture>& decoded, const Result<Picture>& expected, const std::string& name) {
+    ASSERT_EQ(decoded.has_value(), expected.has_value()) << name;
+    if (!decoded) {
+        EXPECT_EQ(decoded.error().code, expected.error().code) << name;
+        EXPECT_EQ(decoded.error().message, expected.error().message) << name;
+        return;
+    }
+    EXPECT_EQ(decoded->width, expected->width) << name;
+    EXPECT_TRUE(decoded->luminance == expected->luminance) << name;
+    EXPECT_TRUE(decoded->alpha == expected->alpha) << name;
+}
+
+TEST(DecoderBox, DecodesFilesOfEveryKindWholeAndShortenedTheSame) {
+    const auto box = make_true_box();
+    int files = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(CCDT_API_TEST_DATA)) {
+        const std::string file = bytes_at(entry.path());
+        for (const std::size_t size : {file.size(), file.size() / 2, std::size_t{40}, std::size_t{12}}) {
+            const auto part = file.substr(0, size);
+            const auto name = entry.path().filename().string() + " of " + std::to_string(size);
+            expect_same(box->decode(part, kMaxPixels, {}), api::decode_image(part, kMaxPixels), name);
+        }
+        ++files;
+    }
+    EXPECT_GT(files, 30);
+    EXPECT_EQ(box->deaths(), 0U);
 }
 
 TEST(DecoderBox, OutlivesADecoderThatFails) {
@@ -280,7 +353,7 @@ TEST(DecoderBox, EndsADecoderThatEatsMemory) {
 TEST(DecoderBox, KeepsADecoderFromTheMachine) {
     const auto box = make_box();
     ASSERT_TRUE(box);
-    if (box->filter_error() != 0) GTEST_SKIP() << "system calls are not filtered here";
+    if (!box->confinement().has(Layer::Calls)) GTEST_SKIP() << "system calls are not filtered here";
     for (const auto* file : {"open", "socket", "fork", "exec", "kill", "write"}) {
         const auto result = box->decode(file, kMaxPixels, {});
         ASSERT_FALSE(result) << file;
@@ -341,23 +414,109 @@ TEST(DecoderBox, LeavesNeitherProcessesNorDescriptors) {
 TEST(DecoderBox, ReplacesAHelperThatWasKilled) {
     const auto box = make_box();
     ASSERT_TRUE(box);
-    for (int round = 0; round < 3; ++round) {
+    for (unsigned round = 1; round <= 3; ++round) {
         kill(helper(), SIGKILL);
+        while (box->restarts() < round || !box->is_ready()) std::this_thread::yield();
         const auto result = box->decode("picture", kMaxPixels, {});
         EXPECT_TRUE(result) << result.error().message;
     }
+    EXPECT_EQ(box->restarts(), 3U);
     EXPECT_EQ(box->deaths(), 0U);
+    EXPECT_EQ(children_of(getpid()).size(), 1U);
 }
 
-TEST(DecoderBox, SaysWhenAllHelpIsGone) {
+TEST(DecoderBox, GivesPicturesThatAHelperTookAlongToTheNext) {
     const auto box = make_box();
     ASSERT_TRUE(box);
-    const pid_t last = helper();
-    kill(keeper(), SIGKILL);
-    while (is_running(last)) std::this_thread::yield();
+    std::vector<std::jthread> threads;
+    std::atomic<bool> done = false;
+    for (int i = 0; i < 4; ++i) {
+        threads.emplace_back([&] {
+            while (!done) {
+                const auto result = box->decode("picture", kMaxPixels, {});
+                EXPECT_TRUE(result) << result.error().message;
+            }
+        });
+    }
+    for (unsigned round = 1; round <= 4; ++round) {
+        // Whichever of the two is killed.
+        kill(round % 2 == 0 ? helper() : keeper(), SIGKILL);
+        while (box->restarts() < round || !box->is_ready()) std::this_thread::yield();
+    }
+    done = true;
+    threads.clear();
+    EXPECT_EQ(box->restarts(), 4U);
+}
+
+TEST(DecoderBox, TellsHowAHelperEnded) {
+    std::mutex mutex;
+    std::string told;
+    const auto box = DecoderBox::start(
+                         forking({obey, obey_in_colour, {}}), [](std::string_view) { return kLimits; },
+                         [&](const std::string& message) {
+                             const std::lock_guard lock(mutex);
+                             told += message;
+                         })
+                         .value();
+    kill(helper(), SIGKILL);
+    while (box->restarts() == 0 || !box->is_ready()) std::this_thread::yield();
+    const std::lock_guard lock(mutex);
+    EXPECT_EQ(told, "the decoder was killed by signal 9 (Killed), and is started again");
+}
+
+TEST(DecoderBox, EndsPicturesInWorkWithTheHelper) {
+    const auto box = make_box();
+    ASSERT_TRUE(box);
+    std::stop_source stop;
+    const std::jthread asking([&] { static_cast<void>(box->decode("spin", kMaxPixels, stop.get_token())); });
+    const pid_t first = helper();
+    while (children_of(first).size() < 2) std::this_thread::yield();
+    const auto children = children_of(first);
+    kill(first, SIGKILL);
+    for (const pid_t child : children) {
+        while (is_running(child)) std::this_thread::yield();
+    }
+    stop.request_stop();
+}
+
+/// Starts a helper once; after that there is nothing to start.
+DecoderBox::Launch forking_once(std::atomic<int>& attempts) {
+    return [&attempts, launch = forking({obey, obey_in_colour, {}})](UniqueFd orders) -> Result<ChildProgram> {
+        if (attempts++ == 0) return launch(std::move(orders));
+        return failure(ErrorCode::Internal, "no such program");
+    };
+}
+
+TEST(DecoderBox, SaysWhenThereIsNoHelp) {
+    std::atomic<int> attempts = 0;
+    const auto box = DecoderBox::start(
+                         forking_once(attempts), [](std::string_view) { return kLimits; }, ignore)
+                         .value();
+    EXPECT_TRUE(box->is_ready());
+    kill(helper(), SIGKILL);
+    while (attempts < 3) std::this_thread::yield();
+    EXPECT_FALSE(box->is_ready());
     const auto result = box->decode("picture", kMaxPixels, {});
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::Internal);
+    std::stop_source stop;
+    stop.request_stop();
+    EXPECT_EQ(box->decode("picture", kMaxPixels, stop.get_token()).error().code, ErrorCode::Stopped);
+    EXPECT_EQ(box->restarts(), 1U);
+    EXPECT_TRUE(children_of(getpid()).empty());
+}
+
+TEST(DecoderBox, SaysWhyItDoesNotStart) {
+    const auto limits = [](std::string_view) { return kLimits; };
+    const auto ends_at_once = [](UniqueFd) -> Result<ChildProgram> {
+        const pid_t process = fork();
+        if (process == 0) _exit(3);
+        return ChildProgram(process);
+    };
+    const auto box = DecoderBox::start(ends_at_once, limits, ignore);
+    ASSERT_FALSE(box);
+    EXPECT_EQ(box.error().message, "cannot start the decoder: it exited with 3");
+    EXPECT_TRUE(children_of(getpid()).empty());
 }
 
 TEST(DecoderBox, TakesItsProcessesWithIt) {
@@ -377,6 +536,69 @@ TEST(DecoderBox, IgnoresSignalsToItsGroup) {
         kill(helper(), number);
     }
     EXPECT_TRUE(box->decode("picture", kMaxPixels, {}));
+    EXPECT_EQ(box->restarts(), 0U);
+}
+
+/// How many of them the kernel would end first if the machine ran out of memory.
+std::ptrdiff_t volunteers(const std::vector<pid_t>& processes) {
+    return std::ranges::count_if(processes, [](pid_t process) {
+        int score = 0;
+        return std::ifstream("/proc/" + std::to_string(process) + "/oom_score_adj") >> score && score == 1000;
+    });
+}
+
+TEST(DecoderBox, GivesUpADecoderFirstIfMemoryIsShort) {
+    const auto box = make_box();
+    ASSERT_TRUE(box);
+    const pid_t process = helper();
+    ASSERT_EQ(volunteers({keeper(), process}), 0);
+    std::stop_source stop;
+    const std::jthread asking([&] { static_cast<void>(box->decode("spin", kMaxPixels, stop.get_token())); });
+    while (children_of(process).size() < 2 || volunteers(children_of(process)) == 0) std::this_thread::yield();
+    EXPECT_EQ(volunteers(children_of(process)), 1) << "not the one that waits";
+    EXPECT_EQ(volunteers({keeper(), process}), 0);
+    stop.request_stop();
+}
+
+TEST(DecoderBox, IsConfinedAsItSays) {
+    const auto box = make_box();
+    ASSERT_TRUE(box);
+    const Confinement& confinement = box->confinement();
+    const pid_t process = helper();
+    // While one works, and for the other that waits.
+    std::stop_source stop;
+    const std::jthread asking([&] { static_cast<void>(box->decode("spin", kMaxPixels, stop.get_token())); });
+    while (children_of(process).size() < 2) std::this_thread::yield();
+    auto decoding = children_of(process);
+    decoding.push_back(process);
+    const std::string user = std::to_string(confinement.user);
+    for (const pid_t one : decoding) {
+        EXPECT_TRUE(status_of(one, "Uid").starts_with(user + "\t" + user + "\t" + user));
+        EXPECT_EQ(status_of(one, "NoNewPrivs"), "1");
+        if (confinement.has(Layer::User)) {
+            EXPECT_NE(user, "0");
+        }
+        if (confinement.has(Layer::Capabilities)) {
+            for (const char* set : {"CapInh", "CapPrm", "CapEff", "CapAmb"})
+                EXPECT_EQ(status_of(one, set), "0000000000000000") << set;
+        }
+        const bool was_root = getuid() == 0 && user != "0";
+        if (was_root) {
+            EXPECT_EQ(status_of(one, "Groups").find_first_not_of(' '), std::string::npos);
+        }
+        if (namespace_of(one, "net").empty()) continue;
+        const std::pair<Layer, const char*> namespaces[] = {{Layer::Network, "net"},
+                                                            {Layer::Mounts, "mnt"},
+                                                            {Layer::Processes, "pid"},
+                                                            {Layer::Ipc, "ipc"},
+                                                            {Layer::HostName, "uts"}};
+        for (const auto& [layer, kind] : namespaces)
+            EXPECT_EQ(namespace_of(one, kind) != namespace_of(getpid(), kind), confinement.has(layer)) << kind;
+        if (confinement.has(Layer::Mounts)) {
+            EXPECT_TRUE(std::filesystem::is_empty("/proc/" + std::to_string(one) + "/root"));
+        }
+    }
+    stop.request_stop();
 }
 
 }  // namespace

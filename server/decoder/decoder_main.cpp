@@ -1,0 +1,19 @@
+#include <cstdio>
+
+#include <fcntl.h>
+
+#include "api/image/decoder_warm_up.h"
+#include "api/image/image_codec.h"
+#include "server/child_program.h"
+#include "server/decoder/decoder_helper.h"
+
+/// The decoder's helper as a program, which the server starts.
+int main() {
+    using namespace ccdt;
+    server::UniqueFd orders(server::ChildProgram::kSocket);
+    if (fcntl(orders.get(), F_GETFD) < 0) {
+        std::fputs("ccdt-decoder: ccdt-server starts this program\n", stderr);
+        return 2;
+    }
+    server::run_decoder_helper(std::move(orders), {api::decode_image, api::decode_colour_image, api::warm_up_decoder});
+}
