@@ -1,47 +1,13 @@
 #include "server/cache/entity_tag.h"
 
-#include <openssl/evp.h>
-
-#include <array>
-#include <cstdint>
-#include <memory>
-#include <new>
 #include <string_view>
 
 #include "api/input/text.h"
+#include "server/digest.h"
 #include "server/http/multipart.h"
 
 namespace ccdt::server {
 namespace {
-
-constexpr int kNameBytes = 18;  // as many as nobody finds two questions of one name with
-
-/// SHA-256 of texts, each with its length, so that no two lists of them run together.
-class Digest {
-public:
-    Digest() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
-        if (context_ == nullptr || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1)
-            throw std::bad_alloc();
-    }
-
-    void add(std::string_view text) {
-        const std::uint64_t size = text.size();
-        EVP_DigestUpdate(context_.get(), &size, sizeof(size));
-        EVP_DigestUpdate(context_.get(), text.data(), text.size());
-    }
-
-    /// @returns  the beginning of the digest, in base64
-    std::string finish() {
-        std::array<unsigned char, EVP_MAX_MD_SIZE> bytes{};
-        EVP_DigestFinal_ex(context_.get(), bytes.data(), nullptr);
-        std::array<unsigned char, kNameBytes / 3 * 4 + 1> text{};
-        EVP_EncodeBlock(text.data(), bytes.data(), kNameBytes);
-        return {text.begin(), text.end() - 1};
-    }
-
-private:
-    std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
-};
 
 void add_form(const Question& question, Digest& digest) {
     const auto parts = parse_multipart(question.body, question.content_type);
