@@ -152,6 +152,12 @@ Result<std::size_t> memory_to_compute_with(const Config& config) {
                                              " are needed (--memory)");
 }
 
+void tell_of_damages(const SqliteJobStore& store, const Log& log) {
+    if (const auto count = store.damages(); count > 0)
+        log.error("the disk has changed what is stored of jobs: " + std::to_string(count) +
+                  " faults were found, and the jobs that cannot be believed have failed");
+}
+
 int serve(const Config& config) {
     give_back_freed_memory();
 
@@ -183,6 +189,7 @@ int serve(const Config& config) {
         log.error(store.error().message);
         return kFailed;
     }
+    tell_of_damages(**store, log);
     const Compute compute = [limits = config.limits, decode = decoder_of(**box)](
                                 const auto& question, const auto& manner, const auto& control, auto& timings) {
         return compute_here(question, manner, limits, decode, control, timings);
@@ -216,6 +223,7 @@ int serve(const Config& config) {
                                 .jobs = jobs.counts(),
                                 .job_bytes = jobs.stored_bytes(),
                                 .job_capacity = config.jobs.bytes,
+                                .job_damages = (*store)->damages(),
                                 .cache = routes.cache().load()};
     });
     const auto port = server.bind(config.bind, config.port);

@@ -99,6 +99,8 @@ struct Metrics::Families {
         prometheus::BuildCounter().Name("ccdt_jobs_ended_total").Help("Jobs that ended, by how.").Register(registry);
     Gauge& job_bytes = make_gauge(registry, "ccdt_job_store_bytes", "What is kept of jobs: questions and results.");
     Gauge& job_capacity = make_gauge(registry, "ccdt_job_store_capacity_bytes", "What may be kept of jobs.");
+    Counter& job_damages = make_counter(registry, "ccdt_job_store_damages_total",
+                                        "Jobs, their requests and results that the disk had changed.");
     Counter& cache_hits = make_counter(registry, "ccdt_cache_hits_total", "Answers given again.");
     Counter& cache_misses = make_counter(registry, "ccdt_cache_misses_total", "Answers looked for in vain.");
     Gauge& cache_bytes = make_gauge(registry, "ccdt_cache_bytes", "Of answers that are kept.");
@@ -177,6 +179,7 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
         raise(all.refused_streams, watched.connections.refused_streams);
         raise(all.deaths, watched.decoder_deaths);
         raise(all.restarts, watched.decoder_restarts);
+        raise(all.job_damages, watched.job_damages);
         raise(all.cache_hits, watched.cache.hits);
         raise(all.cache_misses, watched.cache.misses);
     }

@@ -34,6 +34,7 @@ public:
         Jobs::Counts jobs;
         std::size_t job_bytes = 0;     ///< kept
         std::size_t job_capacity = 0;  ///< bytes that may be kept
+        std::uint64_t job_damages = 0;
         ResultCache::Load cache;
     };
 

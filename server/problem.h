@@ -20,6 +20,7 @@ struct Problem {
     Stages stages;
     bool deliver = true;
     std::string_view cancelled = {};
+    bool told = false;  ///< a failure of ours, too, is told in these words
 };
 using Outcome = tl::expected<Response, Problem>;
 

@@ -221,9 +221,8 @@ std::string Routes::request_id(const Request& request) {
 Response Routes::describe(Problem problem, const std::string& id) const {
     Response response;
     if (problem.status == 500) {
-        response.cause = std::move(problem.error.message);
-        problem.error.message = kFailedHere;
-        problem.error.field.clear();
+        response.cause = problem.error.message;
+        if (!problem.told) problem.error = {problem.error.code, std::string(kFailedHere), {}};
     }
     response.status = problem.status;
     response.media_type = kProblem;

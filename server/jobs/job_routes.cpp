@@ -32,7 +32,11 @@ Response document(const Job& job) {
 /// Why there is no result.
 tl::unexpected<Problem> no_result(const Job& job) {
     if (job.status == JobStatus::Cancelled) return problem(410, "the job was cancelled");
-    if (job.failure) return problem(job.failure->status, job.failure->error.message, job.failure->error.field);
+    if (job.failure) {
+        auto failed = problem(job.failure->status, job.failure->error.message, job.failure->error.field);
+        failed.value().told = true;  // as in the job's document
+        return failed;
+    }
     return problem(409, "the job is " + std::string(name_of(job.status)) + "; its result is not there yet");
 }
 

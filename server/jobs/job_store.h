@@ -15,8 +15,8 @@ namespace ccdt::server {
 /// Keeps jobs: what was asked until they end, then the result.
 ///
 /// What a call has changed is kept once it returns. May be used from any thread. No call takes longer for the number of
-/// jobs kept, but for `unfinished`. Errors of all: LimitExceeded if there is no room left, Internal for anything else
-/// that the store's place comes up with.
+/// jobs kept, but for `unfinished`. Errors of all: LimitExceeded if there is no room left, Unusable if what is kept is
+/// not what was written, Internal for anything else that the store's place comes up with.
 class JobStore {
 public:
     virtual ~JobStore() = default;

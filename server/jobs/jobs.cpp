@@ -39,8 +39,11 @@ std::string new_id() {
     return id;
 }
 
+/// That what is the client's is damaged concerns the client.
 tl::unexpected<Problem> store_problem(const Error& error) {
-    return problem(error.code == ErrorCode::LimitExceeded ? 507 : 500, error.message);
+    auto failed = problem(error.code == ErrorCode::LimitExceeded ? 507 : 500, error.message);
+    failed.value().told = error.code == ErrorCode::Unusable;
+    return failed;
 }
 
 tl::unexpected<Problem> no_such_job() {

@@ -1,5 +1,7 @@
 #include "server/jobs/sqlite.h"
 
+#include <bit>
+
 namespace ccdt::server {
 
 Database::Database(const std::string& path) {
@@ -39,9 +41,11 @@ void Database::write_body(const char* table, std::int64_t row, std::string_view 
     check(sqlite3_blob_write(blob.get(), body.data(), static_cast<int>(body.size()), 0));
 }
 
-std::string Database::read_body(const char* table, std::int64_t row) {
+std::string Database::read_body(const char* table, std::int64_t row, std::size_t most) {
     const Blob blob = open_body(table, row, false);
-    std::string body(static_cast<std::size_t>(sqlite3_blob_bytes(blob.get())), '\0');
+    const auto size = static_cast<std::size_t>(sqlite3_blob_bytes(blob.get()));
+    if (size > most) throw SqliteError(SQLITE_CORRUPT, "a body is longer than it was");
+    std::string body(size, '\0');
     check(sqlite3_blob_read(blob.get(), body.data(), static_cast<int>(body.size()), 0));
     return body;
 }
@@ -64,6 +68,13 @@ std::string Statement::text(int column) const {
     const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(handle_.get(), column));
     return text == nullptr ? ""
                            : std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column)));
+}
+
+std::string Statement::image(int column) const {
+    const int type = sqlite3_column_type(handle_.get(), column);
+    std::string image = std::to_string(type) + ' ';
+    if (type == SQLITE_FLOAT) return image + std::to_string(std::bit_cast<std::uint64_t>(real(column)));
+    return image + text(column);
 }
 
 void Statement::bind(int place, std::int64_t value) {

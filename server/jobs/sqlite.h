@@ -37,7 +37,9 @@ public:
 
     /// Fills the blob `body` of a row, which has that size, without a copy of it in between.
     void write_body(const char* table, std::int64_t row, std::string_view body);
-    std::string read_body(const char* table, std::int64_t row);
+
+    /// @param most  bytes; more are not believed (SQLITE_CORRUPT)
+    std::string read_body(const char* table, std::int64_t row, std::size_t most);
 
 private:
     friend class Statement;
@@ -79,6 +81,10 @@ public:
     std::int64_t integer(int column) const { return sqlite3_column_int64(handle_.get(), column); }
     double real(int column) const { return sqlite3_column_double(handle_.get(), column); }
     std::string text(int column) const;
+
+    /// A value with its type, so that different values have different ones.
+    std::string image(int column) const;
+
     bool is_null(int column) const { return sqlite3_column_type(handle_.get(), column) == SQLITE_NULL; }
 
 private:

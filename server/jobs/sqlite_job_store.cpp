@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <exception>
@@ -10,6 +11,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "server/digest.h"
 #include "server/http/unique_fd.h"
 
 namespace ccdt::server {
@@ -18,9 +20,12 @@ namespace {
 /// "ccdt", where SQLite keeps whose file it is.
 constexpr std::int64_t kApplication = 0x63636474;
 
-constexpr std::int64_t kVersion = 1;
+/// 1: without digests.
+constexpr std::int64_t kVersion = 2;
 
 constexpr const char* kFile = "/jobs.sqlite";
+
+constexpr const char* kDamagedJob = "what is stored of this job is damaged";
 
 constexpr const char* kTables = R"(
     CREATE TABLE jobs (
@@ -61,6 +66,13 @@ constexpr const char* kTables = R"(
     CREATE TABLE results (row INTEGER PRIMARY KEY, body BLOB NOT NULL);
 )";
 
+/// Of all that is kept, so that what the disk changed is not taken for it.
+constexpr const char* kDigests = R"(
+    ALTER TABLE jobs ADD COLUMN digest TEXT NOT NULL DEFAULT '';
+    ALTER TABLE questions ADD COLUMN digest TEXT NOT NULL DEFAULT '';
+    ALTER TABLE results ADD COLUMN digest TEXT NOT NULL DEFAULT '';
+)";
+
 std::int64_t number_of(Time time) {
     return time.time_since_epoch().count();
 }
@@ -83,11 +95,27 @@ std::optional<Time> time_at(const Statement& row, int column) {
     return time_of(row.integer(column));
 }
 
-/// For `job_at`.
+constexpr int kRow = 20;
+constexpr int kBytes = 21;
+constexpr int kDigest = 22;
+
+/// For `job_at`, then the columns above: the last one is the digest of all others.
 std::string select_jobs(const std::string& which) {
     return "SELECT id, owner, client, memory, seconds, status, starts, created, started, finished, fraction, "
-           "iteration, variation, failure, message, field, media_type, result_bytes, partial, dropped FROM jobs " +
+           "iteration, variation, failure, message, field, media_type, result_bytes, partial, dropped, row, bytes, "
+           "digest FROM jobs " +
            which;
+}
+
+std::string digest_of(const Statement& row) {
+    Digest digest;
+    for (int column = 0; column < kDigest; ++column) digest.add(row.image(column));
+    return digest.finish();
+}
+
+/// Whether it is what was written.
+bool is_sound(const Statement& row) {
+    return row.text(kDigest) == digest_of(row);
 }
 
 Job job_at(const Statement& row) {
@@ -112,15 +140,42 @@ Job job_at(const Statement& row) {
     return job;
 }
 
+/// With the id of their job: they are that one's, and no other's.
+std::string digest_of(std::string_view id, const Question& question) {
+    Digest digest;
+    for (const std::string_view text :
+         {id, std::string_view(question.path), std::string_view(question.query),
+          std::string_view(question.content_type), std::string_view(question.accept), std::string_view(question.body)})
+        digest.add(text);
+    return digest.finish();
+}
+
+std::string digest_of(std::string_view id, std::string_view result) {
+    Digest digest;
+    for (const std::string_view text : {id, result}) digest.add(text);
+    return digest.finish();
+}
+
+[[noreturn]] void damaged(const char* message) {
+    throw SqliteError(SQLITE_CORRUPT, message);
+}
+
 std::size_t size_of(const Question& question) {
     return question.path.size() + question.query.size() + question.content_type.size() + question.accept.size() +
            question.body.size();
 }
 
-Error error_of(const SqliteError& error) {
-    const bool no_room = error.code() == SQLITE_FULL || error.code() == SQLITE_TOOBIG;
-    return {
-        no_room ? ErrorCode::LimitExceeded : ErrorCode::Internal, std::string("the job store: ") + error.what(), {}};
+ErrorCode code_of(const SqliteError& error) {
+    switch (error.code()) {
+        case SQLITE_FULL:
+        case SQLITE_TOOBIG:
+            return ErrorCode::LimitExceeded;
+        case SQLITE_CORRUPT:
+        case SQLITE_NOTADB:
+            return ErrorCode::Unusable;
+        default:
+            return ErrorCode::Internal;
+    }
 }
 
 /// What it holds is for nobody else on the machine.
@@ -134,6 +189,26 @@ Result<void> make_file(const std::string& folder, const std::string& path) {
 }
 
 }  // namespace
+
+/// A job with where it is and how many bytes it takes.
+struct SqliteJobStore::Kept {
+    Job job;
+    std::int64_t row = 0;
+    std::size_t bytes = 0;
+
+    /// Throws SQLITE_CORRUPT if it is not what was written.
+    static Kept at(const Statement& row) {
+        if (!is_sound(row)) damaged(kDamagedJob);
+        return {job_at(row), row.integer(kRow), static_cast<std::size_t>(row.integer(kBytes))};
+    }
+};
+
+/// What is kept with a digest.
+template <class T>
+struct SqliteJobStore::Sealed {
+    T value;
+    std::string digest;
+};
 
 Result<std::unique_ptr<SqliteJobStore>> SqliteJobStore::open(const std::string& folder) {
     const std::string path = folder.empty() ? ":memory:" : folder + kFile;
@@ -154,22 +229,87 @@ SqliteJobStore::SqliteJobStore(const std::string& path) : database_(path) {
     const auto version = database_.value_of("PRAGMA user_version");
     const bool empty = database_.value_of("SELECT count(*) FROM sqlite_schema") == 0 && application == 0;
     if (!empty && application != kApplication) throw SqliteError(SQLITE_NOTADB, "it belongs to another program");
-    if (!empty && version != kVersion)
+    if (!empty && (version < 1 || version > kVersion))
         throw SqliteError(SQLITE_NOTADB,
                           "it is of version " + std::to_string(version) + ", not " + std::to_string(kVersion));
     database_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA journal_size_limit = 67108864");
-    if (empty) prepare_tables();
-    if (Statement check(database_, "PRAGMA quick_check(1)"); check.step() && check.text(0) != "ok")
-        throw SqliteError(SQLITE_CORRUPT, "it is damaged: " + check.text(0));
+    check_file();
+    if (empty || version < kVersion) prepare_tables(empty ? 0 : version);
+    fail_damaged();
     bytes_ = static_cast<std::size_t>(database_.value_of("SELECT sum(bytes) FROM jobs"));
 }
 
-void SqliteJobStore::prepare_tables() {
+/// Indices, which can be made again, need not be right.
+void SqliteJobStore::check_file() {
+    const auto fault = [this](const char* check) {
+        Statement found(database_, check);
+        found.step();
+        return found.text(0) == "ok" ? "" : found.text(0);
+    };
+    if (fault("PRAGMA integrity_check(1)").empty()) return;
+    if (const auto found = fault("PRAGMA quick_check(1)"); !found.empty())
+        throw SqliteError(SQLITE_CORRUPT, "it is damaged: " + found);
+    database_.execute("REINDEX");
+    ++damages_;
+}
+
+/// @param version  of the tables that there are; 0: none
+void SqliteJobStore::prepare_tables(std::int64_t version) {
     Transaction transaction(database_);
-    database_.execute(kTables);
+    if (version == 0) database_.execute(kTables);
+    database_.execute(kDigests);
+    for (const auto row : rows_where([](const Statement&) { return true; })) {
+        seal(row);
+        const Kept kept = *look_up("WHERE row = ?", row);
+        const auto& id = kept.job.id;
+        if (const auto question = question_of(kept))
+            Statement(database_, "UPDATE questions SET digest = ? WHERE row = ?", digest_of(id, question->value), row)
+                .run();
+        if (const auto result = result_of(kept))
+            Statement(database_, "UPDATE results SET digest = ? WHERE row = ?", digest_of(id, result->value), row)
+                .run();
+    }
     database_.execute(("PRAGMA application_id = " + std::to_string(kApplication)).c_str());
     database_.execute(("PRAGMA user_version = " + std::to_string(kVersion)).c_str());
     transaction.commit();
+}
+
+/// A job that is not what it was has failed of that.
+void SqliteJobStore::fail_damaged() {
+    for (const auto row : rows_where([](const Statement& job) { return !is_sound(job); })) {
+        Transaction transaction(database_);
+        fail_damaged(row);
+        transaction.commit();
+    }
+}
+
+void SqliteJobStore::fail_damaged(std::int64_t row) {
+    ++damages_;
+    remove_bodies(row);
+    Statement(database_,
+              "UPDATE jobs SET status = ?, starts = 0, started = NULL, finished = ?, fraction = 0, iteration = 0, "
+              "variation = NULL, failure = 500, message = ?, field = '', media_type = '', result_bytes = 0, "
+              "partial = 0, dropped = 0, bytes = ? WHERE row = ?",
+              static_cast<std::int64_t>(JobStatus::Failed), number_of(time_now()), kDamagedJob,
+              number_of(bytes_of_job(0)), row)
+        .run();
+    seal(row);
+}
+
+template <class Test>
+std::vector<std::int64_t> SqliteJobStore::rows_where(Test test) {
+    std::vector<std::int64_t> rows;
+    Statement query(database_, select_jobs("").c_str());
+    while (query.step())
+        if (test(query)) rows.push_back(query.integer(kRow));
+    return rows;
+}
+
+/// Writes down what a row's job is now, so that it can be known again.
+void SqliteJobStore::seal(std::int64_t row) {
+    std::string digest;
+    if (Statement query(database_, select_jobs("WHERE row = ?").c_str(), row); query.step()) digest = digest_of(query);
+    Statement(database_, "UPDATE jobs SET digest = ? WHERE row = ?", digest, row).run();
 }
 
 template <class Do>
@@ -183,7 +323,9 @@ auto SqliteJobStore::attempt(Do act) -> Result<decltype(act())> {
             return act();
         }
     } catch (const SqliteError& error) {
-        return tl::unexpected(error_of(error));
+        const ErrorCode code = code_of(error);
+        if (code == ErrorCode::Unusable) ++damages_;
+        return failure(code, std::string("the job store: ") + error.what());
     } catch (const std::exception& exception) {  // no memory for a body, most likely
         return failure(ErrorCode::Internal, std::string("the job store: ") + exception.what());
     }
@@ -201,11 +343,12 @@ Result<void> SqliteJobStore::add(const Job& job, const Question& question) {
             static_cast<std::int64_t>(job.status), number_of(job.created), number_of(bytes))
             .run();
         const auto row = database_.last_row();
+        seal(row);
         Statement(database_,
-                  "INSERT INTO questions (row, path, query, content_type, accept, body) "
-                  "VALUES (?, ?, ?, ?, ?, zeroblob(?))",
+                  "INSERT INTO questions (row, path, query, content_type, accept, body, digest) "
+                  "VALUES (?, ?, ?, ?, ?, zeroblob(?), ?)",
                   row, question.path, question.query, question.content_type, question.accept,
-                  number_of(question.body.size()))
+                  number_of(question.body.size()), digest_of(job.id, question))
             .run();
         database_.write_body("questions", row, question.body);
         transaction.commit();
@@ -213,45 +356,75 @@ Result<void> SqliteJobStore::add(const Job& job, const Question& question) {
     });
 }
 
+/// @returns  none if there is none such
+template <class Value>
+std::optional<SqliteJobStore::Kept> SqliteJobStore::look_up(const char* which, const Value& value) {
+    Statement query(database_, select_jobs(which).c_str(), value);
+    if (!query.step()) return std::nullopt;
+    return Kept::at(query);
+}
+
+/// An index may lead to another job's row.
+std::optional<SqliteJobStore::Kept> SqliteJobStore::look_up(const std::string& id) {
+    auto kept = look_up("WHERE id = ?", id);
+    if (kept && kept->job.id != id) damaged("an index of the store is damaged");
+    return kept;
+}
+
+std::optional<SqliteJobStore::Sealed<Question>> SqliteJobStore::question_of(const Kept& kept) {
+    Statement query(database_, "SELECT path, query, content_type, accept, digest FROM questions WHERE row = ?",
+                    kept.row);
+    if (!query.step()) return std::nullopt;
+    return Sealed<Question>{{query.text(0), query.text(1), query.text(2), query.text(3),
+                             database_.read_body("questions", kept.row, kept.bytes)},
+                            query.text(4)};
+}
+
+std::optional<SqliteJobStore::Sealed<std::string>> SqliteJobStore::result_of(const Kept& kept) {
+    Statement query(database_, "SELECT digest FROM results WHERE row = ?", kept.row);
+    if (!query.step()) return std::nullopt;
+    return Sealed<std::string>{database_.read_body("results", kept.row, kept.bytes), query.text(0)};
+}
+
 Result<std::vector<Job>> SqliteJobStore::unfinished() {
     return attempt([&] {
         std::vector<Job> jobs;
         Statement query(database_, select_jobs("WHERE finished IS NULL ORDER BY row").c_str());
-        while (query.step()) jobs.push_back(job_at(query));
+        while (query.step()) jobs.push_back(Kept::at(query).job);
         return jobs;
     });
 }
 
 Result<std::optional<Job>> SqliteJobStore::find(const std::string& id) {
     return attempt([&]() -> std::optional<Job> {
-        Statement query(database_, select_jobs("WHERE id = ?").c_str(), id);
-        if (!query.step()) return std::nullopt;
-        return job_at(query);
+        auto kept = look_up(id);
+        if (!kept) return std::nullopt;
+        return std::move(kept->job);
     });
 }
 
 Result<std::optional<Question>> SqliteJobStore::question(const std::string& id) {
     return attempt([&]() -> std::optional<Question> {
-        Statement query(database_,
-                        "SELECT path, query, content_type, accept, row FROM questions "
-                        "WHERE row = (SELECT row FROM jobs WHERE id = ?)",
-                        id);
-        if (!query.step()) return std::nullopt;
-        return Question{query.text(0), query.text(1), query.text(2), query.text(3),
-                        database_.read_body("questions", query.integer(4))};
+        const auto kept = look_up(id);
+        auto question = kept ? question_of(*kept) : std::nullopt;
+        if (!question) return std::nullopt;
+        if (question->digest != digest_of(id, question->value)) damaged("the stored request is damaged");
+        return std::move(question->value);
     });
 }
 
 Result<std::optional<std::string>> SqliteJobStore::result(const std::string& id) {
     return attempt([&]() -> std::optional<std::string> {
-        Statement query(database_, "SELECT row FROM results WHERE row = (SELECT row FROM jobs WHERE id = ?)", id);
-        if (!query.step()) return std::nullopt;
-        return database_.read_body("results", query.integer(0));
+        const auto kept = look_up(id);
+        if (!kept || kept->job.result_bytes == 0 || kept->job.dropped) return std::nullopt;
+        auto result = result_of(*kept);
+        if (!result || result->digest != digest_of(id, result->value)) damaged("the stored result is damaged");
+        return std::move(result->value);
     });
 }
 
-/// @param bytes  that the job takes from now on; none: as many as before
-void SqliteJobStore::update(const Job& job, std::optional<std::size_t> bytes) {
+/// @param bytes  that the job takes from now on
+void SqliteJobStore::update(const Job& job, std::int64_t row, std::size_t bytes) {
     std::optional<std::int64_t> failure;
     std::optional<std::string_view> message;
     std::optional<std::string_view> field;
@@ -260,49 +433,62 @@ void SqliteJobStore::update(const Job& job, std::optional<std::size_t> bytes) {
         message = job.failure->error.message;
         field = job.failure->error.field;
     }
-    std::optional<std::int64_t> new_bytes;
-    if (bytes) new_bytes = number_of(*bytes);
     Statement(database_,
               "UPDATE jobs SET status = ?, starts = ?, started = ?, finished = ?, fraction = ?, iteration = ?, "
               "variation = ?, failure = ?, message = ?, field = ?, media_type = ?, result_bytes = ?, partial = ?, "
-              "bytes = coalesce(?, bytes) WHERE id = ?",
+              "bytes = ? WHERE row = ?",
               static_cast<std::int64_t>(job.status), static_cast<std::int64_t>(job.starts), number_of(job.started),
               number_of(job.finished), job.progress.fraction, static_cast<std::int64_t>(job.progress.iteration),
               job.progress.variation, failure, message, field, job.media_type, number_of(job.result_bytes),
-              static_cast<std::int64_t>(job.partial), new_bytes, job.id)
+              static_cast<std::int64_t>(job.partial), number_of(bytes), row)
         .run();
+    seal(row);
 }
 
 Result<void> SqliteJobStore::save(const Job& job) {
-    return attempt([&] { update(job, {}); });
+    return attempt([&] {
+        const auto kept = look_up(job.id);
+        if (!kept) return;
+        Transaction transaction(database_);
+        update(job, kept->row, kept->bytes);
+        transaction.commit();
+    });
 }
 
 Result<void> SqliteJobStore::finish(const Job& job, std::string_view result) {
     return attempt([&] {
-        Statement known(database_, "SELECT row, bytes FROM jobs WHERE id = ?", job.id);
-        if (!known.step()) return;
-        const auto row = known.integer(0);
-        const auto before = static_cast<std::size_t>(known.integer(1));
-        known.run();  // or it would keep the transaction open
+        const auto kept = look_up(job.id);
+        if (!kept) return;
         const std::size_t after = bytes_of_job(result.size());
         Transaction transaction(database_);
-        Statement(database_, "DELETE FROM questions WHERE row = ?", row).run();
+        remove_bodies(kept->row);
         if (!result.empty()) {
-            Statement(database_, "INSERT INTO results (row, body) VALUES (?, zeroblob(?))", row,
-                      number_of(result.size()))
+            Statement(database_, "INSERT INTO results (row, body, digest) VALUES (?, zeroblob(?), ?)", kept->row,
+                      number_of(result.size()), digest_of(job.id, result))
                 .run();
-            database_.write_body("results", row, result);
+            database_.write_body("results", kept->row, result);
         }
-        update(job, after);
+        update(job, kept->row, after);
         transaction.commit();
-        bytes_ += after - before;
+        bytes_ += after;
+        let_go(kept->bytes);
     });
 }
 
-/// Of one row of jobs, or of none.
-std::size_t SqliteJobStore::remove_row(std::int64_t row) {
+/// What a damaged row says that it held may be more than it was.
+void SqliteJobStore::let_go(std::size_t bytes) {
+    bytes_ -= std::min(bytes_.load(), bytes);
+}
+
+void SqliteJobStore::remove_bodies(std::int64_t row) {
     for (const char* statement : {"DELETE FROM questions WHERE row = ?", "DELETE FROM results WHERE row = ?"})
         Statement(database_, statement, row).run();
+}
+
+/// Of one row of jobs.
+/// @returns  bytes that it took
+std::size_t SqliteJobStore::remove_row(std::int64_t row) {
+    remove_bodies(row);
     Statement removed(database_, "DELETE FROM jobs WHERE row = ? RETURNING bytes", row);
     const auto bytes = removed.step() ? static_cast<std::size_t>(removed.integer(0)) : 0;
     removed.run();
@@ -317,7 +503,7 @@ Result<bool> SqliteJobStore::remove(const std::string& id) {
         if (!row) return false;
         const std::size_t bytes = remove_row(*row);
         transaction.commit();
-        bytes_ -= bytes;
+        let_go(bytes);
         return true;
     });
 }
@@ -332,7 +518,7 @@ Result<std::size_t> SqliteJobStore::remove_finished(Time by, std::size_t most) {
         std::size_t bytes = 0;
         for (const auto row : rows) bytes += remove_row(row);
         transaction.commit();
-        bytes_ -= bytes;
+        let_go(bytes);
         return rows.size();
     });
 }
@@ -347,20 +533,25 @@ Result<std::optional<Time>> SqliteJobStore::first_finished() {
 Result<bool> SqliteJobStore::drop_oldest_result() {
     return attempt([&] {
         Transaction transaction(database_);
-        std::optional<std::int64_t> row;
-        std::int64_t bytes = 0;
-        if (Statement query(database_,
-                            "SELECT row, result_bytes FROM jobs WHERE result_bytes > 0 AND dropped = 0 "
-                            "ORDER BY finished LIMIT 1");
-            query.step()) {
-            row = query.integer(0);
-            bytes = query.integer(1);
+        Statement oldest(database_,
+                         select_jobs("WHERE result_bytes > 0 AND dropped = 0 ORDER BY finished LIMIT 1").c_str());
+        if (!oldest.step()) return false;
+        const auto row = oldest.integer(kRow);
+        const auto before = static_cast<std::size_t>(oldest.integer(kBytes));
+        const bool sound = is_sound(oldest);
+        oldest.run();
+        if (sound) {
+            remove_bodies(row);
+            Statement(database_, "UPDATE jobs SET dropped = 1, bytes = ? WHERE row = ?", number_of(bytes_of_job(0)),
+                      row)
+                .run();
+            seal(row);
+        } else {
+            fail_damaged(row);
         }
-        if (!row) return false;
-        Statement(database_, "DELETE FROM results WHERE row = ?", *row).run();
-        Statement(database_, "UPDATE jobs SET dropped = 1, bytes = bytes - result_bytes WHERE row = ?", *row).run();
         transaction.commit();
-        bytes_ -= static_cast<std::size_t>(bytes);
+        bytes_ += bytes_of_job(0);
+        let_go(before);
         return true;
     });
 }

@@ -38,7 +38,12 @@ class Server:
         self.news = threading.Condition()
         self.reader = threading.Thread(target=self._read_log)
         self.reader.start()
-        listening = self.wait_for_log("listening on ")
+        try:
+            listening = self.wait_for_log("listening on ")
+        except AssertionError:
+            self.process.kill()
+            self.wait()
+            raise
         port = re.search(r"listening on http://[^\"]*:(\d+)", listening)
         self.port = int(port.group(1)) if port else None
         self.path = None if port else re.search(r"listening on unix:([^\"\n]+)", listening).group(1)

@@ -121,6 +121,7 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
                              .jobs = {},
                              .job_bytes = 0,
                              .job_capacity = 0,
+                             .job_damages = 6,
                              .cache = {.answers = 2, .bytes = 77, .hits = 5, .misses = 4}};
     metrics.watch([&] { return watched; });
     EXPECT_EQ(value(metrics.text({}), "ccdt_connections_open"), 5);
@@ -135,6 +136,7 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
     EXPECT_EQ(value(text, "ccdt_memory_reserved_bytes"), 100);
     EXPECT_EQ(value(text, "ccdt_decoder_deaths_total"), 3);
     EXPECT_EQ(value(text, "ccdt_decoder_restarts_total"), 2);
+    EXPECT_EQ(value(text, "ccdt_job_store_damages_total"), 6);
     EXPECT_EQ(value(text, "ccdt_cache_bytes"), 77);
     EXPECT_EQ(value(text, "ccdt_cache_hits_total"), 5);
     EXPECT_EQ(value(text, "ccdt_cache_misses_total"), 4);

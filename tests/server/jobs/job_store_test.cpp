@@ -238,6 +238,142 @@ TEST_F(JobStoreTest, TakesNoDamagedFile) {
     EXPECT_NE(why_not(), "");
 }
 
+/// As the first version wrote it.
+constexpr const char* kFirstVersion = R"(
+    PRAGMA application_id = 1667458164;
+    PRAGMA user_version = 1;
+    CREATE TABLE jobs (
+        row INTEGER PRIMARY KEY,
+        id TEXT NOT NULL UNIQUE,
+        owner TEXT NOT NULL,
+        client TEXT NOT NULL,
+        memory INTEGER NOT NULL,
+        seconds REAL NOT NULL,
+        status INTEGER NOT NULL,
+        starts INTEGER NOT NULL,
+        created INTEGER NOT NULL,
+        started INTEGER,
+        finished INTEGER,
+        fraction REAL NOT NULL,
+        iteration INTEGER NOT NULL,
+        variation REAL,
+        failure INTEGER,
+        message TEXT,
+        field TEXT,
+        media_type TEXT NOT NULL,
+        result_bytes INTEGER NOT NULL,
+        partial INTEGER NOT NULL,
+        dropped INTEGER NOT NULL,
+        bytes INTEGER NOT NULL
+    );
+    CREATE INDEX unfinished_jobs ON jobs (row) WHERE finished IS NULL;
+    CREATE INDEX finished_jobs ON jobs (finished) WHERE finished IS NOT NULL;
+    CREATE INDEX results_kept ON jobs (finished) WHERE result_bytes > 0 AND dropped = 0;
+    CREATE TABLE questions (
+        row INTEGER PRIMARY KEY,
+        path TEXT NOT NULL,
+        query TEXT NOT NULL,
+        content_type TEXT NOT NULL,
+        accept TEXT NOT NULL,
+        body BLOB NOT NULL
+    );
+    CREATE TABLE results (row INTEGER PRIMARY KEY, body BLOB NOT NULL);
+    INSERT INTO jobs VALUES (1, 'waits', 'alice', 'key alice', 1000, 0.5, 0, 0, 1700000000000, NULL, NULL, 0, 0, NULL,
+                             NULL, NULL, NULL, '', 0, 0, 0, 1047);
+    INSERT INTO jobs VALUES (2, 'done', '', 'a', 1000, 0.5, 2, 1, 1700000000000, 1700000000001, 1700000000002, 1, 5,
+                             0.25, NULL, NULL, NULL, 'text/csv', 3, 0, 0, 1027);
+    INSERT INTO questions VALUES (1, '/sample', 'a=b', 'text/plain', '*/*', X'00FF');
+    INSERT INTO results VALUES (2, X'0001FF');
+)";
+
+TEST_F(JobStoreTest, TakesOverTheFirstVersionsFile) {
+    Database(file()).execute(kFirstVersion);
+    for (int time = 0; time < 2; ++time) {
+        const auto store = open();
+        EXPECT_EQ(store->bytes(), 2074u);
+        ASSERT_EQ(store->unfinished()->size(), 1u);
+        EXPECT_EQ(store->unfinished()->front().owner, "alice");
+        EXPECT_EQ((**store->question("waits")).body, std::string("\0\xff", 2));
+        EXPECT_EQ((*store->find("done"))->media_type, "text/csv");
+        EXPECT_EQ(**store->result("done"), std::string("\0\1\xff", 3));
+        EXPECT_EQ(store->damages(), 0u);
+    }
+    EXPECT_EQ(Database(file()).value_of("PRAGMA user_version"), 2);
+}
+
+TEST_F(JobStoreTest, NeverTellsAResultThatTheDiskHasChanged) {
+    add_finished(*open(), "a", time_now(), "result");
+    Database(file()).execute("UPDATE results SET body = CAST('resulT' AS BLOB)");
+    const auto store = open();
+    const auto result = store->result("a");
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::Unusable);
+    EXPECT_EQ(store->damages(), 1u);
+    EXPECT_TRUE(*store->remove("a"));
+    EXPECT_EQ(store->bytes(), 0u);
+}
+
+TEST_F(JobStoreTest, TellsThatAResultIsLost) {
+    add_finished(*open(), "a", time_now(), "result");
+    Database(file()).execute("DELETE FROM results");
+    EXPECT_EQ(open()->result("a").error().code, ErrorCode::Unusable);
+}
+
+TEST_F(JobStoreTest, TellsNoResultOfAnotherJob) {
+    {
+        const auto store = open();
+        add_finished(*store, "a", time_now(), "this");
+        add_finished(*store, "b", time_now(), "that");
+    }
+    Database(file()).execute("UPDATE results SET row = row + 10; UPDATE results SET row = 13 - row");
+    const auto store = open();
+    EXPECT_FALSE(store->result("a"));
+    EXPECT_FALSE(store->result("b"));
+}
+
+TEST_F(JobStoreTest, NeverAsksAQuestionThatTheDiskHasChanged) {
+    for (const char* change : {"path = '/halftone'", "query = 'a=c'", "content_type = ''", "accept = ''",
+                               "body = CAST('a body' AS BLOB)", "path = '/samplea', query = '=b'"}) {
+        ASSERT_TRUE(open()->add(job_named(change), kQuestion));
+        Database(file()).execute(("UPDATE questions SET " + std::string(change)).c_str());
+        const auto store = open();
+        const auto question = store->question(change);
+        ASSERT_FALSE(question) << change;
+        EXPECT_EQ(question.error().code, ErrorCode::Unusable);
+        EXPECT_TRUE(*store->remove(change));
+    }
+}
+
+TEST_F(JobStoreTest, FailsJobsThatTheDiskHasChanged) {
+    for (const char* change :
+         {"owner = 'bob'",    "client = 'b'",  "memory = 1",    "seconds = 0",  "status = 1",
+          "starts = 1",       "created = 1",   "started = 1",   "fraction = 1", "iteration = 1",
+          "variation = 1",    "failure = 400", "message = 'm'", "field = 'f'",  "media_type = 'text/html'",
+          "result_bytes = 7", "partial = 1",   "dropped = 1",   "bytes = 1",    "digest = ''"}) {
+        add_finished(*open(), change, time_now(), "result");
+        Database(file()).execute(("UPDATE jobs SET " + std::string(change)).c_str());
+        const auto store = open();
+        const auto job = store->find(change);
+        ASSERT_TRUE(job && *job) << change;
+        EXPECT_EQ((*job)->status, JobStatus::Failed) << change;
+        ASSERT_TRUE((*job)->failure);
+        EXPECT_EQ((*job)->failure->status, 500);
+        EXPECT_EQ(*store->result(change), std::nullopt);
+        EXPECT_EQ(store->damages(), 1u);
+        EXPECT_EQ(store->bytes(), JobStore::bytes_of_job(0));
+        EXPECT_TRUE(*store->remove(change));
+    }
+}
+
+TEST_F(JobStoreTest, FailsWhatWaitsIfTheDiskHasChangedIt) {
+    ASSERT_TRUE(open()->add(job_named("a"), kQuestion));
+    Database(file()).execute("UPDATE jobs SET memory = 1");
+    const auto store = open();
+    EXPECT_TRUE(store->unfinished()->empty());
+    EXPECT_EQ((*store->find("a"))->status, JobStatus::Failed);
+    EXPECT_EQ(*store->remove_finished(time_now(), 1), 1u);
+}
+
 TEST_F(JobStoreTest, NamesAFolderThatCannotBeUsed) {
     std::ofstream(folder_ / "file") << "x";
     const auto store = SqliteJobStore::open((folder_ / "file" / "below").string());

@@ -1,0 +1,140 @@
+"""What a disk may do to jobs: change bits, be full."""
+
+import http.client
+import json
+import os
+import pathlib
+import random
+import re
+import shutil
+import tempfile
+import unittest
+
+from harness import PATIENCE, Server, ask
+from raw import SANITIZED
+
+TORUS = {"type": "torus", "width": 1, "height": 1}
+LATER = {"Prefer": "respond-async"}
+JOBS = 16  # together more than SQLite keeps in memory
+SEEDS = 4 if SANITIZED else 10
+
+
+def exchange(server, method, path, body=None, headers=None):
+    """Status, type and body of an answer, over a connection of its own."""
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE)
+    try:
+        connection.request(method, path, body, headers or {})
+        answer = connection.getresponse()
+        return answer.status, answer.getheader("Content-Type"), answer.read()
+    finally:
+        connection.close()
+
+
+def submit(server, **body):
+    status, _, document = exchange(server, "POST", "/sample", json.dumps(body), LATER)
+    assert status == 202, document
+    return "/jobs/" + json.loads(document)["id"]
+
+
+def wait_for_end(server, job):
+    while (document := json.loads(exchange(server, "GET", job)[2]))["status"] in ("queued", "running"):
+        pass
+    return document["status"]
+
+
+def figure(server, name):
+    return float(re.search(rf"^{name} (\S+)$", ask(server, "/metrics").body.decode(), re.MULTILINE)[1])
+
+
+class Bits(unittest.TestCase):
+    """Some bits are another thing than they were. No answer is wrong for it."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = pathlib.Path(folder.name)
+        cls.known = {}
+        with Server("--workers=2", f"--data-dir={cls.folder / 'sound'}") as server:
+            jobs = [submit(server, sites=5000 + 500 * i, seed=i, domain=TORUS, iterations=0,
+                           format=("csv", "json", "npy")[i % 3]) for i in range(JOBS)]
+            for job in jobs:
+                assert wait_for_end(server, job) == "succeeded"
+                cls.known[job] = exchange(server, "GET", job + "/result")
+            assert server.stop() == 0
+        assert [file.name for file in (cls.folder / "sound").iterdir()] == ["jobs.sqlite"]
+
+    def setUp(self):
+        self.place = self.folder / self.id()
+        shutil.copytree(self.folder / "sound", self.place)
+        self.file = self.place / "jobs.sqlite"
+
+    def start(self):
+        """None if the server will not have the file, and says why."""
+        try:
+            return Server(f"--data-dir={self.place}")
+        except AssertionError as error:
+            self.assertIn("jobs.sqlite cannot be used: ", str(error))
+            return None
+
+    def check(self, server):
+        """How many results are right, and how many are said to be damaged or not there."""
+        right = told = 0
+        for job, answer in self.known.items():
+            found = exchange(server, "GET", job + "/result")
+            if found == answer:
+                right += 1
+                continue
+            self.assertIn(found[0], (404, 500), found[2][:300])
+            if found[0] == 500:
+                self.assertRegex(json.loads(found[2])["detail"], "damaged|malformed")
+            told += 1
+        return right, told
+
+    def test_that_flipped_while_no_server_ran(self):
+        right = told = refused = 0
+        for seed in range(SEEDS):
+            chance = random.Random(seed)
+            shutil.copy(self.folder / "sound" / "jobs.sqlite", self.file)
+            data = bytearray(self.file.read_bytes())
+            for _ in range(10):
+                data[chance.randrange(len(data))] ^= 1 << chance.randrange(8)
+            self.file.write_bytes(data)
+            with self.subTest(seed=seed):
+                server = self.start()
+                if server is None:
+                    refused += 1
+                    continue
+                with server:
+                    found = self.check(server)
+                    right, told = right + found[0], told + found[1]
+                    if found[1]:
+                        self.assertGreater(figure(server, "ccdt_job_store_damages_total"), 0)
+                        self.assertRegex(server.log(), "is damaged|malformed|the disk has changed")
+                    self.assertEqual(exchange(server, "GET", "/health/ready")[0], 200)
+        print(f"  {SEEDS} files: {refused} refused; {right} results right, {told} told to be damaged", flush=True)
+        self.assertGreater(right, 0)
+        self.assertGreater(told, 0)
+
+    def test_that_flip_while_a_server_runs(self):
+        right = told = 0
+        for seed in range(SEEDS):
+            chance = random.Random(seed)
+            shutil.copy(self.folder / "sound" / "jobs.sqlite", self.file)
+            with self.subTest(seed=seed), Server(f"--data-dir={self.place}") as server:
+                with self.file.open("r+b") as file:
+                    size = os.fstat(file.fileno()).st_size
+                    for _ in range(40):
+                        file.seek(chance.randrange(4096, size - 8))
+                        file.write(chance.randbytes(8))
+                found = self.check(server)
+                right, told = right + found[0], told + found[1]
+                self.assertEqual(exchange(server, "GET", "/health/live")[0], 200)
+                self.assertIsNone(server.process.poll())
+        print(f"  {right} results right, {told} told to be damaged", flush=True)
+        self.assertGreater(right, 0)
+        self.assertGreater(told, 0)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
