@@ -69,8 +69,10 @@ private:
 };
 
 /// Clients that take answers compressed have them kept so: compressing is work, too.
-std::string cache_key(const std::string& name, bool compressed) {
-    return compressed ? name + "-gzip" : name;
+///
+/// @param owner  the API key that they are kept for; empty: for all
+std::string cache_key(const std::string& name, bool compressed, const std::string& owner) {
+    return (compressed ? name + "-gzip " : name + ' ') + owner;
 }
 
 /// @param name  of the answer, unless it is only a part of it
@@ -128,7 +130,7 @@ Outcome Computing::answer(const Request& request, Connection& connection) {
     if (const auto tag = find_tag(request.header("If-None-Match"), name)) return not_modified(*tag);
     if (deferred) return defer(*asked, connection);
     const bool compressed = accepts_gzip(request.header("Accept-Encoding"));
-    if (auto response = recall(name, compressed)) return *std::move(response);
+    if (auto response = recall(name, compressed, cache_owner(connection))) return *std::move(response);
     return compute(*asked, name, compressed, connection);
 }
 
@@ -140,7 +142,7 @@ Outcome Computing::compute(const AskedPointer& asked, const std::string& name, b
     if (!cost) return tl::unexpected(cost.error());
     auto product = run(asked, *cost, compressed, connection, deadline, stages);
     if (!product) return tl::unexpected(std::move(product.error()));
-    if (!product->answer.partial) cache_.keep(cache_key(name, compressed), product->answer);
+    if (!product->answer.partial) cache_.keep(cache_key(name, compressed, cache_owner(connection)), product->answer);
     const Computed computed{product->answer.sites, product->answer.pixels};
     Response response = response_of(std::move(product->answer), name);
     response.stages = stages;
@@ -149,9 +151,14 @@ Outcome Computing::compute(const AskedPointer& asked, const std::string& name, b
     return response;
 }
 
+/// What one key asked is no other's to find out, which the time of an answer would tell.
+std::string Computing::cache_owner(const Connection& connection) const {
+    return config_.cache_shared ? "" : connection.key();
+}
+
 /// The answer of that name if it was computed before, and there is memory to send it.
-std::optional<Response> Computing::recall(const std::string& name, bool compressed) {
-    const auto answer = cache_.find(cache_key(name, compressed));
+std::optional<Response> Computing::recall(const std::string& name, bool compressed, const std::string& owner) {
+    const auto answer = cache_.find(cache_key(name, compressed, owner));
     if (answer == nullptr) return std::nullopt;
     auto lease = pool_.memory().take(answer->body.size());
     if (!lease) return std::nullopt;

@@ -63,7 +63,8 @@ private:
     template <class T>
     tl::expected<T, Problem> have_done(const api::Cost& cost, Task<T> work, Connection& connection,
                                        Clock::time_point deadline, Stages& stages);
-    std::optional<Response> recall(const std::string& name, bool compressed);
+    std::string cache_owner(const Connection& connection) const;
+    std::optional<Response> recall(const std::string& name, bool compressed, const std::string& owner);
     Outcome compute(const AskedPointer& asked, const std::string& name, bool compressed, Connection& connection);
     tl::expected<Product, Problem> run(const AskedPointer& asked, const api::Cost& cost, bool compressed,
                                        Connection& connection, Clock::time_point deadline, Stages& stages);

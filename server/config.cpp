@@ -118,6 +118,12 @@ std::string set_rate(Draft& draft, std::string_view text) {
     return {};
 }
 
+std::string set_cache_shared(Draft& draft, std::string_view text) {
+    if (text != "true" && text != "false") return "true or false";
+    draft.config.cache_shared = text == "true";
+    return {};
+}
+
 std::string set_bind(Draft& draft, std::string_view text) {
     if (text.empty()) return "an address or host name";
     draft.config.bind = text;
@@ -175,6 +181,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      [](Draft& draft, std::string_view text) { return set_bytes(draft.job_bytes.emplace(), text); }},
     {"--cache", "CCDT_CACHE", "BYTES", "of answers to keep, 0 for none (64MiB, at most a sixteenth of the memory)",
      [](Draft& draft, std::string_view text) { return set_bytes(draft.cache.emplace(), text, 0); }},
+    {"--cache-shared", "CCDT_CACHE_SHARED", "BOOL", "true: API keys share answers, and can tell by the time (false)",
+     set_cache_shared},
     {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGINS", "whose pages may call, separated by commas; * for all (none)",
      set_cors_origins},
     {"--api-key-file", "CCDT_API_KEY_FILE", "FILE", "lines of name:key; whoever asks needs one, SIGHUP reads it again",

@@ -33,6 +33,7 @@ struct Config {
     Capacity::Limits capacity;                        ///< for all clients together
     JobLimits jobs;
     std::size_t cache = 0;                  ///< bytes of answers to keep; 0: none
+    bool cache_shared = false;              ///< what is kept for one API key is given to all
     std::string data_dir;                   ///< where jobs are kept; empty: in memory
     std::vector<std::string> cors_origins;  ///< whose pages may call, `*` for all; empty: no CORS headers
     std::string api_key_file;               ///< empty: whoever asks is answered

@@ -160,19 +160,32 @@ class Others(unittest.TestCase):
             self.assertEqual(figure(server, "ccdt_cache_hits_total"), 0)
             self.assertEqual(figure(server, "ccdt_cache_bytes"), 0)
 
-    def test_keys_share_answers(self):
+    def ask_with_two_keys(self, *flags):
+        """Alice and Bob ask the same in turn, twice: which answers were kept ones, and the answers."""
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "keys"
             file.write_text("alice:alice-0123456789abcdef\nbob:bob-0123456789abcdef\n")
-            with Server(f"--api-key-file={file}", "--cache=1MiB") as server:
-                bodies = set()
-                for name in ("alice", "bob"):
+            lines, answers = [], []
+            with Server(f"--api-key-file={file}", "--cache=1MiB", *flags) as server:
+                for name in ("alice", "bob") * 2:
                     bearer = ("--header", f"Authorization: Bearer {name}-0123456789abcdef", "--header",
-                              f"X-Request-ID: {name}")
-                    bodies.add(post_json(server, "/sample", SAMPLE, *bearer).body)
-                self.assertEqual(len(bodies), 1)
-                self.assertIn(" cache=hit", server.wait_for_log("bob "))
+                              f"X-Request-ID: {len(lines)}-{name}")
+                    answers.append(post_json(server, "/sample", SAMPLE, *bearer))
+                    lines.append(server.wait_for_log(f"{len(lines)}-{name} "))
                 self.assertEqual(post_json(server, "/sample", SAMPLE).status, 401)
+        self.assertEqual({answer.status for answer in answers}, {200})
+        self.assertEqual(len({answer.headers["etag"] for answer in answers}), 1)
+        return ["cache=hit" in line for line in lines], [answer.body for answer in answers]
+
+    def test_keys_have_answers_of_their_own(self):
+        hits, bodies = self.ask_with_two_keys()
+        self.assertEqual(hits, [False, False, True, True])
+        self.assertEqual(bodies[:2], bodies[2:])
+
+    def test_keys_share_answers_if_they_may(self):
+        hits, bodies = self.ask_with_two_keys("--cache-shared=true")
+        self.assertEqual(hits, [False, True, True, True])
+        self.assertEqual(len(set(bodies)), 1)
 
     def test_old_answers_make_room(self):
         with Server("--cache=200KiB") as server:

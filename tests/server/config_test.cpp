@@ -134,6 +134,9 @@ TEST(Config, KeepsAnswersInAPartOfTheMemory) {
     EXPECT_EQ(parse({"--memory=512MiB"})->config.cache, std::size_t{32} << 20);
     EXPECT_EQ(parse({"--cache=3MiB"})->config.cache, std::size_t{3} << 20);
     EXPECT_EQ(parse({"--cache=0"}, {{"CCDT_CACHE", "1MiB"}})->config.cache, 0u);
+    EXPECT_FALSE(parse({})->config.cache_shared);
+    EXPECT_TRUE(parse({}, {{"CCDT_CACHE_SHARED", "true"}})->config.cache_shared);
+    EXPECT_FALSE(parse({"--cache-shared=yes"}));
 }
 
 TEST(Config, LetsAFlagWinOverTheEnvironment) {
