@@ -1,6 +1,7 @@
 #include "server/jobs/sqlite.h"
 
 #include <bit>
+#include <cerrno>
 
 namespace ccdt::server {
 
@@ -14,9 +15,33 @@ Database::Database(const std::string& path) {
     sqlite3_extended_result_codes(handle, 0);
 }
 
+/// SQLite calls no room what ENOSPC is, but neither a quota nor a limit on a file's size.
 void Database::check(int code) const {
     if (code == SQLITE_OK) return;
-    throw SqliteError(code & 0xff, handle_ ? sqlite3_errmsg(handle_.get()) : sqlite3_errstr(code));
+    int told = code & 0xff;
+    const int reason = handle_ && told == SQLITE_IOERR ? sqlite3_system_errno(handle_.get()) : 0;
+    if (reason == EDQUOT || reason == EFBIG) told = SQLITE_FULL;
+    throw SqliteError(told, handle_ ? sqlite3_errmsg(handle_.get()) : sqlite3_errstr(code));
+}
+
+/// In whole chunks: the system is not asked for each page.
+void Database::allocate(int which, std::size_t bytes) {
+    sqlite3_file* file = nullptr;
+    check(sqlite3_file_control(handle_.get(), "main", which, static_cast<void*>(&file)));
+    if (file == nullptr || file->pMethods == nullptr) return;  // in memory
+    int chunk = 1 << 20;
+    auto size = static_cast<sqlite3_int64>(bytes);
+    file->pMethods->xFileControl(file, SQLITE_FCNTL_CHUNK_SIZE, &chunk);
+    if (file->pMethods->xFileControl(file, SQLITE_FCNTL_SIZE_HINT, &size) != SQLITE_OK)
+        throw SqliteError(SQLITE_FULL, "the disk is full");
+}
+
+void Database::allocate(std::size_t bytes) {
+    allocate(SQLITE_FCNTL_FILE_POINTER, bytes);
+}
+
+void Database::allocate_log(std::size_t bytes) {
+    allocate(SQLITE_FCNTL_JOURNAL_POINTER, bytes);
 }
 
 void Database::execute(const char* statements) {

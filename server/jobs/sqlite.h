@@ -32,6 +32,13 @@ public:
     /// What a statement of one value yields.
     std::int64_t value_of(const char* statement);
 
+    /// Takes room on the disk for the first bytes of the file, which may then be written whatever others take. Nothing
+    /// for a database in memory. No room: SQLITE_FULL.
+    void allocate(std::size_t bytes);
+
+    /// The same for the log, which has to be there: the database has been read.
+    void allocate_log(std::size_t bytes);
+
     std::int64_t last_row() const { return sqlite3_last_insert_rowid(handle_.get()); }
     std::int64_t changes() const { return sqlite3_changes64(handle_.get()); }
 
@@ -52,6 +59,7 @@ private:
     using Blob = std::unique_ptr<sqlite3_blob, CloseBlob>;
 
     void check(int code) const;
+    void allocate(int which, std::size_t bytes);
     Blob open_body(const char* table, std::int64_t row, bool to_write);
 
     std::unique_ptr<sqlite3, Close> handle_;

@@ -23,6 +23,13 @@ constexpr std::int64_t kApplication = 0x63636474;
 /// 1: without digests.
 constexpr std::int64_t kVersion = 2;
 
+/// Of the disk, in bytes, that the log keeps, so that there is room to delete when the disk is full. To delete a job
+/// takes a two-hundredth of what it held, to give back the room of `kGivenBack` pages half of this.
+constexpr std::size_t kReserve = std::size_t{16} << 20;
+
+/// Free pages that are given back to the disk at a time, and that are kept.
+constexpr std::int64_t kGivenBack = 1024;
+
 constexpr const char* kFile = "/jobs.sqlite";
 
 constexpr const char* kDamagedJob = "what is stored of this job is damaged";
@@ -232,11 +239,16 @@ SqliteJobStore::SqliteJobStore(const std::string& path) : database_(path) {
     if (!empty && (version < 1 || version > kVersion))
         throw SqliteError(SQLITE_NOTADB,
                           "it is of version " + std::to_string(version) + ", not " + std::to_string(kVersion));
-    database_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA journal_size_limit = 67108864");
+    if (empty) database_.execute("PRAGMA auto_vacuum = INCREMENTAL");
+    database_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
+    // Debian's SQLite would overwrite all that is deleted, which takes as much room in the log.
+    database_.execute("PRAGMA secure_delete = FAST");
+    database_.execute(("PRAGMA journal_size_limit = " + std::to_string(kReserve)).c_str());
     check_file();
     if (empty || version < kVersion) prepare_tables(empty ? 0 : version);
     fail_damaged();
     bytes_ = static_cast<std::size_t>(database_.value_of("SELECT sum(bytes) FROM jobs"));
+    cut_log();
 }
 
 /// Indices, which can be made again, need not be right.
@@ -325,15 +337,59 @@ auto SqliteJobStore::attempt(Do act) -> Result<decltype(act())> {
     } catch (const SqliteError& error) {
         const ErrorCode code = code_of(error);
         if (code == ErrorCode::Unusable) ++damages_;
+        if (code == ErrorCode::LimitExceeded) cut_log();
         return failure(code, std::string("the job store: ") + error.what());
     } catch (const std::exception& exception) {  // no memory for a body, most likely
         return failure(ErrorCode::Internal, std::string("the job store: ") + exception.what());
     }
 }
 
+/// For what makes room: the disk may be full.
+template <class Do>
+auto SqliteJobStore::free_room(Do act) -> Result<decltype(act())> {
+    auto done = attempt(act);
+    if (!done && done.error().code == ErrorCode::LimitExceeded) done = attempt(act);  // the log has been emptied
+    if (done) give_back();
+    return done;
+}
+
+/// Writes what the log holds to where it belongs, which has its room there, and keeps no more of it than the reserve.
+void SqliteJobStore::cut_log() {
+    try {
+        database_.execute("PRAGMA wal_checkpoint(TRUNCATE)");
+        database_.allocate_log(kReserve);
+    } catch (const SqliteError&) {
+        // Others have filled the disk; there will be another time.
+    }
+}
+
+/// Makes sure that what the log is about to hold can be written to where it belongs.
+void SqliteJobStore::take_room(std::size_t bytes) {
+    constexpr std::int64_t kOthers = 64;  // pages of jobs and indices
+    const auto page = database_.value_of("PRAGMA page_size");
+    const auto more = number_of(bytes) / page + kOthers - database_.value_of("PRAGMA freelist_count");
+    const auto pages = database_.value_of("PRAGMA page_count") + std::max<std::int64_t>(more, 0);
+    database_.allocate(static_cast<std::size_t>(pages * page));
+}
+
+/// Moves the last pages to free ones before them, and cuts the file. Files of the first version keep their size.
+void SqliteJobStore::give_back() {
+    const auto free_pages = [this] { return database_.value_of("PRAGMA freelist_count"); };
+    const auto step = [&] {
+        const auto before = free_pages();
+        if (before <= kGivenBack) return false;
+        database_.execute(("PRAGMA incremental_vacuum(" + std::to_string(kGivenBack) + ")").c_str());
+        database_.execute("PRAGMA wal_checkpoint(RESTART)");
+        return free_pages() < before;
+    };
+    while (attempt(step).value_or(false)) {
+    }
+}
+
 Result<void> SqliteJobStore::add(const Job& job, const Question& question) {
     return attempt([&] {
         const std::size_t bytes = bytes_of_job(size_of(question));
+        take_room(bytes);
         Transaction transaction(database_);
         Statement(
             database_,
@@ -353,6 +409,7 @@ Result<void> SqliteJobStore::add(const Job& job, const Question& question) {
         database_.write_body("questions", row, question.body);
         transaction.commit();
         bytes_ += bytes;
+        if (bytes > kReserve / 2) cut_log();
     });
 }
 
@@ -460,6 +517,7 @@ Result<void> SqliteJobStore::finish(const Job& job, std::string_view result) {
         const auto kept = look_up(job.id);
         if (!kept) return;
         const std::size_t after = bytes_of_job(result.size());
+        take_room(after);
         Transaction transaction(database_);
         remove_bodies(kept->row);
         if (!result.empty()) {
@@ -472,6 +530,7 @@ Result<void> SqliteJobStore::finish(const Job& job, std::string_view result) {
         transaction.commit();
         bytes_ += after;
         let_go(kept->bytes);
+        if (after > kReserve / 2) cut_log();
     });
 }
 
@@ -496,7 +555,7 @@ std::size_t SqliteJobStore::remove_row(std::int64_t row) {
 }
 
 Result<bool> SqliteJobStore::remove(const std::string& id) {
-    return attempt([&] {
+    return free_room([&] {
         Transaction transaction(database_);
         std::optional<std::int64_t> row;
         if (Statement query(database_, "SELECT row FROM jobs WHERE id = ?", id); query.step()) row = query.integer(0);
@@ -509,7 +568,7 @@ Result<bool> SqliteJobStore::remove(const std::string& id) {
 }
 
 Result<std::size_t> SqliteJobStore::remove_finished(Time by, std::size_t most) {
-    return attempt([&] {
+    auto removed = free_room([&] {
         Transaction transaction(database_);
         std::vector<std::int64_t> rows;
         Statement query(database_, "SELECT row FROM jobs WHERE finished <= ? ORDER BY finished LIMIT ?", number_of(by),
@@ -521,6 +580,8 @@ Result<std::size_t> SqliteJobStore::remove_finished(Time by, std::size_t most) {
         let_go(bytes);
         return rows.size();
     });
+    const bool no_room = !removed && removed.error().code == ErrorCode::LimitExceeded;
+    return no_room && most > 1 ? remove_finished(by, 1) : removed;
 }
 
 Result<std::optional<Time>> SqliteJobStore::first_finished() {
@@ -531,7 +592,7 @@ Result<std::optional<Time>> SqliteJobStore::first_finished() {
 }
 
 Result<bool> SqliteJobStore::drop_oldest_result() {
-    return attempt([&] {
+    return free_room([&] {
         Transaction transaction(database_);
         Statement oldest(database_,
                          select_jobs("WHERE result_bytes > 0 AND dropped = 0 ORDER BY finished LIMIT 1").c_str());

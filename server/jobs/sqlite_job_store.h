@@ -18,7 +18,9 @@ namespace ccdt::server {
 ///
 /// A file is written ahead (WAL) and synchronised with every commit, so that jobs survive the process and the machine.
 /// It belongs to one server at a time. All that is kept has a digest, with which it is compared when it is read: what
-/// the disk has changed is told, and never taken for what was written. One thread uses the database, the others wait:
+/// the disk has changed is told, and never taken for what was written. The
+/// file has a reserve of the disk, so that jobs can be removed when the disk is full, and gives back what it does not
+/// need. One thread uses the database, the others wait:
 /// as long as a large result takes to be written.
 class SqliteJobStore : public JobStore {
 public:
@@ -54,6 +56,13 @@ private:
     /// Does something with the database that no other thread uses meanwhile.
     template <class Do>
     auto attempt(Do act) -> Result<decltype(act())>;
+
+    template <class Do>
+    auto free_room(Do act) -> Result<decltype(act())>;
+
+    void cut_log();
+    void take_room(std::size_t bytes);
+    void give_back();
 
     void check_file();
     void prepare_tables(std::int64_t version);

@@ -1,5 +1,6 @@
 """What a disk may do to jobs: change bits, be full."""
 
+import contextlib
 import http.client
 import json
 import os
@@ -7,6 +8,8 @@ import pathlib
 import random
 import re
 import shutil
+import signal
+import subprocess
 import tempfile
 import unittest
 
@@ -16,6 +19,7 @@ from raw import SANITIZED
 TORUS = {"type": "torus", "width": 1, "height": 1}
 LATER = {"Prefer": "respond-async"}
 JOBS = 16  # together more than SQLite keeps in memory
+KEPT = 5 << 20  # bytes of free pages at most, for jobs to come
 SEEDS = 4 if SANITIZED else 10
 
 
@@ -134,6 +138,67 @@ class Bits(unittest.TestCase):
         print(f"  {right} results right, {told} told to be damaged", flush=True)
         self.assertGreater(right, 0)
         self.assertGreater(told, 0)
+
+
+class FullDisk(unittest.TestCase):
+    """On a small disk of its own, which jobs and others fill to the last byte."""
+
+    SIZE = 64 << 20
+    LARGE = {"sites": 200_000, "iterations": 0, "domain": TORUS}  # some 8 MB
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.disk = pathlib.Path(folder.name)
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={self.SIZE}", "tmpfs", self.disk],
+                                 capture_output=True, text=True, timeout=PATIENCE, check=False)
+        if mounted.returncode != 0:
+            self.skipTest("no disk of its own: " + mounted.stderr.strip())
+        self.addCleanup(subprocess.run, ["umount", self.disk], check=True)
+        self.flags = ("--workers=2", f"--data-dir={self.disk / 'jobs'}")
+
+    def room(self):
+        found = os.statvfs(self.disk)
+        return found.f_bavail * found.f_frsize
+
+    def fill(self):
+        """Jobs take what they can get, others the rest. Returns the jobs that have a result."""
+        done = []
+        while wait_for_end(self.server, job := submit(self.server, **self.LARGE)) == "succeeded":
+            done.append(job)
+        self.assertEqual(json.loads(exchange(self.server, "GET", job)[2])["error"]["status"], 507)
+        self.assertEqual(exchange(self.server, "DELETE", job)[0], 204)
+        with (self.disk / "others").open("wb", buffering=0) as file, contextlib.suppress(OSError):
+            while file.write(bytes(4096)):
+                pass
+        self.assertEqual(self.room(), 0)
+        self.assertGreater(len(done), 1)
+        return done
+
+    def test_jobs_can_be_deleted_and_give_their_room_back(self):
+        with Server(*self.flags) as self.server:
+            done = self.fill()
+            results = [exchange(self.server, "GET", job + "/result")[2] for job in done]
+            rooms = [0]
+            for job in done:
+                self.assertEqual(exchange(self.server, "DELETE", job)[0], 204)
+                rooms.append(self.room())
+            self.assertEqual(rooms, sorted(rooms))
+            self.assertGreater(rooms[-1], sum(map(len, results)) - KEPT)
+            print(f"  {len(done)} results of {len(results[0])} bytes; free after each: {rooms}", flush=True)
+            self.assertEqual(wait_for_end(self.server, submit(self.server, **self.LARGE)), "succeeded")
+            self.assertEqual(self.server.stop(), 0)
+        self.assertEqual([file.name for file in (self.disk / "jobs").iterdir()], ["jobs.sqlite"])
+
+    def test_a_server_starts_and_forgets_what_has_expired(self):
+        with Server(*self.flags) as self.server:
+            self.fill()
+            self.server.signal(signal.SIGKILL)
+            self.server.wait()
+        with Server(*self.flags, "--job-ttl=0.001") as self.server:
+            while self.room() < self.SIZE / 4:
+                self.assertIsNone(self.server.process.poll())
+            self.assertEqual(self.server.stop(), 0)
 
 
 if __name__ == "__main__":
