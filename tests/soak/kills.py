@@ -1,0 +1,153 @@
+"""Kills the real server at random moments while it accepts and runs jobs, and says whether any was lost or changed.
+
+A job counts once its 202 has come. In the end, after as many kills as asked for, a server is left alone until all of
+them have ended: each has to be answered as the same request was before the first kill, at once and by a server at rest.
+"""
+
+import argparse
+import contextlib
+import http.client
+import itertools
+import json
+import pathlib
+import random
+import signal
+import sys
+import tempfile
+import threading
+import time
+
+import cases
+from load import LONGEST
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "integration"))
+from harness import Server  # pylint: disable=wrong-import-position
+
+LONGEST_LIFE = 1.0  # seconds from a server's first answer to its kill, at most
+PATIENCE = 600      # seconds for the last server to do what is left
+LATER = {"Prefer": "respond-async"}
+LAST = cases.sample("longer than a life", sites=60_000, iterations=60, domain=cases.RECTANGLE)
+
+
+def ask(server, method, path, body=None, headers=None):
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=LONGEST)
+    with contextlib.closing(connection):
+        connection.request(method, path, body, headers or {})
+        answer = connection.getresponse()
+        return answer.status, answer.read()
+
+
+def questions():
+    """Of all kinds; none that is refused before it is a job."""
+    return [case for case in [*cases.small(), *cases.swift(), *cases.medium(), *cases.pictures(), *cases.analyses(),
+                              cases.LARGE] if case.status != 400]
+
+
+def learn(flags):
+    """What a quiet server answers at once, by the name of the case."""
+    with Server(*flags) as server:
+        known = {}
+        for case in [*questions(), LAST]:
+            status, body = ask(server, "POST", case.path, case.body, case.headers)
+            if status != case.status:
+                raise AssertionError(f"{case.name} is answered {status} before any kill: {body[:300]}")
+            known[case.name] = cases.essence(body)
+        return known
+
+
+class Accepted:
+    """Jobs that the servers have taken on, with the case of each."""
+
+    def __init__(self, wanted):
+        self.turn = iter([*itertools.islice(itertools.cycle(questions()), wanted - 1), LAST])
+        self.case = None
+        self.jobs = {}
+
+    def submit_next(self, server):
+        """False if there are enough. What was not answered is asked again."""
+        if self.case is None:
+            self.case = next(self.turn, None)
+        if self.case is None:
+            return False
+        status, body = ask(server, "POST", self.case.path, self.case.body, {**self.case.headers, **LATER})
+        if status != 202:
+            raise AssertionError(f"{self.case.name} is answered {status}: {body[:300]}")
+        self.jobs["/jobs/" + json.loads(body)["id"]] = self.case
+        self.case = None
+        return True
+
+
+def live_and_die(server, seconds, accepted):
+    """Submits jobs until the server is killed, at a moment that does not wait for them."""
+    killer = threading.Timer(seconds, server.signal, [signal.SIGKILL])
+    killer.start()
+    with contextlib.suppress(OSError, http.client.HTTPException):
+        while accepted.submit_next(server):
+            pass
+    killer.join()
+    server.wait()
+
+
+def status_of(server, job):
+    status, body = ask(server, "GET", job)
+    return json.loads(body)["status"] if status == 200 else f"answered {status}"
+
+
+def wait_for_all(server, jobs):
+    """How jobs ended that have not come to their end, or to another one than a job can have."""
+    end = time.monotonic() + PATIENCE
+    left = dict.fromkeys(jobs, "queued")
+    while left and time.monotonic() < end:
+        left = {job: status for job in left
+                if (status := status_of(server, job)) not in ("succeeded", "failed")}
+        if any(status not in ("queued", "running") for status in left.values()):
+            break
+        time.sleep(0.1)
+    return left
+
+
+def check(server, accepted, known):
+    """What is wrong, in words."""
+    wrong = [f"{job} ({accepted.jobs[job].name}) is {status}"
+             for job, status in wait_for_all(server, accepted.jobs).items()]
+    for job, case in accepted.jobs.items():
+        status, body = ask(server, "GET", job + "/result")
+        if (status, cases.essence(body)) != (case.status, known[case.name]):
+            wrong.append(f"{job} ({case.name}) is answered {status}, with {len(body)} bytes: {body[:200]}")
+    return wrong
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--jobs", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=0)
+    arguments = parser.parse_args()
+    print(f"seed {arguments.seed}")
+    chance = random.Random(arguments.seed)
+    start = time.monotonic()
+    with tempfile.TemporaryDirectory() as folder:
+        flags = ("--workers=2", "--timeout=300", "--job-ttl=3600", f"--data-dir={folder}/jobs")
+        known = learn(flags)
+        accepted = Accepted(arguments.jobs)
+        for _ in range(arguments.kills):
+            with Server(*flags) as server:
+                live_and_die(server, chance.uniform(0, LONGEST_LIFE), accepted)
+        with Server(*flags) as server:
+            unfinished = sum(status_of(server, job) in ("queued", "running") for job in accepted.jobs)
+            while accepted.submit_next(server):
+                pass
+            wrong = check(server, accepted, known)
+            ended = server.stop()
+    print(f"{time.monotonic() - start:.0f} s, {arguments.kills} kills, {len(accepted.jobs)} jobs accepted, of which "
+          f"{unfinished} had not ended at the last kill")
+    if unfinished == 0:
+        wrong.append("all jobs had ended before the last kill: they were too few")
+    if ended != 0:
+        wrong.append(f"the last server ended with {ended}")
+    print("\n".join(["FAILED:", *wrong]) if wrong else "passed")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
