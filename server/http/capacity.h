@@ -49,6 +49,10 @@ public:
     /// Three quarters of the common places or half of the memory are taken: slow clients have to make room.
     bool is_pressed() const { return taken_.front() > limits_.connections / 4 * 3 || bytes_ > limits_.bytes / 2; }
 
+    /// From now on slow clients have to make room whatever is taken: the server is about to end.
+    void close() { closing_ = true; }
+    bool is_closing() const { return closing_; }
+
     Counts counts() const;
 
 private:
@@ -59,6 +63,7 @@ private:
     bool has_place_locked(Room room) { return taken(room) < limit(room); }
 
     const Limits limits_;
+    std::atomic<bool> closing_ = false;
     std::atomic<std::size_t> bytes_ = 0;
     std::array<std::atomic<std::size_t>, 3> taken_{};  ///< places of each room; written under the mutex
 

@@ -114,7 +114,7 @@ private:
         void move_to(std::uint64_t total);
     };
 
-    bool is_pressed() const { return capacity_ != nullptr && capacity_->is_pressed(); }
+    bool is_pressed() const { return capacity_ != nullptr && (capacity_->is_pressed() || capacity_->is_closing()); }
     Clock::time_point deadline(const Transfer& transfer) const;
     bool wait(short events, const Deadline& deadline) const;
     Received<bool> fill(const Deadline& deadline);

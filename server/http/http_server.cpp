@@ -207,6 +207,7 @@ public:
 
     void drain() {
         draining_ = true;
+        capacity_.close();
         // Makes accept fail, now and later.
         ::shutdown(listener_->descriptor(), SHUT_RDWR);
     }

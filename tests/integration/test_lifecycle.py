@@ -1,5 +1,6 @@
 """Load, deadlines, clients that leave, starting and stopping."""
 
+import contextlib
 import http.client
 import json
 import os
@@ -12,10 +13,13 @@ import time
 import unittest
 
 from harness import PATIENCE, Call, Server, ask, file_of, flat, post_json
-from raw import SANITIZED
+from raw import SANITIZED, Raw
 
 RECTANGLE = {"type": "rectangle", "width": 2, "height": 1}
 JSON = ("--header", "Content-Type: application/json")
+
+# Seconds from the last answer that was taken to the end.
+SOON = 5
 
 # Longer than any test; ended by cancelling it.
 ENDLESS = json.dumps({"sites": 100_000, "iterations": 1000, "domain": RECTANGLE})
@@ -40,6 +44,16 @@ def wait_until(server, status):
     while answer.status != status:
         answer = probe(server)
     return answer
+
+
+def wait_until_accepted(server, count):
+    """So many requests compute or wait to."""
+    def accepted():
+        told = ask(server, "/metrics").body.decode()
+        return sum(map(float, re.findall(r"^ccdt_(?:workers_busy|queue_requests) (\S+)$", told, re.MULTILINE)))
+
+    while accepted() != count:
+        pass
 
 
 class Load(unittest.TestCase):
@@ -214,6 +228,28 @@ class Stopping(unittest.TestCase):
                 answer = call.answer()
                 self.assertEqual((answer.status, answer.type), (503, "application/problem+json"))
             self.assertEqual(server.wait(), 0)
+
+    def test_it_ends_soon_after_the_last_answer_whatever_slow_clients_do(self):
+        large = json.dumps({"sites": 1_000_000, "iterations": 0, "domain": RECTANGLE}).encode()
+        post = b"POST /sample HTTP/1.1\r\nHost: h\r\n"
+        asked = post + b"Content-Length: %d\r\n\r\n" % len(large)
+        beginnings = (b"", b"GET /health HT", post + b"X: ", post + b"Content-Length: 1000\r\n\r\n{",
+                      post + b"Transfer-Encoding: chunked\r\n\r\n5\r\n{", asked + large[:-1])
+        with Server("--workers=2", "--queue=8", "--timeout=300") as server, contextlib.ExitStack() as stack:
+            slow = [stack.enter_context(Raw(server)) for _ in range(4 * len(beginnings))]
+            for i, client in enumerate(slow):
+                client.send(beginnings[i % len(beginnings)])
+            deaf = [stack.enter_context(Raw(server)) for _ in range(2)]
+            for client in deaf:
+                client.send(asked + large)
+                self.assertEqual(client.socket.recv(12), b"HTTP/1.1 200")
+            calls = start(server, SHORT, 4)
+            wait_until_accepted(server, 4)
+            server.signal()
+            self.assertEqual([call.answer().status for call in calls], [200] * 4)
+            answered = time.monotonic()
+            self.assertEqual(server.wait(), 0)
+            self.assertLess(time.monotonic() - answered, SOON)
 
     def test_it_ends_in_time_though_an_answer_is_not_taken(self):
         body = json.dumps({"sites": 1_000_000, "iterations": 0, "domain": RECTANGLE}).encode()
