@@ -13,7 +13,7 @@ import time
 import typing
 import zlib
 
-from cases import ENDLESS, JSON, LARGE, LARGER, essence, grey_png, picture
+from cases import ENDLESS, JSON, LARGE, LARGER, LETTER, RECTANGLE, TORUS, essence, grey_png, picture, small
 from load import LONGEST, ServerGone, Tally, pause, repeat, run_threads
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "integration"))
@@ -25,6 +25,7 @@ BODY_TIMEOUT = 3
 FLAGS = (f"--header-timeout={HEADER_TIMEOUT}", f"--body-timeout={BODY_TIMEOUT}", "--max-body=8MiB", "--timeout=300")
 
 PATIENCE = LONGEST / 2
+LISTENERS = 100
 HEALTH = b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n"
 BUSY = {429, 503}  # the queue may be full
 
@@ -262,13 +263,105 @@ def crowd(me):
         raise Unexpected(str(answered))
 
 
+def bare_line_feeds(me):
+    me.tell(HEALTH.replace(b"\r\n", b"\n"), 400)
+    me.tell(b"GET /health HTTP/1.1\r\nHost: h\nX: y\r\n\r\n", 400)
+    chunked = b"POST /sample HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n"
+    for body in (b"2;a\n\r\n{}\r\n0\r\n\r\n", b"2;a\rb\r\n{}\r\n0\r\n\r\n", b"2;a\0b\r\n{}\r\n0\r\n\r\n",
+                 b"2\n{}\r\n0\r\n\r\n", b"2\r\n{}\n0\r\n\r\n", b"2\r\n{}\r\n0\r\nX: a\nb\r\n\r\n",
+                 b"2\r\n{}\r\n0\r\nX: a\0\r\n\r\n", b"2\r\n{}\r\n0\r\nno trailer\r\n\r\n"):
+        with me.connect(chunked + body + HEALTH) as raw:
+            expect(raw, [(400,), (429,), (503,)])
+
+
+def name_strange_targets(me):
+    for target in (b"foo?x://y/metrics", b"x://metrics/health/live", b"http:///health", b"http:/health", b"//h/health?",
+                   b"ftp://h/health"):
+        with me.connect(b"GET " + target + b" HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n") as raw:
+            expect(raw, [(400,), (404,)])
+    me.tell(b"GET http://h/health HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n", 200)
+
+
+def flood_preflights(me):
+    """A rate limit may count them."""
+    count = 200
+    asked = (b"OPTIONS /sample HTTP/1.1\r\nHost: h\r\nOrigin: https://a.example\r\n"
+             b"Access-Control-Request-Method: POST\r\n")
+    with me.connect((asked + b"\r\n") * (count - 1) + asked + b"Connection: close\r\n\r\n") as raw:
+        answered = statuses(raw.rest())
+    if len(answered) != count or not {*answered} <= {204, 429}:
+        raise Unexpected(str(collections.Counter(answered)))
+
+
+def send_dashes(me):
+    """As a boundary, and as the body that is searched for it."""
+    for length, wanted in ((30_000, (400,)), (71, (400,)), (70, (400, 422))):
+        boundary = b"-" * (length - 1) + b"x"
+        head = b"POST /halftone HTTP/1.1\r\nHost: h\r\nContent-Type: multipart/form-data; boundary=" + boundary
+        body = b"-" * 4_000_000
+        with me.connect() as raw:
+            raw.try_send(head + b"\r\nContent-Length: %d\r\n\r\n" % len(body) + body)
+            status, _, received = raw.answer()
+        if status not in {*wanted, *BUSY}:
+            raise Unexpected(f"{status} in place of {wanted} for a boundary of {length}: {received[:200]}")
+
+
+def send_tiny_chunks(me):
+    """A short request is answered all the same; a long one may be refused for its framing."""
+    case = small()[0]
+    for body, wanted in ((case.body, (200,)), (bytes(500_000), (400, 415))):
+        with me.connect(b"POST %s HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n" %
+                        (b"/sample" if body is case.body else b"/halftone")) as raw:
+            raw.try_send(b"".join(b"1\r\n%c\r\n" % byte for byte in body) + b"0\r\n\r\n")
+            status, _, received = raw.answer()
+        if status not in {*wanted, *BUSY} or (status == 200 and essence(received) != me.known[case.name]):
+            raise Unexpected(f"{status} in place of {wanted}: {received[:200]}")
+
+
+def ask_for_tiny_densities(me):
+    """Only ratios of densities count."""
+    domains = ({"domain": TORUS}, {"domain": RECTANGLE}, {"polygon": LETTER})
+    for values in ([1e-300, 1e-300], [0, 5e-324], [1e-200, 3e-200]):
+        body = {"sites": 64, "density": {"width": 2, "height": 1, "values": values}, **me.random.choice(domains)}
+        with me.connect(post("/sample", json.dumps(body).encode())) as raw:
+            status, _, received = raw.answer()
+        if status not in {200, *BUSY} or b"null" in received:
+            raise Unexpected(f"{status} for {body}: {received[:200]}")
+
+
+def listen_in_crowds(me):
+    """Each of many listeners to a job is let in, or told to come back; nobody else is turned away for them."""
+    with me.connect(post("/sample", ENDLESS.body, "Prefer: respond-async", "Connection: close")) as raw:
+        status, headers, received = raw.answer()
+    if status in BUSY:
+        return
+    if status != 202:
+        raise Unexpected(f"{status} for a job: {received[:200]}")
+    path = headers["Location"].encode()
+    try:
+        with contextlib.ExitStack() as stack:
+            clients = [stack.enter_context(Raw(me.server, f"127.0.6.{i + 1}")) for i in range(LISTENERS)]
+            for client in clients:
+                client.send(b"GET %s/events HTTP/1.1\r\nHost: h\r\n\r\n" % path)
+                client.socket.settimeout(PATIENCE)
+            begun = collections.Counter(client.socket.recv(12) for client in clients)
+            me.tell(HEALTH.replace(b"\r\n\r\n", b"\r\nConnection: close\r\n\r\n"), 200)
+        if not {*begun} <= {b"HTTP/1.1 200", b"HTTP/1.1 503"}:
+            raise Unexpected(str(begun))
+    finally:
+        me.tell(b"DELETE %s HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n" % path, 204)
+
+
 SLOW = (say_nothing, slow_head, slow_body, slow_chunks)
 READERS = (read_slowly, stop_reading)
 VANISHING = (leave_while_it_computes, leave_while_it_decodes, leave_while_it_answers, leave_while_sending)
 NONSENSE = (speak_garbage, smuggle, send_huge_heads, send_too_much, send_chunks_of_framing, pipeline, crowd)
-UNUSABLE = (send_broken_pictures, send_bombs, send_bad_polygons, send_deep_json)
+UNUSABLE = (send_broken_pictures, send_bombs, send_bad_polygons, send_deep_json, ask_for_tiny_densities)
+FRAMING = (bare_line_feeds, name_strange_targets, flood_preflights, send_dashes, send_tiny_chunks)
+LISTENING = (listen_in_crowds,)
 # How many do it at a time, what, and the pause in between in seconds.
-GROUPS = ((8, SLOW, 0), (2, READERS, 0), (2, VANISHING, 0.2), (1, NONSENSE, 0.1), (4, UNUSABLE, 0.1))
+GROUPS = ((8, SLOW, 0), (2, READERS, 0), (2, VANISHING, 0.2), (1, NONSENSE, 0.1), (4, UNUSABLE, 0.1), (1, FRAMING, 0.1),
+          (1, LISTENING, 1))
 
 
 def abuse(me, acts, rest, until, tally):
