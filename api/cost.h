@@ -12,9 +12,10 @@ namespace ccdt::api {
 
 /// What computing an answer takes, told before it is begun.
 ///
-/// Fitted to peaks of resident memory and to times of the whole program; tests/api/cost_test.cpp holds them to it. What
-/// decides are sites, pixels, inks, corners, the method, its iterations and passes. A halftone that leaves its sites or
-/// its scale to the picture costs as much as any picture of its size can make it.
+/// A number for any request that was parsed, also where its domain or its picture will be refused. Fitted to peaks of
+/// resident memory and to times of the whole program; tests/api/cost_test.cpp holds them to it. What decides are sites,
+/// pixels, inks, corners, the method, its iterations and passes. A halftone that leaves its sites or its scale to the
+/// picture costs as much as any picture of its size can make it.
 Cost cost_of(const HalftoneRequest& request, const Limits& limits);
 Cost cost_of(const SampleRequest& request, const Limits& limits);
 Cost cost_of(const AnalyzeRequest& request);

@@ -8,6 +8,7 @@ namespace ccdt::api {
 void append_shortest(std::string& out, double value);
 
 /// Writes a number rounded to so many decimals, without trailing zeros.
+/// @param value  finite, also times 10^decimals
 void append_rounded(std::string& out, double value, int decimals);
 
 }  // namespace ccdt::api

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -186,6 +187,7 @@ bool fits(const Canvas& canvas, std::size_t max_pixels) {
 }
 
 double fitting_scale(const Box& box, double wished, std::size_t max_pixels) {
+    assert(wished > 0 && std::isfinite(wished) && max_pixels >= 1);
     double scale = std::min(wished, std::sqrt(static_cast<double>(max_pixels) / box.width() / box.height()));
     while (!fits(canvas_of(box, scale), max_pixels)) scale *= 0.999;
     return scale;

@@ -30,27 +30,30 @@ Result<void> read_style(const Input& input, DrawingOptions& options);
 
 /// A sheet that shows a box all over.
 struct Page {
-    Box box;                ///< in the points' units
+    Box box;                ///< in the points' units; its sides as those of a Domain
     bool y_up = false;      ///< the points' y runs up; on the page it always runs down
     bool periodic = false;  ///< the box is a torus
     Canvas canvas;          ///< its size in pixels, its scale in pixels per unit of the points
     std::optional<double> width_mm;
 };
 
-/// The canvas that shows a box at a scale, at least a pixel each way.
+/// The canvas that shows a box at a scale, at least a pixel each way and at most as many as an int can tell.
+/// @param scale  > 0
 Canvas canvas_of(const Box& box, double scale);
 
 /// Whether it has that many pixels at most.
 bool fits(const Canvas& canvas, std::size_t max_pixels);
 
 /// The largest scale, up to one that is wished for, at which a box has that many pixels at most.
+/// @param wished      > 0, finite
+/// @param max_pixels  >= 1
 double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 
 /// Writes dots as SVG, ordered along a short path, for the pen of a plotter. User units are millimetres if the page has
 /// a width in these, else the points' units; the origin is the page's upper left corner, and the paper is drawn for
 /// discs only, as a pen would draw it, too. A <desc> tells how long the path is, and how long it was.
 ///
-/// @param radius  of the dots, in the points' units
+/// @param radius  of the dots, in the points' units; at most a few of the page's longer side
 /// @param hurry   stopped, the path is longer
 /// @param stop    stopped, it ends early, with nothing of use
 std::string write_svg(std::span<const Point> points, const Page& page, double radius, DotStyle style, const Inks& inks,
@@ -77,7 +80,7 @@ std::string write_svg(std::span<const DotLayer> layers, const Page& page, DotSty
 
 /// Draws dots antialiased; on a torus they come in again where they leave it, so that the picture tiles.
 ///
-/// @param radius  of the dots, in the points' units
+/// @param radius  of the dots, in the points' units; at most a few of the page's longer side
 /// @param stop    stopped, it ends early, with nothing of use
 Raster draw_points(std::span<const Point> points, const Page& page, double radius, const std::stop_token& stop = {});
 

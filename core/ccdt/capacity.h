@@ -22,7 +22,7 @@ public:
     bool is_uniform() const { return density_.is_uniform(); }
 
     /// Of the whole domain; in units of the unit frame's area if uniform, else of one cell with density 1.
-    /// Exactly 0 if it cannot be told from 0.
+    /// Exactly 0 if it cannot be told from 0: below 1e-12 of the density's own.
     double total() const { return total_; }
 
     /// Capacity of each triangle [triangles]. O(half-edges), and their length in cells.

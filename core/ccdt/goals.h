@@ -18,7 +18,7 @@ namespace ccdt {
 /// as hard as a whole one. Measured: a fifth more than half for those that touch with a corner keeps the number of
 /// sites near the border closest to their share.
 ///
-/// @param capacity    of the mesh's domain
+/// @param capacity    of the mesh's domain, its total > 0
 /// @param capacities  [triangles]
 /// @param goals       out [triangles]
 /// @returns  the capacity variation: standard deviation over mean of capacity / target, each triangle weighing as much

@@ -133,7 +133,8 @@ Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOp
 
 Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
                  const std::stop_token& stop) {
-    assert(canvas.width >= 1 && canvas.height >= 1);
+    assert(canvas.width >= 1 && canvas.height >= 1 && canvas.scale > 0);
+    assert(!options.radius || (*options.radius >= 0 && std::isfinite(*options.radius)));
     if (dots.empty()) {
         return {canvas.width, canvas.height, 0,
                 std::vector<std::uint8_t>(static_cast<std::size_t>(canvas.width) *

@@ -27,7 +27,7 @@ struct Raster {
 };
 
 struct DotOptions {
-    std::optional<double> radius;  ///< pixels; none: such that the mean coverage is `mean_coverage`
+    std::optional<double> radius;  ///< pixels, >= 0, finite; none: such that the mean coverage is `mean_coverage`
     double mean_coverage = 0;      ///< in [0, 1]
     bool antialias = false;        ///< false: a pixel is covered if its centre is
 };
@@ -36,7 +36,8 @@ struct DotOptions {
 /// mean of the raster is `mean_coverage` to the pixel (binary; pixels exactly as far from their dots as the last one
 /// needed are covered with it) or to one part in 10,000 (antialiased).
 ///
-/// @param canvas  at least 1 x 1
+/// @param dots    finite; may lie beyond the canvas
+/// @param canvas  at least 1 x 1, its scale positive
 /// @param stop    asked at each dot; a stop ends it early, with nothing of use
 /// O(pixels + dots), and the area of all dots.
 Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,

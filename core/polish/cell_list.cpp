@@ -1,5 +1,7 @@
 #include "core/polish/cell_list.h"
 
+#include <cassert>
+
 namespace ccdt {
 
 namespace {
@@ -15,6 +17,7 @@ constexpr int kDeepest = 16;
 
 CellList::CellList(const Domain& domain, std::span<const Point> places)
     : torus_(domain.is_torus()), sides_(domain.unit_bounds().max) {
+    assert(!places.empty());
     sorted_.reserve(places.size());
     for (const Point p : places) sorted_.push_back({p, static_cast<std::uint32_t>(sorted_.size())});
     divide(domain.unit_bounds(), 0, static_cast<std::uint32_t>(sorted_.size()), 0);

@@ -1,6 +1,7 @@
 #include "core/polish/spline_grid.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace ccdt {
@@ -66,6 +67,7 @@ SplineGrid::SplineGrid(bool torus, Point sides, int columns, int rows)
       stride_(static_cast<std::size_t>(columns) + 2 * kMargin),
       padded_(stride_ * (static_cast<std::size_t>(rows) + 2 * kMargin)),
       transform_(make_transform(torus, columns, rows)) {
+    assert(sides.x > 0 && sides.y > 0);
     const double waves = torus ? 1 : 0.5;
     const auto windows = [&](int count, int cells) {
         std::vector<double> values;

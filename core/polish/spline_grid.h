@@ -20,7 +20,8 @@ namespace ccdt {
 /// Source: Beylkin, On the fast Fourier transform of functions with singularities, 1995.
 class SplineGrid {
 public:
-    /// @param sides  of the box
+    /// @param sides          of the box, > 0
+    /// @param columns, rows  even, >= 2; see good_size()
     SplineGrid(bool torus, Point sides, int columns, int rows);
 
     int columns() const { return columns_; }

@@ -29,7 +29,8 @@ namespace ccdt {
 /// Departs from a plain blur in that what is called an error ends sharply: no wave below is left, none above is harmed.
 class Transport {
 public:
-    /// @param domain   a box or a torus
+    /// @param domain   a box or a torus; its sides and the density's values are in the ranges that their headers name,
+    ///                 so that contrast, spacings and the grids' sides are finite and not 0
     /// @param density  must outlive this
     /// @param sites    >= 1
     /// @param stop     asked now and then; leaves what is of no use

@@ -71,7 +71,10 @@ Ring take_ring(Bytes& input) {
         p = {width * p.x + offset.x, height * p.y + offset.y};
         if (!std::isfinite(p.x) || !std::isfinite(p.y)) p = {};
     }
-    if ((bits & 32) != 0) ring[input.take<std::uint8_t>() % ring.size()] = {take_number(input), take_number(input)};
+    if ((bits & 32) != 0) {
+        Point& anywhere = ring[input.take<std::uint8_t>() % ring.size()];
+        anywhere = {take_number(input), take_number(input)};
+    }
     return ring;
 }
 
