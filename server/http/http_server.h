@@ -26,7 +26,7 @@ struct Exchange {
 ///
 /// Every connection has a thread of its own from the start, and there are as many as connections may be open; one that
 /// is not needed is kept for as long as a connection without a request. So none waits for a thread: clients that send
-/// nothing, or send or read slowly, keep nobody from being answered, only a place each (some 30 kB), of which an
+/// nothing, or send or read slowly, keep nobody from being answered, only a place each (some 40 kB), of which an
 /// address has its share, and which they lose sooner the fewer are left. An event loop would hold more of them, but a
 /// body or an answer that is not waited for needs its own state machine, and handlers that cannot simply read and
 /// write. Connections beyond the limits are told so by the thread that accepts.

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "api/input/negotiation.h"
+#include "api/input/text.h"
 #include "server/access/access.h"
 #include "server/cache/entity_tag.h"
 #include "server/http/compression.h"
@@ -108,6 +109,23 @@ void check_origin(std::string_view value) {
     }
 }
 
+/// A value that is also tried as the line before a chunk, and as a trailer's.
+void check_framing(std::string_view value) {
+    const auto is_forbidden = [](char c) { return (c >= 0 && c < ' ' && c != '\t') || c == 0x7f; };
+    const auto size = server::parse_chunk_size(value);
+    if (size) {
+        CCDT_CHECK(std::ranges::none_of(value, is_forbidden));
+        CCDT_CHECK(server::parse_chunk_size(in_capitals(value)) == *size);
+        CCDT_CHECK(server::parse_chunk_size(std::string(value) + ";a=\"b;\"") == *size);
+        CCDT_CHECK(!server::parse_chunk_size(std::string(value) + ';'));
+    } else {
+        check_fault(size.error());
+    }
+    const auto fault = server::find_trailer_fault("X-Digest: " + std::string(value));
+    CCDT_CHECK(fault.has_value() == std::ranges::any_of(api::trim(value), is_forbidden));
+    CCDT_CHECK(server::find_trailer_fault("Content-length:" + std::string(value)));
+}
+
 }  // namespace
 }  // namespace ccdt::fuzz
 
@@ -123,5 +141,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check_prefer(value);
     check_if_none_match(value);
     check_origin(value);
+    check_framing(value);
     return 0;
 }
