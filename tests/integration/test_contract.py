@@ -156,7 +156,7 @@ class Document(ContractCase):
 class Routes(ContractCase):
     def test_are_those_of_the_server(self):
         source = (SERVER / "routes.cpp").read_text()
-        found = re.findall(r'\{"(/[^"]*)", "([A-Z]+)", "[^"]*", &Routes::', source)
+        found = re.findall(r'\{"(/[^"]*)", "([A-Z]+)", "[^"]*", Room::\w+, &Routes::', source)
         self.assertEqual(len(found), source.count("&Routes::"))
         self.assertEqual(sorted(found), sorted((path, method.upper()) for path, method, _ in operations()))
 
@@ -439,7 +439,7 @@ class Statuses(ContractCase):
         self.assertEqual({status for _, status in alike} - {status for _, status in self.seen}, set())
 
     def see_streams(self):
-        with Server("--max-connections=4", "--workers=1") as server:
+        with Server("--max-streams=1", "--workers=1") as server:
             job = post_json(server, "/sample", ENDLESS, *LATER).headers["location"]
             with subprocess.Popen(["curl", "--silent", "--no-buffer", server.url(job + "/events")],
                                   stdout=subprocess.PIPE) as stream:

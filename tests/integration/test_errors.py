@@ -39,7 +39,7 @@ class Paths(ServerCase):
         answer = self.ask("/", "--request", "OPTIONS", "--request-target", "*")
         self.assertEqual((answer.status, answer.body), (204, b""))
         self.assertEqual(answer.headers["allow"], "GET, HEAD, POST, DELETE, OPTIONS")
-        self.assert_problem(self.ask("/", "--request-target", "*"), 404)
+        self.assert_problem(self.ask("/", "--request-target", "*"), 400, "neither a path nor a URL")
         self.assert_problem(self.ask("/%2A", "--request", "OPTIONS"), 404)
 
     def test_health(self):
