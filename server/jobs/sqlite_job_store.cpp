@@ -23,8 +23,8 @@ constexpr std::int64_t kApplication = 0x63636474;
 /// 1: without digests.
 constexpr std::int64_t kVersion = 2;
 
-/// Of the disk, in bytes, that the log keeps, so that there is room to delete when the disk is full. To delete a job
-/// takes a two-hundredth of what it held, to give back the room of `kGivenBack` pages half of this.
+/// Of the disk, in bytes, that the log keeps, so that there is room to delete when the disk is full. To delete a result
+/// of 36 MiB takes 0.1 MB of it, to give back `kGivenBack` pages 4.2 MB.
 constexpr std::size_t kReserve = std::size_t{16} << 20;
 
 /// Free pages that are given back to the disk at a time, and that are kept.

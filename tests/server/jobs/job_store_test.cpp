@@ -374,6 +374,46 @@ TEST_F(JobStoreTest, FailsWhatWaitsIfTheDiskHasChangedIt) {
     EXPECT_EQ(*store->remove_finished(time_now(), 1), 1u);
 }
 
+TEST_F(JobStoreTest, MakesIndicesAgainThatDoNotMatch) {
+    const Time now = time_now();
+    {
+        const auto store = open();
+        add_finished(*store, "gone", now - std::chrono::seconds(1), "result");
+        add_finished(*store, "there", now, "result");
+    }
+    const auto root = Database(file()).value_of("SELECT rootpage FROM sqlite_schema WHERE name = 'finished_jobs'");
+    Database(file()).execute("PRAGMA writable_schema = ON; DELETE FROM sqlite_schema WHERE name = 'finished_jobs'");
+    Database(file()).execute("DELETE FROM jobs WHERE id = 'gone'");
+    Database(file()).execute(
+        ("PRAGMA writable_schema = ON; INSERT INTO sqlite_schema VALUES ('index', 'finished_jobs', "
+         "'jobs', " +
+         std::to_string(root) + ", 'CREATE INDEX finished_jobs ON jobs (finished) WHERE finished IS NOT NULL')")
+            .c_str());
+    const auto store = open();
+    EXPECT_EQ(store->damages(), 1u);
+    EXPECT_EQ(*store->first_finished(), now);
+    EXPECT_EQ(**store->result("there"), "result");
+    EXPECT_EQ(*store->remove_finished(now, 5), 1u);
+}
+
+TEST_F(JobStoreTest, GivesRoomBackToTheDisk) {
+    const std::string large(std::size_t{20} << 20, 'x');
+    const auto size = [this] { return std::filesystem::file_size(file()); };
+    const auto log = [this] { return std::filesystem::file_size(file() + "-wal"); };
+    const auto store = open();
+    const auto reserve = log();
+    EXPECT_GE(reserve, std::size_t{1} << 20);
+    for (const char* id : {"a", "b", "c"}) add_finished(*store, id, time_now(), large);
+    EXPECT_EQ(log(), reserve);
+    EXPECT_GT(size(), 3 * large.size());
+    EXPECT_TRUE(*store->remove("a"));
+    EXPECT_LT(size(), 5 * large.size() / 2);
+    EXPECT_TRUE(*store->drop_oldest_result());
+    EXPECT_EQ(*store->remove_finished(time_now(), 5), 2u);
+    EXPECT_LT(size(), large.size() / 2);
+    EXPECT_EQ(log(), reserve);
+}
+
 TEST_F(JobStoreTest, NamesAFolderThatCannotBeUsed) {
     std::ofstream(folder_ / "file") << "x";
     const auto store = SqliteJobStore::open((folder_ / "file" / "below").string());
