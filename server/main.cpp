@@ -20,9 +20,9 @@
 
 #include "api/image/image_codec.h"
 #include "server/access/gate.h"
-#include "server/child_program.h"
 #include "server/config.h"
 #include "server/decoder/decoder_box.h"
+#include "server/decoder/decoder_client.h"
 #include "server/http/http_server.h"
 #include "server/http/sockets.h"
 #include "server/jobs/jobs.h"
@@ -30,6 +30,7 @@
 #include "server/log.h"
 #include "server/metrics.h"
 #include "server/process.h"
+#include "server/processes/child_program.h"
 #include "server/routes.h"
 #include "server/work/computation.h"
 #include "server/work/worker_pool.h"
@@ -113,11 +114,9 @@ std::string url(const std::string& address, int port) {
     return "http://" + (has_colon ? "[" + address + "]" : address) + ":" + std::to_string(port);
 }
 
-Result<std::unique_ptr<DecoderBox>> start_box(const Config& config, const Log& log) {
-    auto box = DecoderBox::start(
-        [](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
-        [most = config.limits.max_pixels](std::string_view file) { return decoder_limits(file, most); },
-        [&log](const std::string& message) { log.error(message); });
+Result<std::unique_ptr<DecoderBox>> start_box(const Log& log) {
+    auto box = DecoderBox::start([](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
+                                 [&log](const std::string& message) { log.error(message); });
     if (!box) return box;
     const Confinement& confinement = (*box)->confinement();
     if (confinement.is_whole())
@@ -127,15 +126,6 @@ Result<std::unique_ptr<DecoderBox>> start_box(const Config& config, const Log& l
     else
         log.error(confinement.describe());
     return box;
-}
-
-api::Decode decoder_of(DecoderBox& box) {
-    return {[&box](std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
-                return box.decode(bytes, max_pixels, stop);
-            },
-            [&box](std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
-                return box.decode_colour(bytes, max_pixels, stop);
-            }};
 }
 
 /// What is left for requests and what is computed for them: not what the program takes by itself, nor what is on its
@@ -166,7 +156,7 @@ int serve(const Config& config) {
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
     const Log log(config.log_format);
-    const auto box = start_box(config, log);
+    const auto box = start_box(log);
     if (!box) {
         log.error(box.error().message);
         return kFailed;
@@ -190,7 +180,8 @@ int serve(const Config& config) {
         return kFailed;
     }
     tell_of_damages(**store, log);
-    const Compute compute = [limits = config.limits, decode = decoder_of(**box)](
+    DecoderClient decoder([&](const Order& order, const std::stop_token& stop) { return (*box)->relay(order, stop); });
+    const Compute compute = [limits = config.limits, decode = decoder.functions()](
                                 const auto& question, const auto& manner, const auto& control, auto& timings) {
         return compute_here(question, manner, limits, decode, control, timings);
     };
@@ -218,7 +209,7 @@ int serve(const Config& config) {
         return Metrics::Watched{.connections = server.connections(),
                                 .memory_budget = *memory,
                                 .memory_reserved = pool.memory().taken() + routes.waiting_memory().taken(),
-                                .decoder_deaths = (*box)->deaths(),
+                                .decoder_deaths = decoder.deaths(),
                                 .decoder_restarts = (*box)->restarts(),
                                 .jobs = jobs.counts(),
                                 .job_bytes = jobs.stored_bytes(),

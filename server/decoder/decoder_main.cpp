@@ -4,8 +4,8 @@
 
 #include "api/image/decoder_warm_up.h"
 #include "api/image/image_codec.h"
-#include "server/child_program.h"
 #include "server/decoder/decoder_helper.h"
+#include "server/processes/child_program.h"
 
 /// The decoder's helper as a program, which the server starts.
 int main() {

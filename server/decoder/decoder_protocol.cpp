@@ -2,21 +2,20 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstring>
 #include <new>
 #include <string_view>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/socket.h>
-#include <sys/uio.h>
 #include <unistd.h>
+
+#include "server/processes/messages.h"
 
 namespace ccdt::server {
 namespace {
 
-constexpr std::size_t kFiles = 3;
 constexpr std::size_t kLongestMessage = 1000;
 
 /// Where the planes begin.
@@ -49,53 +48,20 @@ auto planes_of(AnyPicture& picture) {
     }
 }
 
-/// A message with room for the descriptors that travel with it.
-struct Envelope {
-    explicit Envelope(Order::Text& text) : body{&text, sizeof(text)} {
-        message.msg_iov = &body;
-        message.msg_iovlen = 1;
-        message.msg_control = files.data();
-        message.msg_controllen = files.size();
-    }
-
-    iovec body;
-    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(kFiles * sizeof(int))> files{};
-    msghdr message{};
-};
-
 }  // namespace
 
 bool send_order(int socket, const Order& order) {
-    Order::Text text = order.text;
-    Envelope envelope(text);
-    const std::array<int, kFiles> files = {order.file.get(), order.reply.get(), order.outcome.get()};
-    cmsghdr* const header = CMSG_FIRSTHDR(&envelope.message);
-    header->cmsg_level = SOL_SOCKET;
-    header->cmsg_type = SCM_RIGHTS;
-    header->cmsg_len = CMSG_LEN(sizeof(files));
-    std::memcpy(CMSG_DATA(header), files.data(), sizeof(files));
-    ssize_t sent = 0;
-    do sent = ::sendmsg(socket, &envelope.message, MSG_NOSIGNAL);
-    while (sent < 0 && errno == EINTR);
-    return sent == static_cast<ssize_t>(sizeof(text));
+    const std::array files = {order.file.get(), order.reply.get(), order.outcome.get()};
+    return send_message(socket, bytes_of(order.text), files);
 }
 
 std::optional<Order> receive_order(int socket) {
     Order order;
-    Envelope envelope(order.text);
-    ssize_t received = 0;
-    do received = ::recvmsg(socket, &envelope.message, MSG_CMSG_CLOEXEC);
-    while (received < 0 && errno == EINTR);
-    if (received <= 0) return std::nullopt;
-    std::array<int, kFiles> files{};
-    files.fill(-1);
-    const cmsghdr* const header = CMSG_FIRSTHDR(&envelope.message);
-    if (header != nullptr && header->cmsg_type == SCM_RIGHTS) {
-        std::memcpy(files.data(), CMSG_DATA(header), std::min(header->cmsg_len - CMSG_LEN(0), sizeof(files)));
-    }
-    order.file = UniqueFd(files[0]);
-    order.reply = UniqueFd(files[1]);
-    order.outcome = UniqueFd(files[2]);
+    std::array<UniqueFd, 3> files;
+    if (receive_message(socket, writable_bytes_of(order.text), files) == 0) return std::nullopt;
+    order.file = std::move(files[0]);
+    order.reply = std::move(files[1]);
+    order.outcome = std::move(files[2]);
     return order;
 }
 

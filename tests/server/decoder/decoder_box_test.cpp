@@ -23,7 +23,9 @@
 
 #include "api/image/decoder_warm_up.h"
 #include "api/image/image_codec.h"
+#include "server/decoder/decoder_client.h"
 #include "server/decoder/decoder_helper.h"
+#include "server/decoder/decoder_protocol.h"
 
 namespace ccdt::server {
 namespace {
@@ -114,7 +116,7 @@ Result<ColourPicture> obey_in_colour(std::string_view file, std::size_t max_pixe
 }
 
 /// A process that becomes the helper, with a decoder of the tests'.
-DecoderBox::Launch forking(Decoder decoder) {
+KeptProgram::Launch forking(Decoder decoder) {
     return [decoder = std::move(decoder)](UniqueFd orders) -> Result<ChildProgram> {
         const pid_t process = fork();
         if (process == 0) run_decoder_helper(std::move(orders), decoder);
@@ -124,18 +126,44 @@ DecoderBox::Launch forking(Decoder decoder) {
 
 void ignore(const std::string&) {}
 
-std::unique_ptr<DecoderBox> make_box(const DecoderLimits& limits = kLimits) {
-    auto box = DecoderBox::start(
-        forking({obey, obey_in_colour, {}}), [limits](std::string_view) { return limits; }, ignore);
-    return box ? *std::move(box) : nullptr;
+/// A box, and a client that gives it orders.
+class BoxOfTests {
+public:
+    BoxOfTests(const KeptProgram::Launch& launch, const DecoderClient::LimitsOf& limits,
+               const KeptProgram::Tell& tell = ignore)
+        : box_(DecoderBox::start(launch, tell).value()),
+          client_([this](const Order& order, const std::stop_token& stop) { return box_->relay(order, stop); },
+                  limits) {}
+
+    Result<Picture> decode(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
+        return client_.decode(bytes, max_pixels, stop);
+    }
+    Result<ColourPicture> decode_colour(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
+        return client_.decode_colour(bytes, max_pixels, stop);
+    }
+    std::uint64_t deaths() const { return client_.deaths(); }
+    std::uint64_t restarts() const { return box_->restarts(); }
+    bool is_ready() const { return box_->is_ready(); }
+    const Confinement& confinement() const { return box_->confinement(); }
+
+private:
+    const std::unique_ptr<DecoderBox> box_;
+    DecoderClient client_;
+};
+
+DecoderLimits limits_of_tests(std::string_view, std::size_t) {
+    return kLimits;
+}
+
+std::unique_ptr<BoxOfTests> make_box(const DecoderLimits& limits = kLimits) {
+    return std::make_unique<BoxOfTests>(forking({obey, obey_in_colour, {}}),
+                                        [limits](std::string_view, std::size_t) { return limits; });
 }
 
 /// One that decodes pictures.
-std::unique_ptr<DecoderBox> make_true_box() {
-    return DecoderBox::start(
-               forking({api::decode_image, api::decode_colour_image, api::warm_up_decoder}),
-               [](std::string_view file) { return decoder_limits(file, kMaxPixels); }, ignore)
-        .value();
+std::unique_ptr<BoxOfTests> make_true_box() {
+    return std::make_unique<BoxOfTests>(forking({api::decode_image, api::decode_colour_image, api::warm_up_decoder}),
+                                        decoder_limits);
 }
 
 template <class AnyPicture>
@@ -145,14 +173,14 @@ void expect_unusable(const Result<AnyPicture>& result, const std::string& file) 
     EXPECT_NE(result.error().message.find("could not be decoded"), std::string::npos) << result.error().message;
 }
 
-void expect_death_in_colour(DecoderBox& box, const std::string& file) {
+void expect_death_in_colour(BoxOfTests& box, const std::string& file) {
     const auto deaths = box.deaths();
     expect_unusable(box.decode_colour(file, kMaxPixels, {}), file);
     EXPECT_EQ(box.deaths(), deaths + 1) << file;
     EXPECT_TRUE(box.decode_colour("picture", kMaxPixels, {})) << "after " << file;
 }
 
-void expect_death(DecoderBox& box, const std::string& file) {
+void expect_death(BoxOfTests& box, const std::string& file) {
     const auto deaths = box.deaths();
     expect_unusable(box.decode(file, kMaxPixels, {}), file);
     EXPECT_EQ(box.deaths(), deaths + 1) << file;
@@ -451,13 +479,11 @@ TEST(DecoderBox, GivesPicturesThatAHelperTookAlongToTheNext) {
 TEST(DecoderBox, TellsHowAHelperEnded) {
     std::mutex mutex;
     std::string told;
-    const auto box = DecoderBox::start(
-                         forking({obey, obey_in_colour, {}}), [](std::string_view) { return kLimits; },
-                         [&](const std::string& message) {
-                             const std::lock_guard lock(mutex);
-                             told += message;
-                         })
-                         .value();
+    const auto box = std::make_unique<BoxOfTests>(forking({obey, obey_in_colour, {}}), limits_of_tests,
+                                                  [&](const std::string& message) {
+                                                      const std::lock_guard lock(mutex);
+                                                      told += message;
+                                                  });
     kill(helper(), SIGKILL);
     while (box->restarts() == 0 || !box->is_ready()) std::this_thread::yield();
     const std::lock_guard lock(mutex);
@@ -480,7 +506,7 @@ TEST(DecoderBox, EndsPicturesInWorkWithTheHelper) {
 }
 
 /// Starts a helper once; after that there is nothing to start.
-DecoderBox::Launch forking_once(std::atomic<int>& attempts) {
+KeptProgram::Launch forking_once(std::atomic<int>& attempts) {
     return [&attempts, launch = forking({obey, obey_in_colour, {}})](UniqueFd orders) -> Result<ChildProgram> {
         if (attempts++ == 0) return launch(std::move(orders));
         return failure(ErrorCode::Internal, "no such program");
@@ -489,9 +515,7 @@ DecoderBox::Launch forking_once(std::atomic<int>& attempts) {
 
 TEST(DecoderBox, SaysWhenThereIsNoHelp) {
     std::atomic<int> attempts = 0;
-    const auto box = DecoderBox::start(
-                         forking_once(attempts), [](std::string_view) { return kLimits; }, ignore)
-                         .value();
+    const auto box = std::make_unique<BoxOfTests>(forking_once(attempts), limits_of_tests);
     EXPECT_TRUE(box->is_ready());
     kill(helper(), SIGKILL);
     while (attempts < 3) std::this_thread::yield();
@@ -507,13 +531,12 @@ TEST(DecoderBox, SaysWhenThereIsNoHelp) {
 }
 
 TEST(DecoderBox, SaysWhyItDoesNotStart) {
-    const auto limits = [](std::string_view) { return kLimits; };
     const auto ends_at_once = [](UniqueFd) -> Result<ChildProgram> {
         const pid_t process = fork();
         if (process == 0) _exit(3);
         return ChildProgram(process);
     };
-    const auto box = DecoderBox::start(ends_at_once, limits, ignore);
+    const auto box = DecoderBox::start(ends_at_once, ignore);
     ASSERT_FALSE(box);
     EXPECT_EQ(box.error().message, "cannot start the decoder: it exited with 3");
     EXPECT_TRUE(children_of(getpid()).empty());

@@ -1,4 +1,4 @@
-#include "server/child_program.h"
+#include "server/processes/child_program.h"
 
 #include <gtest/gtest.h>
 

@@ -32,13 +32,16 @@ public:
     void kill() const;
 
     /// Waits for its end and reaps it; to be called once.
-    /// @returns  how it ended, after its name: "exited with 1", "was killed by signal 9 (Killed)"
+    /// @returns  as describe_end
     std::string wait();
 
 private:
     pid_t process_ = 0;  ///< 0 once it is reaped
     UniqueFd pidfd_;
 };
+
+/// How a process ended, after its name, from what waitpid tells: "exited with 1", "was killed by signal 9 (Killed)".
+std::string describe_end(int status);
 
 /// Starts a program whose file lies beside this one's, in a process group of its own: signals of a terminal are this
 /// program's to act on.

@@ -1,4 +1,4 @@
-#include "server/child_program.h"
+#include "server/processes/child_program.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -78,13 +78,13 @@ UniqueFd open_pidfd(pid_t process) {
     return UniqueFd(static_cast<int>(syscall(SYS_pidfd_open, process, 0)));
 }
 
-std::string describe(int status) {
+}  // namespace
+
+std::string describe_end(int status) {
     if (WIFEXITED(status)) return "exited with " + std::to_string(WEXITSTATUS(status));
     const int number = WTERMSIG(status);
     return "was killed by signal " + std::to_string(number) + " (" + sigdescr_np(number) + ")";
 }
-
-}  // namespace
 
 ChildProgram::ChildProgram(pid_t process) : process_(process), pidfd_(open_pidfd(process)) {}
 
@@ -114,7 +114,7 @@ std::string ChildProgram::wait() {
     while (reaped < 0 && errno == EINTR);
     process_ = 0;
     // None if this process was started with SIGCHLD ignored: the kernel reaps then.
-    return reaped > 0 ? describe(status) : "ended";
+    return reaped > 0 ? describe_end(status) : "ended";
 }
 
 Result<ChildProgram> spawn_sibling(const std::string& name, UniqueFd socket, std::vector<std::string> arguments) {

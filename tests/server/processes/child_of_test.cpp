@@ -11,7 +11,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "server/child_program.h"
+#include "server/processes/child_program.h"
 
 namespace {
 

@@ -1,0 +1,164 @@
+#include "server/decoder/decoder_client.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "api/image/image_header.h"
+#include "server/decoder/decoder_protocol.h"
+#include "server/processes/messages.h"
+
+namespace ccdt::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// For how long an order that helpers took along is given again.
+constexpr std::chrono::seconds kPatience{5};
+
+/// Why there is no reply.
+struct NoReply {
+    enum class Reason { Died, TooSlow, Stopped, NotStarted, OrderLost, NoHelper };
+    Reason reason = Reason::OrderLost;
+    int error = 0;  ///< errno of NotStarted
+};
+
+NoReply not_started() {
+    return {NoReply::Reason::NotStarted, errno};
+}
+
+UniqueFd make_file(std::string_view bytes) {
+    UniqueFd file(memfd_create("picture", MFD_CLOEXEC));
+    while (file && !bytes.empty()) {
+        const ssize_t written = write(file.get(), bytes.data(), bytes.size());
+        if (written < 0 && errno != EINTR) return {};
+        bytes.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(written, 0)));
+    }
+    return file;
+}
+
+struct CloseBothWays {
+    int socket;
+
+    void operator()() const { ::shutdown(socket, SHUT_RDWR); }
+};
+
+int milliseconds_until(Clock::time_point time) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(time - Clock::now()).count();
+    return static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000));
+}
+
+/// Waits for what becomes of an order.
+/// @returns  none if there is a reply
+std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::time_point deadline, const std::stop_token& stop) {
+    const std::stop_callback wake(stop, CloseBothWays{outcome.get()});
+    pollfd polled{outcome.get(), POLLIN, 0};
+    int ready = 0;
+    do ready = poll(&polled, 1, milliseconds_until(deadline));
+    while (ready < 0 && errno == EINTR);
+    if (stop.stop_requested()) return NoReply{NoReply::Reason::Stopped};
+    if (ready == 0) return NoReply{NoReply::Reason::TooSlow};
+    Outcome told;
+    if (recv(outcome.get(), &told, sizeof(told), 0) != static_cast<ssize_t>(sizeof(told))) return NoReply{};
+    if (told.fork_error != 0) return NoReply{NoReply::Reason::NotStarted, told.fork_error};
+    if (told.ended != 0) return NoReply{NoReply::Reason::Died};
+    return std::nullopt;
+}
+
+template <class AnyPicture>
+tl::expected<Result<AnyPicture>, NoReply> ask_helper(const DecoderClient::Hand& hand, std::string_view bytes,
+                                                     std::size_t max_pixels, const DecoderLimits& limits,
+                                                     const std::stop_token& stop) {
+    using Reply = ReplyMemory<AnyPicture>;
+    constexpr bool kColour = std::is_same_v<AnyPicture, ColourPicture>;
+    auto outcome = make_sockets(SOCK_SEQPACKET);
+    Order order{{bytes.size(), max_pixels, kColour, limits}, make_file(bytes), Reply::make_file(max_pixels), {}};
+    if (!outcome || !order.file || !order.reply) return tl::unexpected(not_started());
+    order.outcome = std::move(outcome->theirs);
+    if (!hand(order, stop))
+        return tl::unexpected(NoReply{stop.stop_requested() ? NoReply::Reason::Stopped : NoReply::Reason::NoHelper});
+    const auto deadline = Clock::now() + limits.time;
+    order.outcome.reset();  // the helper's alone, or its death would go unseen
+    // To leave closes our end, which ends the child.
+    if (const auto none = wait_for(outcome->ours, deadline, stop)) return tl::unexpected(*none);
+    const Reply reply(order.reply, max_pixels);
+    if (!reply) return tl::unexpected(not_started());
+    auto result = reply.read();
+    if (!result) return tl::unexpected(NoReply{NoReply::Reason::Died});
+    return *std::move(result);
+}
+
+tl::unexpected<Error> describe(const NoReply& none) {
+    switch (none.reason) {
+        case NoReply::Reason::Died:
+            return failure(ErrorCode::Unusable, "the image could not be decoded: it made the decoder fail");
+        case NoReply::Reason::TooSlow:
+            return failure(ErrorCode::Unusable, "the image could not be decoded: it took too long");
+        case NoReply::Reason::Stopped:
+            return failure(ErrorCode::Stopped, "the decoding was stopped");
+        case NoReply::Reason::NotStarted:
+            return failure(ErrorCode::Internal, std::string("cannot start a decoder: ") + std::strerror(none.error));
+        case NoReply::Reason::OrderLost:
+        case NoReply::Reason::NoHelper:
+            break;
+    }
+    return failure(ErrorCode::Internal, "the decoder is gone, and was not back in time");
+}
+
+}  // namespace
+
+DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels) {
+    constexpr std::chrono::milliseconds kTime{5000};
+    constexpr std::uint64_t kPixelsPerMillisecond = 2000;
+    constexpr std::size_t kMemory = std::size_t{24} << 20;  // to tell what is wrong
+    const auto header = api::read_image_header(file, max_pixels);
+    if (!header) return {kMemory, kTime};
+    return {header->decoder_bytes, kTime + std::chrono::milliseconds(header->pixels() / kPixelsPerMillisecond)};
+}
+
+template <class AnyPicture>
+Result<AnyPicture> DecoderClient::decode_to(std::string_view bytes, std::size_t max_pixels,
+                                            const std::stop_token& stop) {
+    using Reason = NoReply::Reason;
+    const DecoderLimits limits = limits_(bytes, max_pixels);
+    std::optional<Clock::time_point> give_up;
+    while (true) {
+        auto reply = ask_helper<AnyPicture>(hand_, bytes, max_pixels, limits, stop);
+        if (reply) return *std::move(reply);
+        const auto reason = reply.error().reason;
+        if (reason == Reason::Died || reason == Reason::TooSlow) ++deaths_;
+        if (!give_up) give_up = Clock::now() + kPatience;
+        // That a helper ended was not this picture's fault.
+        if (reason != Reason::OrderLost || Clock::now() > *give_up) return describe(reply.error());
+    }
+}
+
+Result<Picture> DecoderClient::decode(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
+    return decode_to<Picture>(bytes, max_pixels, stop);
+}
+
+Result<ColourPicture> DecoderClient::decode_colour(std::string_view bytes, std::size_t max_pixels,
+                                                   const std::stop_token& stop) {
+    return decode_to<ColourPicture>(bytes, max_pixels, stop);
+}
+
+api::Decode DecoderClient::functions() {
+    return {[this](std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
+                return decode(bytes, max_pixels, stop);
+            },
+            [this](std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
+                return decode_colour(bytes, max_pixels, stop);
+            }};
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <stop_token>
+#include <string_view>
+
+#include "api/image/image_codec.h"
+#include "core/halftone/picture.h"
+#include "core/result.h"
+#include "server/decoder/decoder_sandbox.h"
+
+namespace ccdt::server {
+
+struct Order;
+
+/// Of memory what a reader needs for a picture as the file's header tells it, of time what a slow machine takes.
+DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels);
+
+/// Has pictures decoded in the box, wherever that is. May be used from any thread.
+class DecoderClient {
+public:
+    using LimitsOf = std::function<DecoderLimits(std::string_view file, std::size_t max_pixels)>;
+
+    /// Hands an order on to a helper; false: there is none, and will not be in time.
+    using Hand = std::function<bool(const Order& order, const std::stop_token& stop)>;
+
+    explicit DecoderClient(Hand hand, LimitsOf limits = decoder_limits)
+        : hand_(std::move(hand)), limits_(std::move(limits)) {}
+
+    /// What the decoder makes of a file, to the byte; a stop ends it at once. An order that a helper took along when it
+    /// ended is given again.
+    ///
+    /// Errors: the decoder's own; Unusable if it crashed, passed a limit or gave nonsense; Stopped; Internal if the
+    /// machine lacks processes or descriptors, or the helper was lost and there was no other in time.
+    Result<Picture> decode(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop);
+    Result<ColourPicture> decode_colour(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop);
+
+    /// Both, for api. The client must outlive them.
+    api::Decode functions();
+
+    /// Pictures so far whose child crashed, passed a limit or gave nonsense.
+    std::uint64_t deaths() const { return deaths_; }
+
+private:
+    template <class AnyPicture>
+    Result<AnyPicture> decode_to(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop);
+
+    const Hand hand_;
+    const LimitsOf limits_;
+    std::atomic<std::uint64_t> deaths_ = 0;
+};
+
+}  // namespace ccdt::server

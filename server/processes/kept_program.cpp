@@ -1,0 +1,129 @@
+#include "server/processes/kept_program.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <initializer_list>
+#include <utility>
+#include <vector>
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+
+#include "server/processes/messages.h"
+
+namespace ccdt::server {
+namespace {
+
+using Clock = KeptProgram::Clock;
+
+tl::unexpected<Error> cannot_start(const std::string& name, const std::string& why) {
+    return failure(ErrorCode::Internal, "cannot start the " + name + ": " + why);
+}
+
+int milliseconds_until(std::optional<Clock::time_point> time) {
+    if (!time) return -1;
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*time - Clock::now()).count();
+    return static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000));
+}
+
+/// @returns  the first of the descriptors that has news; -1: none had until then
+int wait_for_any(std::initializer_list<int> descriptors, std::optional<Clock::time_point> until = {}) {
+    std::vector<pollfd> polled;
+    for (const int descriptor : descriptors) polled.push_back({descriptor, POLLIN, 0});
+    int ready = 0;
+    do ready = poll(polled.data(), polled.size(), milliseconds_until(until));
+    while (ready < 0 && errno == EINTR);
+    const auto news = std::ranges::find_if(polled, [](const pollfd& each) { return each.revents != 0; });
+    return news == polled.end() ? -1 : news->fd;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<KeptProgram>> KeptProgram::start(std::string name, Launch launch, Greet greet, Tell tell) {
+    UniqueFd closing(eventfd(0, EFD_CLOEXEC));
+    if (!closing) return cannot_start(name, std::strerror(errno));
+    std::unique_ptr<KeptProgram> kept(
+        new KeptProgram(std::move(name), std::move(launch), std::move(greet), std::move(tell), std::move(closing)));
+    auto running = kept->launch();
+    if (!running) return tl::unexpected(std::move(running.error()));
+    kept->set_socket(running->socket);
+    kept->watcher_ = std::jthread(&KeptProgram::watch, kept.get(), *std::move(running));
+    return kept;
+}
+
+KeptProgram::KeptProgram(std::string name, Launch launch, Greet greet, Tell tell, UniqueFd closing)
+    : name_(std::move(name)),
+      launch_(std::move(launch)),
+      greet_(std::move(greet)),
+      tell_(std::move(tell)),
+      closing_(std::move(closing)) {}
+
+KeptProgram::~KeptProgram() {
+    eventfd_write(closing_.get(), 1);
+}
+
+Result<KeptProgram::Running> KeptProgram::launch() const {
+    constexpr std::chrono::seconds kLongestStart{30};
+    auto sockets = make_sockets(SOCK_SEQPACKET);
+    if (!sockets) return cannot_start(name_, std::strerror(errno));
+    const auto started = Clock::now();
+    auto program = launch_(std::move(sockets->theirs));
+    if (!program) return tl::unexpected(std::move(program.error()));
+    const int ours = sockets->ours.get();
+    const int ready = wait_for_any({ours, program->ended(), closing_.get()}, started + kLongestStart);
+    if (ready == ours && greet_(ours))
+        return Running{*std::move(program), std::make_shared<const UniqueFd>(std::move(sockets->ours)), started};
+    // Its end of the socket is closed a moment before it has ended.
+    if (ready != ours) program->kill();
+    return cannot_start(name_, "it " + program->wait());
+}
+
+/// @returns  none once there is to be no program any more
+std::optional<KeptProgram::Running> KeptProgram::launch_again(Backoff& backoff, Clock::duration lived) const {
+    while (true) {
+        if (wait_for_any({closing_.get()}, Clock::now() + backoff.after(lived)) >= 0) return std::nullopt;
+        auto running = launch();
+        if (running) return *std::move(running);
+        tell_(running.error().message);
+        lived = {};
+    }
+}
+
+void KeptProgram::watch(Running running) {
+    constexpr std::chrono::seconds kToEnd{1};
+    Backoff backoff;
+    while (wait_for_any({running.program.ended(), closing_.get()}) != closing_.get()) {
+        set_socket(nullptr);
+        ++restarts_;
+        tell_("the " + name_ + " " + running.program.wait() + ", and is started again");
+        auto next = launch_again(backoff, Clock::now() - running.started);
+        if (!next) return;
+        running = *std::move(next);
+        set_socket(running.socket);
+    }
+    set_socket(nullptr);
+    running.socket.reset();
+    wait_for_any({running.program.ended()}, Clock::now() + kToEnd);  // by itself, as nobody talks to it any more
+}
+
+void KeptProgram::set_socket(Socket socket) {
+    const std::lock_guard lock(mutex_);
+    socket_ = std::move(socket);
+    changed_.notify_all();
+}
+
+KeptProgram::Socket KeptProgram::wait_for_socket(const Socket& lost, Clock::time_point deadline,
+                                                 const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_until(lock, stop, deadline, [&] { return socket_ != nullptr && socket_ != lost; });
+    return socket_ == lost ? nullptr : socket_;
+}
+
+bool KeptProgram::is_ready() const {
+    const std::lock_guard lock(mutex_);
+    return socket_ != nullptr;
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+
+#include "core/result.h"
+#include "server/http/unique_fd.h"
+#include "server/processes/child_program.h"
+
+namespace ccdt::server {
+
+/// A program of the server's that is always there: should it end, it is reaped and started again.
+///
+/// It has a socket that keeps messages apart, over which it first says that it is ready. May be used from any thread.
+class KeptProgram {
+public:
+    using Clock = std::chrono::steady_clock;
+    using Socket = std::shared_ptr<const UniqueFd>;
+
+    /// Starts the program; from any thread.
+    using Launch = std::function<Result<ChildProgram>(UniqueFd socket)>;
+
+    /// Takes its first words, which have come; false if they are none.
+    using Greet = std::function<bool(int socket)>;
+
+    /// Is told of each end of the program, in words; from any thread.
+    using Tell = std::function<void(const std::string&)>;
+
+    /// Starts the program and waits until it is ready. Errors: Internal.
+    /// @param name  for people
+    static Result<std::unique_ptr<KeptProgram>> start(std::string name, Launch launch, Greet greet, Tell tell);
+
+    /// Ends the program.
+    ~KeptProgram();
+
+    KeptProgram(const KeptProgram&) = delete;
+    KeptProgram& operator=(const KeptProgram&) = delete;
+
+    /// The socket to the program, waited for while it is being started again; another one than `lost`, whose program
+    /// is known to have ended.
+    /// @returns  none if there was none until then, or before the stop
+    Socket wait_for_socket(const Socket& lost, Clock::time_point deadline, const std::stop_token& stop);
+
+    /// Whether the program is there now.
+    bool is_ready() const;
+
+    /// Times that it ended, and was or is being started again.
+    std::uint64_t restarts() const { return restarts_; }
+
+private:
+    struct Running {
+        ChildProgram program;
+        Socket socket;
+        Clock::time_point started;
+    };
+
+    KeptProgram(std::string name, Launch launch, Greet greet, Tell tell, UniqueFd closing);
+
+    Result<Running> launch() const;
+    void watch(Running running);
+    std::optional<Running> launch_again(Backoff& backoff, Clock::duration lived) const;
+    void set_socket(Socket socket);
+
+    const std::string name_;
+    const Launch launch_;
+    const Greet greet_;
+    const Tell tell_;
+    const UniqueFd closing_;  ///< readable once there is to be no program any more
+    std::atomic<std::uint64_t> restarts_ = 0;
+
+    mutable std::mutex mutex_;
+    std::condition_variable_any changed_;
+    Socket socket_;  ///< none while there is no program; guarded by the mutex
+
+    std::jthread watcher_;  ///< last: it uses all the rest
+};
+
+}  // namespace ccdt::server

@@ -1,0 +1,111 @@
+#include "server/processes/messages.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+#include <sys/socket.h>
+
+namespace ccdt::server {
+namespace {
+
+constexpr std::size_t kMostFiles = 4;
+
+/// Shorter texts are copied together and sent by one call.
+constexpr std::size_t kShortText = 16'384;
+
+/// A message with room for the descriptors that travel with it.
+struct Envelope {
+    Envelope(void* bytes, std::size_t size) : body{bytes, size} {
+        message.msg_iov = &body;
+        message.msg_iovlen = 1;
+    }
+
+    void make_room(std::size_t count) {
+        assert(count <= kMostFiles);
+        message.msg_control = count > 0 ? files.data() : nullptr;
+        message.msg_controllen = count > 0 ? CMSG_SPACE(count * sizeof(int)) : 0;
+    }
+
+    iovec body;
+    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(kMostFiles * sizeof(int))> files{};
+    msghdr message{};
+};
+
+bool send_text(int socket, std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t sent = ::send(socket, text.data(), text.size(), MSG_NOSIGNAL);
+        if (sent < 0 && errno != EINTR) return false;
+        text.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(sent, 0)));
+    }
+    return true;
+}
+
+}  // namespace
+
+std::optional<SocketPair> make_sockets(int type) {
+    std::array<int, 2> ends{};
+    if (socketpair(AF_UNIX, type | SOCK_CLOEXEC, 0, ends.data()) != 0) return std::nullopt;
+    return SocketPair{UniqueFd(ends[0]), UniqueFd(ends[1])};
+}
+
+bool send_message(int socket, std::span<const std::byte> bytes, std::span<const int> files) {
+    // The system reads it only, and asks for more all the same.
+    Envelope envelope(const_cast<std::byte*>(bytes.data()), bytes.size());
+    envelope.make_room(files.size());
+    if (!files.empty()) {
+        cmsghdr* const header = CMSG_FIRSTHDR(&envelope.message);
+        header->cmsg_level = SOL_SOCKET;
+        header->cmsg_type = SCM_RIGHTS;
+        header->cmsg_len = CMSG_LEN(files.size_bytes());
+        std::memcpy(CMSG_DATA(header), files.data(), files.size_bytes());
+    }
+    ssize_t sent = 0;
+    do sent = ::sendmsg(socket, &envelope.message, MSG_NOSIGNAL);
+    while (sent < 0 && errno == EINTR);
+    return sent == static_cast<ssize_t>(bytes.size());
+}
+
+std::size_t receive_message(int socket, std::span<std::byte> bytes, std::span<UniqueFd> files) {
+    Envelope envelope(bytes.data(), bytes.size());
+    envelope.make_room(files.size());
+    ssize_t received = 0;
+    do received = ::recvmsg(socket, &envelope.message, MSG_CMSG_CLOEXEC);
+    while (received < 0 && errno == EINTR);
+    if (received <= 0) return 0;
+    const cmsghdr* const header = CMSG_FIRSTHDR(&envelope.message);
+    if (header != nullptr && header->cmsg_type == SCM_RIGHTS) {
+        std::array<int, kMostFiles> numbers{};
+        const std::size_t count = std::min((header->cmsg_len - CMSG_LEN(0)) / sizeof(int), files.size());
+        std::memcpy(numbers.data(), CMSG_DATA(header), count * sizeof(int));
+        for (std::size_t i = 0; i < count; ++i) files[i] = UniqueFd(numbers[i]);
+    }
+    return static_cast<std::size_t>(received);
+}
+
+bool send_texts(int socket, std::initializer_list<std::string_view> texts) {
+    std::string together;
+    for (const auto text : texts) {
+        if (text.size() <= kShortText) {
+            together += text;
+            continue;
+        }
+        if (!send_text(socket, together) || !send_text(socket, text)) return false;
+        together.clear();
+    }
+    return send_text(socket, together);
+}
+
+bool receive_all(int socket, std::span<char> bytes) {
+    while (!bytes.empty()) {
+        const ssize_t received = ::recv(socket, bytes.data(), bytes.size(), 0);
+        if (received == 0 || (received < 0 && errno != EINTR)) return false;
+        bytes = bytes.subspan(static_cast<std::size_t>(std::max<ssize_t>(received, 0)));
+    }
+    return true;
+}
+
+}  // namespace ccdt::server
