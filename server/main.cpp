@@ -20,9 +20,9 @@
 
 #include "api/image/image_codec.h"
 #include "server/access/gate.h"
+#include "server/compute/compute_box.h"
 #include "server/config.h"
 #include "server/decoder/decoder_box.h"
-#include "server/decoder/decoder_client.h"
 #include "server/http/http_server.h"
 #include "server/http/sockets.h"
 #include "server/jobs/jobs.h"
@@ -128,6 +128,13 @@ Result<std::unique_ptr<DecoderBox>> start_box(const Log& log) {
     return box;
 }
 
+Result<std::unique_ptr<ComputeBox>> start_computing(const Config& config, DecoderBox& box, const Log& log) {
+    return ComputeBox::start([](UniqueFd socket) { return spawn_sibling("ccdt-worker", std::move(socket)); },
+                             {.limits = config.limits},
+                             [&box](const Order& order, const std::stop_token& stop) { box.relay(order, stop); },
+                             [&log](const std::string& what) { log.error(what); });
+}
+
 /// What is left for requests and what is computed for them: not what the program takes by itself, nor what is on its
 /// way to and from clients, nor what is kept of jobs and answers in memory.
 Result<std::size_t> memory_to_compute_with(const Config& config) {
@@ -180,17 +187,24 @@ int serve(const Config& config) {
         return kFailed;
     }
     tell_of_damages(**store, log);
-    DecoderClient decoder([&](const Order& order, const std::stop_token& stop) { return (*box)->relay(order, stop); });
-    const Compute compute = [limits = config.limits, decode = decoder.functions()](
-                                const auto& question, const auto& manner, const auto& control, auto& timings) {
-        return compute_here(question, manner, limits, decode, control, timings);
+    const auto computing = start_computing(config, **box, log);
+    if (!computing) {
+        log.error(computing.error().message);
+        return kFailed;
+    }
+    const Compute compute = [box = computing->get()](const auto& question, const auto& manner, const auto& control,
+                                                     auto& timings) {
+        return box->compute(question, manner, control, timings);
     };
     Metrics metrics(CCDT_VERSION);
     Jobs jobs(config.jobs, **store, !config.data_dir.empty(), pool, compute, [&](const JobEnd& end) {
         metrics.add(end);
         log.job(end);
     });
-    Routes routes(config, pool, compute, jobs, metrics, [&] { return (*box)->is_ready(); });
+    Routes routes(config, pool, compute, jobs, metrics, [&]() -> std::string {
+        if (!(*box)->is_ready()) return "the decoder of pictures is being started again";
+        return (*computing)->is_ready() ? "" : "what makes the processes that compute is being started again";
+    });
     HttpServer server(
         config.patience, config.capacity,
         [&](const auto& request, const auto& fault, auto& connection) {
@@ -209,8 +223,8 @@ int serve(const Config& config) {
         return Metrics::Watched{.connections = server.connections(),
                                 .memory_budget = *memory,
                                 .memory_reserved = pool.memory().taken() + routes.waiting_memory().taken(),
-                                .decoder_deaths = decoder.deaths(),
                                 .decoder_restarts = (*box)->restarts(),
+                                .computing = (*computing)->counts(),
                                 .jobs = jobs.counts(),
                                 .job_bytes = jobs.stored_bytes(),
                                 .job_capacity = config.jobs.bytes,

@@ -89,8 +89,13 @@ struct Metrics::Families {
     Gauge& reserved = make_gauge(registry, "ccdt_memory_reserved_bytes", "Of the budget, by estimate, taken now.");
     Counter& deaths = make_counter(registry, "ccdt_decoder_deaths_total",
                                    "Pictures whose decoder crashed, passed a limit or gave nonsense.");
-    Counter& restarts = make_counter(registry, "ccdt_decoder_restarts_total",
-                                     "Times that the process which starts decoders ended and was started again.");
+    Counter& decoder_restarts =
+        make_counter(registry, "ccdt_decoder_restarts_total",
+                     "Times that the process which starts decoders ended and was started again.");
+    Counter& crashes =
+        make_counter(registry, "ccdt_computation_crashes_total", "Processes that ended while they computed an answer.");
+    Counter& restarts = make_counter(registry, "ccdt_worker_restarts_total",
+                                     "Times that what makes these processes ended and was started again.");
     Family<Gauge>& jobs =
         prometheus::BuildGauge().Name("ccdt_jobs").Help("Jobs that have not ended, by status.").Register(registry);
     Gauge& jobs_queued = jobs.Add({{"status", "queued"}});
@@ -177,9 +182,11 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
         raise(all.refused_full, watched.connections.refused);
         raise(all.refused_address, watched.connections.refused_by_address);
         raise(all.refused_streams, watched.connections.refused_streams);
-        raise(all.deaths, watched.decoder_deaths);
-        raise(all.restarts, watched.decoder_restarts);
+        raise(all.deaths, watched.computing.decoder_deaths);
+        raise(all.decoder_restarts, watched.decoder_restarts);
         raise(all.job_damages, watched.job_damages);
+        raise(all.crashes, watched.computing.crashes);
+        raise(all.restarts, watched.computing.restarts);
         raise(all.cache_hits, watched.cache.hits);
         raise(all.cache_misses, watched.cache.misses);
     }

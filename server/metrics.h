@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "server/cache/result_cache.h"
+#include "server/compute/compute_box.h"
 #include "server/http/capacity.h"
 #include "server/http/http_server.h"
 #include "server/jobs/jobs.h"
@@ -29,8 +30,8 @@ public:
         Capacity::Counts connections;
         std::size_t memory_budget = 0;    ///< bytes for requests and what is computed for them
         std::size_t memory_reserved = 0;  ///< of them
-        std::uint64_t decoder_deaths = 0;
         std::uint64_t decoder_restarts = 0;
+        ComputeBox::Counts computing;
         Jobs::Counts jobs;
         std::size_t job_bytes = 0;     ///< kept
         std::size_t job_capacity = 0;  ///< bytes that may be kept

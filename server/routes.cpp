@@ -103,11 +103,11 @@ constexpr Routes::Route Routes::kRoutes[] = {
 };
 
 Routes::Routes(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs, const Metrics& metrics,
-               std::function<bool()> has_decoder)
+               Lacking lacking)
     : config_(config),
       pool_(pool),
       metrics_(metrics),
-      has_decoder_(std::move(has_decoder)),
+      lacking_(std::move(lacking)),
       computing_(config, pool, std::move(compute), jobs),
       job_routes_(jobs, pool.memory(), config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
@@ -170,7 +170,7 @@ Outcome Routes::live(const Request&, Connection&) {
 
 Outcome Routes::ready(const Request&, Connection&) {
     if (draining_) return computing_.busy(503, "the server is shutting down");
-    if (!has_decoder_()) return computing_.busy(503, "the decoder of pictures is being started again");
+    if (auto lacking = lacking_(); !lacking.empty()) return computing_.busy(503, std::move(lacking));
     const WorkerPool::Load load = pool_.load();
     if (load.overdue_seconds > kLongestOverdue)
         return computing_.busy(503, "a worker does not stop when it is told to");

@@ -24,10 +24,12 @@ namespace ccdt::server {
 /// Maps paths and methods to what answers them. May be used from any thread.
 class Routes {
 public:
+    /// What computing takes and is not there now, in words; empty: all of it is there.
+    using Lacking = std::function<std::string()>;
+
     /// All of these must outlive the routes.
-    /// @param has_decoder  whether pictures can be decoded now
     Routes(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs, const Metrics& metrics,
-           std::function<bool()> has_decoder);
+           Lacking lacking);
 
     /// Answers anything that came over a connection; a fault is answered as what it says.
     Response answer(const Request& request, const std::optional<Fault>& fault, Connection& connection);
@@ -80,7 +82,7 @@ private:
     const Config config_;
     WorkerPool& pool_;
     const Metrics& metrics_;
-    const std::function<bool()> has_decoder_;
+    const Lacking lacking_;
     Computing computing_;
     JobRoutes job_routes_;
     std::atomic<bool> draining_ = false;

@@ -14,8 +14,9 @@ namespace {
 
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-/// A job that the server did not survive so often is not begun again.
-constexpr int kMostStarts = 3;
+/// A job that the server did not survive so often is not begun again. Where computing cannot end the server, its end is
+/// hardly the fault of what it computed: this is for faults that nobody has thought of.
+constexpr int kMostStarts = 10;
 
 /// Forgotten in one go, lest others wait for long.
 constexpr std::size_t kForgottenAtOnce = 100;

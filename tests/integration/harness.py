@@ -30,8 +30,8 @@ PATIENCE = 120
 class Server:
     """A running server. Its log is kept; on a port of its own and without a cache unless told otherwise."""
 
-    def __init__(self, *flags, environment=None):
-        command = [os.environ["CCDT_SERVER"], "--port=0", "--cache=0", *flags]
+    def __init__(self, *flags, environment=None, program=None):
+        command = [program or os.environ["CCDT_SERVER"], "--port=0", "--cache=0", *flags]
         self.process = subprocess.Popen(
             command, stderr=subprocess.PIPE, text=True, env={**os.environ, **(environment or {})})
         self.lines = []
@@ -179,10 +179,11 @@ class ServerCase(unittest.TestCase):
     """Tests that share a server."""
 
     flags = ()
+    program = None
 
     @classmethod
     def setUpClass(cls):
-        cls.server = Server(*cls.flags)
+        cls.server = Server(*cls.flags, program=cls.program)
 
     @classmethod
     def tearDownClass(cls):

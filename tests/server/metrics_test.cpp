@@ -116,8 +116,8 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
     Metrics::Watched watched{.connections = {.open = 5, .streams = 3, .refused = 2},
                              .memory_budget = 1000,
                              .memory_reserved = 100,
-                             .decoder_deaths = 3,
                              .decoder_restarts = 2,
+                             .computing = {.crashes = 8, .restarts = 9, .decoder_deaths = 3},
                              .jobs = {},
                              .job_bytes = 0,
                              .job_capacity = 0,
@@ -134,6 +134,8 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
     EXPECT_EQ(value(text, R"(ccdt_connections_refused_total{reason="streams"})"), 2);
     EXPECT_EQ(value(text, "ccdt_memory_budget_bytes"), 1000);
     EXPECT_EQ(value(text, "ccdt_memory_reserved_bytes"), 100);
+    EXPECT_EQ(value(text, "ccdt_computation_crashes_total"), 8);
+    EXPECT_EQ(value(text, "ccdt_worker_restarts_total"), 9);
     EXPECT_EQ(value(text, "ccdt_decoder_deaths_total"), 3);
     EXPECT_EQ(value(text, "ccdt_decoder_restarts_total"), 2);
     EXPECT_EQ(value(text, "ccdt_job_store_damages_total"), 6);

@@ -35,13 +35,13 @@ protected:
     int socket() const { return sockets_[0]; }
 
     Config config_;
+    std::string lacking_;
     WorkerPool pool_{1, 1};
     Metrics metrics_{"1.2.3"};
     Compute compute_ = test::compute_in_process(config_.limits);
     std::unique_ptr<SqliteJobStore> store_ = *SqliteJobStore::open("");
     Jobs jobs_{config_.jobs, *store_, false, pool_, compute_, [](const JobEnd&) {}};
-    bool has_decoder_ = true;
-    Routes routes_{config_, pool_, compute_, jobs_, metrics_, [this] { return has_decoder_; }};
+    Routes routes_{config_, pool_, compute_, jobs_, metrics_, [this] { return lacking_; }};
 
 private:
     std::array<int, 2> sockets_{};
@@ -79,6 +79,16 @@ TEST_F(RoutesTest, AnswersFaultsAsProblems) {
     EXPECT_NE(response.body.find("too large"), std::string::npos);
 }
 
+TEST_F(RoutesTest, AreNotReadyWhileSomethingLacks) {
+    lacking_ = "the kettle";
+    const Response refused = ask("GET /health/ready HTTP/1.1");
+    EXPECT_EQ(refused.status, 503);
+    EXPECT_NE(refused.body.find("the kettle"), std::string::npos);
+    EXPECT_EQ(ask("GET /health/live HTTP/1.1").status, 200);
+    lacking_.clear();
+    EXPECT_EQ(ask("GET /health/ready HTTP/1.1").status, 200);
+}
+
 TEST_F(RoutesTest, RefusesNewWorkWhileDraining) {
     EXPECT_EQ(ask("GET /health/ready HTTP/1.1").status, 200);
     routes_.drain();
@@ -87,17 +97,6 @@ TEST_F(RoutesTest, RefusesNewWorkWhileDraining) {
     const Response refused = ask("POST /halftone HTTP/1.1\r\nContent-Length: 0");
     EXPECT_EQ(refused.status, 503);
     EXPECT_FALSE(header(refused, "Retry-After").empty());
-}
-
-TEST_F(RoutesTest, IsNotReadyWithoutADecoder) {
-    has_decoder_ = false;
-    const Response refused = ask("GET /health/ready HTTP/1.1");
-    EXPECT_EQ(refused.status, 503);
-    EXPECT_NE(refused.body.find("the decoder"), std::string::npos);
-    EXPECT_FALSE(header(refused, "Retry-After").empty());
-    EXPECT_EQ(ask("GET /health/live HTTP/1.1").status, 200);
-    has_decoder_ = true;
-    EXPECT_EQ(ask("GET /health/ready HTTP/1.1").status, 200);
 }
 
 TEST_F(RoutesTest, CountsThePageAsOneRoute) {
@@ -115,7 +114,7 @@ TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
 TEST_F(RoutesTest, NamesTheConfiguredOrigin) {
     Config config;
     config.cors_origins = {"https://example.org"};
-    Routes routes(config, pool_, compute_, jobs_, metrics_, [] { return true; });
+    Routes routes(config, pool_, compute_, jobs_, metrics_, [] { return ""; });
     Connection connection(-1);
     const auto request = parse_head(
         "OPTIONS /halftone HTTP/1.1\r\nOrigin: https://example.org\r\nAccess-Control-Request-Method: POST\r\n\r\n");
@@ -153,7 +152,7 @@ TEST_F(RoutesTest, TagsCodingsApart) {
 TEST_F(RoutesTest, KeepsStreamsOfEventsFromFallingSilent) {
     Config config;
     config.jobs.ping = std::chrono::milliseconds(1);
-    Routes routes(config, pool_, compute_, jobs_, metrics_, [] { return true; });
+    Routes routes(config, pool_, compute_, jobs_, metrics_, [] { return ""; });
     const auto job = jobs_.accept({}, {"/sample", "", "", "", "{}"});  // waits: nothing has been started
     Connection connection(socket());
     const auto request = parse_head("GET /jobs/" + job->id + "/events HTTP/1.1\r\n\r\n");

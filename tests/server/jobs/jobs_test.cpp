@@ -268,7 +268,7 @@ TEST_F(JobsTest, AreGivenUpIfTheServerEndsWithThem) {
     job.owner = kAlice;
     ASSERT_TRUE(store_->add(job, kShort));
     job.status = JobStatus::Running;
-    job.starts = 3;
+    job.starts = 10;
     ASSERT_TRUE(store_->save(job));
     start({}, true);
     const auto found = jobs_->find("fatal", kAlice);

@@ -1,0 +1,297 @@
+#include "server/compute/compute_box.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+
+#include "server/compute/compute_protocol.h"
+#include "server/decoder/decoder_protocol.h"
+#include "server/processes/messages.h"
+
+namespace ccdt::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// How long to wait for a fork server that is being started again.
+constexpr std::chrono::seconds kPatience{2};
+
+/// Why there is no reply.
+struct NoReply {
+    bool overdue = false;        ///< it did not stop when it was told to
+    std::optional<Death> death;  ///< none: it is not known how the process ended
+    bool is_killed() const { return death && WIFSIGNALED(death->status) && WTERMSIG(death->status) == SIGKILL; }
+};
+
+std::string describe(const NoReply& none) {
+    const std::string process = "the process that computed it ";
+    if (none.overdue) return process + "did not stop when it was told to";
+    if (!none.death) return process + "ended";
+    if (none.death->fork_error != 0)
+        return "cannot start a process to compute it: " + std::string(std::strerror(none.death->fork_error));
+    return process + describe_end(none.death->status);
+}
+
+int milliseconds_until(std::optional<Clock::time_point> time) {
+    if (!time) return -1;
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*time - Clock::now()).count();
+    return static_cast<int>(std::max<std::int64_t>(left, 0));
+}
+
+/// Puts a reply together from what comes over a channel, never waiting.
+class ReplyReader {
+public:
+    enum class State { Partial, Complete, Ended };
+
+    State read(int channel) {
+        if (complete_) *this = {};
+        while (!wanted_.empty() || next_piece()) {
+            const ssize_t received = recv(channel, wanted_.data(), wanted_.size(), MSG_DONTWAIT);
+            if (received < 0 && errno == EINTR) continue;
+            if (received < 0 && errno == EAGAIN) return State::Partial;
+            if (received <= 0) return State::Ended;
+            wanted_ = wanted_.subspan(static_cast<std::size_t>(received));
+        }
+        return complete_ ? State::Complete : State::Ended;
+    }
+
+    const Reply& reply() const { return reply_; }
+    std::string take_text(std::size_t index) { return std::move(texts_[index]); }
+
+private:
+    /// @returns  false if there is none: the reply is complete, or cannot be one
+    bool next_piece() {
+        if (pieces_ == 0) {
+            wanted_ = {reinterpret_cast<char*>(&reply_), sizeof(reply_)};
+        } else if (pieces_ <= texts_.size()) {
+            if (!makes_sense()) return false;
+            auto& text = texts_[pieces_ - 1];
+            text.resize(reply_.sizes[pieces_ - 1]);
+            wanted_ = text;
+        } else {
+            complete_ = true;
+            return false;
+        }
+        ++pieces_;
+        return !wanted_.empty() || next_piece();
+    }
+
+    /// A process that has gone mad must not take the server's memory.
+    bool makes_sense() const {
+        constexpr std::uint64_t kMost = std::uint64_t{4} << 30;
+        return reply_.kind <= Reply::Kind::Failure && reply_.code <= static_cast<std::uint32_t>(ErrorCode::Internal) &&
+               std::ranges::all_of(reply_.sizes, [](std::uint64_t size) { return size <= kMost; });
+    }
+
+    Reply reply_;
+    std::array<std::string, Reply::kTexts> texts_;
+    std::span<char> wanted_;  ///< of the piece that comes now
+    std::size_t pieces_ = 0;  ///< begun: the head, then the texts
+    bool complete_ = false;
+};
+
+}  // namespace
+
+/// A process that computes, as the server sees it. Ends when this does.
+struct ComputeBox::Process {
+    UniqueFd channel;
+    UniqueFd events;
+    bool is_short = false;
+
+    /// Between computations it has nothing to say.
+    bool is_there() const {
+        pollfd polled{channel.get(), POLLIN, 0};
+        return poll(&polled, 1, 0) == 0;
+    }
+};
+
+/// One question and its answer.
+class ComputeBox::Conversation {
+public:
+    using Outcome = tl::expected<Result<api::Answer>, NoReply>;
+
+    Conversation(ComputeBox& box, const Process& process, const Control& control, api::Timings& timings)
+        : box_(box), process_(process), control_(control), timings_(timings), stopped_(eventfd(0, EFD_CLOEXEC)) {}
+
+    Outcome hold(Call call, const Question& question) {
+        const std::array<std::string_view, Call::kTexts> texts = {question.path, question.query, question.content_type,
+                                                                  question.accept, question.body};
+        for (std::size_t i = 0; i < texts.size(); ++i) call.sizes[i] = texts[i].size();
+        if (!send_texts(process_.channel.get(), {text_of(call), texts[0], texts[1], texts[2], texts[3], texts[4]}))
+            return lost();
+        const std::stop_callback wake(control_.stop, [this] { eventfd_write(stopped_.get(), 1); });
+        while (true) {
+            std::array<pollfd, 3> polled = {{{process_.channel.get(), POLLIN, 0},
+                                             {process_.events.get(), POLLIN, 0},
+                                             {give_up_ ? -1 : stopped_.get(), POLLIN, 0}}};
+            if (poll(polled.data(), polled.size(), milliseconds_until(give_up_)) == 0)
+                return tl::unexpected(NoReply{.overdue = true, .death = {}});
+            const auto& [channel, events, stopped] = polled;
+            if (channel.revents != 0) {
+                if (auto outcome = listen()) return *std::move(outcome);
+            }
+            if (events.revents != 0) take_event();
+            if (stopped.revents != 0) pass_on_stop(call);
+        }
+    }
+
+private:
+    /// @returns  none if there is more to come
+    std::optional<Outcome> listen() {
+        while (true) {
+            const auto state = reader_.read(process_.channel.get());
+            if (state == ReplyReader::State::Partial) return std::nullopt;
+            if (state == ReplyReader::State::Ended) return lost();
+            const Reply& reply = reader_.reply();
+            if (reply.kind != Reply::Kind::Step) return finish(reply);
+            if (control_.progress) control_.progress(reply.progress);
+        }
+    }
+
+    Outcome finish(const Reply& reply) {
+        timings_ = reply.timings;
+        box_.decoder_deaths_ += reply.decoder_deaths;
+        if (reply.kind == Reply::Kind::Failure)
+            return failure(static_cast<ErrorCode>(reply.code), reader_.take_text(0), reader_.take_text(1));
+        api::Answer answer;
+        answer.media_type = reader_.take_text(0);
+        answer.coding = reader_.take_text(1);
+        answer.body = reader_.take_text(2);
+        answer.sites = reply.sites;
+        answer.pixels = reply.pixels;
+        answer.partial = reply.partial != 0;
+        answer.repeats = reply.repeats != 0;
+        return answer;
+    }
+
+    void pass_on_stop(const Call& call) {
+        const Call stop{.kind = Call::Kind::Stop, .number = call.number, .limits = {}, .sizes = {}};
+        static_cast<void>(send_texts(process_.channel.get(), {text_of(stop)}));
+        give_up_ = Clock::now() + box_.options_.to_stop;
+    }
+
+    /// An order to the decoder, or the end.
+    void take_event() {
+        Order order;
+        std::array<UniqueFd, 3> files;
+        const std::size_t size = receive_message(process_.events.get(), writable_bytes_of(order.text), files);
+        if (size == sizeof(Death)) {
+            std::memcpy(static_cast<void*>(&death_.emplace()), &order.text, sizeof(Death));
+        }
+        if (size != sizeof(order.text)) return;
+        order.file = std::move(files[0]);
+        order.reply = std::move(files[1]);
+        order.outcome = std::move(files[2]);
+        box_.relay_(order, control_.stop);
+    }
+
+    /// The fork server tells soon how the process ended, if it is there.
+    tl::unexpected<NoReply> lost() {
+        const auto until = Clock::now() + kPatience;
+        pollfd events{process_.events.get(), POLLIN, 0};
+        while (!death_ && poll(&events, 1, milliseconds_until(until)) > 0) {
+            if ((events.revents & POLLIN) == 0) break;
+            take_event();
+        }
+        return tl::unexpected(NoReply{.overdue = false, .death = death_});
+    }
+
+    ComputeBox& box_;
+    const Process& process_;
+    const Control& control_;
+    api::Timings& timings_;
+    const UniqueFd stopped_;  ///< readable once the stop has come
+    ReplyReader reader_;
+    std::optional<Clock::time_point> give_up_;
+    std::optional<Death> death_;
+};
+
+Result<std::unique_ptr<ComputeBox>> ComputeBox::start(KeptProgram::Launch launch, const Options& options, Relay relay,
+                                                      KeptProgram::Tell tell) {
+    const auto greet = [](int socket) {
+        std::byte ready{};
+        return receive_message(socket, {&ready, 1}) == 1;
+    };
+    auto fork_server = KeptProgram::start("worker", std::move(launch), greet, std::move(tell));
+    if (!fork_server) return tl::unexpected(std::move(fork_server.error()));
+    return std::unique_ptr<ComputeBox>(new ComputeBox(*std::move(fork_server), options, std::move(relay)));
+}
+
+ComputeBox::ComputeBox(std::unique_ptr<KeptProgram> fork_server, const Options& options, Relay relay)
+    : options_(options), relay_(std::move(relay)), fork_server_(std::move(fork_server)) {}
+
+ComputeBox::~ComputeBox() = default;
+
+ComputeBox::Counts ComputeBox::counts() const {
+    return {crashes_, fork_server_->restarts(), decoder_deaths_};
+}
+
+Result<api::Answer> ComputeBox::compute(const Question& question, const Manner& manner, const Control& control,
+                                        api::Timings& timings) {
+    const Call call{
+        .compressed = manner.compressed ? 1U : 0U, .number = ++computations_, .limits = options_.limits, .sizes = {}};
+    for (bool again = false;; again = true) {
+        auto process = take_process(manner.is_short, control.stop);
+        if (!process) return tl::unexpected(std::move(process.error()));
+        auto outcome = Conversation(*this, *process, control, timings).hold(call, question);
+        if (outcome) {
+            give_back(*std::move(process));
+            return *std::move(outcome);
+        }
+        ++crashes_;
+        if (control.stop.stop_requested()) return failure(ErrorCode::Stopped, describe(outcome.error()));
+        if (again || !outcome.error().is_killed()) return failure(ErrorCode::Internal, describe(outcome.error()));
+    }
+}
+
+Result<ComputeBox::Process> ComputeBox::take_process(bool is_short, const std::stop_token& stop) {
+    while (true) {
+        std::optional<Process> idle;
+        {
+            const std::lock_guard lock(mutex_);
+            auto& processes = idle_[is_short ? 1 : 0];
+            if (processes.empty()) break;
+            idle = std::move(processes.back());
+            processes.pop_back();
+        }
+        if (idle->is_there()) return *std::move(idle);
+    }
+    return make_process(is_short, stop);
+}
+
+Result<ComputeBox::Process> ComputeBox::make_process(bool is_short, const std::stop_token& stop) {
+    const auto until = Clock::now() + kPatience;
+    for (KeptProgram::Socket lost;;) {
+        const auto fork_server = fork_server_->wait_for_socket(lost, until, stop);
+        if (fork_server == nullptr)
+            return failure(ErrorCode::Internal, "there is no process to compute it, nor what makes one");
+        auto channel = make_sockets(SOCK_STREAM);
+        auto events = make_sockets(SOCK_SEQPACKET);
+        if (!channel || !events)
+            return failure(ErrorCode::Internal, std::string("no sockets to a process: ") + std::strerror(errno));
+        const timeval longest{options_.to_stop.count(), 0};
+        setsockopt(channel->ours.get(), SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof(longest));
+        const Birth birth{is_short ? 1U : 0U};
+        const std::array<int, 2> theirs = {channel->theirs.get(), events->theirs.get()};
+        if (send_message(fork_server->get(), bytes_of(birth), theirs))
+            return Process{std::move(channel->ours), std::move(events->ours), is_short};
+        lost = fork_server;
+    }
+}
+
+void ComputeBox::give_back(Process process) {
+    const std::lock_guard lock(mutex_);
+    idle_[process.is_short ? 1 : 0].push_back(std::move(process));
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "api/options.h"
+#include "core/ccdt/ccdt.h"
+#include "core/result.h"
+#include "server/http/unique_fd.h"
+#include "server/processes/kept_program.h"
+#include "server/work/computation.h"
+
+namespace ccdt::server {
+
+struct Order;
+
+/// Computes answers in processes that may crash: each costs its own request only.
+///
+/// A fork server, a program of its own, makes a process whenever none is idle; there are as many as ever computed at
+/// the same time. A process that is killed from outside, as by a system without memory, has done nothing wrong: its
+/// computation is begun again, once. Members may be called from any thread.
+class ComputeBox {
+public:
+    /// Hands a process' order on to the decoder; its outcome goes to the process itself.
+    using Relay = std::function<void(const Order& order, const std::stop_token& stop)>;
+
+    struct Options {
+        api::Limits limits;
+        std::chrono::seconds to_stop{5};  ///< what a computation may take from its stop to its end
+    };
+
+    /// Starts the fork server and waits until it is ready. Errors: Internal.
+    static Result<std::unique_ptr<ComputeBox>> start(KeptProgram::Launch launch, const Options& options, Relay relay,
+                                                     KeptProgram::Tell tell);
+
+    ~ComputeBox();
+
+    ComputeBox(const ComputeBox&) = delete;
+    ComputeBox& operator=(const ComputeBox&) = delete;
+
+    /// As Compute. A computation that does not stop in time is ended with its process.
+    Result<api::Answer> compute(const Question& question, const Manner& manner, const Control& control,
+                                api::Timings& timings);
+
+    /// Whether processes can be made.
+    bool is_ready() const { return fork_server_->is_ready(); }
+
+    struct Counts {
+        std::uint64_t crashes = 0;         ///< processes that ended while they computed
+        std::uint64_t restarts = 0;        ///< of the fork server
+        std::uint64_t decoder_deaths = 0;  ///< pictures whose decoder crashed, passed a limit or gave nonsense
+    };
+    Counts counts() const;
+
+private:
+    struct Process;
+    class Conversation;
+
+    ComputeBox(std::unique_ptr<KeptProgram> fork_server, const Options& options, Relay relay);
+
+    Result<Process> take_process(bool is_short, const std::stop_token& stop);
+    Result<Process> make_process(bool is_short, const std::stop_token& stop);
+    void give_back(Process process);
+
+    const Options options_;
+    const Relay relay_;
+    std::atomic<std::uint64_t> crashes_ = 0;
+    std::atomic<std::uint64_t> decoder_deaths_ = 0;
+    std::atomic<std::uint64_t> computations_ = 0;
+
+    std::mutex mutex_;
+    std::array<std::vector<Process>, 2> idle_;  ///< by whether they are for short computations; guarded by the mutex
+
+    const std::unique_ptr<KeptProgram> fork_server_;
+};
+
+}  // namespace ccdt::server

@@ -1,0 +1,142 @@
+#include "server/compute/compute_process.h"
+
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include <unistd.h>
+
+#include "server/compute/compute_protocol.h"
+#include "server/decoder/decoder_client.h"
+#include "server/decoder/decoder_protocol.h"
+#include "server/processes/messages.h"
+
+namespace ccdt::server {
+namespace {
+
+/// A question that has come, and whether its answer is still wanted.
+struct Task {
+    Call call;
+    Question question;
+    std::stop_source stop;
+};
+
+/// Takes in what comes over the channel, in a thread of its own: a stop must be heard while computing, and the end of
+/// the channel ends the process.
+class Inbox {
+public:
+    explicit Inbox(int channel) : channel_(channel), listener_([this] { listen(); }) {}
+
+    Task wait() {
+        std::unique_lock lock(mutex_);
+        came_.wait(lock, [this] { return next_.has_value(); });
+        Task task = *std::move(next_);
+        next_.reset();
+        return task;
+    }
+
+private:
+    [[noreturn]] void listen() {
+        while (true) {
+            Call call;
+            if (!receive_all(channel_, {reinterpret_cast<char*>(&call), sizeof(call)})) _exit(0);
+            if (call.kind == Call::Kind::Ask) {
+                put(call, receive_question(call));
+            } else {
+                stop(call.number);
+            }
+        }
+    }
+
+    Question receive_question(const Call& call) const {
+        Question question;
+        const std::array texts = {&question.path, &question.query, &question.content_type, &question.accept,
+                                  &question.body};
+        for (std::size_t i = 0; i < texts.size(); ++i) {
+            texts[i]->resize(call.sizes[i]);
+            if (!receive_all(channel_, *texts[i])) _exit(0);
+        }
+        return question;
+    }
+
+    void put(const Call& call, Question question) {
+        const std::lock_guard lock(mutex_);
+        last_number_ = call.number;
+        last_stop_ = std::stop_source();
+        next_ = Task{call, std::move(question), last_stop_};
+        came_.notify_one();
+    }
+
+    void stop(std::uint64_t number) {
+        const std::lock_guard lock(mutex_);
+        if (number == last_number_) last_stop_.request_stop();
+    }
+
+    const int channel_;
+
+    std::mutex mutex_;  ///< guards the members from here to `last_stop_`
+    std::condition_variable came_;
+    std::optional<Task> next_;
+    std::uint64_t last_number_ = 0;
+    std::stop_source last_stop_;
+
+    std::jthread listener_;  ///< last: it uses all the rest
+};
+
+/// Sends a reply with its texts. If nobody takes them the process is about to end.
+void send_reply(int channel, Reply reply, const std::array<std::string_view, Reply::kTexts>& texts) {
+    for (std::size_t i = 0; i < texts.size(); ++i) reply.sizes[i] = texts[i].size();
+    static_cast<void>(send_texts(channel, {text_of(reply), texts[0], texts[1], texts[2]}));
+}
+
+/// Computes, whatever happens.
+Result<api::Answer> answer(const Task& task, const Computer& compute, const api::Decode& decode, const Control& control,
+                           api::Timings& timings) {
+    const Manner manner{task.call.compressed != 0, false};
+    try {
+        return compute(task.question, manner, task.call.limits, decode, control, timings);
+    } catch (const std::exception& exception) {
+        return failure(ErrorCode::Internal, exception.what());
+    }
+}
+
+void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder, int channel) {
+    const auto deaths = decoder.deaths();
+    Reply reply;
+    const Control control{task.stop.get_token(), [&](const Progress& progress) {
+                              Reply step;
+                              step.progress = progress;
+                              send_reply(channel, step, {});
+                          }};
+    const auto result = answer(task, compute, decoder.functions(), control, reply.timings);
+    reply.decoder_deaths = decoder.deaths() - deaths;
+    if (!result) {
+        reply.kind = Reply::Kind::Failure;
+        reply.code = static_cast<std::uint32_t>(result.error().code);
+        return send_reply(channel, reply, {result.error().message, result.error().field, {}});
+    }
+    reply.kind = Reply::Kind::Answer;
+    reply.sites = result->sites;
+    reply.pixels = result->pixels;
+    reply.partial = result->partial ? 1 : 0;
+    reply.repeats = result->repeats ? 1 : 0;
+    send_reply(channel, reply, {result->media_type, result->coding, result->body});
+}
+
+}  // namespace
+
+void run_compute_process(UniqueFd channel, UniqueFd events, const Computer& compute) {
+    Inbox inbox(channel.get());
+    DecoderClient decoder(
+        [&events](const Order& order, const std::stop_token&) { return send_order(events.get(), order); });
+    while (true) reply_to(inbox.wait(), compute, decoder, channel.get());
+}
+
+}  // namespace ccdt::server

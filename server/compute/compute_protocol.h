@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+
+#include "api/options.h"
+#include "core/ccdt/ccdt.h"
+#include "core/result.h"
+#include "server/work/computation.h"
+
+namespace ccdt::server {
+
+/// What the server, the fork server and the processes that compute say to each other. They are built together, so
+/// structs travel as they are.
+///
+/// A process has two sockets. Over its channel, a stream, come calls and go replies. Over the other one, which keeps
+/// messages apart, go its orders to the decoder, as decoder_protocol.h has them, and, when it has ended, comes from the
+/// fork server how.
+
+/// To the fork server, with the two sockets: another process is wanted.
+struct Birth {
+    std::uint32_t is_short = 0;  ///< it goes before those that are not
+};
+
+/// From the fork server: the process has ended, or there was none.
+struct Death {
+    std::int32_t fork_error = 0;  ///< errno for why there was none; 0: there was
+    std::int32_t status = 0;      ///< as waitpid tells it
+};
+
+/// To a process that computes. Kind Ask is followed by the texts of the question.
+struct Call {
+    enum class Kind : std::uint32_t { Ask, Stop };
+    static constexpr std::size_t kTexts = 5;  ///< path, query, content type, accept, body
+
+    Kind kind = Kind::Ask;
+    std::uint32_t compressed = 0;
+    std::uint64_t number = 0;  ///< of the computation: a stop that comes late must not end the next one
+    api::Limits limits;
+    std::array<std::uint64_t, kTexts> sizes{};
+};
+
+/// From a process that computes: any number of times Step, then one of the others, followed by texts.
+struct Reply {
+    enum class Kind : std::uint32_t { Step, Answer, Failure };
+    static constexpr std::size_t kTexts = 3;  ///< media type, coding, body; of a failure: message, field, nothing
+
+    Kind kind = Kind::Step;
+    std::uint32_t code = 0;  ///< ErrorCode of a failure
+    Progress progress;
+    api::Timings timings;
+    std::uint64_t decoder_deaths = 0;  ///< of the computation
+    std::uint64_t sites = 0;
+    std::uint64_t pixels = 0;
+    std::uint32_t partial = 0;
+    std::uint32_t repeats = 0;
+    std::array<std::uint64_t, kTexts> sizes{};
+};
+
+static_assert(std::is_trivially_copyable_v<Call> && std::is_trivially_copyable_v<Reply>);
+
+}  // namespace ccdt::server

@@ -1,0 +1,127 @@
+#include "server/compute/fork_server.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/signalfd.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "server/compute/compute_protocol.h"
+#include "server/processes/messages.h"
+
+namespace ccdt::server {
+namespace {
+
+constexpr int kFailed = 1;
+
+/// Signals that a service manager sends to all processes are the server's to act on.
+void ignore_signals() {
+    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(number, SIG_IGN);
+}
+
+UniqueFd watch_children() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGCHLD);
+    sigprocmask(SIG_BLOCK, &signals, nullptr);
+    return UniqueFd(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
+}
+
+/// If the machine runs out of memory, this process ends rather than the server.
+void volunteer_for_out_of_memory() {
+    const UniqueFd file(open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
+    if (file) static_cast<void>(!write(file.get(), "500", 3));
+}
+
+class ForkServer {
+public:
+    ForkServer(UniqueFd orders, const ComputeProcess& compute)
+        : orders_(std::move(orders)), compute_(compute), deaths_(watch_children()) {}
+
+    /// Until the server goes.
+    void run() {
+        const std::byte ready{};
+        if (!deaths_ || !send_message(orders_.get(), {&ready, 1})) return;
+        while (true) {
+            std::array<pollfd, 2> polled = {{{orders_.get(), POLLIN, 0}, {deaths_.get(), POLLIN, 0}}};
+            poll(polled.data(), polled.size(), -1);
+            reap();
+            if (polled[0].revents == 0) continue;
+            Birth birth;
+            std::array<UniqueFd, 2> sockets;
+            if (receive_message(orders_.get(), writable_bytes_of(birth), sockets) == 0) return;
+            start(birth, std::move(sockets));
+        }
+    }
+
+private:
+    struct Child {
+        pid_t process = 0;
+        UniqueFd events;
+    };
+
+    void start(const Birth& birth, std::array<UniqueFd, 2> sockets) {
+        auto& [channel, events] = sockets;
+        if (!channel || !events) return;
+        const pid_t process = fork();
+        if (process == 0) become(birth, std::move(channel), std::move(events));
+        if (process < 0) return tell(events, {errno, 0});
+        children_.push_back({process, std::move(events)});
+    }
+
+    /// In the child.
+    [[noreturn]] void become(const Birth& birth, UniqueFd channel, UniqueFd events) {
+        children_.clear();
+        orders_.reset();
+        sigset_t none;
+        sigemptyset(&none);
+        sigprocmask(SIG_SETMASK, &none, nullptr);
+        constexpr int kNice = 10;
+        if (birth.is_short == 0) setpriority(PRIO_PROCESS, 0, kNice);
+        volunteer_for_out_of_memory();
+        compute_(std::move(channel), std::move(events));
+        _exit(kFailed);
+    }
+
+    void reap() {
+        signalfd_siginfo read_away;
+        while (read(deaths_.get(), &read_away, sizeof(read_away)) > 0) {
+        }
+        int status = 0;
+        for (pid_t process = 0; (process = waitpid(-1, &status, WNOHANG)) > 0;) {
+            const auto child = std::ranges::find(children_, process, &Child::process);
+            if (child == children_.end()) continue;
+            tell(child->events, {0, status});
+            children_.erase(child);
+        }
+    }
+
+    static void tell(const UniqueFd& events, const Death& death) {
+        // Nobody may be left to hear it.
+        static_cast<void>(send_message(events.get(), bytes_of(death)));
+    }
+
+    UniqueFd orders_;
+    const ComputeProcess& compute_;
+    const UniqueFd deaths_;
+    std::vector<Child> children_;
+};
+
+}  // namespace
+
+void run_fork_server(UniqueFd orders, const ComputeProcess& compute) {
+    ignore_signals();
+    ForkServer(std::move(orders), compute).run();
+    _exit(0);
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <functional>
+
+#include "server/http/unique_fd.h"
+
+namespace ccdt::server {
+
+/// What a process that computes does; it does not return.
+using ComputeProcess = std::function<void(UniqueFd channel, UniqueFd events)>;
+
+/// Says that it is ready, then forks a process for each order that comes, as compute_protocol.h has them, and tells how
+/// they end. The calling process, of one thread, becomes it, and ends once the other end of `orders` is closed.
+///
+/// Processes that are there outlive it: they end with their own sockets. Should the machine run out of memory they go
+/// before the server; they leave processors to it and, unless they are for short computations, to each other.
+[[noreturn]] void run_fork_server(UniqueFd orders, const ComputeProcess& compute);
+
+}  // namespace ccdt::server

@@ -1,0 +1,20 @@
+#include <cstdio>
+
+#include <fcntl.h>
+
+#include "server/compute/compute_process.h"
+#include "server/compute/fork_server.h"
+#include "server/processes/child_program.h"
+
+/// The program that computes, which the server starts.
+int main() {
+    using namespace ccdt::server;
+    UniqueFd orders(ChildProgram::kSocket);
+    if (fcntl(orders.get(), F_GETFD) < 0) {
+        std::fputs("ccdt-worker: ccdt-server starts this program\n", stderr);
+        return 2;
+    }
+    run_fork_server(std::move(orders), [](UniqueFd channel, UniqueFd events) {
+        run_compute_process(std::move(channel), std::move(events), compute_here);
+    });
+}

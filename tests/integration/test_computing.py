@@ -1,0 +1,159 @@
+"""Computations that crash, hang or are killed: each costs its own request only."""
+
+import json
+import os
+import pathlib
+import re
+import signal
+import tempfile
+import time
+import unittest
+
+from harness import PATIENCE, Call, Server, ServerCase, ask, post_json
+
+TORUS = {"type": "torus", "width": 1, "height": 1}
+JSON = ("--header", "Content-Type: application/json")
+CRASHING = os.environ["CCDT_CRASHING_SERVER"]
+CRASH, HANG = 1300000001, 1300000002
+
+
+def sample(sites=100, **members):
+    return json.dumps({"sites": sites, "domain": TORUS, "format": "csv", **members})
+
+
+def parent_and_state(process):
+    """Of a process; none if there is no such."""
+    try:
+        fields = pathlib.Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
+    except (OSError, IndexError):
+        return None
+    return int(fields[1]), fields[0]
+
+
+def children(process):
+    """Ids and states."""
+    found = {}
+    for folder in pathlib.Path("/proc").iterdir():
+        told = parent_and_state(folder.name) if folder.name.isdigit() else None
+        if told and told[0] == process:
+            found[int(folder.name)] = told[1]
+    return found
+
+
+def fork_server(server):
+    for child in children(server.process.pid):
+        if pathlib.Path(f"/proc/{child}/comm").read_text().strip() == "ccdt-worker":
+            return child
+    raise AssertionError("there is no worker")
+
+
+def figure(server, name):
+    told = ask(server, "/metrics").body.decode()
+    return float(re.search(rf"^{name} (\S+)$", told, re.MULTILINE).group(1))
+
+
+def wait_until(holds):
+    """Asks until it holds; only a fault makes it wait for long."""
+    until = time.monotonic() + PATIENCE
+    while not holds():
+        if time.monotonic() > until:
+            raise AssertionError("it never came to that")
+
+
+class Crashes(ServerCase):
+    flags = ("--workers=2", "--timeout=2")
+    program = CRASHING
+
+    def test_cost_their_own_request_only(self):
+        crashes = figure(self.server, "ccdt_computation_crashes_total")
+        honest = sample(20_000)
+        expected = post_json(self.server, "/sample", honest).body
+        calls = [Call(self.server.url("/sample"), *JSON, data=honest) for _ in range(6)]
+        crashed = [Call(self.server.url("/sample"), *JSON, data=sample(seed=CRASH)) for _ in range(3)]
+        for call in crashed:
+            problem = self.assert_problem(call.answer(), 500)
+            self.assertIn("log", problem["detail"])
+            self.server.wait_for_log(problem["instance"].removeprefix("urn:request:"))
+        for call in calls:
+            answer = call.answer()
+            self.assertEqual((answer.status, answer.body), (200, expected))
+        self.assertIn("the process that computed it ", self.server.log())
+        self.assertEqual(figure(self.server, "ccdt_computation_crashes_total"), crashes + 3)
+        self.assertEqual(self.ask("/health/ready").status, 200)
+
+    def test_are_no_way_out_of_a_deadline(self):
+        self.assert_problem(post_json(self.server, "/sample", sample(seed=HANG)), 504)
+        wait_until(lambda: figure(self.server, "ccdt_workers_busy") == 0)
+        self.assertEqual(post_json(self.server, "/sample", sample()).status, 200)
+
+
+class CrashesOfJobs(unittest.TestCase):
+    def test_fail_alone_and_stay_failed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            flags = ("--workers=1", f"--data-dir={folder}")
+            with Server(*flags, program=CRASHING) as server:
+                prefer = ("--header", "Prefer: respond-async")
+                seeds = [1, CRASH, 2, CRASH, 3]
+                jobs = [post_json(server, "/sample", sample(seed=seed), *prefer).headers["location"] for seed in seeds]
+                for job, seed in zip(jobs, seeds):
+                    wait_until(lambda job=job: ask(server, job).json()["status"] in ("succeeded", "failed"))
+                    self.assertEqual(ask(server, job).json()["status"], "failed" if seed == CRASH else "succeeded")
+                self.assertEqual(server.stop(), 0)
+            with Server(*flags, program=CRASHING) as server:
+                for job, seed in zip(jobs, seeds):
+                    answer = ask(server, job + "/result")
+                    self.assertEqual(answer.status, 500 if seed == CRASH else 200, answer)
+                    if seed != CRASH:
+                        self.assertEqual(answer.body, post_json(server, "/sample", sample(seed=seed)).body)
+                self.assertEqual(server.stop(), 0)
+
+
+class Kills(unittest.TestCase):
+    def test_of_processes_that_compute_lose_nothing(self):
+        with Server("--workers=2", "--timeout=120") as server:
+            bodies = [sample(30_000, seed=seed) for seed in range(6)]
+            expected = [post_json(server, "/sample", body).body for body in bodies]
+            for _ in range(3):
+                calls = [Call(server.url("/sample"), *JSON, data=body) for body in bodies]
+                wait_until(lambda: figure(server, "ccdt_workers_busy") == 2)
+                for process in children(fork_server(server)):
+                    os.kill(process, signal.SIGKILL)
+                answers = [call.answer() for call in calls]
+                self.assertEqual([answer.status for answer in answers], [200] * 6)
+                self.assertEqual([answer.body for answer in answers], expected)
+            self.assertGreaterEqual(figure(server, "ccdt_computation_crashes_total"), 3)
+            self.assertEqual(server.stop(), 0)
+
+    def test_of_what_makes_them_are_told_counted_and_made_good(self):
+        with Server("--workers=1", "--timeout=120") as server:
+            expected = post_json(server, "/sample", sample()).body
+            for kill in range(1, 4):
+                running = Call(server.url("/sample"), *JSON, data=sample(100_000))
+                wait_until(lambda: figure(server, "ccdt_workers_busy") == 1)
+                first = fork_server(server)
+                os.kill(first, signal.SIGKILL)
+                wait_until(lambda kill=kill: figure(server, "ccdt_worker_restarts_total") == kill)
+                wait_until(lambda: ask(server, "/health/ready").status == 200)
+                self.assertNotEqual(fork_server(server), first)
+                self.assertEqual(post_json(server, "/sample", sample()).body, expected)
+                self.assertEqual(running.answer().status, 200)
+                self.assertNotIn("Z", children(server.process.pid).values())
+            self.assertIn("the worker was killed by signal 9 (Killed), and is started again", server.log())
+            self.assertEqual(server.stop(), 0)
+
+    def test_of_the_server_leave_nothing_behind(self):
+        with Server("--workers=1") as server:
+            post_json(server, "/sample", sample())
+            maker = fork_server(server)
+            family = [maker, *children(maker)]
+            self.assertGreater(len(family), 1)
+            running = Call(server.url("/sample"), *JSON, data=sample(100_000, iterations=1000))
+            wait_until(lambda: figure(server, "ccdt_workers_busy") == 1)
+            server.signal(signal.SIGKILL)
+            server.wait()
+            running.abandon()
+            wait_until(lambda: all((parent_and_state(process) or (0, "Z"))[1] == "Z" for process in family))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,208 @@
+#include "server/compute/compute_box.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <thread>
+
+#include "server/compute/compute_process.h"
+#include "server/compute/fork_server.h"
+#include "server/decoder/decoder_protocol.h"
+
+namespace ccdt::server {
+namespace {
+
+using std::chrono::seconds;
+
+/// Waits for a stop in vain or not.
+void wait_for_stop(const std::stop_token& stop) {
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any never;
+    never.wait(lock, stop, [] { return false; });
+}
+
+/// Does what the question's path says, in the process that computes.
+Result<api::Answer> obey(const Question& question, const Manner& manner, const api::Limits& limits, const api::Decode&,
+                         const Control& control, api::Timings& timings) {
+    timings = {1, 2, 3};
+    if (question.path == "abort") std::abort();
+    if (question.path == "die" && !std::filesystem::exists(question.query)) {
+        std::ofstream(question.query) << getpid();
+        raise(SIGKILL);
+    }
+    if (question.path == "die again") raise(SIGKILL);
+    if (question.path == "throw") throw std::runtime_error("thrown");
+    if (question.path == "refuse") return failure(ErrorCode::Unusable, "no", "/a field");
+    if (question.path == "endless") wait_for_stop({});
+    if (question.path == "wait") {
+        control.progress({.iteration = 1});
+        wait_for_stop(control.stop);
+        return failure(ErrorCode::Stopped, "stopped");
+    }
+    for (int i = 1; i <= 3; ++i) control.progress({.iteration = i, .iterations = 3, .variation = 0.5});
+    api::Answer answer;
+    answer.media_type = question.content_type + (manner.compressed ? " compressed" : "");
+    answer.coding = question.accept;
+    answer.body = question.body;
+    answer.sites = limits.max_sites;
+    answer.pixels = static_cast<std::size_t>(getpid());
+    answer.partial = true;
+    answer.repeats = false;
+    return answer;
+}
+
+/// Becomes what spawn_sibling starts.
+Result<ChildProgram> launch(UniqueFd orders) {
+    const pid_t process = fork();
+    if (process != 0) return ChildProgram(process);
+    dup2(orders.get(), ChildProgram::kSocket);
+    close_range(ChildProgram::kSocket + 1, ~0U, 0);
+    static_cast<void>(orders.release());
+    run_fork_server(UniqueFd(ChildProgram::kSocket), [](UniqueFd channel, UniqueFd events) {
+        run_compute_process(std::move(channel), std::move(events), obey);
+    });
+}
+
+class ComputeBoxTest : public testing::Test {
+protected:
+    Result<api::Answer> ask(const Question& question, const Control& control = {}) {
+        return box_->compute(question, {}, control, timings_);
+    }
+
+    pid_t process_of_next() { return static_cast<pid_t>(ask({"/", "", "", "", ""})->pixels); }
+
+    static bool is_there(pid_t process) {
+        std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+        std::string id, name, state;
+        return file >> id >> name >> state && state != "Z";
+    }
+
+    api::Timings timings_;
+    std::unique_ptr<ComputeBox> box_ = *ComputeBox::start(
+        launch, {.limits = {.max_sites = 7, .max_pixels = 8}, .to_stop = seconds(1)},
+        [](const Order&, const std::stop_token&) {}, [](const std::string&) {});
+};
+
+TEST_F(ComputeBoxTest, TellsTheWholeAnswer) {
+    const auto answer = box_->compute({"/", "", "type", "coding", "body"}, {.compressed = true}, {}, timings_);
+    ASSERT_TRUE(answer) << answer.error().message;
+    EXPECT_EQ(answer->media_type, "type compressed");
+    EXPECT_EQ(answer->coding, "coding");
+    EXPECT_EQ(answer->body, "body");
+    EXPECT_EQ(answer->sites, 7U);
+    EXPECT_TRUE(answer->partial);
+    EXPECT_FALSE(answer->repeats);
+    EXPECT_EQ(timings_.decode + 10 * timings_.optimise + 100 * timings_.encode, 321);
+}
+
+TEST_F(ComputeBoxTest, TakesBodiesOfAnySize) {
+    for (const std::size_t size : {0, 1, 16'384, 16'385, 30'000'000}) {
+        const auto answer = ask({"/", "", "type", "", std::string(size, 'x')});
+        ASSERT_TRUE(answer);
+        EXPECT_EQ(answer->body, std::string(size, 'x'));
+    }
+}
+
+TEST_F(ComputeBoxTest, TellsErrors) {
+    const auto refused = ask({"refuse", "", "", "", ""});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::Unusable);
+    EXPECT_EQ(refused.error().message, "no");
+    EXPECT_EQ(refused.error().field, "/a field");
+    const auto thrown = ask({"throw", "", "", "", ""});
+    EXPECT_EQ(thrown.error().code, ErrorCode::Internal);
+    EXPECT_EQ(thrown.error().message, "thrown");
+    EXPECT_EQ(box_->counts().crashes, 0U);
+}
+
+TEST_F(ComputeBoxTest, TellsEveryStep) {
+    std::vector<int> steps;
+    const Control control{{}, [&](const Progress& progress) { steps.push_back(progress.iteration); }};
+    EXPECT_TRUE(ask({"/", "", "", "", ""}, control));
+    EXPECT_EQ(steps, (std::vector<int>{1, 2, 3}));
+}
+
+TEST_F(ComputeBoxTest, UsesProcessesAgain) {
+    const pid_t first = process_of_next();
+    EXPECT_EQ(process_of_next(), first);
+    const auto for_short = box_->compute({"/", "", "", "", ""}, {.is_short = true}, {}, timings_);
+    EXPECT_NE(for_short->pixels, static_cast<std::size_t>(first)) << "which gives way to nobody";
+}
+
+TEST_F(ComputeBoxTest, LosesOnlyTheComputationThatCrashes) {
+    std::stop_source stop;
+    std::jthread other([&] {
+        const auto answer = ask({"wait", "", "", "", ""}, {stop.get_token(), [](const Progress&) {}});
+        EXPECT_EQ(answer.error().code, ErrorCode::Stopped);
+        EXPECT_EQ(answer.error().message, "stopped") << "by itself";
+    });
+    api::Timings timings;
+    for (int i = 1; i <= 3; ++i) {
+        const auto crashed = box_->compute({"abort", "", "", "", ""}, {}, {}, timings);
+        ASSERT_FALSE(crashed);
+        EXPECT_EQ(crashed.error().code, ErrorCode::Internal);
+        EXPECT_EQ(crashed.error().message, "the process that computed it was killed by signal 6 (Aborted)");
+        EXPECT_EQ(box_->counts().crashes, static_cast<std::uint64_t>(i));
+        EXPECT_TRUE(box_->compute({"/", "", "", "", ""}, {}, {}, timings));
+    }
+    stop.request_stop();
+}
+
+TEST_F(ComputeBoxTest, BeginsAgainWhatWasKilledFromOutside) {
+    std::string file = (std::filesystem::path(testing::TempDir()) / "killed-XXXXXX").string();
+    ASSERT_NE(mkdtemp(file.data()), nullptr);
+    const auto answer = ask({"die", file + "/once", "", "", "body"});
+    ASSERT_TRUE(answer) << answer.error().message;
+    EXPECT_EQ(answer->body, "body");
+    EXPECT_EQ(box_->counts().crashes, 1U);
+    std::filesystem::remove_all(file);
+    const auto twice = ask({"die again", "", "", "", ""});
+    EXPECT_EQ(twice.error().message, "the process that computed it was killed by signal 9 (Killed)");
+    EXPECT_EQ(box_->counts().crashes, 3U);
+}
+
+TEST_F(ComputeBoxTest, ReplacesProcessesThatDiedAtRest) {
+    const pid_t process = process_of_next();
+    kill(process, SIGKILL);
+    while (kill(process, 0) == 0) std::this_thread::yield();  // until it is reaped
+    EXPECT_NE(process_of_next(), process);
+    EXPECT_EQ(box_->counts().crashes, 0U);
+}
+
+TEST_F(ComputeBoxTest, EndsWhatDoesNotStop) {
+    std::stop_source stop;
+    const Control control{stop.get_token(), {}};
+    const pid_t process = process_of_next();
+    std::jthread impatient([&] { stop.request_stop(); });
+    const auto answer = ask({"endless", "", "", "", ""}, control);
+    ASSERT_FALSE(answer);
+    EXPECT_EQ(answer.error().code, ErrorCode::Stopped);
+    while (is_there(process)) std::this_thread::yield();
+}
+
+TEST_F(ComputeBoxTest, DoesNotEndTheNextComputationByALateStop) {
+    for (int i = 0; i < 200; ++i) {
+        std::stop_source stop;
+        std::jthread late([&] { stop.request_stop(); });
+        ask({"/", "", "", "", ""}, {stop.get_token(), {}});
+        late.join();
+        EXPECT_TRUE(ask({"/", "", "", "", ""}));
+    }
+}
+
+TEST_F(ComputeBoxTest, EndsItsProcesses) {
+    const pid_t process = process_of_next();
+    box_.reset();
+    while (is_there(process)) std::this_thread::yield();
+}
+
+}  // namespace
+}  // namespace ccdt::server
