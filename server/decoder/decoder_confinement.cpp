@@ -94,12 +94,14 @@ void enter_namespaces(Confinement& confinement) {
         leave_root(confinement);
         static_cast<void>(unshare(CLONE_NEWUSER));
     }
-    for (const auto& [layer, flag] : kNamespaces) confinement.error(layer) = error_of(unshare(flag) == 0);
+    for (const auto& [layer, flag] : kNamespaces) {
+        const bool is_spared = layer == Layer::Mounts && !Sandbox::kIsWhole;  // sanitizers open files
+        confinement.error(layer) = is_spared ? ENOSYS : error_of(unshare(flag) == 0);
+    }
 }
 
 void give_up_rights(Confinement& confinement) {
-    if (confinement.has(Layer::Mounts))
-        confinement.error(Layer::Mounts) = Sandbox::kIsWhole ? error_of(empty_root()) : ENOSYS;
+    if (confinement.has(Layer::Mounts)) confinement.error(Layer::Mounts) = error_of(empty_root());
     empty_bounding_set();
     leave_root(confinement);
     confinement.error(Layer::Capabilities) = error_of(drop_capabilities());

@@ -157,6 +157,7 @@ private:
 
     /// In the child.
     [[noreturn]] void do_order(int orders) const {
+        prctl(PR_SET_NAME, "decoder");
         sigset_t none;
         sigemptyset(&none);
         sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -236,6 +237,7 @@ bool be_helper(const Decoder& decoder) {
     if (decoder.warm_up) decoder.warm_up();
     Confinement confinement;
     continue_in_namespaces(confinement);
+    prctl(PR_SET_NAME, "decoder-helper");
     const Sandbox sandbox;
     confinement.error(Layer::Landlock) = sandbox.landlock_error();
     confinement.error(Layer::Calls) = sandbox.filter_error();

@@ -28,6 +28,13 @@ class Process:
             return None
         return state, int(parent)
 
+    def name(self):
+        """None if it is gone."""
+        try:
+            return (PROC / str(self.id) / "comm").read_text().strip()
+        except OSError:
+            return None
+
     def is_running(self):
         stat = self.stat()
         return stat is not None and stat[0] not in "ZX"
@@ -81,8 +88,8 @@ class Family:
     def helper(self):
         """Once it has a child that waits for a picture."""
         def find():
-            helpers = self.keeper().children()
-            return len(helpers) == 1 and helpers[0].children() and helpers[0]
+            helpers = [process for process in self.keeper().children() if process.name() == "decoder-helper"]
+            return helpers and helpers[0].children() and helpers[0]
 
         return wait_for(find)
 

@@ -222,12 +222,20 @@ pid_t keeper() {
     return children_of(getpid()).at(0);
 }
 
-/// Waits for one that gets orders: after a death there is none for a moment.
+std::string name_of(pid_t process) {
+    std::string name;
+    std::ifstream("/proc/" + std::to_string(process) + "/comm") >> name;
+    return name;
+}
+
+/// Waits for one that has a child for an order: after a death there is none for a moment.
 pid_t helper() {
     while (true) {
-        const auto keepers = children_of(getpid());
-        const auto helpers = keepers.empty() ? keepers : children_of(keepers[0]);
-        if (helpers.size() == 1 && !children_of(helpers[0]).empty()) return helpers[0];
+        for (const pid_t keeper : children_of(getpid())) {
+            for (const pid_t helper : children_of(keeper)) {
+                if (name_of(helper) == "decoder-helper" && !children_of(helper).empty()) return helper;
+            }
+        }
     }
 }
 
