@@ -91,7 +91,7 @@ TEST(Overlay, ShowsWhatIsBelowWhereNoInkIs) {
 TEST(Overlay, EndsOnceItIsStopped) {
     std::stop_source source;
     source.request_stop();
-    const auto picture = overlay(std::vector{raster({255})}, printed_by("cmyk"), false, source.get_token());
+    const auto picture = overlay(std::vector(4, raster({255})), printed_by("cmyk"), false, source.get_token());
     EXPECT_EQ(picture.pixels, std::vector<std::uint8_t>{0});
 }
 

@@ -28,7 +28,7 @@ std::vector<WeightedPoint> noise(std::size_t count) {
 Complex direct_sum(const std::vector<WeightedPoint>& points, int i, int j) {
     Complex sum;
     for (const auto& [position, weight] : points) {
-        sum += std::polar(weight, -2 * std::numbers::pi * (i * position.x + j * position.y));
+        sum += weight * std::polar(1.0, -2 * std::numbers::pi * (i * position.x + j * position.y));
     }
     return sum;
 }
