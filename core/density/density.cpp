@@ -88,7 +88,7 @@ Result<Density> Density::grid(int width, int height, std::span<const float> valu
 
 std::span<const double> Density::row_sums(int row) const {
     const auto stride = static_cast<std::size_t>(width_) + 1;
-    return std::span(row_sums_).subspan(static_cast<std::size_t>(row) * stride, stride);
+    return {row_sums_.data() + static_cast<std::size_t>(row) * stride, stride};
 }
 
 CellBlock Density::support() const {
