@@ -4,8 +4,13 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
+#include <ctime>
+#include <filesystem>
+#include <iterator>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -233,8 +238,29 @@ void continue_in_namespaces(Confinement& confinement) {
 }
 
 /// @returns  whether the helper was ready
+std::ptrdiff_t count_threads() {
+    std::error_code error;
+    const std::filesystem::directory_iterator threads("/proc/self/task", error);
+    return error ? 0 : std::distance(begin(threads), end(threads));
+}
+
+void pause_shortly() {
+    const timespec pause{0, 10'000'000};
+    nanosleep(&pause, nullptr);
+}
+
+/// Does once what decoding does but once. The libraries start threads for that and let go of them: a lock that one of
+/// these holds while this process forks would be held in all its children for good, so they are waited for.
+void warm_up(const Decoder& decoder) {
+    if (!decoder.warm_up) return;
+    constexpr int kMostPauses = 500;
+    const auto before = count_threads();
+    decoder.warm_up();
+    for (int pauses = 0; count_threads() > before && pauses < kMostPauses; ++pauses) pause_shortly();
+}
+
 bool be_helper(const Decoder& decoder) {
-    if (decoder.warm_up) decoder.warm_up();
+    warm_up(decoder);
     Confinement confinement;
     continue_in_namespaces(confinement);
     prctl(PR_SET_NAME, "decoder-helper");
