@@ -15,7 +15,6 @@
 #include <thread>
 #include <utility>
 
-#include <malloc.h>
 #include <unistd.h>
 
 #include "api/image/image_codec.h"
@@ -43,16 +42,6 @@ constexpr int kWrongUsage = 2;
 
 /// Besides those of connections: the log, libraries, pictures.
 constexpr std::size_t kOtherFiles = 256;
-
-/// Of memory: what is freed in pieces of this size at least is the system's again.
-constexpr int kGivenBack = 1 << 20;
-
-/// Left to itself, glibc raises these bounds as large pieces come and go, up to 32 and 64 MiB in each of its arenas,
-/// and a server at rest keeps most of what its busiest moment took.
-void give_back_freed_memory() {
-    mallopt(M_MMAP_THRESHOLD, kGivenBack);
-    mallopt(M_TRIM_THRESHOLD, kGivenBack);
-}
 
 /// SIGHUP only if it means something: else it ends the program, as it does when a terminal is closed.
 sigset_t awaited_signals(bool reload) {
@@ -139,9 +128,11 @@ Result<std::unique_ptr<ComputeBox>> start_computing(const Config& config, Decode
 /// way to and from clients, nor what is kept of jobs and answers in memory.
 Result<std::size_t> memory_to_compute_with(const Config& config) {
     constexpr std::size_t kOthers = std::size_t{160} << 20;  // the decoder's processes, 70 at rest, and threads to come
+    constexpr std::size_t kProcess = std::size_t{8} << 20;   // one that computes, at rest
     constexpr std::size_t kLeast = std::size_t{192} << 20;
     const std::size_t kept = config.data_dir.empty() ? config.jobs.bytes : 0;
-    const std::size_t taken = resident_bytes() + kOthers + config.capacity.bytes + config.cache + kept;
+    const std::size_t processes = (config.workers + 2) * kProcess;  // that for short requests, and what makes them
+    const std::size_t taken = resident_bytes() + kOthers + processes + config.capacity.bytes + config.cache + kept;
     if (config.memory >= taken + kLeast) return config.memory - taken;
     const auto mebibytes = [](std::size_t bytes) { return std::to_string(bytes >> 20) + " MiB"; };
     return failure(ErrorCode::Malformed, "a memory of " + mebibytes(config.memory) +

@@ -1,5 +1,6 @@
 #include "server/process.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -56,6 +57,12 @@ std::size_t available_memory() {
         static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
     return std::min({machine, limit_of_groups("/sys/fs/cgroup", "", "memory.max"),
                      limit_of_groups("/sys/fs/cgroup/memory", "memory", "memory.limit_in_bytes")});
+}
+
+void give_back_freed_memory() {
+    constexpr int kGivenBack = 1 << 20;
+    mallopt(M_MMAP_THRESHOLD, kGivenBack);
+    mallopt(M_TRIM_THRESHOLD, kGivenBack);
 }
 
 std::size_t open_descriptors() {

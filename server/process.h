@@ -11,6 +11,11 @@ std::size_t resident_bytes();
 /// has less.
 std::size_t available_memory();
 
+/// Has what is freed in pieces of a megabyte at least be the system's again. Left to itself, glibc raises its bounds as
+/// large pieces come and go, up to 32 and 64 MiB in each of its arenas, and a process at rest keeps most of what its
+/// busiest moment took.
+void give_back_freed_memory();
+
 std::size_t open_descriptors();
 std::size_t most_descriptors();
 

@@ -4,6 +4,7 @@
 
 #include "server/compute/compute_process.h"
 #include "server/compute/fork_server.h"
+#include "server/process.h"
 #include "server/processes/child_program.h"
 
 /// The program that computes, which the server starts.
@@ -14,6 +15,7 @@ int main() {
         std::fputs("ccdt-worker: ccdt-server starts this program\n", stderr);
         return 2;
     }
+    give_back_freed_memory();
     run_fork_server(std::move(orders), [](UniqueFd channel, UniqueFd events) {
         run_compute_process(std::move(channel), std::move(events), compute_here);
     });
