@@ -282,7 +282,7 @@ tl::expected<T, Problem> Computing::have_done(const api::Cost& cost, Task<T> wor
 tl::expected<Computing::Product, Problem> Computing::run(const AskedPointer& asked, const api::Cost& cost,
                                                          bool compressed, Connection& connection,
                                                          Clock::time_point deadline, Stages& stages) {
-    const Manner manner{compressed, WorkerPool::is_short(cost)};
+    const Manner manner{compressed};
     Task<Product> job = [this, asked, manner](const Control& control, api::Timings& timings) {
         return compute_(asked->question, manner, control, timings).map([this](api::Answer answer) {
             const std::size_t size = answer.body.size();

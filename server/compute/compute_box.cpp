@@ -1,6 +1,7 @@
 #include "server/compute/compute_box.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -10,9 +11,11 @@
 
 #include <poll.h>
 #include <sys/eventfd.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "server/compute/compute_protocol.h"
 #include "server/decoder/decoder_protocol.h"
@@ -106,7 +109,7 @@ private:
 struct ComputeBox::Process {
     UniqueFd channel;
     UniqueFd events;
-    bool is_short = false;
+    int nice = 0;
 
     /// Between computations it has nothing to say.
     bool is_there() const {
@@ -240,8 +243,9 @@ Result<api::Answer> ComputeBox::compute(const Question& question, const Manner& 
                                         api::Timings& timings) {
     const Call call{
         .compressed = manner.compressed ? 1U : 0U, .number = ++computations_, .limits = options_.limits, .sizes = {}};
+    const int nice = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()));
     for (bool again = false;; again = true) {
-        auto process = take_process(manner.is_short, control.stop);
+        auto process = take_process(nice, control.stop);
         if (!process) return tl::unexpected(std::move(process.error()));
         auto outcome = Conversation(*this, *process, control, timings).hold(call, question);
         if (outcome) {
@@ -254,22 +258,22 @@ Result<api::Answer> ComputeBox::compute(const Question& question, const Manner& 
     }
 }
 
-Result<ComputeBox::Process> ComputeBox::take_process(bool is_short, const std::stop_token& stop) {
+Result<ComputeBox::Process> ComputeBox::take_process(int nice, const std::stop_token& stop) {
     while (true) {
         std::optional<Process> idle;
         {
             const std::lock_guard lock(mutex_);
-            auto& processes = idle_[is_short ? 1 : 0];
+            auto& processes = idle_[nice];
             if (processes.empty()) break;
             idle = std::move(processes.back());
             processes.pop_back();
         }
         if (idle->is_there()) return *std::move(idle);
     }
-    return make_process(is_short, stop);
+    return make_process(nice, stop);
 }
 
-Result<ComputeBox::Process> ComputeBox::make_process(bool is_short, const std::stop_token& stop) {
+Result<ComputeBox::Process> ComputeBox::make_process(int nice, const std::stop_token& stop) {
     const auto until = Clock::now() + kPatience;
     for (KeptProgram::Socket lost;;) {
         const auto fork_server = fork_server_->wait_for_socket(lost, until, stop);
@@ -281,17 +285,17 @@ Result<ComputeBox::Process> ComputeBox::make_process(bool is_short, const std::s
             return failure(ErrorCode::Internal, std::string("no sockets to a process: ") + std::strerror(errno));
         const timeval longest{options_.to_stop.count(), 0};
         setsockopt(channel->ours.get(), SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof(longest));
-        const Birth birth{is_short ? 1U : 0U};
+        const Birth birth{nice};
         const std::array<int, 2> theirs = {channel->theirs.get(), events->theirs.get()};
         if (send_message(fork_server->get(), bytes_of(birth), theirs))
-            return Process{std::move(channel->ours), std::move(events->ours), is_short};
+            return Process{std::move(channel->ours), std::move(events->ours), nice};
         lost = fork_server;
     }
 }
 
 void ComputeBox::give_back(Process process) {
     const std::lock_guard lock(mutex_);
-    idle_[process.is_short ? 1 : 0].push_back(std::move(process));
+    idle_[process.nice].push_back(std::move(process));
 }
 
 }  // namespace ccdt::server

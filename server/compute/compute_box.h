@@ -1,11 +1,11 @@
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <stop_token>
@@ -47,7 +47,8 @@ public:
     ComputeBox(const ComputeBox&) = delete;
     ComputeBox& operator=(const ComputeBox&) = delete;
 
-    /// As Compute. A computation that does not stop in time is ended with its process.
+    /// As Compute. The process gives way to others as much as the calling thread does. A computation that does not stop
+    /// in time is ended with its process.
     Result<api::Answer> compute(const Question& question, const Manner& manner, const Control& control,
                                 api::Timings& timings);
 
@@ -67,8 +68,8 @@ private:
 
     ComputeBox(std::unique_ptr<KeptProgram> fork_server, const Options& options, Relay relay);
 
-    Result<Process> take_process(bool is_short, const std::stop_token& stop);
-    Result<Process> make_process(bool is_short, const std::stop_token& stop);
+    Result<Process> take_process(int nice, const std::stop_token& stop);
+    Result<Process> make_process(int nice, const std::stop_token& stop);
     void give_back(Process process);
 
     const Options options_;
@@ -78,7 +79,7 @@ private:
     std::atomic<std::uint64_t> computations_ = 0;
 
     std::mutex mutex_;
-    std::array<std::vector<Process>, 2> idle_;  ///< by whether they are for short computations; guarded by the mutex
+    std::map<int, std::vector<Process>> idle_;  ///< by how much they give way; guarded by the mutex
 
     const std::unique_ptr<KeptProgram> fork_server_;
 };

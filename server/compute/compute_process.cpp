@@ -99,7 +99,7 @@ void send_reply(int channel, Reply reply, const std::array<std::string_view, Rep
 /// Computes, whatever happens.
 Result<api::Answer> answer(const Task& task, const Computer& compute, const api::Decode& decode, const Control& control,
                            api::Timings& timings) {
-    const Manner manner{task.call.compressed != 0, false};
+    const Manner manner{task.call.compressed != 0};
     try {
         return compute(task.question, manner, task.call.limits, decode, control, timings);
     } catch (const std::exception& exception) {

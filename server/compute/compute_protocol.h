@@ -21,7 +21,7 @@ namespace ccdt::server {
 
 /// To the fork server, with the two sockets: another process is wanted.
 struct Birth {
-    std::uint32_t is_short = 0;  ///< it goes before those that are not
+    std::int32_t nice = 0;  ///< how much it gives way to others
 };
 
 /// From the fork server: the process has ended, or there was none.

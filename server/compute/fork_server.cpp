@@ -85,8 +85,7 @@ private:
         sigset_t none;
         sigemptyset(&none);
         sigprocmask(SIG_SETMASK, &none, nullptr);
-        constexpr int kNice = 10;
-        if (birth.is_short == 0) setpriority(PRIO_PROCESS, 0, kNice);
+        setpriority(PRIO_PROCESS, 0, birth.nice);
         volunteer_for_out_of_memory();
         compute_(std::move(channel), std::move(events));
         _exit(kFailed);

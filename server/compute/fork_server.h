@@ -13,7 +13,7 @@ using ComputeProcess = std::function<void(UniqueFd channel, UniqueFd events)>;
 /// they end. The calling process, of one thread, becomes it, and ends once the other end of `orders` is closed.
 ///
 /// Processes that are there outlive it: they end with their own sockets. Should the machine run out of memory they go
-/// before the server; they leave processors to it and, unless they are for short computations, to each other.
+/// before the server.
 [[noreturn]] void run_fork_server(UniqueFd orders, const ComputeProcess& compute);
 
 }  // namespace ccdt::server

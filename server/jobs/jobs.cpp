@@ -227,7 +227,7 @@ Jobs::Run Jobs::compute(const Job& job, const LivePointer& live, const std::stop
             return run;
         }
         const Control control{stop, [&](const Progress& progress) { note(live, progress); }};
-        run.answer = compute_(**question, {false, WorkerPool::is_short(job.cost)}, control, run.stages.work);
+        run.answer = compute_(**question, {}, control, run.stages.work);
     } catch (const std::exception& exception) {
         run.answer = failure(ErrorCode::Internal, exception.what());
     }

@@ -13,7 +13,6 @@ namespace ccdt::server {
 /// How an answer is wanted, besides what its question says.
 struct Manner {
     bool compressed = false;  ///< if that is worth it
-    bool is_short = false;    ///< it is expected to be done in no time, and goes before others
 };
 
 /// Computes the answer to a question, which is right; may take any time.

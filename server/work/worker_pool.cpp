@@ -23,6 +23,10 @@ double seconds_since(WorkerPool::Clock::time_point start) {
     return std::chrono::duration<double>(WorkerPool::Clock::now() - start).count();
 }
 
+bool is_short(const api::Cost& cost) {
+    return cost.seconds <= WorkerPool::kShort;
+}
+
 /// Has the calling thread give way to those that read requests, answer at once or do short jobs.
 void yield_to_other_threads() {
     constexpr int kNice = 10;

@@ -54,7 +54,6 @@ public:
 
     /// Seconds that a short job is expected to take at most.
     static constexpr double kShort = 0.02;
-    static bool is_short(const api::Cost& cost) { return cost.seconds <= kShort; }
 
     /// @param workers   >= 1
     /// @param capacity  jobs, short ones or others, that may wait while all workers are busy

@@ -106,6 +106,26 @@ class Budget(unittest.TestCase):
             self.assertGreater(watch.most, idle + 48 * MEBIBYTE)  # or the test asked for too little
             self.assertEqual(server.stop(), 0)
 
+    @unittest.skipIf(SANITIZED, "sanitizers take memory of their own")
+    def test_is_kept_by_forms_that_wait_too(self):
+        budget = 640
+        boundary = "-" * 69 + "x"
+        form = ("--header", f"Content-Type: multipart/form-data; boundary={boundary}")
+        part = f'--{boundary}\r\nContent-Disposition: form-data; name="image"\r\n\r\n'.encode()
+        dashes = b"-" * 20_000_000  # a form without an end
+        picture = part + noise(3000) + f"\r\n--{boundary}--\r\n".encode()
+        with Server(f"--memory={budget}MiB", "--workers=2", "--queue=64", "--timeout=600") as server:
+            idle = resident(server.process.pid)
+            with Watch(server) as watch:
+                calls = [Call(server.url("/halftone?sites=100&scale=0.1&iterations=0"), *form,
+                              data=part + dashes if index % 2 else picture) for index in range(60)]
+                statuses = [call.answer().status for call in calls]
+            self.assertLessEqual(set(statuses), {200, 400, 429, 503})
+            self.assertIn(200, statuses)
+            self.assertLess(watch.most, budget * MEBIBYTE)
+            self.assertGreater(watch.most, idle + 20 * MEBIBYTE)  # or the test asked for too little
+            self.assertEqual(server.stop(), 0)
+
     def test_of_one_request_is_known_before_it_begins(self):
         with Server("--memory=1GiB", "--workers=1", "--max-sites=5000000") as server:
             answer = post_json(server, "/sample", {"sites": 5_000_000, "domain": TORUS})

@@ -60,6 +60,11 @@ def figures(server):
     return found
 
 
+# The server, what makes processes that compute, the decoder's keeper and helper, and the child that waits for a picture.
+# Besides these there is a process for each worker, and one for short requests, once they are needed.
+KEPT = 5
+
+
 class Soak:
     def __init__(self, server, known):
         self.server = server
@@ -67,7 +72,7 @@ class Soak:
         self.tally = Tally()
         self.most = watch.Held(0, 0, 0, 0)
         self.levels = []
-        self.resting = watch.held(server.process.pid).processes
+        self.resting = KEPT + int(figures(server)["ccdt_workers"]) + 1
 
     def check(self):
         if self.server.process.poll() is not None:
@@ -131,7 +136,7 @@ class Soak:
             at_work = {name: now[name] for name in ("ccdt_workers_busy", "ccdt_queue_requests") if now[name]}
             if now["ccdt_connections_open"] > 1:
                 at_work["connections"] = now["ccdt_connections_open"]
-            if held.processes != self.resting:
+            if held.processes > self.resting:
                 at_work["processes"] = held.processes
             if not at_work:
                 break

@@ -101,4 +101,4 @@ def judge(levels):
     return {"memory": growth(over("memory"), MEMORY_NOISE, MEMORY_LEAK),
             "files": growth(over("files"), COUNT_NOISE, COUNT_LEAK),
             "threads": growth(over("threads"), COUNT_NOISE, COUNT_LEAK),
-            "processes": growth(over("processes"), 0, 0)}
+            "processes": growth(over("processes"), COUNT_NOISE, 0)}

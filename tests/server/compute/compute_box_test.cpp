@@ -1,6 +1,7 @@
 #include "server/compute/compute_box.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -133,8 +134,14 @@ TEST_F(ComputeBoxTest, TellsEveryStep) {
 TEST_F(ComputeBoxTest, UsesProcessesAgain) {
     const pid_t first = process_of_next();
     EXPECT_EQ(process_of_next(), first);
-    const auto for_short = box_->compute({"/", "", "", "", ""}, {.is_short = true}, {}, timings_);
-    EXPECT_NE(for_short->pixels, static_cast<std::size_t>(first)) << "which gives way to nobody";
+    std::jthread([&] {
+        constexpr int kNice = 5;
+        setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+        const pid_t other = process_of_next();
+        EXPECT_NE(other, first);
+        EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(other)), kNice) << "as the thread that asks";
+    }).join();
+    EXPECT_EQ(process_of_next(), first);
 }
 
 TEST_F(ComputeBoxTest, LosesOnlyTheComputationThatCrashes) {
