@@ -270,8 +270,11 @@ Result<Domain> Domain::create(const std::vector<PolygonPart>& parts, const std::
         return failure(ErrorCode::Unusable, "the polygon's extent is too large, or too small for its coordinates",
                        "/0/0");
     }
+    const auto to_unit = [scale = domain.scale_](double distance) {
+        return distance < kLeast * scale ? 0 : distance / scale;
+    };
     for (RingInput& ring : *rings) {
-        for (Point& p : ring.corners) p = {(p.x - box.min.x) / domain.scale_, (p.y - box.min.y) / domain.scale_};
+        for (Point& p : ring.corners) p = {to_unit(p.x - box.min.x), to_unit(p.y - box.min.y)};
         drop_repeated(ring);
         if (is_collinear(ring.corners, kMinArea)) return zero_area(ring);
         orient(ring);

@@ -27,9 +27,13 @@ struct PolygonPart {
 /// Whoever computes with a domain may rely on it: in the caller's coordinates the longer side is 1e-140 to 1e140 and no
 /// coordinate more than 1e9 times that; the shorter side is at least 1e-12 times the longer, the area 1e-12 times its
 /// square. So quotients of sides, and products of two lengths with whatever counts sites or cells, are finite and
-/// not 0.
+/// not 0. Coordinates of corners in the unit frame are 0 or at least kLeast, so that slopes of edges are finite.
 class Domain {
 public:
+    /// What is nearer to the lower or the left side of the bounding box is on it: far less than points are told apart
+    /// by.
+    static constexpr double kLeast = 0x1p-100;
+
     /// @param parts  at least one; a part may lie inside a hole of another
     /// @param stop   asked now and then: Error Stopped
     /// Errors (Unusable): fewer than three distinct corners, a coordinate that is not finite, an extent out of range,

@@ -54,6 +54,17 @@ TEST(Domain, RefusesRectanglesWithoutSize) {
     }
 }
 
+TEST(Domain, PutsWhatIsNextToTheLowerSidesOnThem) {
+    const auto domain = Domain::create({PolygonPart{{{1e-45, 0}, {0.5, -5e-324}, {1, 0.5}, {0.5, 1}}, {}}});
+    ASSERT_TRUE(domain) << domain.error().message;
+    for (const Ring& ring : domain->rings()) {
+        for (const Point& p : ring) {
+            EXPECT_TRUE(p.x == 0 || p.x >= Domain::kLeast) << p.x;
+            EXPECT_TRUE(p.y == 0 || p.y >= Domain::kLeast) << p.y;
+        }
+    }
+}
+
 TEST(Domain, JoinsTheSidesOfATorus) {
     const auto domain = Domain::torus(3, 2);
     ASSERT_TRUE(domain);
