@@ -128,7 +128,7 @@ Result<std::unique_ptr<ComputeBox>> start_computing(const Config& config, Decode
 /// way to and from clients, nor what is kept of jobs and answers in memory.
 Result<std::size_t> memory_to_compute_with(const Config& config) {
     constexpr std::size_t kOthers = std::size_t{160} << 20;  // the decoder's processes, 70 at rest, and threads to come
-    constexpr std::size_t kProcess = std::size_t{8} << 20;   // one that computes, at rest
+    constexpr std::size_t kProcess = std::size_t{4} << 20;   // one that computes, at rest
     constexpr std::size_t kLeast = std::size_t{192} << 20;
     const std::size_t kept = config.data_dir.empty() ? config.jobs.bytes : 0;
     const std::size_t processes = (config.workers + 2) * kProcess;  // that for short requests, and what makes them

@@ -113,7 +113,7 @@ class Budget(unittest.TestCase):
         form = ("--header", f"Content-Type: multipart/form-data; boundary={boundary}")
         part = f'--{boundary}\r\nContent-Disposition: form-data; name="image"\r\n\r\n'.encode()
         dashes = b"-" * 20_000_000  # a form without an end
-        picture = part + noise(3000) + f"\r\n--{boundary}--\r\n".encode()
+        picture = part + noise(1000) + f"\r\n--{boundary}--\r\n".encode()
         with Server(f"--memory={budget}MiB", "--workers=2", "--queue=64", "--timeout=600") as server:
             idle = resident(server.process.pid)
             with Watch(server) as watch:
