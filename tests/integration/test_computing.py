@@ -61,7 +61,7 @@ def wait_until(holds):
 
 
 class Crashes(ServerCase):
-    flags = ("--workers=2", "--timeout=2")
+    flags = ("--workers=2", "--timeout=120")
     program = CRASHING
 
     def test_cost_their_own_request_only(self):
@@ -80,6 +80,11 @@ class Crashes(ServerCase):
         self.assertIn("the process that computed it ", self.server.log())
         self.assertEqual(figure(self.server, "ccdt_computation_crashes_total"), crashes + 3)
         self.assertEqual(self.ask("/health/ready").status, 200)
+
+
+class Hangs(ServerCase):
+    flags = ("--workers=1", "--timeout=1")
+    program = CRASHING
 
     def test_are_no_way_out_of_a_deadline(self):
         self.assert_problem(post_json(self.server, "/sample", sample(seed=HANG)), 504)
