@@ -26,7 +26,7 @@ from harness import Server  # pylint: disable=wrong-import-position
 LONGEST_LIFE = 1.0  # seconds from a server's first answer to its kill, at most
 PATIENCE = 600      # seconds for the last server to do what is left
 LATER = {"Prefer": "respond-async"}
-LAST = cases.sample("longer than a life", sites=60_000, iterations=60, domain=cases.RECTANGLE)
+LAST = cases.sample("longer than a life", sites=60_000, iterations=300, domain=cases.RECTANGLE)
 
 
 def ask(server, method, path, body=None, headers=None):
