@@ -45,12 +45,6 @@ std::string describe(const NoReply& none) {
     return process + describe_end(none.death->status);
 }
 
-int milliseconds_until(std::optional<Clock::time_point> time) {
-    if (!time) return -1;
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*time - Clock::now()).count();
-    return static_cast<int>(std::max<std::int64_t>(left, 0));
-}
-
 /// Puts a reply together from what comes over a channel, never waiting.
 class ReplyReader {
 public:

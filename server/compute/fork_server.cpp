@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "server/compute/compute_protocol.h"
+#include "server/processes/child_program.h"
 #include "server/processes/messages.h"
 
 namespace ccdt::server {
@@ -26,14 +27,6 @@ constexpr int kFailed = 1;
 /// Signals that a service manager sends to all processes are the server's to act on.
 void ignore_signals() {
     for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(number, SIG_IGN);
-}
-
-UniqueFd watch_children() {
-    sigset_t signals;
-    sigemptyset(&signals);
-    sigaddset(&signals, SIGCHLD);
-    sigprocmask(SIG_BLOCK, &signals, nullptr);
-    return UniqueFd(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
 }
 
 /// If the machine runs out of memory, this process ends rather than the server.

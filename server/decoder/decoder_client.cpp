@@ -53,11 +53,6 @@ struct CloseBothWays {
     void operator()() const { ::shutdown(socket, SHUT_RDWR); }
 };
 
-int milliseconds_until(Clock::time_point time) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(time - Clock::now()).count();
-    return static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000));
-}
-
 /// Waits for what becomes of an order.
 /// @returns  none if there is a reply
 std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::time_point deadline, const std::stop_token& stop) {

@@ -25,6 +25,7 @@
 
 #include "server/decoder/decoder_confinement.h"
 #include "server/decoder/decoder_protocol.h"
+#include "server/processes/child_program.h"
 
 namespace ccdt::server {
 namespace {
@@ -90,14 +91,6 @@ private:
         pid_t process = 0;
         UniqueFd socket;  ///< to whoever waits for it; a spare's own: to give it an order
     };
-
-    static UniqueFd watch_children() {
-        sigset_t signals;
-        sigemptyset(&signals);
-        sigaddset(&signals, SIGCHLD);
-        sigprocmask(SIG_BLOCK, &signals, nullptr);
-        return UniqueFd(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
-    }
 
     /// @returns  false if nothing happened; only as long as there is no spare
     bool wait() {

@@ -43,6 +43,10 @@ private:
 /// How a process ended, after its name, from what waitpid tells: "exited with 1", "was killed by signal 9 (Killed)".
 std::string describe_end(int status);
 
+/// For a process of one thread that forks: blocks SIGCHLD, and tells of it instead.
+/// @returns  readable, without waiting, once a child has ended; none if the system has no more
+UniqueFd watch_children();
+
 /// Starts a program whose file lies beside this one's, in a process group of its own: signals of a terminal are this
 /// program's to act on.
 ///

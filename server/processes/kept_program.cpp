@@ -22,12 +22,6 @@ tl::unexpected<Error> cannot_start(const std::string& name, const std::string& w
     return failure(ErrorCode::Internal, "cannot start the " + name + ": " + why);
 }
 
-int milliseconds_until(std::optional<Clock::time_point> time) {
-    if (!time) return -1;
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*time - Clock::now()).count();
-    return static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000));
-}
-
 /// @returns  the first of the descriptors that has news; -1: none had until then
 int wait_for_any(std::initializer_list<int> descriptors, std::optional<Clock::time_point> until = {}) {
     std::vector<pollfd> polled;

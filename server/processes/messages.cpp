@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <string>
 
@@ -106,6 +107,12 @@ bool receive_all(int socket, std::span<char> bytes) {
         bytes = bytes.subspan(static_cast<std::size_t>(std::max<ssize_t>(received, 0)));
     }
     return true;
+}
+
+int milliseconds_until(std::optional<std::chrono::steady_clock::time_point> time) {
+    if (!time) return -1;
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*time - std::chrono::steady_clock::now()).count();
+    return static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000));
 }
 
 }  // namespace ccdt::server

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <initializer_list>
 #include <optional>
@@ -41,6 +42,10 @@ bool send_texts(int socket, std::initializer_list<std::string_view> texts);
 /// Waits until all of it has come over a stream.
 /// @returns  false if the stream ends before
 bool receive_all(int socket, std::span<char> bytes);
+
+/// How long `poll` may wait.
+/// @param time  none: for ever
+int milliseconds_until(std::optional<std::chrono::steady_clock::time_point> time);
 
 /// The bytes of a value as others of this program may read them.
 template <class T>
