@@ -38,7 +38,7 @@ Result<std::vector<Set>> read_sets(const Input& input) {
     for (const JsonValue element : list) {
         const std::string pointer = pointer_below(input.field, sets.size());
         auto set = read_ring({pointer, pointer, element});
-        if (!set) return tl::make_unexpected(set.error());
+        if (!set) return tl::unexpected(set.error());
         sets.push_back(*std::move(set));
     }
     return sets;
@@ -97,11 +97,11 @@ Result<std::string> encode(const AnalyzeRequest& request, const Analysis& analys
 
 Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view accept, const Limits& limits) {
     Draft draft;
-    if (auto read = read_body<Draft>(kRules, body, limits, draft); !read) return tl::make_unexpected(read.error());
-    if (auto settled = settle_points(draft, limits); !settled) return tl::make_unexpected(settled.error());
+    if (auto read = read_body<Draft>(kRules, body, limits, draft); !read) return tl::unexpected(read.error());
+    if (auto settled = settle_points(draft, limits); !settled) return tl::unexpected(settled.error());
     if (!draft.format) {
         if (auto chosen = assign(draft.format, negotiate(accept, kFormats)); !chosen) {
-            return tl::make_unexpected(chosen.error());
+            return tl::unexpected(chosen.error());
         }
     }
     draft.request.format = static_cast<AnalyzeFormat>(*draft.format);
@@ -111,17 +111,17 @@ Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view acc
 Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control, Timings& timings) {
     Stopwatch watch;
     const auto domain = make_domain(request.domain);
-    if (!domain) return tl::make_unexpected(domain.error());
+    if (!domain) return tl::unexpected(domain.error());
     auto analysis = analyse(request.sets, *domain, request.options, control.stop);
     timings.optimise = watch.lap();
     if (!analysis) {
         if (analysis.error().code != ErrorCode::Stopped)
             analysis.error().field = locate(request, analysis.error().field);
-        return tl::make_unexpected(analysis.error());
+        return tl::unexpected(analysis.error());
     }
     auto body = encode(request, *analysis, *domain);
     timings.encode = watch.lap();
-    if (!body) return tl::make_unexpected(body.error());
+    if (!body) return tl::unexpected(body.error());
     return Answer{kFormats[static_cast<std::size_t>(request.format)].content_type(), *std::move(body)};
 }
 

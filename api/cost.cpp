@@ -45,12 +45,12 @@ Estimate decoding(const ImageFile& file, double planes = kGreyPlanes) {
 }
 
 double inks_of(const HalftoneRequest& request) {
-    return request.print ? static_cast<double>(request.print->inks.size()) : 1;
+    return static_cast<double>(request.palette.inks.size());
 }
 
-/// Of a picture in colour: four planes, and the coverage of each ink.
+/// Of inks that mix: four planes, and the coverage of each ink.
 Estimate decoding(const HalftoneRequest& request) {
-    if (!request.print) return decoding(request.image);
+    if (request.palette.mixing == Mixing::Cover) return decoding(request.image);
     constexpr double kSeparating = 0.2 * kMicrosecond;
     constexpr double kTable = 300'000;  // takes as long as so many pixels
     const auto pixels = static_cast<double>(request.image.header.pixels());
@@ -103,15 +103,16 @@ Estimate weighing(double cells) {
     return {cells * 20, cells * 0.03 * kMicrosecond};
 }
 
-/// Of inks in colour there is one grid each, and one of all together.
+/// Of several inks there is one grid each, and one of all together.
 Estimate weighing(const HalftoneRequest& request) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
-    return weighing(pixels * (request.print ? inks_of(request) * 1.2 + 1 : 1));
+    const double inks = inks_of(request);
+    return weighing(pixels * (inks > 1 ? inks * 1.2 + 1 : 1));
 }
 
 /// What keeps dots of different inks apart.
 Estimate parting(const HalftoneRequest& request, const Options& options) {
-    if (!request.print || options.quality == Quality::Draft || options.iterations == 0) return {};
+    if (inks_of(request) < 2 || options.quality == Quality::Draft || options.iterations == 0) return {};
     const auto sites = static_cast<double>(options.sites);
     return {sites * 400, sites * (options.quality == Quality::Best ? 30 : 10) * kMicrosecond};
 }
@@ -135,10 +136,10 @@ Estimate rasterising(double sites, double pixels, std::optional<double> radius, 
     return {sites * 150 + pixels * 6, (pixels * (antialias ? 0.04 : 0.005) + covered * 0.001) * kMicrosecond};
 }
 
-/// The rasters of the inks, which stay until they are laid over each other.
+/// The rasters of inks that mix stay until they are laid over each other.
 Estimate rasterising(const HalftoneRequest& request, double sites, double pixels, bool antialias) {
     const Estimate one = rasterising(sites, pixels, request.dot, antialias);
-    if (!request.print) return one;
+    if (request.palette.mixing == Mixing::Cover) return one;
     const double inks = inks_of(request);
     return one + Estimate{pixels * inks, pixels * inks * (antialias ? 0.08 : 0.02) * kMicrosecond};
 }

@@ -36,11 +36,13 @@ Result<void> read_tone(const Input& input, Tone& tone) {
     return assign(tone, read_choice(input, kWords));
 }
 
-/// A request on its way; the format can only be settled when all options are known.
+/// Request on its way; what depends on several options can only be settled when all are known.
 struct Draft {
     HalftoneRequest request;
-    std::optional<Print> color;  ///< as that option gives it
-    std::optional<Print> palette;
+    std::optional<Palette> color;  ///< as that option gives it
+    std::optional<Palette> palette;
+    std::optional<Colour> foreground;
+    std::optional<Colour> background;
     std::optional<std::size_t> format;  ///< index into kFormats
 };
 
@@ -58,51 +60,58 @@ constexpr std::array<OptionRule<Draft>, 18> kRules = {{
     {"tone", [](const Input& i, const Limits&, Draft& d) { return read_tone(i, d.request.tone); }},
     {"color", [](const Input& i, const Limits&, Draft& d) { return assign(d.color, read_color(i)); }},
     {"palette", [](const Input& i, const Limits&, Draft& d) { return assign(d.palette, read_palette(i)); }},
-    {"foreground",
-     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.foreground, read_colour(i)); }},
+    {"foreground", [](const Input& i, const Limits&, Draft& d) { return assign(d.foreground, read_colour(i)); }},
     {"background",
-     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.background, read_colour_or_none(i)); }},
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.background, read_colour_or_none(i)); }},
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
     {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
     {"format", [](const Input& i, const Limits&, Draft& d) { return assign(d.format, read_format(i, kFormats)); }},
 }};
 
-/// Options that have no meaning in colour, or by its inks.
-Result<void> check_colours(const Print& print, bool invert, const std::vector<Input>& inputs) {
+/// Refuses options that inks which mix do not have.
+Result<void> check_colours(const Palette& palette, bool invert, const std::vector<Input>& inputs) {
     for (const Input& input : inputs) {
         if (input.name == "foreground") return malformed(input, "is an option of color=gray; palette gives inks");
         if (input.name == "invert" && invert) return malformed(input, "is an option of color=gray");
-        if (input.name == "background" && print.additive)
+        if (input.name == "background" && palette.mixing == Mixing::Add)
             return malformed(input, "is no option of color=rgb, whose light is on black");
     }
     return {};
 }
 
-/// The inks, if there are any but the one of a halftone in grey.
-Result<void> settle_print(Draft& draft, const std::vector<Input>& inputs) {
-    const auto is_color = [](const Input& input) { return input.name == "color"; };
-    const auto is_palette = [](const Input& input) { return input.name == "palette"; };
-    const auto palette = std::ranges::find_if(inputs, is_palette);
-    if (palette != inputs.end() && std::ranges::any_of(inputs, is_color))
+/// Gives an ink that covers, and its paper, the colours that are asked for.
+void colour_ink(Draft& draft) {
+    Palette& palette = draft.request.palette;
+    const bool invert = draft.request.invert;
+    palette.inks.front().colour = draft.foreground.value_or(invert ? kWhite : kBlack);
+    palette.paper = draft.background.value_or(invert ? kBlack : kWhite);
+}
+
+Result<void> settle_palette(Draft& draft, const std::vector<Input>& inputs) {
+    if (draft.palette && draft.color) {
+        const auto palette = std::ranges::find(inputs, "palette", &Input::name);
         return malformed(*palette, "stands instead of color: give one of the two");
-    HalftoneRequest& request = draft.request;
-    request.print = draft.palette ? std::move(draft.palette) : std::move(draft.color);
-    if (!request.print) return {};
-    if (!request.print->additive && request.background) request.print->paper = *request.background;
-    return check_colours(*request.print, request.invert, inputs);
+    }
+    Palette& palette = draft.request.palette;
+    if (draft.color) palette = *std::move(draft.color);
+    if (draft.palette) palette = *std::move(draft.palette);
+    if (palette.mixing == Mixing::Cover) {
+        colour_ink(draft);
+        return {};
+    }
+    palette.paper = draft.background.value_or(palette.paper);
+    return check_colours(palette, draft.request.invert, inputs);
 }
 
 Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector<Input>& inputs,
                                       std::string_view accept, const Limits& limits) {
     Draft draft;
     draft.request = std::move(request);
-    if (auto read = read_options<Draft>(kRules, inputs, limits, draft); !read) {
-        return tl::make_unexpected(read.error());
-    }
-    if (auto settled = settle_print(draft, inputs); !settled) return tl::make_unexpected(settled.error());
+    if (auto read = read_options<Draft>(kRules, inputs, limits, draft); !read) return tl::unexpected(read.error());
+    if (auto settled = settle_palette(draft, inputs); !settled) return tl::unexpected(settled.error());
     if (!draft.format) {
         auto chosen = assign(draft.format, negotiate(accept, kFormats));
-        if (!chosen) return tl::make_unexpected(chosen.error());
+        if (!chosen) return tl::unexpected(chosen.error());
     }
     draft.request.format = static_cast<HalftoneFormat>(*draft.format);
     return std::move(draft.request);
@@ -120,7 +129,7 @@ Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector
     auto parsed = parse_options(std::move(request), inputs_of(options), accept, limits);
     if (!parsed) return parsed;
     const auto header = read_image_header(image, limits.max_pixels);
-    if (!header) return tl::make_unexpected(header.error());
+    if (!header) return tl::unexpected(header.error());
     parsed->image = {image, *header};
     return parsed;
 }
@@ -128,13 +137,13 @@ Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector
 Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::vector<TextOption>& options,
                                             std::string_view accept, const Limits& limits) {
     const auto document = JsonDocument::parse(body);
-    if (!document) return tl::make_unexpected(document.error());
+    if (!document) return tl::unexpected(document.error());
     auto inputs = inputs_of(document->root(), "");
-    if (!inputs) return tl::make_unexpected(inputs.error());
+    if (!inputs) return tl::unexpected(inputs.error());
     const auto image = std::find_if(inputs->begin(), inputs->end(), [](const Input& i) { return i.name == "image"; });
     if (image == inputs->end()) return failure(ErrorCode::Malformed, "image is missing", "/image");
     auto file = read_embedded_image(*image, limits);
-    if (!file) return tl::make_unexpected(file.error());
+    if (!file) return tl::unexpected(file.error());
 
     HalftoneRequest request;
     request.image_field = image->field;
@@ -149,16 +158,16 @@ Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits
     Stopwatch watch;
     auto plan = plan_halftone(request, limits, decode, control);
     timings.decode = watch.lap();
-    if (!plan) return tl::make_unexpected(plan.error());
-    if (auto going = check_stop(control.stop); !going) return tl::make_unexpected(going.error());
+    if (!plan) return tl::unexpected(plan.error());
+    if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
 
     const auto dots = place_dots(request, *plan, control);
     timings.optimise = watch.lap();
-    if (!dots) return tl::make_unexpected(dots.error());
+    if (!dots) return tl::unexpected(dots.error());
 
     auto body = write_halftone(request, *plan, *dots, timings.decode + timings.optimise, control);
     timings.encode = watch.lap();
-    if (!body) return tl::make_unexpected(body.error());
+    if (!body) return tl::unexpected(body.error());
     Answer answer;
     answer.media_type = kFormats[static_cast<std::size_t>(request.format)].content_type();
     answer.body = *std::move(body);

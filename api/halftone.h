@@ -8,11 +8,10 @@
 
 #include "api/image/image_codec.h"
 #include "api/image/image_header.h"
-#include "api/input/colour.h"
-#include "api/input/print.h"
+#include "api/input/drawing_options.h"
+#include "api/input/palette.h"
 #include "api/input/run_options.h"
 #include "api/options.h"
-#include "api/output/point_drawing.h"
 #include "core/ccdt/ccdt.h"
 #include "core/halftone/tone.h"
 #include "core/result.h"
@@ -30,11 +29,9 @@ struct HalftoneRequest {
     std::optional<double> scale;       ///< output pixels per input pixel; none: chosen
     std::optional<double> dot;         ///< radius in output pixels; none: keeps the mean tone
     bool antialias = false;
-    bool invert = false;
+    bool invert = false;  ///< dots where the picture is light; only of an ink that covers
     Tone tone = Tone::Linear;
-    std::optional<Print> print;        ///< none: in grey
-    std::optional<Colour> foreground;  ///< none: black, inverted white
-    std::optional<Colour> background;  ///< none: white, inverted black
+    Palette palette;
     HalftoneFormat format = HalftoneFormat::Png;
     DrawingOptions drawing;
     OnStop on_deadline = OnStop::Error;

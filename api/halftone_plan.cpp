@@ -9,13 +9,14 @@
 #include "api/image/ink_set.h"
 #include "api/image/webp_writer.h"
 #include "api/input/run_options.h"
+#include "api/output/point_drawing.h"
 #include "core/halftone/separation.h"
 #include "core/halftone/tone.h"
 
 namespace ccdt::api {
 namespace {
 
-/// What the picture asks of the inks.
+/// Share of each pixel that each ink covers.
 struct Separation {
     PictureSize picture;
     std::vector<std::vector<float>> coverage;  ///< [inks][width * height]
@@ -29,23 +30,26 @@ tl::unexpected<Error> about_image(const Error& error, const HalftoneRequest& req
     return failure(error.code, error.message, request.image_field);
 }
 
-/// Decoded pictures take megabytes a megapixel, and are gone once this returns.
+/// Decodes, and separates into inks; one that covers needs no colours of the picture, which take three times the
+/// memory. The decoded picture is gone once this returns.
 Result<Separation> separate_picture(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                                     const std::stop_token& stop) {
-    if (!request.print) {
+    if (request.palette.mixing == Mixing::Cover) {
         const auto picture = decode.grey(request.image.bytes, limits.max_pixels, stop);
         if (!picture) return about_image(picture.error(), request);
         return Separation{{picture->width, picture->height}, {ink_coverage(*picture, request.tone, request.invert)}};
     }
     const auto picture = decode.colour(request.image.bytes, limits.max_pixels, stop);
     if (!picture) return about_image(picture.error(), request);
-    auto coverage = separate(*picture, ink_set(*request.print), request.tone, stop);
-    if (auto going = check_stop(stop); !going) return tl::make_unexpected(going.error());
+    auto coverage = separate(*picture, ink_set(request.palette), request.tone, stop);
+    if (auto going = check_stop(stop); !going) return tl::unexpected(going.error());
     return Separation{{picture->width, picture->height}, std::move(coverage)};
 }
 
 tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {
-    const std::string looks = request.print ? "like its paper" : request.invert ? "black" : "white";
+    const std::string looks = request.palette.mixing != Mixing::Cover ? "like its paper"
+                              : request.invert                        ? "black"
+                                                                      : "white";
     return failure(ErrorCode::Unusable, "the image is " + looks + " or transparent all over: there is nothing to draw",
                    request.image_field);
 }
@@ -79,7 +83,7 @@ Result<std::vector<Density>> make_densities(Separation& separation, const std::v
         const std::vector<float> coverage = std::exchange(separation.coverage[ink], {});
         if (sites[ink] == 0) continue;
         auto density = Density::grid(separation.picture.width, separation.picture.height, std::span(coverage));
-        if (!density) return tl::make_unexpected(density.error());
+        if (!density) return tl::unexpected(density.error());
         densities[ink] = *std::move(density);
     }
     return densities;
@@ -96,7 +100,7 @@ bool is_drawn(HalftoneFormat format) {
 Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                                    const Control& control) {
     auto separation = separate_picture(request, limits, decode, control.stop);
-    if (!separation) return tl::make_unexpected(separation.error());
+    if (!separation) return tl::unexpected(separation.error());
     HalftonePlan plan;
     plan.picture = separation->picture;
     std::vector<double> ink(separation->coverage.size());
@@ -109,9 +113,9 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     plan.sites = share_sites(ink, sites);
     if (is_drawn(request.format)) {
         auto canvas = plan_canvas(request, plan.box(), default_scale(all_ink, pixels, sites), limits);
-        if (!canvas) return tl::make_unexpected(canvas.error());
+        if (!canvas) return tl::unexpected(canvas.error());
         plan.canvas = *canvas;
-        if (auto checked = check_side(request.format, *canvas); !checked) return tl::make_unexpected(checked.error());
+        if (auto checked = check_side(request.format, *canvas); !checked) return tl::unexpected(checked.error());
     }
     auto densities = make_densities(*separation, plan.sites);
     if (!densities) return about_image(densities.error(), request);
@@ -123,7 +127,7 @@ Result<std::vector<Distribution>> place_dots(const HalftoneRequest& request, Hal
                                              const Control& control) {
     const std::vector<Density> densities = std::exchange(plan.densities, {});
     const auto domain = Domain::rectangle(plan.picture.width, plan.picture.height);
-    if (!domain) return tl::make_unexpected(domain.error());
+    if (!domain) return tl::unexpected(domain.error());
     auto dots = distribute_all_inks(*domain, densities, plan.sites, request.run, control, request.on_deadline);
     if (!dots) return about_image(dots.error(), request);
     return dots;

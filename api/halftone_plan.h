@@ -13,10 +13,10 @@
 
 namespace ccdt::api {
 
-/// Whether an answer is drawn on a canvas.
+/// Tells whether an answer is drawn on a canvas.
 bool is_drawn(HalftoneFormat format);
 
-/// Where the dots of each ink go in the picture, and how many there are. In grey there is one ink.
+/// Share of each ink in the picture, and where its dots shall go.
 struct HalftonePlan {
     PictureSize picture;
     std::vector<double> cover;       ///< [inks] mean share that dots cover

@@ -55,7 +55,7 @@ Result<Method> read_method(const Input& input) {
     for (std::size_t i = 0; i < names.size(); ++i) names[i] = kTraits[i].name;
     Method method{};
     const auto read = assign(method, read_choice(input, names));
-    if (!read) return tl::make_unexpected(read.error());
+    if (!read) return tl::unexpected(read.error());
     return method;
 }
 

@@ -8,11 +8,13 @@
 #include <utility>
 
 #include "api/image/embedded_image.h"
+#include "api/image/overlay.h"
 #include "api/image/png_writer.h"
 #include "api/input/negotiation.h"
 #include "api/input/run_options.h"
 #include "api/json/json_writer.h"
 #include "api/output/formats.h"
+#include "api/output/point_drawing.h"
 #include "api/output/point_table.h"
 #include "api/stopwatch.h"
 #include "core/density/density.h"
@@ -26,6 +28,9 @@ constexpr std::array<Format, 6> kFormats = {kJson, kCsv, kGeoJson, kNpy, kSvg, k
 constexpr std::uint64_t kMaxSide = std::numeric_limits<int>::max();
 
 constexpr std::uint64_t kMaxWidth = 65'535;
+
+/// Black on white.
+const Palette kInk;
 
 struct DensityDraft {
     std::optional<int> width;
@@ -198,7 +203,7 @@ Result<Density> make_density(const SampleRequest& request, const Limits& limits,
 
 Result<Distribution> place_points(const SampleRequest& request, const Domain& domain, const Density& density,
                                   const Control& control) {
-    if (auto going = check_stop(control.stop); !going) return tl::make_unexpected(going.error());
+    if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
     auto distribution = distribute_all(domain, density, request.run, control, request.on_deadline, request.method);
     if (!distribution && !distribution.error().field.empty()) distribution.error().field.insert(0, "/");
     return distribution;
@@ -232,27 +237,24 @@ double radius_of(const SampleRequest& request, const Domain& domain) {
     return std::min(request.dot.value_or(pitch_of(domain, request.run.sites) / 4), largest);
 }
 
-Result<std::string> draw(const SampleRequest& request, const Domain& domain, const Page& page,
-                         std::span<const Point> points, const Control& control) {
+Result<std::string> draw(const SampleRequest& request, const Page& page, const InkDots& ink, const Control& control) {
     const std::stop_token stop = stop_of_writing(control, request.on_deadline);
-    const double radius = radius_of(request, domain);
-    if (request.format == SampleFormat::Svg) {
-        return write_svg(points, page, radius, request.drawing.style, {}, control.stop, stop);
-    }
-    return write_png(draw_points(points, page, radius, stop), true, {}, page.width_mm);
+    if (request.format == SampleFormat::Svg)
+        return write_svg({&ink, 1}, kInk, page, request.drawing.style, control.stop, stop);
+    Raster raster = draw_points(ink.dots.points, page, ink.radius, stop);
+    return write_png(overlay({std::move(raster)}, kInk, true, stop), page.width_mm, stop);
 }
 
-std::string write(SampleFormat format, const Distribution& distribution, const Report& report,
-                  const std::stop_token& stop) {
+std::string write(SampleFormat format, const InkDots& ink, const Report& report, const std::stop_token& stop) {
     switch (format) {
         case SampleFormat::Json:
-            return write_distribution(distribution, report, stop);
+            return write_json({&ink, 1}, report, stop);
         case SampleFormat::Csv:
-            return write_csv(distribution.points, stop);
+            return write_csv({&ink, 1}, stop);
         case SampleFormat::GeoJson:
-            return write_feature(distribution, report, stop);
+            return write_feature({&ink, 1}, report, stop);
         case SampleFormat::Npy:
-            return write_npy(distribution.points);
+            return write_npy({&ink, 1});
         case SampleFormat::Svg:
         case SampleFormat::Png:
             break;
@@ -268,9 +270,10 @@ Result<std::string> encode(const SampleRequest& request, const Domain& domain, c
                            const Distribution& distribution, double elapsed, const Control& control) {
     const std::stop_token stop = stop_of_writing(control, request.on_deadline);
     const Report report{request.run.seed, elapsed, {}, name_of(request.method)};
-    auto body = is_drawn(request.format) ? draw(request, domain, page, distribution.points, control)
-                                         : Result<std::string>(write(request.format, distribution, report, stop));
-    if (auto going = check_stop(stop); !going) return tl::make_unexpected(going.error());
+    const InkDots ink{kInk.inks.front(), distribution, radius_of(request, domain)};
+    auto body = is_drawn(request.format) ? draw(request, page, ink, control)
+                                         : Result<std::string>(write(request.format, ink, report, stop));
+    if (auto going = check_stop(stop); !going) return tl::unexpected(going.error());
     return body;
 }
 
@@ -278,15 +281,15 @@ Result<std::string> encode(const SampleRequest& request, const Domain& domain, c
 
 Result<SampleRequest> parse_sample(std::string_view body, std::string_view accept, const Limits& limits) {
     Draft draft;
-    if (auto read = read_body<Draft>(kRules, body, limits, draft); !read) return tl::make_unexpected(read.error());
+    if (auto read = read_body<Draft>(kRules, body, limits, draft); !read) return tl::unexpected(read.error());
     if (draft.request.run.sites == 0) return failure(ErrorCode::Malformed, "sites is missing", "/sites");
     if (auto settled = settle_method(draft.request.method, draft.given, draft.request.run); !settled) {
-        return tl::make_unexpected(settled.error());
+        return tl::unexpected(settled.error());
     }
-    if (auto settled = settle_domain(draft); !settled) return tl::make_unexpected(settled.error());
+    if (auto settled = settle_domain(draft); !settled) return tl::unexpected(settled.error());
     if (!draft.format) {
         if (auto chosen = assign(draft.format, negotiate(accept, kFormats)); !chosen) {
-            return tl::make_unexpected(chosen.error());
+            return tl::unexpected(chosen.error());
         }
     }
     draft.request.format = static_cast<SampleFormat>(*draft.format);
@@ -297,21 +300,21 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
                           const Control& control, Timings& timings) {
     Stopwatch watch;
     const auto domain = make_domain(request, control.stop);
-    if (!domain) return tl::make_unexpected(domain.error());
+    if (!domain) return tl::unexpected(domain.error());
     const auto page = plan_page(request, *domain, limits);
-    if (!page) return tl::make_unexpected(page.error());
+    if (!page) return tl::unexpected(page.error());
     const auto density = make_density(request, limits, decode, control);
     timings.decode = watch.lap();
-    if (!density) return tl::make_unexpected(density.error());
+    if (!density) return tl::unexpected(density.error());
 
     const auto distribution = place_points(request, *domain, *density, control);
     timings.optimise = watch.lap();
-    if (!distribution) return tl::make_unexpected(distribution.error());
+    if (!distribution) return tl::unexpected(distribution.error());
 
     const double elapsed = timings.decode + timings.optimise;
     auto body = encode(request, *domain, *page, *distribution, elapsed, control);
     timings.encode = watch.lap();
-    if (!body) return tl::make_unexpected(body.error());
+    if (!body) return tl::unexpected(body.error());
     Answer answer;
     answer.media_type = kFormats[static_cast<std::size_t>(request.format)].content_type();
     answer.body = *std::move(body);

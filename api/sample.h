@@ -9,11 +9,11 @@
 #include "api/image/image_codec.h"
 #include "api/image/image_header.h"
 #include "api/input/domain_reader.h"
+#include "api/input/drawing_options.h"
 #include "api/input/polygon_reader.h"
 #include "api/input/run_options.h"
 #include "api/method.h"
 #include "api/options.h"
-#include "api/output/point_drawing.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 

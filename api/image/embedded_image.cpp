@@ -55,7 +55,7 @@ Result<std::string> decode_base64(std::string_view text) {
 
 Result<ImageFile> read_embedded_image(const Input& input, const Limits& limits) {
     auto text = read_text(input);
-    if (!text) return tl::make_unexpected(text.error());
+    if (!text) return tl::unexpected(text.error());
     if (text->starts_with("data:")) {
         const auto comma = text->find(',');
         if (comma == std::string_view::npos || !text->substr(0, comma).ends_with(";base64")) {

@@ -315,7 +315,7 @@ Result<PictureOf<AnyDraft>> read_file(std::string_view bytes, const ImageHeader&
     OIIO::ImageSpec spec;
     wishes.attribute("oiio:UnassociatedAlpha", 1);
     if (!input->open("image", spec, wishes)) return broken();
-    if (auto checked = check_spec(spec, header); !checked) return tl::make_unexpected(checked.error());
+    if (auto checked = check_spec(spec, header); !checked) return tl::unexpected(checked.error());
 
     const int orientation =
         header.format == ImageFormat::WebP ? webp_orientation(bytes) : spec.get_int_attribute("Orientation", 1);
@@ -347,7 +347,7 @@ std::mutex& tiff_mutex() {
 template <class AnyDraft>
 Result<PictureOf<AnyDraft>> decode(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane) {
     const auto header = read_image_header(bytes, max_pixels);
-    if (!header) return tl::make_unexpected(header.error());
+    if (!header) return tl::unexpected(header.error());
     configure_library();
     std::unique_lock<std::mutex> lock;
     if (header->format == ImageFormat::Tiff) lock = std::unique_lock(tiff_mutex());

@@ -217,7 +217,7 @@ Result<ImageFormat> recognise_image(std::string_view bytes) {
 
 Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels) {
     const auto format = recognise_image(bytes);
-    if (!format) return tl::make_unexpected(format.error());
+    if (!format) return tl::unexpected(format.error());
     auto header = read(bytes, *format);
     if (!header) return header;
     if (header->width == 0 || header->height == 0) return broken();

@@ -12,11 +12,11 @@ Light light_of(const Colour& colour) {
 
 }  // namespace
 
-InkSet ink_set(const Print& print) {
+InkSet ink_set(const Palette& palette) {
     InkSet set;
-    for (const Print::Ink& ink : print.inks) set.inks.push_back(light_of(ink.colour));
-    set.paper = print.paper.transparent ? Light{1, 1, 1} : light_of(print.paper);
-    set.additive = print.additive;
+    for (const Ink& ink : palette.inks) set.inks.push_back(light_of(ink.colour));
+    set.paper = palette.paper.transparent ? Light{1, 1, 1} : light_of(palette.paper);
+    set.additive = palette.mixing == Mixing::Add;
     return set;
 }
 

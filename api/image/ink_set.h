@@ -1,11 +1,12 @@
 #pragma once
 
-#include "api/input/print.h"
+#include "api/input/palette.h"
 #include "core/halftone/separation.h"
 
 namespace ccdt::api {
 
-/// What is printed with, in linear light.
-InkSet ink_set(const Print& print);
+/// Colours of inks and paper in linear light.
+/// @param palette  its inks multiply or add
+InkSet ink_set(const Palette& palette);
 
 }  // namespace ccdt::api

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
+#include <utility>
 
 #include "api/image/ink_set.h"
 #include "api/image/srgb.h"
@@ -9,10 +11,10 @@
 namespace ccdt::api {
 namespace {
 
-/// What pixels look like by how much of them each ink covers.
-class Mixer {
+/// Colours of pixels by how much of them each ink covers.
+class PrintedColour {
 public:
-    explicit Mixer(const Print& print) : inks_(ink_set(print)), transparent_(print.paper.transparent) {}
+    explicit PrintedColour(const Palette& palette) : inks_(ink_set(palette)), transparent_(palette.paper.transparent) {}
 
     /// @param cover  [inks] in [0, 1]
     /// @returns      red, green, blue, alpha
@@ -49,17 +51,17 @@ private:
     const std::vector<std::uint8_t>& stored_ = table();
 };
 
-/// Of pixels that each ink covers or does not, a bit for each.
-void fill_palette(ColourRaster& picture, std::size_t inks, const Mixer& mix) {
+/// Fills the palette of pixels that each ink covers or does not, a bit for each.
+void fill_palette(DotImage& picture, std::size_t inks, const PrintedColour& colour_of) {
     picture.colours = std::size_t{1} << inks;
     for (std::size_t code = 0; code < picture.colours; ++code) {
         std::array<float, kMostInks> cover{};
         for (std::size_t ink = 0; ink < inks; ++ink) cover[ink] = static_cast<float>(code >> ink & 1);
-        picture.palette[code] = mix(std::span(cover).first(inks));
+        picture.palette[code] = colour_of(std::span(cover).first(inks));
     }
 }
 
-void fill_codes(std::span<const Raster> rasters, std::size_t begin, std::size_t end, ColourRaster& picture) {
+void fill_codes(std::span<const Raster> rasters, std::size_t begin, std::size_t end, DotImage& picture) {
     for (std::size_t ink = 0; ink < rasters.size(); ++ink) {
         const auto bit = static_cast<std::uint8_t>(1U << ink);
         for (std::size_t i = begin; i < end; ++i) {
@@ -68,33 +70,59 @@ void fill_codes(std::span<const Raster> rasters, std::size_t begin, std::size_t 
     }
 }
 
-void fill_colours(std::span<const Raster> rasters, std::size_t begin, std::size_t end, const Mixer& mix,
-                  ColourRaster& picture) {
+void fill_colours(std::span<const Raster> rasters, std::size_t begin, std::size_t end, const PrintedColour& colour_of,
+                  DotImage& picture) {
     std::array<float, kMostInks> cover{};
     auto to = picture.pixels.begin() + static_cast<std::ptrdiff_t>(begin * picture.channels());
     for (std::size_t i = begin; i < end; ++i) {
         for (std::size_t ink = 0; ink < rasters.size(); ++ink)
             cover[ink] = static_cast<float>(rasters[ink].coverage[i]) / 255;
-        const auto colour = mix(std::span(cover).first(rasters.size()));
+        const auto colour = colour_of(std::span(cover).first(rasters.size()));
         to = std::copy_n(colour.begin(), picture.channels(), to);
     }
 }
 
+bool is_grey(const Colour& colour) {
+    return !colour.transparent && colour.red == colour.green && colour.green == colour.blue;
+}
+
+/// The raster's coverage becomes the pixels: it takes no memory besides.
+DotImage cover(Raster raster, const Palette& palette, bool antialias) {
+    const Colour& ink = palette.inks.front().colour;
+    DotImage picture{raster.width,
+                     raster.height,
+                     palette.paper.transparent,
+                     is_grey(ink) && is_grey(palette.paper),
+                     antialias ? std::size_t{256} : std::size_t{2},
+                     shades_of(ink, palette.paper),
+                     std::move(raster.coverage)};
+    if (antialias) return picture;
+    picture.palette[1] = picture.palette[255];
+    for (std::uint8_t& pixel : picture.pixels) pixel >>= 7;
+    return picture;
+}
+
 }  // namespace
 
-ColourRaster overlay(std::span<const Raster> rasters, const Print& print, bool antialias, const std::stop_token& stop) {
-    const Mixer mix(print);
-    ColourRaster picture;
+bool DotImage::is_bilevel() const {
+    const std::array ends = {palette[0][0], palette[1][0]};
+    return grey && colours == 2 && std::ranges::min(ends) == 0 && std::ranges::max(ends) == 255;
+}
+
+DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antialias, const std::stop_token& stop) {
+    if (palette.mixing == Mixing::Cover) return cover(std::move(rasters.front()), palette, antialias);
+    const PrintedColour colour_of(palette);
+    DotImage picture;
     picture.width = rasters.front().width;
     picture.height = rasters.front().height;
-    picture.transparent = print.paper.transparent;
-    if (!antialias) fill_palette(picture, rasters.size(), mix);
+    picture.transparent = palette.paper.transparent;
+    if (!antialias) fill_palette(picture, rasters.size(), colour_of);
     const auto width = static_cast<std::size_t>(picture.width);
     picture.pixels.resize(rasters.front().coverage.size() * picture.channels());
     for (std::size_t begin = 0; begin < rasters.front().coverage.size(); begin += width) {
         if (stop.stop_requested()) break;
         if (antialias) {
-            fill_colours(rasters, begin, begin + width, mix, picture);
+            fill_colours(rasters, begin, begin + width, colour_of, picture);
         } else {
             fill_codes(rasters, begin, begin + width, picture);
         }

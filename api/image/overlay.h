@@ -2,35 +2,42 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <stop_token>
 #include <vector>
 
 #include "api/image/shades.h"
-#include "api/input/print.h"
+#include "api/input/palette.h"
 #include "core/halftone/dots.h"
 
 namespace ccdt::api {
 
-/// A picture in colour, as files of pictures hold it.
-struct ColourRaster {
+/// Picture of dots, as files of pictures hold it.
+struct DotImage {
     int width = 0;
     int height = 0;
     bool transparent = false;          ///< pixels have an alpha
+    bool grey = false;                 ///< all its colours are greys, and files may store it as grey
     std::size_t colours = 0;           ///< of the palette; 0: pixels are red, green, blue and, if transparent, alpha
     Shades palette{};                  ///< by the value of a pixel
     std::vector<std::uint8_t> pixels;  ///< [width * height * channels()], row by row
 
     std::size_t channels() const { return colours > 0 ? 1 : transparent ? 4 : 3; }
+
+    /// Values of a row.
+    std::size_t row_size() const { return static_cast<std::size_t>(width) * channels(); }
+    const std::uint8_t* row(int y) const { return pixels.data() + static_cast<std::size_t>(y) * row_size(); }
+
+    /// Whether there is nothing but black and white.
+    bool is_bilevel() const;
 };
 
-/// Lays the dots of several inks over each other, in linear light, as `printed` in core/halftone/separation.h does.
-/// Where nothing is below them, print is seen on white, and pixels are as opaque as dots cover them.
+/// Lays the dots of inks over each other and their paper, in linear light: an ink that covers as shades_of() does,
+/// others as `printed` in core/halftone/separation.h. Where the paper is transparent, inks are seen on white, and
+/// pixels are as opaque as dots cover them.
 ///
 /// @param rasters    [inks], all of one size
 /// @param antialias  false: they hold 0 and 255 only, and the picture has a palette of all mixtures
-/// @param stop       asked at each row; a stop ends it early, with nothing of use
-ColourRaster overlay(std::span<const Raster> rasters, const Print& print, bool antialias,
-                     const std::stop_token& stop = {});
+/// @param stop       asked at each row of inks that mix; a stop ends it early, with nothing of use
+DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antialias, const std::stop_token& stop = {});
 
 }  // namespace ccdt::api

@@ -13,7 +13,6 @@
 #include <numeric>
 #include <vector>
 
-#include "api/image/rows.h"
 #include "api/image/shades.h"
 
 namespace ccdt::api {
@@ -43,35 +42,25 @@ png_uint_32 pixels_per_metre(int width, std::optional<double> width_mm) {
     return static_cast<png_uint_32>(std::clamp(density, 1.0, double{PNG_UINT_31_MAX}));
 }
 
-Layout layout_of(bool antialias, const Inks& inks) {
-    const Shades shades = shades_of(inks);
-    const bool black_dots = inks.foreground == kBlack && inks.background == kWhite;
-    const bool white_dots = inks.foreground == kWhite && inks.background == kBlack;
+Layout layout_of(const DotImage& image, std::optional<double> width_mm) {
     Layout layout;
-    layout.transparent = inks.background.transparent;
-    const bool grey = antialias ? are_grey(inks) : black_dots || white_dots;
-    if (!grey) layout.colour_type = PNG_COLOR_TYPE_PALETTE;
-    // Its last entry is full coverage.
-    for (std::size_t i = 0; !grey && i < 256; i += antialias ? 1 : 255) add_to_palette(layout, shades[i]);
-    if (!antialias) {
-        layout.bit_depth = 1;
-        layout.stored[black_dots ? 0 : 255] = 1;
-        return layout;
-    }
-    for (std::size_t i = 0; i < 256; ++i) layout.stored[i] = grey ? shades[i][0] : static_cast<png_byte>(i);
-    return layout;
-}
-
-Layout layout_of(const ColourRaster& raster) {
-    Layout layout;
-    layout.transparent = raster.transparent;
-    layout.colour_type = raster.colours > 0   ? PNG_COLOR_TYPE_PALETTE
-                         : raster.transparent ? PNG_COLOR_TYPE_RGB_ALPHA
-                                              : PNG_COLOR_TYPE_RGB;
+    layout.transparent = image.transparent;
+    layout.pixels_per_metre = pixels_per_metre(image.width, width_mm);
+    const bool grey = image.is_bilevel() || (image.grey && image.colours > 2);
+    layout.colour_type = grey                ? PNG_COLOR_TYPE_GRAY
+                         : image.colours > 0 ? PNG_COLOR_TYPE_PALETTE
+                         : image.transparent ? PNG_COLOR_TYPE_RGB_ALPHA
+                                             : PNG_COLOR_TYPE_RGB;
     std::iota(layout.stored.begin(), layout.stored.end(), png_byte{0});
-    if (raster.colours == 0) return layout;
-    layout.bit_depth = raster.colours > 16 ? 8 : raster.colours > 4 ? 4 : raster.colours > 2 ? 2 : 1;
-    for (std::size_t i = 0; i < raster.colours; ++i) add_to_palette(layout, raster.palette[i]);
+    if (image.colours == 0) return layout;
+    layout.bit_depth = image.colours > 16 ? 8 : image.colours > 4 ? 4 : image.colours > 2 ? 2 : 1;
+    for (std::size_t i = 0; i < image.colours; ++i) {
+        if (grey) {
+            layout.stored[i] = static_cast<png_byte>(image.palette[i][0] >> (8 - layout.bit_depth));
+        } else {
+            add_to_palette(layout, image.palette[i]);
+        }
+    }
     return layout;
 }
 
@@ -111,15 +100,15 @@ void append(png_structp png, png_bytep data, std::size_t size) {
 
 void on_warning(png_structp, png_const_charp) {}
 
-void write_header(png_structp png, png_infop info, const Rows& rows, const Layout& layout) {
+void write_header(png_structp png, png_infop info, const DotImage& image, const Layout& layout) {
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     // Runs are nearly all there is to find in discs: searching for more costs 2 to 40 times the time and saves at
     // most a tenth, most often nothing.
     png_set_compression_level(png, 1);
     png_set_compression_strategy(png, Z_RLE);
     // Of several channels runs are only left once each pixel is taken from the next.
-    png_set_filter(png, PNG_FILTER_TYPE_BASE, rows.channels > 1 ? PNG_FILTER_SUB : PNG_FILTER_NONE);
-    png_set_IHDR(png, info, static_cast<png_uint_32>(rows.width), static_cast<png_uint_32>(rows.height),
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, image.channels() > 1 ? PNG_FILTER_SUB : PNG_FILTER_NONE);
+    png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
                  layout.bit_depth, layout.colour_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
     if (layout.palette_size > 0) png_set_PLTE(png, info, layout.colours.data(), layout.palette_size);
@@ -133,42 +122,34 @@ void write_header(png_structp png, png_infop info, const Rows& rows, const Layou
 
 /// libpng reports errors by a jump back into this function, so it owns nothing that would need destroying.
 /// @param row  room for one row of the file
-/// @returns    false on an error
-bool write_all(png_structp png, png_infop info, const Rows& rows, const Layout& layout, png_byte* row) {
+/// @returns    false on an error or a stop
+bool write_all(png_structp png, png_infop info, const DotImage& image, const Layout& layout, png_byte* row,
+               const std::stop_token& stop) {
     if (setjmp(png_jmpbuf(png)) != 0) return false;
-    write_header(png, info, rows, layout);
-    for (int y = 0; y < rows.height; ++y) {
-        pack_row(rows.row(y), rows.size(), layout, row);
+    write_header(png, info, image, layout);
+    for (int y = 0; y < image.height; ++y) {
+        if (stop.stop_requested()) return false;
+        pack_row(image.row(y), image.row_size(), layout, row);
         png_write_row(png, row);
     }
     png_write_end(png, info);
     return true;
 }
 
-Result<std::string> write_file(const Rows& rows, const Layout& layout) {
-    std::vector<png_byte> row(rows.size());
+}  // namespace
+
+Result<std::string> write_png(const DotImage& image, std::optional<double> width_mm, const std::stop_token& stop) {
+    const Layout layout = layout_of(image, width_mm);
+    std::vector<png_byte> row(image.row_size());
     Sink sink;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_error, on_warning);
     png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
     if (info != nullptr) png_set_write_fn(png, &sink, append, nullptr);
-    const bool written = info != nullptr && write_all(png, info, rows, layout, row.data());
+    const bool written = info != nullptr && write_all(png, info, image, layout, row.data(), stop);
     png_destroy_write_struct(&png, &info);
-    if (!written) return failure(ErrorCode::Internal, "the picture could not be encoded");
-    return std::move(sink.bytes);
-}
-
-}  // namespace
-
-Result<std::string> write_png(const Raster& raster, bool antialias, const Inks& inks, std::optional<double> width_mm) {
-    Layout layout = layout_of(antialias, inks);
-    layout.pixels_per_metre = pixels_per_metre(raster.width, width_mm);
-    return write_file(Rows(raster), layout);
-}
-
-Result<std::string> write_png(const ColourRaster& raster, std::optional<double> width_mm) {
-    Layout layout = layout_of(raster);
-    layout.pixels_per_metre = pixels_per_metre(raster.width, width_mm);
-    return write_file(Rows(raster), layout);
+    if (written) return std::move(sink.bytes);
+    if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped while the picture was encoded");
+    return failure(ErrorCode::Internal, "the picture could not be encoded");
 }
 
 }  // namespace ccdt::api

@@ -7,31 +7,22 @@
 namespace ccdt::api {
 namespace {
 
-std::uint8_t mix(unsigned char background, unsigned char foreground, double coverage) {
-    return to_srgb((1 - coverage) * to_linear(background) + coverage * to_linear(foreground));
-}
-
-bool is_grey(const Colour& colour) {
-    return !colour.transparent && colour.red == colour.green && colour.green == colour.blue;
+std::uint8_t mix(unsigned char paper, unsigned char ink, double coverage) {
+    return to_srgb((1 - coverage) * to_linear(paper) + coverage * to_linear(ink));
 }
 
 }  // namespace
 
-Shades shades_of(const Inks& inks) {
-    const Colour& over = inks.foreground;
-    const Colour& under = inks.background.transparent ? inks.foreground : inks.background;
+Shades shades_of(const Colour& ink, const Colour& paper) {
+    const Colour& under = paper.transparent ? ink : paper;
     Shades shades{};
     for (std::size_t i = 0; i < shades.size(); ++i) {
         const double coverage = static_cast<double>(i) / 255;
-        const auto alpha = static_cast<std::uint8_t>(inks.background.transparent ? i : 255);
-        shades[i] = {mix(under.red, over.red, coverage), mix(under.green, over.green, coverage),
-                     mix(under.blue, over.blue, coverage), alpha};
+        const auto alpha = static_cast<std::uint8_t>(paper.transparent ? i : 255);
+        shades[i] = {mix(under.red, ink.red, coverage), mix(under.green, ink.green, coverage),
+                     mix(under.blue, ink.blue, coverage), alpha};
     }
     return shades;
-}
-
-bool are_grey(const Inks& inks) {
-    return is_grey(inks.foreground) && is_grey(inks.background);
 }
 
 }  // namespace ccdt::api

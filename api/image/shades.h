@@ -7,14 +7,13 @@
 
 namespace ccdt::api {
 
-/// What pixels look like that dots cover in part: red, green, blue, alpha, by coverage.
-///
-/// Inks are mixed in linear light, so that from afar pixels look as light as dots of that area; over a transparent
-/// background they are the foreground with the coverage as alpha.
+/// Colours of pixels by their value: red, green, blue, alpha.
 using Shades = std::array<std::array<std::uint8_t, 4>, 256>;
-Shades shades_of(const Inks& inks);
 
-/// Both are, and none is transparent.
-bool are_grey(const Inks& inks);
+/// Shades of pixels that an opaque ink covers in part, by its coverage.
+///
+/// Ink and paper are mixed in linear light, so that from afar pixels look as light as dots of that area; over a
+/// transparent paper they are the ink with the coverage as alpha.
+Shades shades_of(const Colour& ink, const Colour& paper);
 
 }  // namespace ccdt::api

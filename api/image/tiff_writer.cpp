@@ -11,7 +11,6 @@
 #include <memory>
 #include <vector>
 
-#include "api/image/rows.h"
 #include "api/image/shades.h"
 
 namespace ccdt::api {
@@ -93,27 +92,17 @@ struct Layout {
     bool true_colour = false;  ///< the raster's values are those of the file
 };
 
-Layout layout_of(bool antialias, const Inks& inks) {
-    const bool black_dots = inks.foreground == kBlack && inks.background == kWhite;
-    const bool white_dots = inks.foreground == kWhite && inks.background == kBlack;
+Layout layout_of(const DotImage& image) {
     Layout layout;
-    layout.shades = shades_of(inks);
-    if (!antialias && (black_dots || white_dots)) {
-        layout.bilevel = true;
-        layout.photometric = black_dots ? PHOTOMETRIC_MINISWHITE : PHOTOMETRIC_MINISBLACK;
-    } else if (!are_grey(inks)) {
-        layout.channels = inks.background.transparent ? 4 : 3;
+    layout.shades = image.palette;
+    layout.true_colour = image.colours == 0;
+    layout.bilevel = image.is_bilevel();
+    if (!image.grey) {
+        layout.channels = image.transparent ? 4 : 3;
         layout.photometric = PHOTOMETRIC_RGB;
+    } else if (layout.bilevel && image.palette[0][0] == 255) {
+        layout.photometric = PHOTOMETRIC_MINISWHITE;
     }
-    return layout;
-}
-
-Layout layout_of(const ColourRaster& raster) {
-    Layout layout;
-    layout.channels = raster.transparent ? 4 : 3;
-    layout.photometric = PHOTOMETRIC_RGB;
-    layout.shades = raster.palette;
-    layout.true_colour = raster.colours == 0;
     return layout;
 }
 
@@ -133,11 +122,11 @@ void pack_row(const std::uint8_t* values, std::size_t count, const Layout& layou
     for (std::size_t x = 0; x < count; ++x) row = std::copy_n(layout.shades[values[x]].begin(), layout.channels, row);
 }
 
-bool write_header(TIFF* tiff, const Rows& rows, const Layout& layout, std::optional<double> width_mm) {
+bool write_header(TIFF* tiff, const DotImage& image, const Layout& layout, std::optional<double> width_mm) {
     const std::uint16_t alpha = EXTRASAMPLE_UNASSALPHA;
-    const double resolution = width_mm ? rows.width / *width_mm * kMillimetresPerInch : 1;
-    return TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(rows.width)) &&
-           TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(rows.height)) &&
+    const double resolution = width_mm ? image.width / *width_mm * kMillimetresPerInch : 1;
+    return TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(image.width)) &&
+           TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(image.height)) &&
            TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, layout.bilevel ? 1 : 8) &&
            TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, layout.channels) &&
            TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, layout.photometric) &&
@@ -151,38 +140,28 @@ bool write_header(TIFF* tiff, const Rows& rows, const Layout& layout, std::optio
            TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, TIFFDefaultStripSize(tiff, 0));
 }
 
-bool write_rows(TIFF* tiff, const Rows& rows, const Layout& layout, const std::stop_token& stop) {
-    std::vector<std::uint8_t> row(static_cast<std::size_t>(rows.width) * layout.channels);
-    for (int y = 0; y < rows.height; ++y) {
+bool write_rows(TIFF* tiff, const DotImage& image, const Layout& layout, const std::stop_token& stop) {
+    std::vector<std::uint8_t> row(static_cast<std::size_t>(image.width) * layout.channels);
+    for (int y = 0; y < image.height; ++y) {
         if (stop.stop_requested()) return false;
-        pack_row(rows.row(y), rows.size(), layout, row.data());
+        pack_row(image.row(y), image.row_size(), layout, row.data());
         if (TIFFWriteScanline(tiff, row.data(), static_cast<std::uint32_t>(y), 0) < 0) return false;
     }
     return TIFFFlush(tiff) != 0;
 }
 
-Result<std::string> write_file(const Rows& rows, const Layout& layout, std::optional<double> width_mm,
-                               const std::stop_token& stop) {
+}  // namespace
+
+Result<std::string> write_tiff(const DotImage& image, std::optional<double> width_mm, const std::stop_token& stop) {
+    const Layout layout = layout_of(image);
     MemoryFile file;
     Tiff tiff = open(file);
     const bool written =
-        tiff && write_header(tiff.get(), rows, layout, width_mm) && write_rows(tiff.get(), rows, layout, stop);
+        tiff && write_header(tiff.get(), image, layout, width_mm) && write_rows(tiff.get(), image, layout, stop);
     tiff.reset();
     if (written) return std::move(file.bytes);
     if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped while the picture was encoded");
     return failure(ErrorCode::Internal, "the picture could not be encoded");
-}
-
-}  // namespace
-
-Result<std::string> write_tiff(const Raster& raster, bool antialias, const Inks& inks, std::optional<double> width_mm,
-                               const std::stop_token& stop) {
-    return write_file(Rows(raster), layout_of(antialias, inks), width_mm, stop);
-}
-
-Result<std::string> write_tiff(const ColourRaster& raster, std::optional<double> width_mm,
-                               const std::stop_token& stop) {
-    return write_file(Rows(raster), layout_of(raster), width_mm, stop);
 }
 
 }  // namespace ccdt::api

@@ -6,9 +6,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-
-#include "api/image/shades.h"
 
 namespace ccdt::api {
 namespace {
@@ -42,24 +39,24 @@ std::uint32_t argb_of(std::uint32_t red, std::uint32_t green, std::uint32_t blue
     return alpha << 24 | red << 16 | green << 8 | blue;
 }
 
-/// @param values  [width * height], row by row
-void fill(WebPPicture& picture, const std::uint8_t* values, const Shades& shades) {
+void fill_by_palette(WebPPicture& picture, const DotImage& image) {
     std::array<std::uint32_t, 256> argb{};
-    std::transform(shades.begin(), shades.end(), argb.begin(),
+    std::transform(image.palette.begin(), image.palette.end(), argb.begin(),
                    [](const auto& shade) { return argb_of(shade[0], shade[1], shade[2], shade[3]); });
-    for (int y = 0; y < picture.height; ++y, values += picture.width) {
-        std::transform(values, values + picture.width, picture.argb + std::ptrdiff_t{y} * picture.argb_stride,
+    for (int y = 0; y < picture.height; ++y) {
+        std::transform(image.row(y), image.row(y) + image.row_size(),
+                       picture.argb + std::ptrdiff_t{y} * picture.argb_stride,
                        [&](std::uint8_t value) { return argb[value]; });
     }
 }
 
-/// The same in true colours.
-void fill(WebPPicture& picture, const ColourRaster& raster) {
-    const std::uint8_t* pixel = raster.pixels.data();
+void fill(WebPPicture& picture, const DotImage& image) {
+    if (image.colours > 0) return fill_by_palette(picture, image);
+    const std::uint8_t* pixel = image.pixels.data();
     for (int y = 0; y < picture.height; ++y) {
         std::uint32_t* const row = picture.argb + std::ptrdiff_t{y} * picture.argb_stride;
-        for (int x = 0; x < picture.width; ++x, pixel += raster.channels()) {
-            row[x] = argb_of(pixel[0], pixel[1], pixel[2], raster.transparent ? pixel[3] : 255);
+        for (int x = 0; x < picture.width; ++x, pixel += image.channels()) {
+            row[x] = argb_of(pixel[0], pixel[1], pixel[2], image.transparent ? pixel[3] : 255);
         }
     }
 }
@@ -68,20 +65,20 @@ int go_on(int, const WebPPicture* picture) {
     return static_cast<const std::stop_token*>(picture->user_data)->stop_requested() ? 0 : 1;
 }
 
-/// @param draw  fills a picture of the size
-Result<std::string> write_file(int width, int height, const std::function<void(WebPPicture&)>& draw,
-                               const std::stop_token& stop) {
+}  // namespace
+
+Result<std::string> write_webp(const DotImage& image, std::optional<double>, const std::stop_token& stop) {
     WebPConfig config;
     WebPMemoryWriter file;
     WebPMemoryWriterInit(&file);
     Canvas32 canvas;
     const bool ready = WebPConfigInit(&config) != 0 && WebPConfigLosslessPreset(&config, kEffort) != 0 &&
-                       canvas.allocate(width, height);
+                       canvas.allocate(image.width, image.height);
     bool written = false;
     if (ready) {
         config.exact = 1;  // colours stay where nothing is seen of them
         WebPPicture& picture = canvas.get();
-        draw(picture);
+        fill(picture, image);
         picture.writer = WebPMemoryWrite;
         picture.custom_ptr = &file;
         picture.progress_hook = go_on;
@@ -93,21 +90,6 @@ Result<std::string> write_file(int width, int height, const std::function<void(W
     if (written) return bytes;
     if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped while the picture was encoded");
     return failure(ErrorCode::Internal, "the picture could not be encoded");
-}
-
-}  // namespace
-
-Result<std::string> write_webp(const Raster& raster, const Inks& inks, const std::stop_token& stop) {
-    const auto draw = [&](WebPPicture& picture) { fill(picture, raster.coverage.data(), shades_of(inks)); };
-    return write_file(raster.width, raster.height, draw, stop);
-}
-
-Result<std::string> write_webp(const ColourRaster& raster, const std::stop_token& stop) {
-    const auto draw = [&](WebPPicture& picture) {
-        if (raster.colours > 0) return fill(picture, raster.pixels.data(), raster.palette);
-        fill(picture, raster);
-    };
-    return write_file(raster.width, raster.height, draw, stop);
 }
 
 }  // namespace ccdt::api

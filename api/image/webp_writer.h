@@ -1,23 +1,22 @@
 #pragma once
 
+#include <optional>
 #include <stop_token>
 #include <string>
 
 #include "api/image/overlay.h"
-#include "api/input/colour.h"
-#include "core/halftone/dots.h"
 #include "core/result.h"
 
 namespace ccdt::api {
 
 inline constexpr int kMaxWebPSide = 16'383;  ///< pixels
 
-/// Encodes a raster as a WebP file without loss. What pixels look like: see Shades.
+/// Encodes a picture as a WebP file without loss, which tells no physical size.
 ///
-/// @param raster  at most kMaxWebPSide each way
-/// @param stop    asked now and then
+/// @param image  at most kMaxWebPSide each way
+/// @param stop   asked now and then
 /// Same input, same bytes. Errors: Stopped; Internal if memory runs out.
-Result<std::string> write_webp(const Raster& raster, const Inks& inks, const std::stop_token& stop = {});
-Result<std::string> write_webp(const ColourRaster& raster, const std::stop_token& stop = {});
+Result<std::string> write_webp(const DotImage& image, std::optional<double> width_mm = {},
+                               const std::stop_token& stop = {});
 
 }  // namespace ccdt::api

@@ -41,7 +41,7 @@ std::string hexadecimal(const Colour& colour) {
 
 Result<Colour> read_colour(const Input& input) {
     const auto text = read_text(input);
-    if (!text) return tl::make_unexpected(text.error());
+    if (!text) return tl::unexpected(text.error());
     if (const auto colour = parse_colour(*text)) return *colour;
     return malformed(input, "must be a colour as #rgb or #rrggbb (in a query, # is written %23)");
 }

@@ -7,7 +7,7 @@
 
 namespace ccdt::api {
 
-/// A colour of sRGB, or none.
+/// Colour of sRGB, or none.
 struct Colour {
     unsigned char red = 0;
     unsigned char green = 0;
@@ -20,12 +20,7 @@ struct Colour {
 inline constexpr Colour kBlack = {0, 0, 0};
 inline constexpr Colour kWhite = {255, 255, 255};
 
-struct Inks {
-    Colour foreground = kBlack;  ///< of the dots; not transparent
-    Colour background = kWhite;
-};
-
-/// `#rrggbb`; of none that of black.
+/// Writes `#rrggbb`; of a transparent colour that of black.
 std::string hexadecimal(const Colour& colour);
 
 /// Reads `#rgb` or `#rrggbb`.

@@ -27,7 +27,7 @@ Result<Rectangle> read_rectangle(const Input& input) {
     Members members;
     const auto object = std::get<JsonValue>(input.value);
     if (auto read = read_members<Members>(kRules, object, input.field, {}, members); !read) {
-        return tl::make_unexpected(read.error());
+        return tl::unexpected(read.error());
     }
     if (!members.type || members.sides.width == 0 || members.sides.height == 0) {
         return malformed(input, "must have the members type, width and height");

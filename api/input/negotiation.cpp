@@ -102,7 +102,7 @@ std::string list(std::span<const Format> formats, std::string_view Format::*what
 
 Result<std::size_t> read_format(const Input& input, std::span<const Format> made) {
     const auto name = read_text(input);
-    if (!name) return tl::make_unexpected(name.error());
+    if (!name) return tl::unexpected(name.error());
     const auto found = std::find_if(made.begin(), made.end(), [&](const Format& f) { return f.name == *name; });
     if (found != made.end()) return static_cast<std::size_t>(found - made.begin());
     return failure(ErrorCode::Malformed,

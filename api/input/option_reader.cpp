@@ -86,7 +86,7 @@ Result<std::string_view> read_text(const Input& input) {
 
 Result<std::size_t> read_choice(const Input& input, std::span<const std::string_view> words) {
     const auto text = read_text(input);
-    if (!text) return tl::make_unexpected(text.error());
+    if (!text) return tl::unexpected(text.error());
     const auto found = std::find(words.begin(), words.end(), *text);
     if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
     std::string list = "is '" + excerpt(*text) + "', but must be";

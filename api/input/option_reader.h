@@ -78,7 +78,7 @@ struct OptionRule {
 /// For rules: keeps a value that was read, or passes the error on.
 template <class T, class Value>
 Result<void> assign(T& target, Result<Value> value) {
-    if (!value) return tl::make_unexpected(value.error());
+    if (!value) return tl::unexpected(value.error());
     target = static_cast<T>(*std::move(value));
     return {};
 }
@@ -118,7 +118,7 @@ template <class Target>
 Result<void> read_members(std::span<const OptionRule<Target>> rules, JsonValue object, std::string_view pointer,
                           const Limits& limits, Target& target) {
     const auto inputs = inputs_of(object, pointer);
-    if (!inputs) return tl::make_unexpected(inputs.error());
+    if (!inputs) return tl::unexpected(inputs.error());
     return read_options(rules, *inputs, limits, target);
 }
 
@@ -128,7 +128,7 @@ template <class Target>
 Result<void> read_body(std::span<const OptionRule<Target>> rules, std::string_view body, const Limits& limits,
                        Target& target) {
     const auto document = JsonDocument::parse(body);
-    if (!document) return tl::make_unexpected(document.error());
+    if (!document) return tl::unexpected(document.error());
     return read_members(rules, document->root(), "", limits, target);
 }
 

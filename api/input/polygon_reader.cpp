@@ -56,7 +56,7 @@ Result<std::vector<T>> read_each(const Input& input, std::string_view expected, 
     std::vector<T> result;
     for (const JsonValue element : list) {
         Result<T> item = read(element_of(input, result.size(), element));
-        if (!item) return tl::make_unexpected(item.error());
+        if (!item) return tl::unexpected(item.error());
         result.push_back(*std::move(item));
     }
     return result;
@@ -69,7 +69,7 @@ Result<std::vector<Ring>> read_ring_list(const Input& input, Ordinates ordinates
 
 Result<PolygonPart> read_part(const Input& input) {
     auto rings = read_ring_list(input, Ordinates::TwoOrMore);
-    if (!rings) return tl::make_unexpected(rings.error());
+    if (!rings) return tl::unexpected(rings.error());
     if (rings->empty()) return failure(ErrorCode::Unusable, input.field + " is an empty polygon", input.field);
     PolygonPart part{std::move(rings->front()), {}};
     part.holes.assign(std::move_iterator(rings->begin() + 1), std::move_iterator(rings->end()));
@@ -107,15 +107,15 @@ Result<std::string_view> read_type(const Input& object) {
 Result<PolygonInput> read_bare_geometry(const Input& input) {
     using Nesting = PolygonInput::Nesting;
     const auto type = read_type(input);
-    if (!type) return tl::make_unexpected(type.error());
+    if (!type) return tl::unexpected(type.error());
     if (*type != "Polygon" && *type != "MultiPolygon") {
         return wrong(input.field, "must be a Polygon, a MultiPolygon or a Feature of one, not a " + excerpt(*type));
     }
     const auto coordinates = require(input, "coordinates");
-    if (!coordinates) return tl::make_unexpected(coordinates.error());
+    if (!coordinates) return tl::unexpected(coordinates.error());
     const Nesting nesting = *type == "Polygon" ? Nesting::Polygon : Nesting::MultiPolygon;
     auto parts = read_parts(*coordinates, nesting);
-    if (!parts) return tl::make_unexpected(parts.error());
+    if (!parts) return tl::unexpected(parts.error());
     return PolygonInput{*std::move(parts), nesting, coordinates->field};
 }
 
@@ -158,7 +158,7 @@ Result<std::vector<Ring>> read_rings(const Input& input) {
 
 Result<PolygonInput> read_geometry(const Input& input) {
     const auto type = read_type(input);
-    if (!type) return tl::make_unexpected(type.error());
+    if (!type) return tl::unexpected(type.error());
     if (*type != "Feature") return read_bare_geometry(input);
     return require(input, "geometry").and_then(read_bare_geometry);
 }

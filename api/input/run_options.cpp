@@ -32,7 +32,7 @@ Result<void> read_quality(const Input& input, Options& options) {
     static constexpr std::string_view kWords[] = {"draft", "standard", "best"};
     static constexpr Quality kQualities[] = {Quality::Draft, Quality::Standard, Quality::Best};
     const auto index = read_choice(input, kWords);
-    if (!index) return tl::make_unexpected(index.error());
+    if (!index) return tl::unexpected(index.error());
     options.quality = kQualities[*index];
     return {};
 }
@@ -40,7 +40,7 @@ Result<void> read_quality(const Input& input, Options& options) {
 Result<void> read_on_deadline(const Input& input, OnStop& on_stop) {
     static constexpr std::string_view kWords[] = {"error", "partial"};
     const auto index = read_choice(input, kWords);
-    if (!index) return tl::make_unexpected(index.error());
+    if (!index) return tl::unexpected(index.error());
     on_stop = *index == 0 ? OnStop::Error : OnStop::Partial;
     return {};
 }

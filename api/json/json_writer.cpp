@@ -1,5 +1,6 @@
 #include "api/json/json_writer.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
@@ -47,7 +48,7 @@ void append_point(std::string& out, Point point) {
     out += ']';
 }
 
-/// Stopped, it ends early.
+/// Appends points. Stopped, it ends early.
 void append_points(std::string& out, std::span<const Point> points, const std::stop_token& stop) {
     out.reserve(out.size() + kUsualPoint * points.size());
     out += '[';
@@ -72,7 +73,7 @@ void append_mesh(std::string& out, const TriangleMesh& mesh, const std::stop_tok
     append_array(out, mesh.boundary, append_indices);
 }
 
-/// `,"name":value`
+/// Appends `,"name":value`.
 template <class Number>
 void append_member(std::string& out, std::string_view name, Number value) {
     out.append(",\"").append(name).append("\":");
@@ -101,7 +102,7 @@ void append_spectrum(std::string& out, const Spectrum& spectrum) {
     out += '}';
 }
 
-/// Members that tell what was asked for.
+/// Appends members that tell what was asked for.
 void append_order(std::string& out, std::size_t sites, const Report& report) {
     out += "\"sites\":";
     append_number(out, std::uint64_t{sites});
@@ -109,7 +110,7 @@ void append_order(std::string& out, std::size_t sites, const Report& report) {
     out.append(",\"method\":\"").append(report.method).append("\"");
 }
 
-/// Members that tell where points come from.
+/// Appends members that tell where points come from.
 void append_run(std::string& out, const Distribution& distribution, const Report& report) {
     append_order(out, distribution.points.size(), report);
     append_member(out, "iterations", static_cast<std::uint64_t>(distribution.iterations));
@@ -121,7 +122,7 @@ double rounded_to_microseconds(double milliseconds) {
     return std::round(milliseconds * 1000) / 1000;
 }
 
-/// Members that tell of the whole answer.
+/// Appends members that tell of the whole answer.
 void append_report(std::string& out, const Report& report) {
     append_member(out, "elapsed_ms", rounded_to_microseconds(report.elapsed_ms));
     if (!report.picture) return;
@@ -129,23 +130,10 @@ void append_report(std::string& out, const Report& report) {
     append_member(out, "height", static_cast<std::uint64_t>(report.picture->height));
 }
 
-void append_ink(std::string& out, const InkReport& ink, const std::stop_token& stop) {
-    const Distribution& distribution = ink.distribution;
-    out.append("{\"name\":\"").append(ink.name).append("\",\"color\":\"").append(hexadecimal(ink.color)).append("\"");
-    append_member(out, "sites", std::uint64_t{distribution.points.size()});
-    append_member(out, "iterations", static_cast<std::uint64_t>(distribution.iterations));
-    append_member(out, "variation", distribution.variation());
-    out += ",\"trace\":";
-    append_trace(out, distribution.trace);
-    out += ",\"points\":";
-    append_points(out, distribution.points, stop);
-    out += '}';
-}
-
-}  // namespace
-
-std::string write_distribution(const Distribution& distribution, const Report& report, const std::stop_token& stop) {
-    std::string out = "{\"points\":";
+/// Appends the members of an answer whose points are those of the only ink.
+void append_distribution(std::string& out, const Distribution& distribution, const Report& report,
+                         const std::stop_token& stop) {
+    out += "\"points\":";
     append_points(out, distribution.points, stop);
     out += ',';
     append_run(out, distribution, report);
@@ -153,28 +141,46 @@ std::string write_distribution(const Distribution& distribution, const Report& r
     append_trace(out, distribution.trace);
     append_report(out, report);
     if (distribution.mesh) append_mesh(out, *distribution.mesh, stop);
-    out += "}\n";
-    return out;
 }
 
-std::string write_inks(std::span<const InkReport> inks, const Report& report, const std::stop_token& stop) {
-    std::size_t sites = 0;
-    bool stopped = false;
-    for (const InkReport& ink : inks) {
-        sites += ink.distribution.points.size();
-        stopped = stopped || ink.distribution.stopped;
-    }
-    std::string out = "{\"inks\":";
-    append_array(out, inks, [&](std::string& to, const InkReport& ink) { append_ink(to, ink, stop); });
+void append_ink(std::string& out, const InkDots& each, const std::stop_token& stop) {
+    const auto& [ink, dots, radius] = each;
+    out.append("{\"name\":\"").append(ink.name).append("\",\"color\":\"").append(hexadecimal(ink.colour)).append("\"");
+    append_member(out, "sites", std::uint64_t{dots.points.size()});
+    append_member(out, "iterations", static_cast<std::uint64_t>(dots.iterations));
+    append_member(out, "variation", dots.variation());
+    out += ",\"trace\":";
+    append_trace(out, dots.trace);
+    out += ",\"points\":";
+    append_points(out, dots.points, stop);
+    out += '}';
+}
+
+/// Appends the members of an answer that tells inks apart.
+void append_inks(std::string& out, std::span<const InkDots> inks, const Report& report, const std::stop_token& stop) {
+    out += "\"inks\":";
+    append_array(out, inks, [&](std::string& to, const InkDots& each) { append_ink(to, each, stop); });
     out += ',';
-    append_order(out, sites, report);
-    if (stopped) out += ",\"partial\":true";
+    append_order(out, count_points(inks), report);
+    if (std::ranges::any_of(inks, [](const InkDots& each) { return each.dots.stopped; })) out += ",\"partial\":true";
     append_report(out, report);
+}
+
+}  // namespace
+
+std::string write_json(std::span<const InkDots> inks, const Report& report, const std::stop_token& stop) {
+    std::string out = "{";
+    if (are_named(inks)) {
+        append_inks(out, inks, report, stop);
+    } else {
+        append_distribution(out, inks.front().dots, report, stop);
+    }
     out += "}\n";
     return out;
 }
 
-std::string write_feature(const Distribution& distribution, const Report& report, const std::stop_token& stop) {
+std::string write_feature(std::span<const InkDots> inks, const Report& report, const std::stop_token& stop) {
+    const Distribution& distribution = inks.front().dots;
     std::string out = R"({"type":"Feature","properties":{)";
     append_run(out, distribution, report);
     out += R"(},"geometry":{"type":"MultiPoint","coordinates":)";

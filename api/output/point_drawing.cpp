@@ -1,7 +1,6 @@
 #include "api/output/point_drawing.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstddef>
@@ -15,13 +14,16 @@
 namespace ccdt::api {
 namespace {
 
-constexpr Interval kWidths = {.min = 1, .max = 10'000};
 constexpr std::size_t kChunk = 10'000;  // dots between two looks at the stop token; libxml2 reads paths of up to 10 MB
 constexpr std::size_t kUsualDot = 64;   // bytes
 constexpr int kDigits = 6;              // of a page's longer side
 constexpr int kMostDecimals = 300;
 
-/// Points as they lie on the page, from its upper left corner, in units of it.
+/// Attributes of a drawing with layers. Isolated, they do not mix with the page that the drawing stands on.
+constexpr std::string_view kLayers =
+    R"( xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" style="isolation:isolate")";
+
+/// Place of points on the page, from its upper left corner, in units of it.
 class Placing {
 public:
     Placing(const Page& page, double unit) : page_(page), unit_(unit) {}
@@ -36,11 +38,11 @@ private:
     double unit_;
 };
 
-/// An SVG document of dots in the making.
+/// SVG document of dots in the making.
 class DotDocument {
 public:
     /// @param attributes  of the root, besides what it always has
-    DotDocument(const Page& page, std::size_t dots, std::string_view attributes = {})
+    DotDocument(const Page& page, std::size_t dots, std::string_view attributes)
         : unit_(page.width_mm ? *page.width_mm / page.box.width() : 1),
           width_(page.box.width() * unit_),
           height_(page.box.height() * unit_),
@@ -99,7 +101,7 @@ private:
         write("</g>\n");
     }
 
-    /// Of some length: programs for plotters leave out strokes of none.
+    /// Draws strokes of some length: programs for plotters leave out those of none.
     void strokes(std::span<const Point> centres, double radius, const Colour& colour, const std::stop_token& stop) {
         const double length = std::max(radius / 50, std::pow(10, -decimals_));
         write(R"(<g fill="none" stroke=")", hexadecimal(colour), R"(" stroke-width=")", 2 * radius,
@@ -151,7 +153,7 @@ void add_copies(std::vector<Point>& dots, Point size, double radius) {
     }
 }
 
-/// A short path's dots, as they lie on the page, and what is told of it.
+/// Orders dots along a short path, as they lie on the page, and has the document tell of it.
 std::vector<Point> order(std::span<const Point> points, const Page& page, DotDocument& document,
                          const std::stop_token& hurry) {
     const Placing place(page, document.unit());
@@ -164,15 +166,6 @@ std::vector<Point> order(std::span<const Point> points, const Page& page, DotDoc
 }
 
 }  // namespace
-
-Result<void> read_width_mm(const Input& input, DrawingOptions& options) {
-    return assign(options.width_mm, read_number(input, kWidths));
-}
-
-Result<void> read_style(const Input& input, DrawingOptions& options) {
-    static constexpr std::array<std::string_view, 2> kWords = {"fill", "stroke"};
-    return assign(options.style, read_choice(input, kWords));
-}
 
 Canvas canvas_of(const Box& box, double scale) {
     static constexpr double kMaxSide = std::numeric_limits<int>::max();
@@ -193,28 +186,18 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels) {
     return scale;
 }
 
-std::string write_svg(std::span<const Point> points, const Page& page, double radius, DotStyle style, const Inks& inks,
+std::string write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style,
                       const std::stop_token& hurry, const std::stop_token& stop) {
-    DotDocument document(page, points.size());
-    const std::vector<Point> dots = order(points, page, document, hurry);
-    if (style == DotStyle::Fill) document.paper(inks.background);
-    document.dots(dots, radius * document.unit(), style, inks.foreground, stop);
-    return document.finish();
-}
-
-std::string write_svg(std::span<const DotLayer> layers, const Page& page, DotStyle style, const LayerGround& ground,
-                      const std::stop_token& hurry, const std::stop_token& stop) {
-    std::size_t dots = 0;
-    for (const DotLayer& layer : layers) dots += layer.points.size();
-    // Isolated, the layers do not mix with the page that the drawing stands on.
-    DotDocument document(page, dots,
-                         R"( xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" style="isolation:isolate")");
-    if (style == DotStyle::Fill) document.paper(ground.paper);
-    for (const DotLayer& layer : layers) {
-        document.begin_layer(layer.name, ground.additive ? "screen" : "multiply");
-        const std::vector<Point> placed = order(layer.points, page, document, hurry);
-        document.dots(placed, layer.radius * document.unit(), style, layer.colour, stop);
-        document.end_layer();
+    const bool layered = are_named(inks);
+    const bool has_paper = style == DotStyle::Fill;
+    DotDocument document(page, count_points(inks), layered ? kLayers : "");
+    if (layered && has_paper) document.paper(palette.paper);
+    for (const auto& [ink, distribution, radius] : inks) {
+        if (layered) document.begin_layer(ink.name, palette.mixing == Mixing::Add ? "screen" : "multiply");
+        const std::vector<Point> dots = order(distribution.points, page, document, hurry);
+        if (!layered && has_paper) document.paper(palette.paper);
+        document.dots(dots, radius * document.unit(), style, ink.colour, stop);
+        if (layered) document.end_layer();
     }
     return document.finish();
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cstddef>
+#include <string_view>
 
 #include "api/output/numbers.h"
 
@@ -25,13 +26,7 @@ void append_lines(std::string& out, std::span<const Point> points, std::string_v
     }
 }
 
-std::size_t count(std::span<const InkPoints> inks) {
-    std::size_t points = 0;
-    for (const InkPoints& ink : inks) points += ink.points.size();
-    return points;
-}
-
-/// The beginning of an array's file, with room for the rest.
+/// Writes the beginning of an array's file, with room for the rest.
 std::string npy_header(std::size_t rows, std::size_t columns) {
     static_assert(std::endian::native == std::endian::little && sizeof(Point) == 2 * sizeof(double));
     constexpr std::string_view kMagic("\x93NUMPY\x01\x00", 8);
@@ -51,35 +46,24 @@ std::string npy_header(std::size_t rows, std::size_t columns) {
 
 }  // namespace
 
-std::string write_csv(std::span<const Point> points, const std::stop_token& stop) {
+std::string write_csv(std::span<const InkDots> inks, const std::stop_token& stop) {
+    const bool named = are_named(inks);
     std::string out;
-    out.reserve((points.size() + 1) * kUsualLine);
-    out += "x,y\r\n";
-    append_lines(out, points, "\r\n", stop);
+    out.reserve((count_points(inks) + 1) * (kUsualLine + (named ? kUsualName : 0)));
+    out += named ? "x,y,ink\r\n" : "x,y\r\n";
+    for (const auto& [ink, dots, radius] : inks)
+        append_lines(out, dots.points, named ? ',' + ink.name + "\r\n" : "\r\n", stop);
     return out;
 }
 
-std::string write_ink_csv(std::span<const InkPoints> inks, const std::stop_token& stop) {
-    std::string out;
-    out.reserve((count(inks) + 1) * (kUsualLine + kUsualName));
-    out += "x,y,ink\r\n";
-    for (const InkPoints& ink : inks) append_lines(out, ink.points, ',' + std::string(ink.name) + "\r\n", stop);
-    return out;
-}
-
-std::string write_npy(std::span<const Point> points) {
-    std::string out = npy_header(points.size(), 2);
-    out.append(reinterpret_cast<const char*>(points.data()), points.size_bytes());
-    return out;
-}
-
-std::string write_ink_npy(std::span<const InkPoints> inks) {
-    std::string out = npy_header(count(inks), 3);
+std::string write_npy(std::span<const InkDots> inks) {
+    const std::size_t columns = are_named(inks) ? 3 : 2;
+    std::string out = npy_header(count_points(inks), columns);
     double number = 0;
-    for (const InkPoints& ink : inks) {
-        for (const Point& point : ink.points) {
+    for (const InkDots& each : inks) {
+        for (const Point& point : each.dots.points) {
             const std::array<double, 3> row = {point.x, point.y, number};
-            out.append(reinterpret_cast<const char*>(row.data()), sizeof(row));
+            out.append(reinterpret_cast<const char*>(row.data()), columns * sizeof(double));
         }
         ++number;
     }

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "api/image/overlay.h"
 #include "api/image/png_writer.h"
 #include "api/output/svg_drawing.h"
 
@@ -213,8 +214,8 @@ Periodogram draw_periodogram(const Spectrum& spectrum) {
 
 Result<void> draw_spectrum(SvgDrawing& svg, const Analysis& analysis, const Domain& domain, double max_frequency) {
     const Periodogram periodogram = draw_periodogram(analysis.spectrum);
-    const auto png = write_png(periodogram.raster, true, {kWhite, kBlack});
-    if (!png) return tl::make_unexpected(png.error());
+    const auto png = write_png(overlay({periodogram.raster}, {{{"", kWhite}}, kBlack}, true));
+    if (!png) return tl::unexpected(png.error());
 
     const Axis axis{-max_frequency, max_frequency, std::ceil(max_frequency / 4)};
     const Chart chart{kSpectrum, axis, axis};
@@ -266,7 +267,7 @@ Result<std::string> plot_spectrum(const Analysis& analysis, std::span<const Poin
     SvgDrawing svg(kWidth, kHeight);
     draw_points(svg, analysis, points, domain);
     if (auto drawn = draw_spectrum(svg, analysis, domain, max_frequency); !drawn) {
-        return tl::make_unexpected(drawn.error());
+        return tl::unexpected(drawn.error());
     }
     const Axis frequencies{0, max_frequency, std::ceil(max_frequency / 8)};
     draw_power(svg, analysis, frequencies);

@@ -8,6 +8,7 @@
 
 #include "api/image/png_writer.h"
 #include "tests/api/files.h"
+#include "tests/api/image/rasters.h"
 
 namespace ccdt::api {
 namespace {
@@ -36,7 +37,10 @@ double white_share(const DecodedPng& png) {
 TEST(HalftoneOptions, HaveTheirDefaults) {
     const auto request = parse({});
     ASSERT_TRUE(request);
-    EXPECT_FALSE(request->sites || request->scale || request->dot || request->foreground || request->background);
+    EXPECT_FALSE(request->sites || request->scale || request->dot);
+    EXPECT_EQ(request->palette.mixing, Mixing::Cover);
+    EXPECT_EQ(request->palette.inks.front().colour, kBlack);
+    EXPECT_EQ(request->palette.paper, kWhite);
     EXPECT_FALSE(request->antialias || request->invert);
     EXPECT_EQ(request->tone, Tone::Linear);
     EXPECT_EQ(request->format, HalftoneFormat::Png);
@@ -71,8 +75,8 @@ TEST(HalftoneOptions, AreAllRead) {
     EXPECT_TRUE(request->antialias);
     EXPECT_TRUE(request->invert);
     EXPECT_EQ(request->tone, Tone::Perceptual);
-    EXPECT_EQ(*request->foreground, (Colour{0x11, 0x22, 0x33}));
-    EXPECT_TRUE(request->background->transparent);
+    EXPECT_EQ(request->palette.inks.front().colour, (Colour{0x11, 0x22, 0x33}));
+    EXPECT_TRUE(request->palette.paper.transparent);
     EXPECT_EQ(request->format, HalftoneFormat::Json);
 }
 
@@ -251,8 +255,8 @@ TEST(Halftone, HoldsTheOutputToTheLimit) {
 
 TEST(Halftone, RefusesPicturesWithoutInk) {
     const Raster paper{8, 8, 0, std::vector<std::uint8_t>(64, 0)};
-    const std::string white = *write_png(paper, false, {});
-    const std::string nothing = *write_png(paper, false, {kBlack, {.transparent = true}});
+    const std::string white = *write_png(image_of(paper, false));
+    const std::string nothing = *write_png(image_of(paper, false, kBlack, {.transparent = true}));
     for (const auto& image : {white, nothing}) {
         const auto result = answer(image, {});
         ASSERT_FALSE(result);
@@ -270,13 +274,23 @@ TEST(Halftone, RefusesPicturesWithoutInk) {
 }
 
 TEST(HalftoneOptions, ChooseInks) {
-    EXPECT_FALSE(parse({})->print);
-    EXPECT_FALSE(parse({{"color", "gray"}})->print);
-    EXPECT_EQ(parse({{"color", "cmyk"}})->print->inks.size(), 4U);
-    EXPECT_TRUE(parse({{"color", "rgb"}})->print->additive);
-    EXPECT_EQ(parse({{"color", "cmyk"}, {"background", "#ffe"}})->print->paper, (Colour{255, 255, 0xee}));
-    EXPECT_EQ(parse({{"palette", "#f00,#00f"}, {"background", "transparent"}})->print->paper.transparent, true);
-    EXPECT_TRUE(parse({{"palette", "#f00,#00f"}, {"invert", "false"}})->print);
+    const auto palette = [](const Options& options) { return parse(options)->palette; };
+    EXPECT_EQ(palette({{"color", "gray"}}).mixing, Mixing::Cover);
+    EXPECT_EQ(palette({{"color", "cmyk"}}).inks.size(), 4U);
+    EXPECT_EQ(palette({{"color", "rgb"}}).mixing, Mixing::Add);
+    EXPECT_EQ(palette({{"color", "cmyk"}, {"background", "#ffe"}}).paper, (Colour{255, 255, 0xee}));
+    EXPECT_EQ(palette({{"palette", "#f00,#00f"}, {"background", "transparent"}}).paper.transparent, true);
+    EXPECT_EQ(palette({{"palette", "#f00,#00f"}, {"invert", "false"}}).mixing, Mixing::Multiply);
+}
+
+TEST(HalftoneOptions, ColourTheOpaqueInkAndItsPaper) {
+    const auto colours = [](const Options& options) {
+        const Palette palette = parse(options)->palette;
+        return std::pair(palette.inks.at(0).colour, palette.paper);
+    };
+    EXPECT_EQ(colours({{"invert", "true"}}), std::pair(kWhite, kBlack));
+    EXPECT_EQ(colours({{"invert", "true"}, {"foreground", "#f00"}}), std::pair(Colour{255, 0, 0}, kBlack));
+    EXPECT_EQ(colours({{"color", "gray"}, {"background", "#00f"}}), std::pair(kBlack, Colour{0, 0, 255}));
 }
 
 TEST(HalftoneOptions, OfInksFitTogether) {

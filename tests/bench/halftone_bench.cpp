@@ -3,8 +3,10 @@
 #include <cmath>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "api/image/image_codec.h"
+#include "api/image/overlay.h"
 #include "api/image/png_writer.h"
 #include "core/ccdt/ccdt.h"
 #include "core/halftone/dots.h"
@@ -37,7 +39,7 @@ std::string enlarged_png(int factor) {
             large.coverage.push_back(static_cast<std::uint8_t>(std::lround(255 * (1 - light))));
         }
     }
-    return *api::write_png(large, true, {});
+    return *api::write_png(api::overlay({std::move(large)}, {}, true));
 }
 
 /// A photograph's halftone, its parts in milliseconds. `core_over_delaunay` is the time from the picture to the sites
@@ -66,9 +68,9 @@ void Halftone(benchmark::State& state) {
         const double mean = density.total() / static_cast<double>(coverage.size());
         const Canvas canvas{static_cast<int>(std::lround(picture.width * scale)),
                             static_cast<int>(std::lround(picture.height * scale)), scale};
-        const Raster dots = draw_dots(sites.points, canvas, {{}, mean, false});
+        Raster dots = draw_dots(sites.points, canvas, {{}, mean, false});
         raster.push_back(clock.lap());
-        bytes = api::write_png(dots, false, {})->size();
+        bytes = api::write_png(api::overlay({std::move(dots)}, {}, false))->size();
         encode.push_back(clock.lap());
         state.SetIterationTime((decode.back() + tone.back() + core.back() + raster.back() + encode.back()) / 1000);
         yardstick.push_back(delaunay_ms(sites.points));

@@ -17,12 +17,12 @@ inline void check_request(const api::HalftoneRequest& request) {
     CCDT_CHECK(request.run.passes >= 1 && request.run.passes <= 100);
     CCDT_CHECK(!request.scale || (*request.scale >= 0.1 && *request.scale <= 16));
     CCDT_CHECK(!request.dot || (*request.dot > 0 && *request.dot <= 65536));
-    if (request.print) {
-        CCDT_CHECK(!request.print->inks.empty() && request.print->inks.size() <= kMostInks);
-        CCDT_CHECK(!request.invert && !request.foreground);
-        CCDT_CHECK(!request.print->additive || !request.background);
-    }
-    CCDT_CHECK(!request.foreground || !request.foreground->transparent);
+    const api::Palette& palette = request.palette;
+    CCDT_CHECK(!palette.inks.empty() && palette.inks.size() <= kMostInks);
+    CCDT_CHECK(palette.mixing != api::Mixing::Cover || palette.inks.size() == 1);
+    CCDT_CHECK(palette.mixing == api::Mixing::Cover || !request.invert);
+    CCDT_CHECK(palette.mixing != api::Mixing::Add || palette.paper == api::kBlack);
+    for (const api::Ink& ink : palette.inks) CCDT_CHECK(!ink.colour.transparent);
     CCDT_CHECK(request.format <= api::HalftoneFormat::Tiff);
     CCDT_CHECK(request.image.header.pixels() >= 1);
 }

@@ -82,7 +82,7 @@ void check_points(const std::vector<Point>& points, const api::HalftoneRequest& 
     CCDT_CHECK(!points.empty() && points.size() <= kLimits.max_sites);
     for (const Point& p : points) CCDT_CHECK(p.x > 0 && p.x < 64 && p.y > 0 && p.y < 64);
     // Dots of different inks may lie on each other.
-    if (!request.print) CCDT_CHECK(test::count_distinct(points) == points.size());
+    if (request.palette.inks.size() == 1) CCDT_CHECK(test::count_distinct(points) == points.size());
 }
 
 void check_answer(const api::HalftoneRequest& request, const api::Answer& answer) {
@@ -101,7 +101,8 @@ void check_answer(const api::HalftoneRequest& request, const api::Answer& answer
         case api::HalftoneFormat::Csv:
             return check_points(points_of_csv(answer.body), request, answer);
         case api::HalftoneFormat::Npy:
-            return check_points(points_of_npy(answer.body, request.print ? 3 : 2), request, answer);
+            return check_points(points_of_npy(answer.body, request.palette.mixing == api::Mixing::Cover ? 2 : 3),
+                                request, answer);
     }
 }
 

@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include <numeric>
-
 #include "tests/api/files.h"
 #include "tests/api/image/rasters.h"
 
@@ -13,15 +11,8 @@ namespace {
 
 using Rgba = std::array<std::uint8_t, 4>;
 
-/// Every coverage once.
-Raster grey_raster() {
-    Raster raster{256, 1, 1, std::vector<std::uint8_t>(256)};
-    std::iota(raster.coverage.begin(), raster.coverage.end(), std::uint8_t{0});
-    return raster;
-}
-
-void expect_binary(const Inks& inks, Rgba dot, Rgba paper, int colour_type) {
-    const auto file = write_png(binary_raster(), false, inks);
+void expect_binary(const Colour& ink, const Colour& ground, Rgba dot, Rgba paper, int colour_type) {
+    const auto file = write_png(image_of(binary_raster(), false, ink, ground));
     ASSERT_TRUE(file);
     const DecodedPng png = decode_png(*file);
     EXPECT_EQ(png.bit_depth, 1);
@@ -34,17 +25,17 @@ void expect_binary(const Inks& inks, Rgba dot, Rgba paper, int colour_type) {
 }
 
 TEST(PngWriter, WritesBinaryRastersAtOneBit) {
-    expect_binary({}, {0, 0, 0, 255}, {255, 255, 255, 255}, PNG_COLOR_TYPE_GRAY);
-    expect_binary({kWhite, kBlack}, {255, 255, 255, 255}, {0, 0, 0, 255}, PNG_COLOR_TYPE_GRAY);
-    expect_binary({{1, 2, 3}, {250, 240, 230}}, {1, 2, 3, 255}, {250, 240, 230, 255}, PNG_COLOR_TYPE_PALETTE);
+    expect_binary(kBlack, kWhite, {0, 0, 0, 255}, {255, 255, 255, 255}, PNG_COLOR_TYPE_GRAY);
+    expect_binary(kWhite, kBlack, {255, 255, 255, 255}, {0, 0, 0, 255}, PNG_COLOR_TYPE_GRAY);
+    expect_binary({1, 2, 3}, {250, 240, 230}, {1, 2, 3, 255}, {250, 240, 230, 255}, PNG_COLOR_TYPE_PALETTE);
 }
 
 TEST(PngWriter, LeavesATransparentBackgroundOut) {
-    expect_binary({{9, 8, 7}, {.transparent = true}}, {9, 8, 7, 255}, {9, 8, 7, 0}, PNG_COLOR_TYPE_PALETTE);
+    expect_binary({9, 8, 7}, {.transparent = true}, {9, 8, 7, 255}, {9, 8, 7, 0}, PNG_COLOR_TYPE_PALETTE);
 }
 
 TEST(PngWriter, MixesInLinearLight) {
-    const auto file = write_png(grey_raster(), true, {});
+    const auto file = write_png(image_of(grey_raster(1), true));
     const DecodedPng png = decode_png(*file);
     EXPECT_EQ(png.bit_depth, 8);
     EXPECT_EQ(png.colour_type, PNG_COLOR_TYPE_GRAY);
@@ -55,7 +46,7 @@ TEST(PngWriter, MixesInLinearLight) {
 }
 
 TEST(PngWriter, MixesColoursInAPalette) {
-    const auto file = write_png(grey_raster(), true, {{255, 0, 0}, {0, 0, 255}});
+    const auto file = write_png(image_of(grey_raster(1), true, {255, 0, 0}, {0, 0, 255}));
     const DecodedPng png = decode_png(*file);
     EXPECT_EQ(png.colour_type, PNG_COLOR_TYPE_PALETTE);
     EXPECT_EQ(png.at(0, 0), (Rgba{0, 0, 255, 255}));
@@ -65,13 +56,14 @@ TEST(PngWriter, MixesColoursInAPalette) {
 }
 
 TEST(PngWriter, UsesCoverageAsAlphaOverNothing) {
-    const auto file = write_png(grey_raster(), true, {{9, 8, 7}, {.transparent = true}});
+    const auto file = write_png(image_of(grey_raster(1), true, {9, 8, 7}, {.transparent = true}));
     const DecodedPng png = decode_png(*file);
     for (int x = 0; x < 256; ++x) ASSERT_EQ(png.at(x, 0), (Rgba{9, 8, 7, static_cast<std::uint8_t>(x)}));
 }
 
 TEST(PngWriter, WritesTheSameBytesAgain) {
-    EXPECT_EQ(*write_png(binary_raster(), false, {}), *write_png(binary_raster(), false, {}));
+    const DotImage image = image_of(binary_raster(), false);
+    EXPECT_EQ(*write_png(image), *write_png(image));
 }
 
 }  // namespace

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "api/image/image_codec.h"
 #include "api/image/png_writer.h"
@@ -18,15 +18,6 @@ namespace ccdt::api {
 namespace {
 
 constexpr std::size_t kPixels = 1 << 20;
-
-/// Every coverage once in each row.
-Raster grey_raster() {
-    Raster raster{256, 40, 1, std::vector<std::uint8_t>(256 * 40)};
-    for (int y = 0; y < 40; ++y) {
-        std::iota(raster.coverage.begin() + 256 * y, raster.coverage.begin() + 256 * (y + 1), std::uint8_t{0});
-    }
-    return raster;
-}
 
 /// All writers must tell readers the same picture. That of WebP rounds greys, as three channels, and light times alpha.
 void expect_same(const Result<std::string>& file, const Result<std::string>& png) {
@@ -44,29 +35,32 @@ void expect_same(const Result<std::string>& file, const Result<std::string>& png
     }
 }
 
-const std::vector<Inks> kInks = {{},
-                                 {kWhite, kBlack},
-                                 {{1, 2, 3}, {250, 240, 230}},
-                                 {{90, 90, 90}, {200, 200, 200}},
-                                 {{9, 8, 7}, {.transparent = true}}};
+/// An ink on paper of each kind, binary and antialiased.
+std::vector<DotImage> images() {
+    std::vector<DotImage> images;
+    const std::vector<std::pair<Colour, Colour>> colours = {{kBlack, kWhite},
+                                                            {kWhite, kBlack},
+                                                            {{1, 2, 3}, {250, 240, 230}},
+                                                            {{90, 90, 90}, {200, 200, 200}},
+                                                            {{9, 8, 7}, {.transparent = true}}};
+    for (const auto& [ink, paper] : colours) {
+        images.push_back(image_of(binary_raster(), false, ink, paper));
+        images.push_back(image_of(grey_raster(40), true, ink, paper));
+    }
+    return images;
+}
 
 TEST(TiffWriter, ShowsWhatPngShows) {
-    for (const Inks& inks : kInks) {
-        expect_same(write_tiff(binary_raster(), false, inks), write_png(binary_raster(), false, inks));
-        expect_same(write_tiff(grey_raster(), true, inks), write_png(grey_raster(), true, inks));
-    }
+    for (const DotImage& image : images()) expect_same(write_tiff(image), write_png(image));
 }
 
 TEST(WebPWriter, ShowsWhatPngShows) {
-    for (const Inks& inks : kInks) {
-        expect_same(write_webp(binary_raster(), inks), write_png(binary_raster(), false, inks));
-        expect_same(write_webp(grey_raster(), inks), write_png(grey_raster(), true, inks));
-    }
+    for (const DotImage& image : images()) expect_same(write_webp(image), write_png(image));
 }
 
 /// 19 wide, of a palette of so many colours, or of true colours.
-ColourRaster colour_raster(std::size_t colours, bool transparent) {
-    ColourRaster raster{19, 5, transparent, colours, {}, {}};
+DotImage colour_image(std::size_t colours, bool transparent) {
+    DotImage raster{19, 5, transparent, false, colours, {}, {}};
     for (std::size_t i = 0; i < colours; ++i) {
         const auto shade = static_cast<std::uint8_t>(255 * i / (colours - 1));
         raster.palette[i] = {shade, static_cast<std::uint8_t>(255 - shade), 77,
@@ -78,7 +72,7 @@ ColourRaster colour_raster(std::size_t colours, bool transparent) {
     return raster;
 }
 
-void expect_pixels(const Result<std::string>& file, const ColourRaster& raster) {
+void expect_pixels(const Result<std::string>& file, const DotImage& raster) {
     ASSERT_TRUE(file) << file.error().message;
     const auto read = decode_colour_image(*file, kPixels);
     ASSERT_TRUE(read) << read.error().message;
@@ -101,7 +95,7 @@ TEST(RasterWriters, KeepColours) {
     for (const std::size_t colours : {0U, 2U, 4U, 8U, 16U, 32U, 64U}) {
         for (const bool transparent : {false, true}) {
             SCOPED_TRACE(std::to_string(colours) + (transparent ? " transparent" : ""));
-            const ColourRaster raster = colour_raster(colours, transparent);
+            const DotImage raster = colour_image(colours, transparent);
             expect_pixels(write_png(raster), raster);
             expect_pixels(write_tiff(raster), raster);
             expect_pixels(write_webp(raster), raster);
@@ -111,28 +105,30 @@ TEST(RasterWriters, KeepColours) {
 
 TEST(PngWriter, TakesFewBitsForFewColours) {
     for (const auto& [colours, bits] : {std::pair{2U, 1}, {4U, 2}, {8U, 4}, {16U, 4}, {64U, 8}, {0U, 8}})
-        EXPECT_EQ(decode_png(*write_png(colour_raster(colours, false))).bit_depth, bits) << colours;
+        EXPECT_EQ(decode_png(*write_png(colour_image(colours, false))).bit_depth, bits) << colours;
 }
 
 TEST(WebPWriter, RefusesWhatItsFormatCannotHold) {
     const Raster wide{kMaxWebPSide + 1, 1, 1, std::vector<std::uint8_t>(kMaxWebPSide + 1)};
-    EXPECT_EQ(write_webp(wide, {}).error().code, ErrorCode::Internal);
+    EXPECT_EQ(write_webp(image_of(wide, true)).error().code, ErrorCode::Internal);
     const Raster widest{kMaxWebPSide, 1, 1, std::vector<std::uint8_t>(kMaxWebPSide)};
-    EXPECT_TRUE(write_webp(widest, {}));
+    EXPECT_TRUE(write_webp(image_of(widest, true)));
 }
 
 TEST(RasterWriters, EndOnceTheyAreStopped) {
     std::stop_source source;
     source.request_stop();
-    EXPECT_EQ(write_tiff(grey_raster(), true, {}, {}, source.get_token()).error().code, ErrorCode::Stopped);
-    EXPECT_EQ(write_webp(grey_raster(), {}, source.get_token()).error().code, ErrorCode::Stopped);
-    EXPECT_EQ(write_tiff(colour_raster(0, false), {}, source.get_token()).error().code, ErrorCode::Stopped);
-    EXPECT_EQ(write_webp(colour_raster(0, false), source.get_token()).error().code, ErrorCode::Stopped);
+    for (const DotImage& image : {image_of(grey_raster(40), true), colour_image(0, false)}) {
+        for (const auto& file : {write_png(image, {}, source.get_token()), write_tiff(image, {}, source.get_token()),
+                                 write_webp(image, {}, source.get_token())})
+            EXPECT_EQ(file.error().code, ErrorCode::Stopped);
+    }
 }
 
 TEST(RasterWriters, GiveTheSameBytesAgain) {
-    EXPECT_EQ(*write_tiff(grey_raster(), true, {}, 10), *write_tiff(grey_raster(), true, {}, 10));
-    EXPECT_EQ(*write_webp(grey_raster(), {}), *write_webp(grey_raster(), {}));
+    const DotImage image = image_of(grey_raster(40), true);
+    EXPECT_EQ(*write_tiff(image, 10), *write_tiff(image, 10));
+    EXPECT_EQ(*write_webp(image), *write_webp(image));
 }
 
 }  // namespace

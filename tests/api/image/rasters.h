@@ -1,5 +1,9 @@
 #pragma once
 
+#include <numeric>
+#include <vector>
+
+#include "api/image/overlay.h"
 #include "core/halftone/dots.h"
 
 namespace ccdt::api {
@@ -11,6 +15,20 @@ inline Raster binary_raster() {
         for (int x = 0; x < raster.width; ++x) raster.coverage.push_back((x + y) % 3 == 0 ? 255 : 0);
     }
     return raster;
+}
+
+/// Every coverage once in each row.
+inline Raster grey_raster(int height) {
+    Raster raster{256, height, 1, std::vector<std::uint8_t>(256 * static_cast<std::size_t>(height))};
+    for (auto row = raster.coverage.begin(); row != raster.coverage.end(); row += 256)
+        std::iota(row, row + 256, std::uint8_t{0});
+    return raster;
+}
+
+/// An ink on its paper.
+inline DotImage image_of(const Raster& raster, bool antialias, const Colour& ink = kBlack,
+                         const Colour& paper = kWhite) {
+    return overlay({raster}, {{{"", ink}}, paper, Mixing::Cover}, antialias);
 }
 
 }  // namespace ccdt::api

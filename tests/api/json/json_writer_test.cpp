@@ -18,8 +18,23 @@ Distribution example() {
     return distribution;
 }
 
+/// Writes the dots of one ink without a name.
+std::string json_of(const Distribution& dots, const Report& report = {}) {
+    const Ink ink;
+    const InkDots inks[] = {{ink, dots}};
+    return write_json(inks, report);
+}
+
+std::string feature_of(const Distribution& dots, const Report& report = {}) {
+    const Ink ink;
+    const InkDots inks[] = {{ink, dots}};
+    return write_feature(inks, report);
+}
+
+const Ink kCyan{"cyan", {0, 255, 255}}, kBlackInk{"black", kBlack};
+
 TEST(JsonWriter, WritesEveryMember) {
-    const auto json = nlohmann::json::parse(write_distribution(example(), {9007199254740991, 12.34567, {}}));
+    const auto json = nlohmann::json::parse(json_of(example(), {9007199254740991, 12.34567, {}}));
     EXPECT_EQ(json.at("sites"), 3);
     EXPECT_EQ(json.at("seed"), 9007199254740991);
     EXPECT_EQ(json.at("method"), "ccdt");
@@ -35,8 +50,8 @@ TEST(JsonWriter, WritesInksApart) {
     const Distribution some = example();
     Distribution none;
     none.trace = {0};
-    const std::vector<InkReport> inks = {{"cyan", {0, 255, 255}, some}, {"black", kBlack, none}};
-    const auto json = nlohmann::json::parse(write_inks(inks, {7, 12.34567, PictureSize{30, 20}}));
+    const std::vector<InkDots> inks = {{kCyan, some}, {kBlackInk, none}};
+    const auto json = nlohmann::json::parse(write_json(inks, {7, 12.34567, PictureSize{30, 20}}));
     EXPECT_EQ(json.at("sites"), 3);
     EXPECT_EQ(json.at("seed"), 7);
     EXPECT_EQ(json.at("method"), "ccdt");
@@ -44,7 +59,7 @@ TEST(JsonWriter, WritesInksApart) {
     EXPECT_EQ(json.at("width"), 30);
     EXPECT_EQ(json.at("height"), 20);
     EXPECT_EQ(json.size(), 7U);
-    const auto plain = nlohmann::json::parse(write_distribution(some, {}));
+    const auto plain = nlohmann::json::parse(json_of(some));
     const auto& cyan = json.at("inks").at(0);
     for (const auto* same : {"sites", "points", "trace", "iterations", "variation"})
         EXPECT_EQ(cyan.at(same), plain.at(same)) << same;
@@ -60,22 +75,22 @@ TEST(JsonWriter, TellsThatInksWereStopped) {
     const Distribution whole = example();
     Distribution stopped = whole;
     stopped.stopped = true;
-    const std::vector<InkReport> inks = {{"cyan", kBlack, whole}, {"black", kBlack, stopped}};
-    EXPECT_EQ(nlohmann::json::parse(write_inks(inks, {})).at("partial"), true);
-    EXPECT_FALSE(nlohmann::json::parse(write_inks(std::span(inks).first(1), {})).contains("partial"));
+    const std::vector<InkDots> inks = {{kCyan, whole}, {kBlackInk, stopped}};
+    EXPECT_EQ(nlohmann::json::parse(write_json(inks, {})).at("partial"), true);
+    EXPECT_FALSE(nlohmann::json::parse(write_json(std::span(inks).first(1), {})).contains("partial"));
 }
 
 TEST(JsonWriter, TellsTheVariationOfThePolishedPoints) {
     Distribution distribution = example();
     distribution.polished = 0.375;
-    const auto json = nlohmann::json::parse(write_distribution(distribution, {}));
+    const auto json = nlohmann::json::parse(json_of(distribution));
     EXPECT_EQ(json.at("variation"), 0.375);
     EXPECT_EQ(json.at("trace").size(), 2U);
 }
 
 TEST(JsonWriter, WritesNumbersThatReadBackTheSame) {
     const Distribution distribution = example();
-    const auto json = nlohmann::json::parse(write_distribution(distribution, {}));
+    const auto json = nlohmann::json::parse(json_of(distribution));
     const auto& points = json.at("points");
     ASSERT_EQ(points.size(), distribution.points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -85,18 +100,18 @@ TEST(JsonWriter, WritesNumbersThatReadBackTheSame) {
 }
 
 TEST(JsonWriter, WritesTheShortestNumbers) {
-    EXPECT_TRUE(write_distribution(example(), {}).starts_with("{\"points\":[[0.1,1e+300],"));
+    EXPECT_TRUE(json_of(example(), {}).starts_with("{\"points\":[[0.1,1e+300],"));
 }
 
 TEST(JsonWriter, NeverWritesWhatJsonDoesNotHave) {
     for (const double none : {std::nan(""), std::numeric_limits<double>::infinity()}) {
         Distribution distribution = example();
         distribution.trace.back() = none;
-        EXPECT_THROW(write_distribution(distribution, {}), std::domain_error);
-        EXPECT_THROW(write_feature(distribution, {}), std::domain_error);
+        EXPECT_THROW(json_of(distribution, {}), std::domain_error);
+        EXPECT_THROW(feature_of(distribution), std::domain_error);
         distribution = example();
         distribution.points.back().y = none;
-        EXPECT_THROW(write_distribution(distribution, {}), std::domain_error);
+        EXPECT_THROW(json_of(distribution, {}), std::domain_error);
         Analysis analysis;
         analysis.power = {1, none};
         EXPECT_THROW(write_analysis(analysis, false), std::domain_error);
@@ -106,7 +121,7 @@ TEST(JsonWriter, NeverWritesWhatJsonDoesNotHave) {
 TEST(JsonWriter, WritesMeshAndPictureWhereThereIsOne) {
     Distribution distribution = example();
     distribution.mesh = TriangleMesh{{{0, 0}, {1, 0}, {0, 1}}, {{0, 1, 2}}, {{0, 1, 2}, {}}};
-    const auto json = nlohmann::json::parse(write_distribution(distribution, {0, 0, PictureSize{640, 480}}));
+    const auto json = nlohmann::json::parse(json_of(distribution, {0, 0, PictureSize{640, 480}}));
     EXPECT_EQ(json.at("width"), 640);
     EXPECT_EQ(json.at("height"), 480);
     EXPECT_EQ(json.at("vertices").size(), 3U);
@@ -115,13 +130,12 @@ TEST(JsonWriter, WritesMeshAndPictureWhereThereIsOne) {
 }
 
 TEST(JsonWriter, WritesAFeatureOfGeoJson) {
-    const auto json = nlohmann::json::parse(write_feature(example(), {5, 12.3, {}, "odt"}));
+    const auto json = nlohmann::json::parse(feature_of(example(), {5, 12.3, {}, "odt"}));
     EXPECT_EQ(json.size(), 3U);
     EXPECT_EQ(json.at("type"), "Feature");
     EXPECT_EQ(json.at("geometry").size(), 2U);
     EXPECT_EQ(json.at("geometry").at("type"), "MultiPoint");
-    EXPECT_EQ(json.at("geometry").at("coordinates"),
-              nlohmann::json::parse(write_distribution(example(), {})).at("points"));
+    EXPECT_EQ(json.at("geometry").at("coordinates"), nlohmann::json::parse(json_of(example())).at("points"));
     EXPECT_EQ(json.at("properties"),
               nlohmann::json::parse(R"({"sites":3,"seed":5,"method":"odt","iterations":1,"variation":0.25})"));
 }
@@ -129,8 +143,8 @@ TEST(JsonWriter, WritesAFeatureOfGeoJson) {
 TEST(JsonWriter, TellsOfARunThatWasStopped) {
     Distribution distribution = example();
     distribution.stopped = true;
-    EXPECT_TRUE(nlohmann::json::parse(write_feature(distribution, {})).at("properties").at("partial"));
-    EXPECT_TRUE(nlohmann::json::parse(write_distribution(distribution, {})).at("partial"));
+    EXPECT_TRUE(nlohmann::json::parse(feature_of(distribution)).at("properties").at("partial"));
+    EXPECT_TRUE(nlohmann::json::parse(json_of(distribution)).at("partial"));
 }
 
 }  // namespace

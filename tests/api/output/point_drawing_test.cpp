@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace ccdt::api {
 namespace {
@@ -13,6 +16,20 @@ const Box kBox = {{10, 20}, {20, 25}};
 
 Page page(std::optional<double> width_mm = {}) {
     return {kBox, true, false, canvas_of(kBox, 4), width_mm};
+}
+
+Distribution dots_at(std::vector<Point> points) {
+    Distribution dots;
+    dots.points = std::move(points);
+    return dots;
+}
+
+/// Dots of one ink without a name.
+std::string svg_of(const std::vector<Point>& points, const Page& page, double radius, DotStyle style,
+                   const Palette& palette = {}, const std::stop_token& hurry = {}, const std::stop_token& stop = {}) {
+    const Distribution dots = dots_at(points);
+    const InkDots ink{palette.inks.front(), dots, radius};
+    return write_svg({&ink, 1}, palette, page, style, hurry, stop);
 }
 
 std::stop_token stopped_token() {
@@ -27,7 +44,7 @@ double mean(const Raster& raster) {
 }
 
 TEST(Svg, DrawsDiscsFromTheUpperLeftCorner) {
-    EXPECT_EQ(write_svg(kPoints, page(), 0.5, DotStyle::Fill, {}),
+    EXPECT_EQ(svg_of(kPoints, page(), 0.5, DotStyle::Fill),
               R"(<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20" viewBox="0 0 10 5">
 <desc>3 dots along a path of 10.5873; in their original order it is 15.29931</desc>
 <rect width="10" height="5" fill="#ffffff"/>
@@ -41,7 +58,8 @@ TEST(Svg, DrawsDiscsFromTheUpperLeftCorner) {
 }
 
 TEST(Svg, IsInMillimetresIfItHasAWidthInThem) {
-    const std::string svg = write_svg(kPoints, page(100), 0.5, DotStyle::Fill, {{1, 2, 3}, {.transparent = true}});
+    const Palette palette{{{"", {1, 2, 3}}}, {.transparent = true}, Mixing::Cover};
+    const std::string svg = svg_of(kPoints, page(100), 0.5, DotStyle::Fill, palette);
     EXPECT_NE(svg.find(R"(width="100mm" height="50mm" viewBox="0 0 100 50")"), std::string::npos);
     EXPECT_NE(svg.find(" mm;"), std::string::npos);
     EXPECT_NE(svg.find(R"(<g fill="#010203">)"), std::string::npos);
@@ -50,17 +68,19 @@ TEST(Svg, IsInMillimetresIfItHasAWidthInThem) {
 }
 
 TEST(Svg, GivesPensAStrokeForEachDotAndNoPaper) {
-    const std::string svg = write_svg(kPoints, page(100), 0.5, DotStyle::Stroke, {});
+    const std::string svg = svg_of(kPoints, page(100), 0.5, DotStyle::Stroke);
     EXPECT_NE(svg.find(R"(stroke-width="10" stroke-linecap="round">)"), std::string::npos);
     EXPECT_NE(svg.find("<path d=\"M10 40h0.1\nM23.4568 10h0.1\nM90 40h0.1\n\"/>"), std::string::npos);
     EXPECT_EQ(svg.find("<rect"), std::string::npos);
 }
 
 TEST(Svg, HasALayerForEachInk) {
-    const std::vector<Point> one = {{10, 20}};
-    const std::vector<DotLayer> layers = {{"cyan", {0, 255, 255}, kPoints, 0.5}, {"black", kBlack, one, 0.25}};
+    Palette palette{{{"cyan", {0, 255, 255}}, {"black", kBlack}}, kWhite, Mixing::Multiply};
+    const Distribution all = dots_at(kPoints);
+    const Distribution one = dots_at({{10, 20}});
+    const std::vector<InkDots> inks = {{palette.inks[0], all, 0.5}, {palette.inks[1], one, 0.25}};
     EXPECT_EQ(
-        write_svg(layers, page(), DotStyle::Fill, {}),
+        write_svg(inks, palette, page(), DotStyle::Fill),
         R"(<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" style="isolation:isolate" width="40" height="20" viewBox="0 0 10 5">
 <rect width="10" height="5" fill="#ffffff"/>
 <g inkscape:groupmode="layer" inkscape:label="cyan" style="mix-blend-mode:multiply">
@@ -79,7 +99,8 @@ TEST(Svg, HasALayerForEachInk) {
 </g>
 </svg>
 )");
-    const std::string lights = write_svg(layers, page(100), DotStyle::Stroke, {kBlack, true});
+    palette.mixing = Mixing::Add;
+    const std::string lights = write_svg(inks, palette, page(100), DotStyle::Stroke);
     EXPECT_NE(lights.find(R"(inkscape:label="cyan" style="mix-blend-mode:screen")"), std::string::npos);
     EXPECT_NE(lights.find(R"(stroke="#00ffff" stroke-width="10")"), std::string::npos);
     EXPECT_NE(lights.find(R"(stroke="#000000" stroke-width="5")"), std::string::npos);
@@ -89,7 +110,7 @@ TEST(Svg, HasALayerForEachInk) {
 TEST(Svg, BreaksPathsThatWouldBeTooLongToRead) {
     std::vector<Point> points;
     for (int i = 0; i < 20'001; ++i) points.push_back({10 + i * 4e-4, 22});
-    const std::string svg = write_svg(points, page(), 1e-4, DotStyle::Stroke, {});
+    const std::string svg = svg_of(points, page(), 1e-4, DotStyle::Stroke);
     EXPECT_EQ(std::count(svg.begin(), svg.end(), 'M'), 20'001);
     std::size_t paths = 0;
     for (auto at = svg.find("<path"); at != std::string::npos; at = svg.find("<path", at + 1)) ++paths;
@@ -101,16 +122,15 @@ TEST(Svg, KeepsItsDigitsAtAnySize) {
     for (const double size : {1e-9, 1.0, 1e12}) {
         const Box box{{0, 0}, {size, size}};
         const std::vector<Point> points = {{size / 3, size / 3}};
-        const std::string svg = write_svg(points, {box, false, false, canvas_of(box, 1), {}}, size, DotStyle::Fill, {});
+        const std::string svg = svg_of(points, {box, false, false, canvas_of(box, 1), {}}, size, DotStyle::Fill);
         const auto at = svg.find("cx=\"") + 4;
         EXPECT_NEAR(std::stod(svg.substr(at)) / size, 1.0 / 3, 1e-6) << size;
     }
 }
 
 TEST(Svg, EndsOnceItIsStopped) {
-    EXPECT_EQ(write_svg(kPoints, page(), 0.5, DotStyle::Fill, {}, {}, stopped_token()).find("<circle"),
-              std::string::npos);
-    const std::string hurried = write_svg(kPoints, page(), 0.5, DotStyle::Fill, {}, stopped_token());
+    EXPECT_EQ(svg_of(kPoints, page(), 0.5, DotStyle::Fill, {}, {}, stopped_token()).find("<circle"), std::string::npos);
+    const std::string hurried = svg_of(kPoints, page(), 0.5, DotStyle::Fill, {}, stopped_token());
     EXPECT_NE(hurried.find("<circle"), std::string::npos);
 }
 

@@ -3,12 +3,40 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <functional>
+#include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace ccdt::api {
 namespace {
 
 const std::vector<Point> kPoints = {{0.1, 1e300}, {-0.0, 5e-324}, {1.0 / 3, 2}};
+
+Distribution dots_at(std::vector<Point> points) {
+    Distribution dots;
+    dots.points = std::move(points);
+    return dots;
+}
+
+/// Writes the points of one ink without a name.
+std::string write_points(const std::function<std::string(std::span<const InkDots>)>& write, std::vector<Point> points) {
+    const Ink ink;
+    const Distribution dots = dots_at(std::move(points));
+    const InkDots inks{ink, dots};
+    return write({&inks, 1});
+}
+
+std::string csv_of(std::vector<Point> points, const std::stop_token& stop = {}) {
+    return write_points([&](std::span<const InkDots> inks) { return write_csv(inks, stop); }, std::move(points));
+}
+
+std::string npy_of(std::vector<Point> points) {
+    return write_points(write_npy, std::move(points));
+}
+
+const Ink kCyan{"cyan", {0, 255, 255}}, kMagenta{"magenta", {255, 0, 255}}, kOther{"#abcdef", {0xab, 0xcd, 0xef}};
 
 std::stop_token stopped_token() {
     std::stop_source source;
@@ -17,24 +45,24 @@ std::stop_token stopped_token() {
 }
 
 TEST(Csv, HasAHeaderAndTheShortestNumbers) {
-    EXPECT_EQ(write_csv(kPoints), "x,y\r\n0.1,1e+300\r\n-0,5e-324\r\n0.3333333333333333,2\r\n");
-    EXPECT_EQ(write_csv({}), "x,y\r\n");
+    EXPECT_EQ(csv_of(kPoints), "x,y\r\n0.1,1e+300\r\n-0,5e-324\r\n0.3333333333333333,2\r\n");
+    EXPECT_EQ(csv_of({}), "x,y\r\n");
 }
 
 TEST(Csv, EndsOnceItIsStopped) {
-    EXPECT_EQ(write_csv(kPoints, stopped_token()), "x,y\r\n");
+    EXPECT_EQ(csv_of(kPoints, stopped_token()), "x,y\r\n");
 }
 
 TEST(Csv, NamesInks) {
-    const std::vector<Point> one = {{1, 2}};
-    const std::vector<InkPoints> inks = {{"cyan", kPoints}, {"magenta", {}}, {"#abcdef", one}};
-    EXPECT_EQ(write_ink_csv(inks),
+    const Distribution some = dots_at(kPoints), none, one = dots_at({{1, 2}});
+    const std::vector<InkDots> inks = {{kCyan, some}, {kMagenta, none}, {kOther, one}};
+    EXPECT_EQ(write_csv(inks),
               "x,y,ink\r\n0.1,1e+300,cyan\r\n-0,5e-324,cyan\r\n0.3333333333333333,2,cyan\r\n1,2,#abcdef\r\n");
 }
 
 TEST(Npy, HasTheHeaderThatItsFormatWants) {
     for (const std::size_t count : {0U, 1U, 9U, 10U, 12'345U}) {
-        const std::string file = write_npy(std::vector<Point>(count));
+        const std::string file = npy_of(std::vector<Point>(count));
         ASSERT_TRUE(file.starts_with(std::string("\x93NUMPY\x01\x00", 8)));
         const auto length = static_cast<std::size_t>(static_cast<unsigned char>(file[8])) +
                             256 * static_cast<std::size_t>(static_cast<unsigned char>(file[9]));
@@ -46,9 +74,9 @@ TEST(Npy, HasTheHeaderThatItsFormatWants) {
 }
 
 TEST(Npy, NumbersInks) {
-    const std::vector<Point> one = {{1, 2}};
-    const std::vector<InkPoints> inks = {{"cyan", one}, {"magenta", {}}, {"black", one}};
-    const std::string file = write_ink_npy(inks);
+    const Distribution none, one = dots_at({{1, 2}});
+    const std::vector<InkDots> inks = {{kCyan, one}, {kMagenta, none}, {kOther, one}};
+    const std::string file = write_npy(inks);
     EXPECT_NE(file.find("'shape': (2, 3)"), std::string::npos);
     const double rows[] = {1, 2, 0, 1, 2, 2};
     ASSERT_EQ(file.size() % 64, sizeof(rows));
@@ -56,7 +84,7 @@ TEST(Npy, NumbersInks) {
 }
 
 TEST(Npy, HoldsTheNumbersThemselves) {
-    const std::string file = write_npy(kPoints);
+    const std::string file = npy_of(kPoints);
     ASSERT_GE(file.size(), 48U);
     EXPECT_EQ(std::memcmp(file.data() + file.size() - 48, kPoints.data(), 48), 0);
 }

@@ -1,4 +1,4 @@
-#include "api/input/print.h"
+#include "api/input/palette.h"
 
 #include <algorithm>
 #include <array>
@@ -12,14 +12,14 @@
 namespace ccdt::api {
 namespace {
 
-Print cmyk() {
+Palette cmyk() {
     return {{{"cyan", {0, 255, 255}}, {"magenta", {255, 0, 255}}, {"yellow", {255, 255, 0}}, {"black", kBlack}},
             kWhite,
-            false};
+            Mixing::Multiply};
 }
 
-Print rgb() {
-    return {{{"red", {255, 0, 0}}, {"green", {0, 255, 0}}, {"blue", {0, 0, 255}}}, kBlack, true};
+Palette rgb() {
+    return {{{"red", {255, 0, 0}}, {"green", {0, 255, 0}}, {"blue", {0, 0, 255}}}, kBlack, Mixing::Add};
 }
 
 /// The colours of a palette as inputs of their own; none if there are none or too many.
@@ -47,27 +47,27 @@ Result<std::vector<Input>> split(const Input& input) {
 
 }  // namespace
 
-Result<std::optional<Print>> read_color(const Input& input) {
+Result<Palette> read_color(const Input& input) {
     static constexpr std::array<std::string_view, 3> kWords = {"gray", "cmyk", "rgb"};
     const auto word = read_choice(input, kWords);
-    if (!word) return tl::make_unexpected(word.error());
-    if (*word == 0) return std::nullopt;
-    return *word == 1 ? cmyk() : rgb();
+    if (!word) return tl::unexpected(word.error());
+    return *word == 0 ? Palette() : *word == 1 ? cmyk() : rgb();
 }
 
-Result<Print> read_palette(const Input& input) {
+Result<Palette> read_palette(const Input& input) {
     const auto parts = split(input);
-    if (!parts) return tl::make_unexpected(parts.error());
+    if (!parts) return tl::unexpected(parts.error());
     if (parts->empty()) return malformed(input, "must have 1 to " + std::to_string(kMostInks) + " colours");
-    Print print;
+    Palette palette{{}, kWhite, Mixing::Multiply};
     for (const Input& part : *parts) {
         const auto colour = read_colour(part);
-        if (!colour) return tl::make_unexpected(colour.error());
-        const auto same = [&](const Print::Ink& ink) { return ink.colour == *colour; };
-        if (std::ranges::any_of(print.inks, same)) return malformed(part, "is there already: " + hexadecimal(*colour));
-        print.inks.push_back({hexadecimal(*colour), *colour});
+        if (!colour) return tl::unexpected(colour.error());
+        const auto same = [&](const Ink& ink) { return ink.colour == *colour; };
+        if (std::ranges::any_of(palette.inks, same))
+            return malformed(part, "is there already: " + hexadecimal(*colour));
+        palette.inks.push_back({hexadecimal(*colour), *colour});
     }
-    return print;
+    return palette;
 }
 
 }  // namespace ccdt::api

@@ -1,4 +1,4 @@
-#include "api/input/print.h"
+#include "api/input/palette.h"
 
 #include <gtest/gtest.h>
 
@@ -12,46 +12,51 @@ Input text(std::string_view value) {
     return {"palette", "palette", value};
 }
 
-std::vector<std::string> names_of(const Print& print) {
+std::vector<std::string> names_of(const Palette& palette) {
     std::vector<std::string> names;
-    for (const auto& ink : print.inks) names.push_back(ink.name);
+    for (const auto& ink : palette.inks) names.push_back(ink.name);
     return names;
 }
 
 void expect_refused(const Input& input, const std::string& message, const std::string& field) {
-    const auto print = read_palette(input);
-    ASSERT_FALSE(print) << message;
-    EXPECT_EQ(print.error().code, ErrorCode::Malformed);
-    EXPECT_EQ(print.error().field, field);
-    EXPECT_NE(print.error().message.find(message), std::string::npos) << print.error().message;
+    const auto palette = read_palette(input);
+    ASSERT_FALSE(palette) << message;
+    EXPECT_EQ(palette.error().code, ErrorCode::Malformed);
+    EXPECT_EQ(palette.error().field, field);
+    EXPECT_NE(palette.error().message.find(message), std::string::npos) << palette.error().message;
 }
 
-TEST(Print, HasTheInksThatCoreKnows) {
+TEST(Palette, HasTheInksThatCoreKnows) {
     const auto cmyk = read_color({"color", "color", "cmyk"});
     const auto rgb = read_color({"color", "color", "rgb"});
-    ASSERT_TRUE(cmyk && *cmyk && rgb && *rgb);
-    EXPECT_EQ(names_of(**cmyk), (std::vector<std::string>{"cyan", "magenta", "yellow", "black"}));
-    EXPECT_EQ(names_of(**rgb), (std::vector<std::string>{"red", "green", "blue"}));
-    for (const auto& [print, inks] : {std::pair{**cmyk, test::cmyk_inks()}, std::pair{**rgb, test::rgb_inks()}}) {
-        const InkSet set = ink_set(print);
+    ASSERT_TRUE(cmyk && rgb);
+    EXPECT_EQ(names_of(*cmyk), (std::vector<std::string>{"cyan", "magenta", "yellow", "black"}));
+    EXPECT_EQ(names_of(*rgb), (std::vector<std::string>{"red", "green", "blue"}));
+    for (const auto& [palette, inks] : {std::pair{*cmyk, test::cmyk_inks()}, std::pair{*rgb, test::rgb_inks()}}) {
+        const InkSet set = ink_set(palette);
         EXPECT_EQ(set.inks, inks.inks);
         EXPECT_EQ(set.paper, inks.paper);
         EXPECT_EQ(set.additive, inks.additive);
     }
 }
 
-TEST(Print, IsNoneInGrey) {
-    EXPECT_EQ(read_color({"color", "color", "gray"})->has_value(), false);
+TEST(Palette, OfGreyIsOneOpaqueInk) {
+    const auto grey = read_color({"color", "color", "gray"});
+    ASSERT_TRUE(grey);
+    EXPECT_EQ(names_of(*grey), std::vector<std::string>{""});
+    EXPECT_EQ(grey->inks.front().colour, kBlack);
+    EXPECT_EQ(grey->paper, kWhite);
+    EXPECT_EQ(grey->mixing, Mixing::Cover);
     EXPECT_FALSE(read_color({"color", "color", "grey"}));
 }
 
 TEST(Palette, IsReadFromText) {
-    const auto print = read_palette(text("#F00, #123456 ,#000"));
-    ASSERT_TRUE(print) << print.error().message;
-    EXPECT_EQ(names_of(*print), (std::vector<std::string>{"#ff0000", "#123456", "#000000"}));
-    EXPECT_EQ(print->inks[1].colour, (Colour{0x12, 0x34, 0x56}));
-    EXPECT_EQ(print->paper, kWhite);
-    EXPECT_FALSE(print->additive);
+    const auto palette = read_palette(text("#F00, #123456 ,#000"));
+    ASSERT_TRUE(palette) << palette.error().message;
+    EXPECT_EQ(names_of(*palette), (std::vector<std::string>{"#ff0000", "#123456", "#000000"}));
+    EXPECT_EQ(palette->inks[1].colour, (Colour{0x12, 0x34, 0x56}));
+    EXPECT_EQ(palette->paper, kWhite);
+    EXPECT_EQ(palette->mixing, Mixing::Multiply);
     EXPECT_EQ(read_palette(text("#000,#111,#222,#333,#444,#555"))->inks.size(), 6U);
 }
 

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+
+#include "api/input/palette.h"
+#include "core/ccdt/ccdt.h"
+
+namespace ccdt::api {
+
+/// Dots of an ink, as writers of answers take them; what they refer to must outlive them.
+struct InkDots {
+    const Ink& ink;
+    const Distribution& dots;
+    double radius = 0;  ///< of each dot, in the points' units; only drawings ask for it
+};
+
+/// Whether answers tell inks apart. Of the only ink, which has no name, they tell nothing but its points.
+inline bool are_named(std::span<const InkDots> inks) {
+    return std::ranges::any_of(inks, [](const InkDots& each) { return !each.ink.name.empty(); });
+}
+
+inline std::size_t count_points(std::span<const InkDots> inks) {
+    std::size_t points = 0;
+    for (const InkDots& each : inks) points += each.dots.points.size();
+    return points;
+}
+
+}  // namespace ccdt::api
