@@ -20,17 +20,17 @@
 #include "api/image/image_codec.h"
 #include "server/access/gate.h"
 #include "server/compute/compute_box.h"
-#include "server/config.h"
+#include "server/config/config.h"
 #include "server/decoder/decoder_box.h"
 #include "server/http/http_server.h"
 #include "server/http/sockets.h"
 #include "server/jobs/jobs.h"
 #include "server/jobs/sqlite_job_store.h"
-#include "server/log.h"
-#include "server/metrics.h"
-#include "server/process.h"
+#include "server/monitoring/log.h"
+#include "server/monitoring/metrics.h"
 #include "server/processes/child_program.h"
-#include "server/routes.h"
+#include "server/processes/process.h"
+#include "server/routes/routes.h"
 #include "server/work/computation.h"
 #include "server/work/worker_pool.h"
 
@@ -159,7 +159,7 @@ int serve(const Config& config) {
         log.error(box.error().message);
         return kFailed;
     }
-    Gate gate(config);
+    Gate gate(config.api_key_file, config.rate);
     if (const auto read = gate.read_keys(); !read) {
         log.error(read.error().message);
         return kFailed;

@@ -4,11 +4,11 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "core/result.h"
-#include "server/access/access.h"
+#include "server/access/key_ring.h"
 #include "server/access/rate_limiter.h"
-#include "server/config.h"
 #include "server/http/http.h"
 
 namespace ccdt::server {
@@ -27,7 +27,8 @@ public:
         std::optional<Fault> fault;  ///< why the request may not pass
     };
 
-    explicit Gate(const Config& config) : key_file_(config.api_key_file), limiter_(config.rate) {}
+    /// @param key_file  empty: no key is needed
+    Gate(std::string key_file, const RateLimiter::Rate& rate) : key_file_(std::move(key_file)), limiter_(rate) {}
 
     /// Reads the file of keys, if one is configured. After an error the keys are what they were.
     Result<void> read_keys();

@@ -15,8 +15,8 @@
 #include "api/options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
-#include "server/http/unique_fd.h"
 #include "server/processes/kept_program.h"
+#include "server/processes/unique_fd.h"
 #include "server/work/computation.h"
 
 namespace ccdt::server {

@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "api/image/image_codec.h"
-#include "server/http/unique_fd.h"
+#include "server/processes/unique_fd.h"
 #include "server/work/computation.h"
 
 namespace ccdt::server {

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "server/http/unique_fd.h"
+#include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
 

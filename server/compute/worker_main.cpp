@@ -4,8 +4,8 @@
 
 #include "server/compute/compute_process.h"
 #include "server/compute/fork_server.h"
-#include "server/process.h"
 #include "server/processes/child_program.h"
+#include "server/processes/process.h"
 
 /// The program that computes, which the server starts.
 int main() {

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "api/image/image_codec.h"
-#include "server/http/unique_fd.h"
+#include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
 

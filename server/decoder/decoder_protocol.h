@@ -10,7 +10,7 @@
 #include "core/result.h"
 #include "server/decoder/decoder_confinement.h"
 #include "server/decoder/decoder_sandbox.h"
-#include "server/http/unique_fd.h"
+#include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
 

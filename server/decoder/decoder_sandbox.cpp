@@ -21,7 +21,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "server/http/unique_fd.h"
+#include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
 namespace {

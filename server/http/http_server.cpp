@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "server/http/connection_threads.h"
-#include "server/http/unique_fd.h"
+#include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
 namespace {

@@ -6,7 +6,7 @@
 #include "api/json/job_document.h"
 #include "api/problem.h"
 #include "server/http/http.h"
-#include "server/problem.h"
+#include "server/http/problem.h"
 
 namespace ccdt::server {
 namespace {

@@ -11,8 +11,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "server/digest.h"
-#include "server/http/unique_fd.h"
+#include "server/processes/unique_fd.h"
+#include "server/work/digest.h"
 
 namespace ccdt::server {
 namespace {

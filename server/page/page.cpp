@@ -4,7 +4,7 @@
 #include <string>
 
 #include "api/input/text.h"
-#include "server/cache/entity_tag.h"
+#include "server/http/entity_tag.h"
 #include "server/page/page_files.h"
 
 namespace ccdt::server {

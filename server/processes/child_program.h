@@ -7,7 +7,7 @@
 #include <sys/types.h>
 
 #include "core/result.h"
-#include "server/http/unique_fd.h"
+#include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
 

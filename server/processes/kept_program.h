@@ -13,8 +13,8 @@
 #include <thread>
 
 #include "core/result.h"
-#include "server/http/unique_fd.h"
 #include "server/processes/child_program.h"
+#include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/http/unique_fd.h"
+#include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
 

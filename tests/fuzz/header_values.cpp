@@ -3,10 +3,10 @@
 
 #include "api/input/negotiation.h"
 #include "api/input/text.h"
-#include "server/access/access.h"
-#include "server/cache/entity_tag.h"
+#include "server/access/key_ring.h"
 #include "server/http/compression.h"
 #include "server/http/cors.h"
+#include "server/http/entity_tag.h"
 #include "server/http/http.h"
 #include "server/http/trace.h"
 #include "tests/fuzz/checks.h"

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "server/access/access.h"
+#include "server/access/key_ring.h"
 #include "tests/fuzz/checks.h"
 
 namespace ccdt::fuzz {

@@ -1,4 +1,5 @@
-"""Checks that the code's folders include each other only downwards: server -> api -> core.
+"""Checks that the code's folders include each other only downwards: server -> api -> core, and that no rooms of a floor
+include each other in a circle.
 
 Usage: include_directions.py ROOT         check the tree
        include_directions.py --self-check  check that planted violations are found
@@ -10,6 +11,7 @@ import sys
 import tempfile
 
 FOLDERS = ("core", "api", "server")
+FLOORS_WITHOUT_CIRCLES = ("server",)
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
 # What a header may be included by, for all that not every folder may include: the first match decides.
@@ -27,22 +29,46 @@ RULES = (
 )
 
 
+def includes(root, folder):
+    """Names of files, each with a file that it includes."""
+    for path in sorted((root / folder).rglob("*")):
+        if path.suffix in (".h", ".cpp"):
+            for included in INCLUDE.findall(path.read_text()):
+                yield path.relative_to(root).as_posix(), included
+
+
 def violations(root):
     for folder in FOLDERS:
-        for path in sorted((root / folder).rglob("*")):
-            if path.suffix not in (".h", ".cpp"):
-                continue
-            name = path.relative_to(root).as_posix()
-            for included in INCLUDE.findall(path.read_text()):
-                allowed = next((by for rule, by in RULES if rule.search(included)), ("",))
-                if not name.startswith(allowed):
-                    yield f"{name} includes {included}"
+        for name, included in includes(root, folder):
+            allowed = next((by for rule, by in RULES if rule.search(included)), ("",))
+            if not name.startswith(allowed):
+                yield f"{name} includes {included}"
+
+
+def rooms(root, floor):
+    """Folders of a floor, each with the others that it includes."""
+    included_by = {}
+    for name, included in includes(root, floor):
+        room, other = (pathlib.PurePath(each).parent.as_posix() for each in (name, included))
+        if other.startswith(floor) and other != room:
+            included_by.setdefault(room, set()).add(other)
+    return included_by
+
+
+def circles(root):
+    for floor in FLOORS_WITHOUT_CIRCLES:
+        left = rooms(root, floor)
+        while free := [room for room in left if not left[room] & left.keys()]:
+            for room in free:
+                del left[room]
+        for room, others in sorted(left.items()):
+            yield f"{room} is in a circle with or includes one of {', '.join(sorted(others & left.keys()))}"
 
 
 def self_check():
     planted = {
         "core/a.h": "api/options.h",
-        "core/b.cpp": "server/config.h",
+        "core/b.cpp": "server/config/config.h",
         "core/c.h": "httplib.h",
         "core/d.cpp": "nlohmann/json.hpp",
         "core/e.cpp": "OpenImageIO/imageio.h",
@@ -79,8 +105,21 @@ def self_check():
             path.write_text(f"#pragma once\n  #  include <{included}>\n")
         expected = sorted(f"{name} includes {included}" for name, included in planted.items())
         found = sorted(violations(root))
-    if found != expected:
-        sys.exit(f"expected {expected}\nfound {found}")
+        if found != expected:
+            sys.exit(f"expected {expected}\nfound {found}")
+        check_circles(root)
+
+
+def check_circles(root):
+    planted = {"server/one/a.h": "server/two/a.h", "server/two/a.h": "server/three/a.h",
+               "server/three/a.cpp": "server/one/a.h", "server/four/a.h": "server/five/a.h"}
+    for name, included in planted.items():
+        path = root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f'#include "{included}"\n')
+    found = [line.split()[0] for line in circles(root)]
+    if found != ["server/one", "server/three", "server/two"]:
+        sys.exit(f"found {found}")
 
 
 def main():
@@ -89,7 +128,7 @@ def main():
         return
     root = pathlib.Path(sys.argv[1])
     missing = [folder for folder in FOLDERS if not (root / folder).is_dir()]
-    found = list(violations(root))
+    found = list(violations(root)) + list(circles(root))
     for line in missing + found:
         print(line)
     sys.exit(1 if missing or found else 0)

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "server/http/connection_threads.h"
-#include "server/process.h"
+#include "server/processes/process.h"
 #include "tests/server/running_server.h"
 #include "tests/server/shortage.h"
 

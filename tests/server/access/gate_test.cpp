@@ -14,7 +14,6 @@ const std::string kKey = "0123456789abcdef";
 
 class GateTest : public testing::Test {
 protected:
-    GateTest() { config_.api_key_file = file_; }
     ~GateTest() override { std::filesystem::remove(file_); }
 
     void write(const std::string& text) const { std::ofstream(file_) << text; }
@@ -25,12 +24,13 @@ protected:
     }
 
     const std::string file_ = testing::TempDir() + "ccdt_keys_" + std::to_string(::getpid());
-    Config config_;
+    std::string keys_ = file_;  ///< the file that the gate is told of
+    RateLimiter::Rate rate_;
 };
 
 TEST_F(GateTest, AsksForAKeyIfThereAreAny) {
     write("alice:" + kKey);
-    Gate gate(config_);
+    Gate gate(keys_, rate_);
     ASSERT_TRUE(gate.read_keys());
     EXPECT_EQ(gate.check(request(kKey), "a").key, "alice");
     EXPECT_FALSE(gate.check(request(kKey), "a").fault);
@@ -44,7 +44,7 @@ TEST_F(GateTest, AsksForAKeyIfThereAreAny) {
 
 TEST_F(GateTest, LetsThePagePass) {
     write("alice:" + kKey);
-    Gate gate(config_);
+    Gate gate(keys_, rate_);
     ASSERT_TRUE(gate.read_keys());
     for (const char* line : {"GET /", "HEAD /", "GET /assets/main.js"})
         EXPECT_FALSE(gate.check(request("", line), "a").fault) << line;
@@ -54,7 +54,7 @@ TEST_F(GateTest, LetsThePagePass) {
 
 TEST_F(GateTest, LetsPreflightsPass) {
     write("alice:" + kKey);
-    Gate gate(config_);
+    Gate gate(keys_, rate_);
     ASSERT_TRUE(gate.read_keys());
     const auto passes = [&](const std::string& method, const std::string& headers) {
         return !gate.check(*parse_head(method + " /halftone HTTP/1.1\r\n" + headers + "\r\n"), "a").fault;
@@ -68,8 +68,8 @@ TEST_F(GateTest, LetsPreflightsPass) {
 
 TEST_F(GateTest, CountsPreflightsByAddress) {
     write("alice:" + kKey);
-    config_.rate = {.per_second = 0.001, .burst = 2};
-    Gate gate(config_);
+    rate_ = {.per_second = 0.001, .burst = 2};
+    Gate gate(keys_, rate_);
     ASSERT_TRUE(gate.read_keys());
     const auto status = [&](const std::string& line, const std::string& address) {
         const auto asked = "Origin: https://example.org\r\nAccess-Control-Request-Method: POST\r\n";
@@ -84,8 +84,8 @@ TEST_F(GateTest, CountsPreflightsByAddress) {
 }
 
 TEST_F(GateTest, LetsEverybodyPassWithoutAFile) {
-    config_.api_key_file.clear();
-    Gate gate(config_);
+    keys_.clear();
+    Gate gate(keys_, rate_);
     EXPECT_TRUE(gate.read_keys());
     EXPECT_FALSE(gate.check(request(""), "a").fault);
     EXPECT_EQ(gate.check(request(kKey), "a").key, "");
@@ -93,7 +93,7 @@ TEST_F(GateTest, LetsEverybodyPassWithoutAFile) {
 
 TEST_F(GateTest, KeepsItsKeysIfTheFileIsBroken) {
     write("alice:" + kKey);
-    Gate gate(config_);
+    Gate gate(keys_, rate_);
     ASSERT_TRUE(gate.read_keys());
     write("nonsense");
     EXPECT_FALSE(gate.read_keys());
@@ -105,8 +105,8 @@ TEST_F(GateTest, KeepsItsKeysIfTheFileIsBroken) {
 
 TEST_F(GateTest, CountsByKeyAndElseByAddress) {
     write("alice:" + kKey);
-    config_.rate = {.per_second = 0.001, .burst = 1};
-    Gate gate(config_);
+    rate_ = {.per_second = 0.001, .burst = 1};
+    Gate gate(keys_, rate_);
     ASSERT_TRUE(gate.read_keys());
     EXPECT_FALSE(gate.check(request(kKey), "a").fault);
     EXPECT_EQ(gate.check(request(kKey), "b").fault->status, 429);

@@ -10,11 +10,11 @@
 
 #include "api/options.h"
 #include "server/cache/result_cache.h"
-#include "server/config.h"
+#include "server/config/config.h"
 #include "server/http/connection.h"
 #include "server/http/http.h"
+#include "server/http/problem.h"
 #include "server/jobs/jobs.h"
-#include "server/problem.h"
 #include "server/work/computation.h"
 #include "server/work/memory_budget.h"
 #include "server/work/worker_pool.h"

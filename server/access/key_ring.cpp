@@ -1,4 +1,4 @@
-#include "server/access/access.h"
+#include "server/access/key_ring.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "server/config.h"
+#include "server/config/config.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "api/input/text.h"
-#include "server/process.h"
+#include "server/processes/process.h"
 
 namespace ccdt::server {
 namespace {

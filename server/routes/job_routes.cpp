@@ -1,10 +1,10 @@
-#include "server/jobs/job_routes.h"
+#include "server/routes/job_routes.h"
 
 #include <algorithm>
 #include <memory>
 #include <utility>
 
-#include "server/cache/entity_tag.h"
+#include "server/http/entity_tag.h"
 
 namespace ccdt::server {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/digest.h"
+#include "server/work/digest.h"
 
 #include <array>
 #include <cstdint>

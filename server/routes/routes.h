@@ -7,14 +7,14 @@
 #include <string>
 #include <string_view>
 
-#include "server/computing.h"
-#include "server/config.h"
+#include "server/config/config.h"
 #include "server/http/connection.h"
 #include "server/http/http.h"
-#include "server/jobs/job_routes.h"
+#include "server/http/problem.h"
 #include "server/jobs/jobs.h"
-#include "server/metrics.h"
-#include "server/problem.h"
+#include "server/monitoring/metrics.h"
+#include "server/routes/computing.h"
+#include "server/routes/job_routes.h"
 #include "server/work/memory_budget.h"
 #include "server/work/question.h"
 #include "server/work/worker_pool.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/config.h"
+#include "server/config/config.h"
 #include "server/http/http_server.h"
 #include "server/jobs/jobs.h"
 

@@ -1,4 +1,4 @@
-#include "server/process.h"
+#include "server/processes/process.h"
 
 #include <malloc.h>
 #include <sys/resource.h>

@@ -1,4 +1,4 @@
-#include "server/computing.h"
+#include "server/routes/computing.h"
 
 #include <algorithm>
 #include <condition_variable>
@@ -8,9 +8,10 @@
 #include <optional>
 #include <utility>
 
-#include "server/cache/entity_tag.h"
 #include "server/http/compression.h"
-#include "server/jobs/job_routes.h"
+#include "server/http/entity_tag.h"
+#include "server/routes/job_routes.h"
+#include "server/work/answer_name.h"
 
 namespace ccdt::server {
 namespace {

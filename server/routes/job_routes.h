@@ -6,8 +6,8 @@
 
 #include "server/http/connection.h"
 #include "server/http/http.h"
+#include "server/http/problem.h"
 #include "server/jobs/jobs.h"
-#include "server/problem.h"
 #include "server/work/memory_budget.h"
 
 namespace ccdt::server {

@@ -1,4 +1,4 @@
-#include "server/log.h"
+#include "server/monitoring/log.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "server/metrics.h"
+#include "server/monitoring/metrics.h"
 
 #include <prometheus/counter.h>
 #include <prometheus/gauge.h>
@@ -12,7 +12,7 @@
 #include <mutex>
 #include <utility>
 
-#include "server/process.h"
+#include "server/processes/process.h"
 
 namespace ccdt::server {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/cache/entity_tag.h"
+#include "server/work/answer_name.h"
 
 #include <set>
 #include <string>
@@ -15,7 +15,7 @@ Question form_with(const std::string& boundary) {
         part + "sites\"\r\n\r\n100\r\n" + part + "image\"; filename=\"a\"\r\n\r\npixels\r\n--" + boundary + "--\r\n"};
 }
 
-TEST(EntityTag, NamesWhatAnAnswerDependsOn) {
+TEST(AnswerName, NamesWhatAnAnswerDependsOn) {
     const Question question{"/sample", "q", "application/json", "text/csv", "{}"};
     std::set<std::string> names{name_of_answer(question, {})};
     EXPECT_EQ(*names.begin(), name_of_answer(question, {}));
@@ -37,11 +37,11 @@ TEST(EntityTag, NamesWhatAnAnswerDependsOn) {
     }
 }
 
-TEST(EntityTag, DoesNotRunTextsTogether) {
+TEST(AnswerName, DoesNotRunTextsTogether) {
     EXPECT_NE(name_of_answer({"/a", "bc", "", "", ""}, {}), name_of_answer({"/ab", "c", "", "", ""}, {}));
 }
 
-TEST(EntityTag, LooksIntoForms) {
+TEST(AnswerName, LooksIntoForms) {
     const std::string name = name_of_answer(form_with("one"), {});
     EXPECT_EQ(name, name_of_answer(form_with("another-boundary"), {}));
     Question other = form_with("one");
@@ -51,21 +51,10 @@ TEST(EntityTag, LooksIntoForms) {
     EXPECT_NE(name, name_of_answer(other, {}));
 }
 
-TEST(EntityTag, NamesTheServersLimits) {
+TEST(AnswerName, NamesTheServersLimits) {
     const Question question{"/sample", "", "", "", "{}"};
     EXPECT_NE(name_of_answer(question, {}), name_of_answer(question, {.max_sites = 7}));
     EXPECT_NE(name_of_answer(question, {}), name_of_answer(question, {.max_pixels = 7}));
-}
-
-TEST(EntityTag, IsFoundInAList) {
-    const auto found = [](std::string_view list) { return find_tag(list, "abc").value_or("none"); };
-    EXPECT_EQ(found("\"abc\""), "\"abc\"");
-    EXPECT_EQ(found("W/\"abc\""), "W/\"abc\"");
-    EXPECT_EQ(found("\"abc-gzip\""), "\"abc-gzip\"");
-    EXPECT_EQ(found("\"x\", \"abc\""), "\"abc\"");
-    EXPECT_EQ(found("W/\"x\" ,W/\"abc\" , *"), "W/\"abc\"");
-    for (const auto* list : {"", "*", "abc", "\"abcd\"", "\"ab\"", "\"", "W/", "\"x\"", "\"-gzip\"", "\"abc\"-gzip"})
-        EXPECT_EQ(found(list), "none") << list;
 }
 
 }  // namespace
