@@ -196,8 +196,8 @@ int serve(const Config& config) {
         if (!(*box)->is_ready()) return "the decoder of pictures is being started again";
         return (*computing)->is_ready() ? "" : "what makes the processes that compute is being started again";
     });
-    HttpServer server(
-        config.patience, config.capacity,
+    const auto listening = HttpServer::listen(
+        config.bind, config.port, config.patience, config.capacity,
         [&](const auto& request, const auto& fault, auto& connection) {
             auto verdict = fault ? Gate::Verdict{{}, {}, fault} : gate.check(request, connection.address());
             connection.name_client(std::move(verdict.client), std::move(verdict.key));
@@ -209,7 +209,11 @@ int serve(const Config& config) {
             metrics.add(exchange);
             log.exchange(exchange);
         });
-
+    if (!listening) {
+        log.error(listening.error().message);
+        return kFailed;
+    }
+    HttpServer& server = **listening;
     metrics.watch([&] {
         return Metrics::Watched{.connections = server.connections(),
                                 .memory_budget = *memory,
@@ -222,16 +226,11 @@ int serve(const Config& config) {
                                 .job_damages = (*store)->damages(),
                                 .cache = routes.cache().load()};
     });
-    const auto port = server.bind(config.bind, config.port);
-    if (!port) {
-        log.error(port.error().message);
-        return kFailed;
-    }
     if (const auto started = jobs.start(); !started) {
         log.error(started.error().message);
         return kFailed;
     }
-    log.info("listening on " + url(config.bind, *port));
+    log.info("listening on " + url(config.bind, server.port()));
 
     bool served = false;
     std::jthread acceptor([&] {

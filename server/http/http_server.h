@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -9,8 +11,14 @@
 #include "server/http/capacity.h"
 #include "server/http/connection.h"
 #include "server/http/http.h"
+#include "server/http/sockets.h"
+#include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
+
+class AnswerWriter;
+class ConnectionThreads;
+class RefusedClients;
 
 /// A request and what became of it, for the log.
 struct Exchange {
@@ -37,31 +45,49 @@ public:
     using Handler = std::function<Response(const Request&, const std::optional<Fault>&, Connection&)>;
     using Logger = std::function<void(const Exchange&)>;
 
-    HttpServer(const Patience& patience, const Capacity::Limits& limits, Handler handler, Logger logger);
-    ~HttpServer();
+    /// Listens, and has clients wait until `serve` is called.
+    /// @param address  one of this machine, or `unix:` and a path
+    /// @param port     0: any that is free
+    /// Errors (Unusable): the address is unknown; another server listens there.
+    static Result<std::unique_ptr<HttpServer>> listen(const std::string& address, int port, const Patience& patience,
+                                                      const Capacity::Limits& limits, Handler handler, Logger logger);
 
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
 
-    /// @param address  one of this machine, or `unix:` and a path
-    /// @param port     0: any that is free
-    /// @returns        the port, 0 for a path
-    /// Errors (Unusable): the address is unknown; another server listens there.
-    Result<int> bind(const std::string& address, int port);
+    /// The port that it listens on, 0 for a path.
+    int port() const { return listener_.port(); }
 
     /// Serves until `drain`; returns once every request that was accepted is answered.
     /// @returns  false if accepting failed for any other reason
     bool serve();
 
-    /// Makes `serve` accept no more. From any thread, at any time after `bind`.
+    /// Makes `serve` accept no more. From any thread, at any time.
     void drain();
 
     /// Connections, open and refused.
-    Capacity::Counts connections() const;
+    Capacity::Counts connections() const { return capacity_.counts(); }
 
 private:
-    class Reception;
-    std::unique_ptr<Reception> reception_;
+    HttpServer(ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits, Handler handler,
+               Logger logger);
+
+    void wait_for_client(RefusedClients& refused) const;
+    void receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused);
+    void serve_socket(const UniqueFd& socket, Place& place);
+    void serve_connection(Connection& connection, const Place& place);
+    bool answer(Connection& connection, AnswerWriter& writer, Request request, const std::optional<Fault>& fault,
+                bool last);
+    std::optional<Response> handle(const Request& request, const std::optional<Fault>& fault,
+                                   Connection& connection) const;
+
+    const ListeningSocket listener_;
+    const Patience patience_;
+    Capacity capacity_;
+    const Handler handler_;
+    const Logger logger_;
+    std::atomic<bool> draining_ = false;
+    std::atomic<int> busy_ = 0;  ///< connections with a request
 };
 
 }  // namespace ccdt::server

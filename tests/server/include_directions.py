@@ -25,7 +25,8 @@ RULES = (
     (re.compile(r"^librsvg/|^cairo"), ("api/output/svg_renderer.cpp",)),
     (re.compile(r"^sqlite3\.h$"), ("server/jobs/sqlite.",)),
     (re.compile(r"^seccomp\.h$"), ("server/decoder/decoder_sandbox.cpp",)),
-    (re.compile(r"^httplib\.h$|^spdlog/|^fmt/"), ("server/",)),
+    (re.compile(r"^httplib\.h$"), ("server/http/answer_writer.cpp",)),
+    (re.compile(r"^spdlog/|^fmt/"), ("server/",)),
 )
 
 
@@ -83,6 +84,7 @@ def self_check():
         "api/s.cpp": "librsvg/rsvg.h",
         "server/m.cpp": "nlohmann/json.hpp",
         "server/n.cpp": "OpenImageIO/imageio.h",
+        "server/http/v.cpp": "httplib.h",
         "server/t.cpp": "seccomp.h",
         "server/jobs/u.cpp": "sqlite3.h",
     }
@@ -93,6 +95,7 @@ def self_check():
         "api/output/svg_renderer.cpp": "librsvg/rsvg.h",
         "api/o.cpp": "core/result.h",
         "server/decoder/decoder_sandbox.cpp": "seccomp.h",
+        "server/http/answer_writer.cpp": "httplib.h",
         "server/jobs/sqlite.h": "sqlite3.h",
         "server/p.cpp": "api/options.h",
         "core/q.cpp": "vector",

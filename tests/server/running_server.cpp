@@ -13,13 +13,12 @@
 namespace ccdt::server {
 
 RunningServer::RunningServer(const Capacity::Limits& limits, HttpServer::Handler handler, HttpServer::Logger logger)
-    : server_({}, limits, std::move(handler), std::move(logger)),
-      port_(server_.bind("127.0.0.1", 0).value()),
-      thread_([this] { EXPECT_TRUE(server_.serve()); }) {}
+    : server_(HttpServer::listen("127.0.0.1", 0, {}, limits, std::move(handler), std::move(logger)).value()),
+      thread_([this] { EXPECT_TRUE(server_->serve()); }) {}
 
 void RunningServer::stop() {
     if (!thread_.joinable()) return;
-    server_.drain();
+    server_->drain();
     thread_.join();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -19,12 +20,11 @@ public:
 
     void stop();
 
-    int port() const { return port_; }
-    Capacity::Counts connections() const { return server_.connections(); }
+    int port() const { return server_->port(); }
+    Capacity::Counts connections() const { return server_->connections(); }
 
 private:
-    HttpServer server_;
-    const int port_;
+    const std::unique_ptr<HttpServer> server_;
     std::jthread thread_;
 };
 
