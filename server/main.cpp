@@ -198,12 +198,10 @@ int serve(const Config& config) {
     });
     const auto listening = HttpServer::listen(
         config.bind, config.port, config.patience, config.capacity,
-        [&](const auto& request, const auto& fault, auto& connection) {
-            auto verdict = fault ? Gate::Verdict{{}, {}, fault} : gate.check(request, connection.address());
+        [&](const auto& request, const auto& received, auto& connection) {
+            auto verdict = received ? gate.check(request, connection.address()) : Gate::Verdict{{}, {}, received};
             connection.name_client(std::move(verdict.client), std::move(verdict.key));
-            auto response = routes.answer(request, verdict.fault, connection);
-            response.key = connection.key();
-            return response;
+            return routes.answer(request, verdict.admission, connection);
         },
         [&](const Exchange& exchange) {
             metrics.add(exchange);

@@ -23,6 +23,12 @@ bool is_free(const Request& request) {
     return is_of_page(request) || request.path == "/health" || request.path.starts_with("/health/");
 }
 
+tl::unexpected<Problem> no_key(bool none_shown) {
+    auto refused = problem(401, none_shown ? "an API key is needed: Authorization: Bearer KEY" : "the key is unknown");
+    refused.value().headers.push_back({"WWW-Authenticate", "Bearer"});
+    return refused;
+}
+
 }  // namespace
 
 Result<void> Gate::read_keys() {
@@ -43,13 +49,9 @@ Gate::Verdict Gate::check(const Request& request, const std::string& address) {
     Verdict verdict{name.value_or(""), name ? "key " + *name : address, {}};
     const auto wait = verdict.client.empty() ? std::chrono::seconds(0) : limiter_.take(verdict.client);
     if (wait.count() > 0) {
-        verdict.fault = Fault{429,
-                              "too many requests for this key or address (rate-limit)",
-                              {{"Retry-After", std::to_string(wait.count())}}};
+        verdict.admission = busy(429, "too many requests for this key or address (rate-limit)", wait);
     } else if (ring && !name && !is_preflight(request)) {
-        verdict.fault = Fault{401,
-                              key.empty() ? "an API key is needed: Authorization: Bearer KEY" : "the key is unknown",
-                              {{"WWW-Authenticate", "Bearer"}}};
+        verdict.admission = no_key(key.empty());
     }
     return verdict;
 }

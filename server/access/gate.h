@@ -24,7 +24,7 @@ public:
     struct Verdict {
         std::string key;             ///< the name of the key that was shown; empty: none
         std::string client;          ///< who asks: the key or the address
-        std::optional<Fault> fault;  ///< why the request may not pass
+        HttpResult<void> admission;  ///< why the request may not pass, if it may not
     };
 
     /// @param key_file  empty: no key is needed

@@ -39,8 +39,9 @@ bool wait_for(int socket, short events, std::chrono::steady_clock::time_point de
     }
 }
 
-tl::unexpected<Fault> too_large(std::size_t limit) {
-    return fault(413, "the body is larger than this server's limit (max-body) of " + std::to_string(limit) + " bytes");
+tl::unexpected<Problem> too_large(std::size_t limit) {
+    return problem(413,
+                   "the body is larger than this server's limit (max-body) of " + std::to_string(limit) + " bytes");
 }
 
 bool may_break_a_line(char c) {
@@ -64,7 +65,7 @@ bool Connection::wait_for_request(const std::function<bool(Milliseconds waited)>
     return true;
 }
 
-Received<Request> Connection::read_head() {
+HttpResult<Request> Connection::read_head() {
     const auto start = Clock::now();
     const auto deadline = [&] {
         return start + (is_pressed() ? std::min(patience_.header, kHeadUnderPressure) : patience_.header);
@@ -76,7 +77,7 @@ Received<Request> Connection::read_head() {
         const auto line_end = find_line_end(end, kLargestHead, fill_up);
         if (!line_end) return tl::unexpected(line_end.error());
         if (*line_end == std::string_view::npos)
-            return fault(431, "the head of the request is larger than " + std::to_string(kLargestHead) + " bytes");
+            return problem(431, "the head of the request is larger than " + std::to_string(kLargestHead) + " bytes");
         if (*line_end == 0) {
             // Clients may send a line end after a body; it is no part of the next head.
             unread_.use(kLineEnd.size());
@@ -90,11 +91,11 @@ Received<Request> Connection::read_head() {
     return request;
 }
 
-Received<std::string> Connection::read_body(const Request& request, std::size_t limit) {
-    if (!request.is_framed()) return fault(411, "the request has neither Content-Length nor chunks");
+HttpResult<std::string> Connection::read_body(const Request& request, std::size_t limit) {
+    if (!request.is_framed()) return problem(411, "the request has neither Content-Length nor chunks");
     if (request.content_length.value_or(0) > limit) return too_large(limit);
     if (request.expects_continue && unread_.empty() && !write("HTTP/1.1 100 Continue\r\n\r\n"))
-        return fault(400, "the client left");
+        return problem(400, "the client left");
     body_ = {Clock::now(), Clock::now(), 0};
     auto body = request.chunked ? read_chunked(limit) : read_plain(*request.content_length);
     between_requests_ = body.has_value();
@@ -167,23 +168,23 @@ bool Connection::wait(short events, const Deadline& deadline) const {
 }
 
 /// Receives what there is, waiting for the first byte of it.
-Received<bool> Connection::fill(const Deadline& deadline) {
-    if (!wait(POLLIN, deadline)) return fault(408, "the request did not arrive in time");
+HttpResult<void> Connection::fill(const Deadline& deadline) {
+    if (!wait(POLLIN, deadline)) return problem(408, "the request did not arrive in time");
     std::array<char, kReceiveSize> buffer;
     ssize_t received = -1;
     do received = recv(socket_, buffer.data(), buffer.size(), 0);
     while (received < 0 && errno == EINTR);
-    if (received <= 0) return fault(400, "the client closed the connection within its request");
+    if (received <= 0) return problem(400, "the client closed the connection within its request");
     unread_.add({buffer.data(), static_cast<std::size_t>(received)});
-    return true;
+    return {};
 }
 
 /// The same for a body of which so much is there.
-Received<bool> Connection::fill(const std::string& body, Held& held) {
+HttpResult<void> Connection::fill(const std::string& body, Held& held) {
     body_.move_to(body.size());
     held.resize(body.size());
     if (body.size() > kFreeBytes && capacity_ != nullptr && capacity_->is_out_of_memory())
-        return fault(503, "too many bodies are being sent at once", {{"Retry-After", "1"}});
+        return busy(503, "too many bodies are being sent at once", std::chrono::seconds(1));
     return fill([this] { return deadline(body_); });
 }
 
@@ -199,28 +200,28 @@ std::string_view Connection::use(std::size_t size) {
 /// @param begin  of the line
 /// @param limit  where it has to end at the latest
 /// @returns      where its CRLF stands; npos: beyond the limit
-/// Fault besides (400), at once: a CR or LF alone, which others might take for a line's end, or a NUL.
-Received<std::size_t> Connection::find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up) {
+/// Problem besides (400), at once: a CR or LF alone, which others might take for a line's end, or a NUL.
+HttpResult<std::size_t> Connection::find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up) {
     for (std::size_t at = begin;;) {
         const auto received = unread_.view();
         while (at < received.size() && at <= limit && !may_break_a_line(received[at])) ++at;
         if (at > limit) return std::string_view::npos;
         const auto found = received.substr(at, kLineEnd.size());
         if (found == kLineEnd) return at;
-        if (!kLineEnd.starts_with(found)) return fault(400, "a line does not end in CRLF, or holds a NUL");
+        if (!kLineEnd.starts_with(found)) return problem(400, "a line does not end in CRLF, or holds a NUL");
         if (auto filled = fill_up(); !filled) return tl::unexpected(filled.error());
     }
 }
 
 /// A line of the body's framing, without its end; it lies in what was received until more is.
-Received<std::string_view> Connection::read_line(const Fill& fill_up) {
+HttpResult<std::string_view> Connection::read_line(const Fill& fill_up) {
     const auto end = find_line_end(0, kLongestLine, fill_up);
     if (!end) return tl::unexpected(end.error());
-    if (*end == std::string_view::npos) return fault(400, "a line of the chunked body is too long");
+    if (*end == std::string_view::npos) return problem(400, "a line of the chunked body is too long");
     return use(*end + kLineEnd.size()).substr(0, *end);
 }
 
-Received<bool> Connection::append(std::string& body, std::uint64_t size, const Fill& fill_up) {
+HttpResult<void> Connection::append(std::string& body, std::uint64_t size, const Fill& fill_up) {
     while (size > 0) {
         if (unread_.empty()) {
             if (body.size() > kTrustedBytes) body.reserve(body.size() + size);
@@ -230,10 +231,10 @@ Received<bool> Connection::append(std::string& body, std::uint64_t size, const F
         body += part;
         size -= part.size();
     }
-    return true;
+    return {};
 }
 
-Received<std::string> Connection::read_plain(std::uint64_t size) {
+HttpResult<std::string> Connection::read_plain(std::uint64_t size) {
     std::string body;
     Held held(capacity_);
     if (auto read = append(body, size, [&] { return fill(body, held); }); !read) return tl::unexpected(read.error());
@@ -241,7 +242,7 @@ Received<std::string> Connection::read_plain(std::uint64_t size) {
 }
 
 /// What is received at once is taken apart without waiting, counting or looking at the clock: chunks may be small.
-Received<std::string> Connection::read_chunked(std::size_t limit) {
+HttpResult<std::string> Connection::read_chunked(std::size_t limit) {
     std::string body;
     Held held(capacity_);
     const Fill fill_up = [&] { return fill(body, held); };
@@ -251,36 +252,36 @@ Received<std::string> Connection::read_chunked(std::size_t limit) {
         if (!size) return tl::unexpected(size.error());
         if (*size == 0) break;
         if (*size > limit - body.size()) return too_large(limit);
-        const auto read = append(body, *size, fill_up).and_then([&](bool) { return skip_chunk_end(fill_up); });
+        const auto read = append(body, *size, fill_up).and_then([&] { return skip_chunk_end(fill_up); });
         if (!read) return tl::unexpected(read.error());
         if (bytes_in_ - before > body.size() * (1 + kMostFraming) + kLargestHead)
-            return fault(400, "the chunks are small for their framing");
+            return problem(400, "the chunks are small for their framing");
     }
     if (auto skipped = skip_trailers(fill_up); !skipped) return tl::unexpected(skipped.error());
     return body;
 }
 
-Received<bool> Connection::skip_chunk_end(const Fill& fill_up) {
+HttpResult<void> Connection::skip_chunk_end(const Fill& fill_up) {
     while (true) {
         const auto found = unread_.view().substr(0, kLineEnd.size());
-        if (!kLineEnd.starts_with(found)) return fault(400, "a chunk is longer than its size");
+        if (!kLineEnd.starts_with(found)) return problem(400, "a chunk is longer than its size");
         if (found == kLineEnd) break;
         if (auto filled = fill_up(); !filled) return filled;
     }
     use(kLineEnd.size());
-    return true;
+    return {};
 }
 
 /// Nothing here uses trailers, and few of them are enough.
-Received<bool> Connection::skip_trailers(const Fill& fill_up) {
+HttpResult<void> Connection::skip_trailers(const Fill& fill_up) {
     for (std::size_t skipped = 0; skipped <= kLongestLine;) {
         const auto line = read_line(fill_up);
         if (!line) return tl::unexpected(line.error());
-        if (line->empty()) return true;
-        if (auto wrong = find_trailer_fault(*line)) return tl::unexpected(*std::move(wrong));
+        if (line->empty()) return {};
+        if (auto checked = check_trailer(*line); !checked) return checked;
         skipped += line->size();
     }
-    return fault(400, "the trailers of the chunked body are too long");
+    return problem(400, "the trailers of the chunked body are too long");
 }
 
 }  // namespace ccdt::server

@@ -39,14 +39,14 @@ public:
     /// @returns        false if the client closed the connection or the wait was given up
     bool wait_for_request(const std::function<bool(Milliseconds waited)>& give_up);
 
-    /// Faults: 400 malformed, 408 too slow, 431 too large. The connection is then unusable.
-    Received<Request> read_head();
+    /// Problems: 400 malformed, 408 too slow, 431 too large. The connection is then unusable.
+    HttpResult<Request> read_head();
 
     /// Reads the body that `request`, the last head read, announces; at most once for each head.
     ///
-    /// Tells a client that waits for it to go ahead. Faults: 400 malformed, 408 too slow, 411 not announced, 413 more
+    /// Tells a client that waits for it to go ahead. Problems: 400 malformed, 408 too slow, 411 not announced, 413 more
     /// bytes than the limit, at once if the head says so, 503 the clients' bodies take too much memory.
-    Received<std::string> read_body(const Request& request, std::size_t limit);
+    HttpResult<std::string> read_body(const Request& request, std::size_t limit);
 
     /// All of the last request was read: the next byte begins another.
     bool between_requests() const { return between_requests_; }
@@ -90,7 +90,7 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
     using Deadline = std::function<Clock::time_point()>;
-    using Fill = std::function<Received<bool>()>;
+    using Fill = std::function<HttpResult<void>()>;
 
     /// Bytes that were received, of which those at the front are used first.
     class Unread {
@@ -117,15 +117,15 @@ private:
     bool is_pressed() const { return capacity_ != nullptr && (capacity_->is_pressed() || capacity_->is_closing()); }
     Clock::time_point deadline(const Transfer& transfer) const;
     bool wait(short events, const Deadline& deadline) const;
-    Received<bool> fill(const Deadline& deadline);
-    Received<bool> fill(const std::string& body, Held& held);
-    Received<std::size_t> find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up);
-    Received<std::string_view> read_line(const Fill& fill_up);
-    Received<bool> append(std::string& body, std::uint64_t size, const Fill& fill_up);
-    Received<std::string> read_plain(std::uint64_t size);
-    Received<std::string> read_chunked(std::size_t limit);
-    Received<bool> skip_chunk_end(const Fill& fill_up);
-    Received<bool> skip_trailers(const Fill& fill_up);
+    HttpResult<void> fill(const Deadline& deadline);
+    HttpResult<void> fill(const std::string& body, Held& held);
+    HttpResult<std::size_t> find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up);
+    HttpResult<std::string_view> read_line(const Fill& fill_up);
+    HttpResult<void> append(std::string& body, std::uint64_t size, const Fill& fill_up);
+    HttpResult<std::string> read_plain(std::uint64_t size);
+    HttpResult<std::string> read_chunked(std::size_t limit);
+    HttpResult<void> skip_chunk_end(const Fill& fill_up);
+    HttpResult<void> skip_trailers(const Fill& fill_up);
     std::string_view use(std::size_t size);
 
     const int socket_;

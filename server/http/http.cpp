@@ -80,14 +80,14 @@ std::optional<std::string_view> without_authority(std::string_view target) {
     return target.substr(authority.size());
 }
 
-Received<bool> parse_request_line(std::string_view line, Request& request) {
+HttpResult<void> parse_request_line(std::string_view line, Request& request) {
     const auto method = api::take_until(line, " ");
     const auto target = api::take_until(line, " ");
-    if (!is_token(method) || target.empty()) return fault(400, "the request line is malformed");
-    if (line != "HTTP/1.1" && line != "HTTP/1.0") return fault(400, "the protocol is not HTTP/1.1 or HTTP/1.0");
+    if (!is_token(method) || target.empty()) return problem(400, "the request line is malformed");
+    if (line != "HTTP/1.1" && line != "HTTP/1.0") return problem(400, "the protocol is not HTTP/1.1 or HTTP/1.0");
     if (target.size() > kLongestTarget)
-        return fault(414, "the request target is longer than " + std::to_string(kLongestTarget) + " bytes");
-    if (std::ranges::any_of(target, is_control)) return fault(400, "the request target holds control characters");
+        return problem(414, "the request target is longer than " + std::to_string(kLongestTarget) + " bytes");
+    if (std::ranges::any_of(target, is_control)) return problem(400, "the request target holds control characters");
     request.method = method;
     request.target = target;
     request.is_http_1_0 = line == "HTTP/1.0";
@@ -95,21 +95,21 @@ Received<bool> parse_request_line(std::string_view line, Request& request) {
 
     const bool whole_server = target == "*" && method == "OPTIONS";
     const auto resource = whole_server ? std::optional(target) : without_authority(target);
-    if (!resource) return fault(400, "the request target is neither a path nor a URL of http or https");
+    if (!resource) return problem(400, "the request target is neither a path nor a URL of http or https");
     auto rest = resource->substr(0, resource->find('#'));
     const auto path = api::take_until(rest, "?");
     request.path = path.empty() ? "/" : decode_percent(path, false);
     request.query = rest;
-    return true;
+    return {};
 }
 
-Received<Header> parse_header(std::string_view line) {
+HttpResult<Header> parse_header(std::string_view line) {
     const auto colon = line.find(':');
     if (colon == std::string_view::npos || !is_token(line.substr(0, colon)))
-        return fault(400, "a header line is malformed");
+        return problem(400, "a header line is malformed");
     const auto value = api::trim(line.substr(colon + 1));
     if (std::ranges::any_of(value, [](char c) { return is_control(c) && c != '\t'; }))
-        return fault(400, "a header's value holds control characters");
+        return problem(400, "a header's value holds control characters");
     return Header{std::string(line.substr(0, colon)), std::string(value)};
 }
 
@@ -163,18 +163,18 @@ bool are_extensions(std::string_view text) {
     return true;
 }
 
-Received<bool> read_content_length(std::string_view value, Request& request) {
-    if (request.content_length) return fault(400, "there is more than one Content-Length");
+HttpResult<void> read_content_length(std::string_view value, Request& request) {
+    if (request.content_length) return problem(400, "there is more than one Content-Length");
     request.content_length = api::parse_number<std::uint64_t>(value);
-    if (!request.content_length) return fault(400, "Content-Length is not a number");
-    return true;
+    if (!request.content_length) return problem(400, "Content-Length is not a number");
+    return {};
 }
 
-Received<bool> read_transfer_encoding(std::string_view value, Request& request) {
+HttpResult<void> read_transfer_encoding(std::string_view value, Request& request) {
     if (request.chunked || !equals_ignoring_case(value, "chunked"))
-        return fault(400, "the only Transfer-Encoding understood is one `chunked`");
+        return problem(400, "the only Transfer-Encoding understood is one `chunked`");
     request.chunked = true;
-    return true;
+    return {};
 }
 
 void read_connection(std::string_view value, Request& request) {
@@ -185,9 +185,9 @@ void read_connection(std::string_view value, Request& request) {
     }
 }
 
-Received<bool> read_framing(Request& request) {
+HttpResult<void> read_framing(Request& request) {
     for (const auto& [name, value] : request.headers) {
-        Received<bool> read = true;
+        HttpResult<void> read;
         if (equals_ignoring_case(name, "Content-Length")) read = read_content_length(value, request);
         if (equals_ignoring_case(name, "Transfer-Encoding")) read = read_transfer_encoding(value, request);
         if (!read) return read;
@@ -196,8 +196,8 @@ Received<bool> read_framing(Request& request) {
             request.expects_continue = !request.is_http_1_0 && equals_ignoring_case(value, "100-continue");
     }
     if (request.chunked && (request.content_length || request.is_http_1_0))
-        return fault(400, "Transfer-Encoding does not go with Content-Length or HTTP/1.0");
-    return true;
+        return problem(400, "Transfer-Encoding does not go with Content-Length or HTTP/1.0");
+    return {};
 }
 
 }  // namespace
@@ -212,14 +212,13 @@ std::string_view Request::header(std::string_view name) const {
     return found == headers.end() ? std::string_view() : found->value;
 }
 
-Received<Request> parse_head(std::string_view head) {
+HttpResult<Request> parse_head(std::string_view head) {
     Request request;
     auto parsed = parse_request_line(api::take_until(head, kLineEnd), request);
     while (parsed && head != kLineEnd) {
-        if (head.empty()) return fault(400, "the head of the request is not complete");
+        if (head.empty()) return problem(400, "the head of the request is not complete");
         parsed = parse_header(api::take_until(head, kLineEnd)).map([&](Header header) {
             request.headers.push_back(std::move(header));
-            return true;
         });
     }
     if (parsed) parsed = read_framing(request);
@@ -227,34 +226,34 @@ Received<Request> parse_head(std::string_view head) {
     return request;
 }
 
-Received<std::uint64_t> parse_chunk_size(std::string_view line) {
+HttpResult<std::uint64_t> parse_chunk_size(std::string_view line) {
     constexpr std::size_t kMostDigits = 16;
     const auto digits = line.substr(0, std::min(line.find_first_of("; \t"), line.size()));
     const auto size = api::parse_number<std::uint64_t>(digits, 16);
-    if (!size || digits.size() > kMostDigits) return fault(400, "a chunk's size is malformed");
-    if (!are_extensions(line.substr(digits.size()))) return fault(400, "a chunk's extensions are malformed");
+    if (!size || digits.size() > kMostDigits) return problem(400, "a chunk's size is malformed");
+    if (!are_extensions(line.substr(digits.size()))) return problem(400, "a chunk's extensions are malformed");
     return *size;
 }
 
-std::optional<Fault> find_trailer_fault(std::string_view line) {
+HttpResult<void> check_trailer(std::string_view line) {
     const auto trailer = parse_header(line);
-    if (!trailer) return Fault{400, "a trailer is malformed", {}};
-    if (!may_be_trailer(trailer->name)) return Fault{400, trailer->name + " must not be a trailer", {}};
-    return std::nullopt;
+    if (!trailer) return problem(400, "a trailer is malformed");
+    if (!may_be_trailer(trailer->name)) return problem(400, trailer->name + " must not be a trailer");
+    return {};
 }
 
-std::optional<Fault> find_fault(const Request& request) {
+HttpResult<void> check_request(const Request& request) {
     const auto has_name = [](std::string_view name) {
         return [name](const Header& header) { return equals_ignoring_case(header.name, name); };
     };
     const auto hosts = std::ranges::count_if(request.headers, has_name("Host"));
-    if (hosts > 1 || (hosts == 0 && !request.is_http_1_0)) return Fault{400, "there must be one Host header", {}};
+    if (hosts > 1 || (hosts == 0 && !request.is_http_1_0)) return problem(400, "there must be one Host header");
     if (!std::ranges::all_of(request.header("Host"), is_host_character))
-        return Fault{400, "the Host header is malformed", {}};
+        return problem(400, "the Host header is malformed");
     const bool expects = std::ranges::any_of(request.headers, has_name("Expect"));
     if (expects && !request.is_http_1_0 && !request.expects_continue)
-        return Fault{417, "the only Expect understood is 100-continue", {}};
-    return std::nullopt;
+        return problem(417, "the only Expect understood is 100-continue");
+    return {};
 }
 
 bool prefers(const Request& request, std::string_view preference) {

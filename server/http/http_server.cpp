@@ -33,9 +33,6 @@ constexpr milliseconds kIdleUnderPressure{500};
 constexpr milliseconds kTimeToRead{500};
 constexpr std::size_t kMostReading = 256;
 
-/// Logged as the status of an answer that its client did not take.
-constexpr int kClientLeft = 499;
-
 /// Pause after accepting failed for want of files or memory.
 constexpr milliseconds kRecovery{10};
 
@@ -63,11 +60,11 @@ void contain(const Task& task) {
     }
 }
 
-Fault refusal(Place::Entry entry) {
+tl::unexpected<Problem> refusal(Place::Entry entry) {
     const std::string reason = entry == Place::Entry::AddressFull
                                    ? "this address has too many connections (max-connections-per-address)"
                                    : "too many connections are open (max-connections)";
-    return {503, reason, {{"Retry-After", "1"}}};
+    return busy(503, reason, std::chrono::seconds(1));
 }
 
 /// Sends a body that comes about while it is sent, in chunks or, to clients that know none, up to the connection's end.
@@ -209,25 +206,26 @@ void HttpServer::serve_connection(Connection& connection, const Place& place) {
     for (std::size_t left = kRequestsPerConnection; left > 0 && connection.wait_for_request(give_up); --left) {
         const Counted busy(busy_);
         auto request = connection.read_head();
-        const auto fault = request ? find_fault(*request) : request.error();
-        if (!answer(connection, writer, request ? std::move(*request) : Request(), fault, fault || left == 1)) break;
+        const auto received = request.and_then(check_request);
+        const bool last = !received || left == 1;
+        if (!answer(connection, writer, std::move(request).value_or(Request()), received, last)) break;
         longest = patience_.idle;
     }
 }
 
 /// @param last  no further request on this connection, whatever the answer
 /// @returns     whether another request may follow
-bool HttpServer::answer(Connection& connection, AnswerWriter& writer, Request request,
-                        const std::optional<Fault>& fault, bool last) {
+bool HttpServer::answer(Connection& connection, AnswerWriter& writer, Request request, const HttpResult<void>& received,
+                        bool last) {
     const auto start = Clock::now();
-    std::optional<Response> handled = handle(request, fault, connection);
+    std::optional<Response> handled = handle(request, received, connection);
     Response response = handled ? *std::move(handled) : failure_without_words();
-    last = last || draining_ || !handled || !response.deliver || !request.keep_alive || connection.in_reserve() ||
-           !connection.between_requests() || (response.stream && request.is_http_1_0);
-    bool written = response.deliver && writer.write(request, response, last);
+    last = last || draining_ || !handled || response.status == kClientGone || !request.keep_alive ||
+           connection.in_reserve() || !connection.between_requests() || (response.stream && request.is_http_1_0);
+    bool written = response.status != kClientGone && writer.write(request, response, last);
     if (written && response.stream && request.method != "HEAD")
         written = stream_body(connection, response, !request.is_http_1_0);
-    if (!written) response.status = kClientLeft;
+    if (!written) response.status = kClientGone;
     const std::chrono::duration<double, std::milli> elapsed = Clock::now() - start;
     logger_({std::move(request), std::move(response), connection.client(), connection.bytes_in(),
              connection.bytes_out(), elapsed.count()});
@@ -235,10 +233,10 @@ bool HttpServer::answer(Connection& connection, AnswerWriter& writer, Request re
 }
 
 /// @returns  none if it threw, for want of memory
-std::optional<Response> HttpServer::handle(const Request& request, const std::optional<Fault>& fault,
+std::optional<Response> HttpServer::handle(const Request& request, const HttpResult<void>& received,
                                            Connection& connection) const {
     try {
-        return handler_(request, fault, connection);
+        return handler_(request, received, connection);
     } catch (const std::exception&) {
         return std::nullopt;
     }

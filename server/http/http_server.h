@@ -40,9 +40,9 @@ struct Exchange {
 /// write. Connections beyond the limits are told so by the thread that accepts.
 class HttpServer {
 public:
-    /// Answers a request, or says why not: with a fault the request is as far as it could be read.
-    /// Called on many threads at once; must not throw.
-    using Handler = std::function<Response(const Request&, const std::optional<Fault>&, Connection&)>;
+    /// Answers a request. If it was not received whole and well formed it is as far as it could be read, and the answer
+    /// says why. Called on many threads at once; must not throw.
+    using Handler = std::function<Response(const Request&, const HttpResult<void>& received, Connection&)>;
     using Logger = std::function<void(const Exchange&)>;
 
     /// Listens, and has clients wait until `serve` is called.
@@ -76,9 +76,9 @@ private:
     void receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused);
     void serve_socket(const UniqueFd& socket, Place& place);
     void serve_connection(Connection& connection, const Place& place);
-    bool answer(Connection& connection, AnswerWriter& writer, Request request, const std::optional<Fault>& fault,
+    bool answer(Connection& connection, AnswerWriter& writer, Request request, const HttpResult<void>& received,
                 bool last);
-    std::optional<Response> handle(const Request& request, const std::optional<Fault>& fault,
+    std::optional<Response> handle(const Request& request, const HttpResult<void>& received,
                                    Connection& connection) const;
 
     const ListeningSocket listener_;

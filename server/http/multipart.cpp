@@ -37,28 +37,28 @@ std::string part_name(std::string_view headers) {
 
 /// Where a part's content begins.
 /// @param at  after the boundary before it
-Received<std::size_t> skip_headers(std::string_view body, std::size_t at) {
+HttpResult<std::size_t> skip_headers(std::string_view body, std::size_t at) {
     const auto window = body.substr(at, kLargestHeaders);
     const auto padding = std::min(window.find_first_not_of(" \t"), window.size());
     const auto end = window.find(kBlankLine);
     const auto follows = window.substr(padding, kLineEnd.size());
-    if (!kLineEnd.starts_with(follows)) return fault(400, "a boundary of the form is not followed by a line's end");
+    if (!kLineEnd.starts_with(follows)) return problem(400, "a boundary of the form is not followed by a line's end");
     if (end != std::string_view::npos) return at + end + kBlankLine.size();
     if (window.size() == kLargestHeaders)
-        return fault(400, "the headers of a part of the form take more than 16384 bytes");
-    return fault(400, "the form ends within the headers of a part");
+        return problem(400, "the headers of a part of the form take more than 16384 bytes");
+    return problem(400, "the form ends within the headers of a part");
 }
 
 }  // namespace
 
-Received<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view content_type) {
+HttpResult<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view content_type) {
     const std::string boundary = header_parameter(content_type, "boundary");
-    if (boundary.empty()) return fault(400, "the form's Content-Type names no boundary");
+    if (boundary.empty()) return problem(400, "the form's Content-Type names no boundary");
     if (!is_boundary(boundary))
-        return fault(400, "the form's boundary is not 1 to 70 of the characters that RFC 2046 allows there");
+        return problem(400, "the form's boundary is not 1 to 70 of the characters that RFC 2046 allows there");
     // Only its first character is a CR, so that a search for it looks at each byte of the body twice at most.
     const std::string delimiter = "\r\n--" + boundary;
-    const auto truncated = [] { return fault(400, "the form ends before its last boundary"); };
+    const auto truncated = [] { return problem(400, "the form ends before its last boundary"); };
 
     std::size_t at = delimiter.size() - kLineEnd.size();  // after a boundary
     if (!body.starts_with(std::string_view(delimiter).substr(kLineEnd.size()))) {
@@ -68,11 +68,11 @@ Received<std::vector<FormPart>> parse_multipart(std::string_view body, std::stri
     }
     std::vector<FormPart> parts;
     while (body.substr(at, 2) != "--") {
-        if (parts.size() == kMostParts) return fault(400, "the form has more than 1000 parts");
+        if (parts.size() == kMostParts) return problem(400, "the form has more than 1000 parts");
         const auto begin = skip_headers(body, at);
         if (!begin) return tl::unexpected(begin.error());
         auto name = part_name(body.substr(at, *begin - at));
-        if (name.empty()) return fault(400, "a part of the form has no name");
+        if (name.empty()) return problem(400, "a part of the form has no name");
         const auto end = body.find(delimiter, *begin);
         if (end == std::string_view::npos) return truncated();
         parts.push_back({std::move(name), *begin, end - *begin});

@@ -24,20 +24,17 @@ int http_status(ErrorCode code) {
     return 500;
 }
 
-tl::unexpected<Problem> problem(int status, std::string message, std::string field) {
-    return tl::unexpected<Problem>(
-        Problem{status, Error{ErrorCode::Internal, std::move(message), std::move(field)}, {}, {}, true});
-}
-
 tl::unexpected<Problem> problem(Error error) {
     const int status = http_status(error.code);
-    return tl::unexpected<Problem>(Problem{status, std::move(error), {}, {}, true});
+    if (status != 500) return tl::unexpected<Problem>(Problem{status, std::move(error)});
+    Error told{error.code, "the server failed; its log holds the cause", {}};
+    return tl::unexpected<Problem>(Problem{status, std::move(told), {}, std::move(error.message)});
 }
 
-tl::unexpected<Problem> problem(Fault fault) {
-    auto refused = problem(fault.status, std::move(fault.detail));
-    refused.value().headers = std::move(fault.headers);
-    return refused;
+tl::unexpected<Problem> problem(int status, std::string message) {
+    Error error{ErrorCode::Internal, std::move(message), {}};
+    if (status == 500) return problem(std::move(error));
+    return tl::unexpected<Problem>(Problem{status, std::move(error)});
 }
 
 tl::unexpected<Problem> busy(int status, std::string message, std::chrono::seconds retry_after) {

@@ -8,33 +8,32 @@
 #include <tl/expected.hpp>
 
 #include "core/result.h"
-#include "server/http/http.h"
+#include "server/http/message.h"
 
 namespace ccdt::server {
 
-/// Why a request is not answered as it wished.
+/// Why a request, or a job, has no result: the one kind of error that clients are told. What comes from the floors
+/// below is an Error, which `problem` makes one of these.
 struct Problem {
     int status = 500;
-    Error error;
-    std::vector<Header> headers;
-    Stages stages;
-    bool deliver = true;
-    std::string_view cancelled = {};
-    bool told = false;  ///< a failure of ours, too, is told in these words
+    Error error;                       ///< as the client is told it
+    std::vector<Header> headers = {};  ///< that go with the status
+    std::string cause = {};            ///< of a failure of ours, for the log
 };
-using Outcome = tl::expected<Response, Problem>;
 
-/// What clients are told of failures of ours.
-inline constexpr std::string_view kFailedHere = "the server failed; its log holds the cause";
+/// What a function gives, or why the client gets no result.
+template <class T>
+using HttpResult = tl::expected<T, Problem>;
 
-/// Status that an error of the libraries below is answered with.
+/// Status that an error of the floors below is answered with.
 int http_status(ErrorCode code);
 
-tl::unexpected<Problem> problem(int status, std::string message, std::string field = {});
+/// Makes a problem of an error or of words. Of a failure of ours (500) clients are told no more than that it is one;
+/// the words become its cause.
 tl::unexpected<Problem> problem(Error error);
-tl::unexpected<Problem> problem(Fault fault);
+tl::unexpected<Problem> problem(int status, std::string message);
 
-/// A refusal that may end well a little later.
+/// Refuses what may end well a little later.
 tl::unexpected<Problem> busy(int status, std::string message, std::chrono::seconds retry_after);
 
 }  // namespace ccdt::server

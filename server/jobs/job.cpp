@@ -47,16 +47,10 @@ std::string status_json(const Job& job) {
                               text_of(job.finished),
                               {}};
     if (job.failure) {
-        const auto& [status, error] = *job.failure;
-        document.error = api::problem_json(status, status_phrase(status), error, "/jobs/" + job.id);
+        const int status = job.failure->status;
+        document.error = api::problem_json(status, status_phrase(status), job.failure->error, "/jobs/" + job.id);
     }
     return api::job_json(document);
-}
-
-JobFailure failure_of(const Error& error) {
-    const int status = http_status(error.code);
-    if (status == 500) return {status, {error.code, std::string(kFailedHere), {}}};
-    return {status, error};
 }
 
 }  // namespace ccdt::server

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "api/options.h"
-#include "core/result.h"
+#include "server/http/problem.h"
 
 namespace ccdt::server {
 
@@ -33,12 +33,6 @@ struct JobProgress {
     std::optional<double> variation;
 };
 
-/// Why there is no result, as the synchronous answer would have said it.
-struct JobFailure {
-    int status = 500;
-    Error error;
-};
-
 /// A request that nobody waits for, but for what it holds.
 struct Job {
     std::string id;
@@ -51,7 +45,7 @@ struct Job {
     std::optional<Time> started;
     std::optional<Time> finished;
     JobProgress progress;
-    std::optional<JobFailure> failure;  ///< if it has failed
+    std::optional<Problem> failure;  ///< if it has failed, as the synchronous answer would have said it
 
     // If it has succeeded:
     std::string media_type;
@@ -62,8 +56,5 @@ struct Job {
 
 /// The job's status document, application/json.
 std::string status_json(const Job& job);
-
-/// A failure as clients may see it: what went wrong in the server is for its log only.
-JobFailure failure_of(const Error& error);
 
 }  // namespace ccdt::server

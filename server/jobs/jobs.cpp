@@ -43,7 +43,7 @@ std::string new_id() {
 /// That what is the client's is damaged concerns the client.
 tl::unexpected<Problem> store_problem(const Error& error) {
     auto failed = problem(error.code == ErrorCode::LimitExceeded ? 507 : 500, error.message);
-    failed.value().told = error.code == ErrorCode::Unusable;
+    if (error.code == ErrorCode::Unusable) failed.value().error.message = error.message;
     return failed;
 }
 
@@ -51,7 +51,7 @@ tl::unexpected<Problem> no_such_job() {
     return problem(404, "there is no such job: it never was, or it has expired");
 }
 
-JobFailure too_late(std::chrono::milliseconds timeout) {
+Problem too_late(std::chrono::milliseconds timeout) {
     return {504,
             {ErrorCode::Stopped,
              "the computation took longer than the timeout of " + std::to_string(timeout.count()) + " ms (job-timeout)",
@@ -88,11 +88,11 @@ Result<void> Jobs::start() {
 
 /// A job of a server that is no more.
 void Jobs::take_up(Job job) {
-    std::optional<JobFailure> failure;
+    std::optional<Problem> failure;
     if (job.starts >= kMostStarts)
-        failure = JobFailure{500, {ErrorCode::Internal, "the server ended each time that it ran this job", {}}};
+        failure = Problem{500, {ErrorCode::Internal, "the server ended each time that it ran this job", {}}};
     if (job.cost.memory > pool_.memory().total())
-        failure = JobFailure{413, {ErrorCode::LimitExceeded, "this server has too little memory for this job", {}}};
+        failure = Problem{413, {ErrorCode::LimitExceeded, "this server has too little memory for this job", {}}};
     job.status = JobStatus::Queued;
     job.started.reset();
     job.progress = {};
@@ -118,7 +118,7 @@ bool Jobs::has_room_locked(std::string_view client) const {
     return waiting < limits_.waiting || (waiting < 2 * limits_.waiting && !queue_.has(client));
 }
 
-tl::expected<Job, Problem> Jobs::accept(Job job, const Question& question) {
+HttpResult<Job> Jobs::accept(Job job, const Question& question) {
     {
         const std::lock_guard lock(mutex_);
         if (draining_) return busy(503, "the server is shutting down", pool_.backlog());
@@ -141,7 +141,7 @@ tl::expected<Job, Problem> Jobs::accept(Job job, const Question& question) {
     return job;
 }
 
-tl::expected<void, Problem> Jobs::store_new(const Job& job, const Question& question) {
+HttpResult<void> Jobs::store_new(const Job& job, const Question& question) {
     const std::size_t bytes = JobStore::bytes_of_job(question.body.size() + question.query.size());
     if (bytes > limits_.bytes)
         return problem(413, "the request is larger than what jobs may take, " + std::to_string(limits_.bytes) +
@@ -192,7 +192,7 @@ void Jobs::run(const LivePointer& live, const std::stop_token& stop) {
     try {
         if (const auto job = begin(live)) finish_run(live, compute(*job, live, stop));
     } catch (const std::exception& exception) {
-        fail(live, failure_of({ErrorCode::Internal, exception.what(), {}}));
+        fail(live, problem(500, exception.what()).value());
     }
     const std::lock_guard lock(mutex_);
     let_go_locked();
@@ -270,8 +270,8 @@ void Jobs::finish_run(const LivePointer& live, Run run) {
     if (!answer) {
         const Error& error = answer.error();
         job.status = JobStatus::Failed;
-        job.failure = error.code == ErrorCode::Stopped ? too_late(limits_.timeout) : failure_of(error);
-        if (job.failure->status == 500) end.cause = error.message;
+        job.failure = error.code == ErrorCode::Stopped ? too_late(limits_.timeout) : problem(error).value();
+        end.cause = job.failure->cause;
         settle(live, std::move(job), {}, std::move(end));
         return;
     }
@@ -314,14 +314,14 @@ Result<void> Jobs::store_end(Job& job, std::string_view result) {
     }
     if (stored || result.empty()) return stored;
     job.status = JobStatus::Failed;
-    job.failure = JobFailure{507, stored.error()};
+    job.failure = Problem{507, stored.error()};
     job.media_type.clear();
     job.result_bytes = 0;
     return store_.finish(job, {});
 }
 
 /// Ends a job that does not run.
-void Jobs::fail(const LivePointer& live, JobFailure failure) {
+void Jobs::fail(const LivePointer& live, Problem failure) {
     Job job;
     {
         const std::lock_guard lock(mutex_);
@@ -352,7 +352,7 @@ Jobs::LivePointer Jobs::find_live_locked(const std::string& id, const std::strin
     return found == live_.end() || found->second->job.owner != owner ? nullptr : found->second;
 }
 
-tl::expected<Job, Problem> Jobs::find(const std::string& id, const std::string& owner) const {
+HttpResult<Job> Jobs::find(const std::string& id, const std::string& owner) const {
     {
         const std::lock_guard lock(mutex_);
         if (const auto live = find_live_locked(id, owner)) return live->job;
@@ -364,14 +364,14 @@ tl::expected<Job, Problem> Jobs::find(const std::string& id, const std::string& 
     return **std::move(found);
 }
 
-tl::expected<std::string, Problem> Jobs::result(const std::string& id) {
+HttpResult<std::string> Jobs::result(const std::string& id) {
     auto result = store_.result(id);
     if (!result) return store_problem(result.error());
     if (!*result) return problem(410, "the result was dropped to make room for others (job-bytes)");
     return **std::move(result);
 }
 
-tl::expected<void, Problem> Jobs::remove(const std::string& id, const std::string& owner) {
+HttpResult<void> Jobs::remove(const std::string& id, const std::string& owner) {
     LivePointer live;
     Job job;
     {
@@ -397,7 +397,7 @@ tl::expected<void, Problem> Jobs::remove(const std::string& id, const std::strin
     return {};
 }
 
-tl::expected<Jobs::Watch, Problem> Jobs::watch(const std::string& id, const std::string& owner) const {
+HttpResult<Jobs::Watch> Jobs::watch(const std::string& id, const std::string& owner) const {
     {
         const std::lock_guard lock(mutex_);
         if (auto live = find_live_locked(id, owner)) return Watch(*this, std::move(live));

@@ -72,16 +72,16 @@ public:
     /// @param job  whose it is, and what it costs, which the pool has room for
     /// Problems: 413 larger than the store, 429 the queue is full, or the store of what waits, 503 the server shuts
     /// down, 507 and 500 the store fails.
-    tl::expected<Job, Problem> accept(Job job, const Question& question);
+    HttpResult<Job> accept(Job job, const Question& question);
 
     /// Problems, of the following too: 404 there is no such job, or it is somebody else's; 500 the store fails.
-    tl::expected<Job, Problem> find(const std::string& id, const std::string& owner) const;
+    HttpResult<Job> find(const std::string& id, const std::string& owner) const;
 
     /// Of a job that has succeeded. Problems: 410 it was dropped to make room, or the job is gone.
-    tl::expected<std::string, Problem> result(const std::string& id);
+    HttpResult<std::string> result(const std::string& id);
 
     /// A job that has not finished is cancelled, one that has is forgotten.
-    tl::expected<void, Problem> remove(const std::string& id, const std::string& owner);
+    HttpResult<void> remove(const std::string& id, const std::string& owner);
 
     /// Follows a job.
     class Watch {
@@ -99,7 +99,7 @@ public:
         std::optional<std::size_t> seen_;  ///< iterations
         bool over_ = false;
     };
-    tl::expected<Watch, Problem> watch(const std::string& id, const std::string& owner) const;
+    HttpResult<Watch> watch(const std::string& id, const std::string& owner) const;
 
     /// Accepts no more and stops what runs; returns at once. If the store survives, what is not done is for the next
     /// server; else it fails.
@@ -137,7 +137,7 @@ private:
 
     LivePointer find_live_locked(const std::string& id, const std::string& owner) const;
     bool has_room_locked(std::string_view client) const;
-    tl::expected<void, Problem> store_new(const Job& job, const Question& question);
+    HttpResult<void> store_new(const Job& job, const Question& question);
     bool make_room(std::size_t bytes);
     void take_up(Job job);
     void admit_locked(Job job);
@@ -151,7 +151,7 @@ private:
     bool withdraw_locked(Live& live);
     void settle(const LivePointer& live, Job job, std::string result, JobEnd end);
     Result<void> store_end(Job& job, std::string_view result);
-    void fail(const LivePointer& live, JobFailure failure);
+    void fail(const LivePointer& live, Problem failure);
     void keep(const std::stop_token& closing);
     std::optional<Clock::time_point> stop_overdue_locked();
     std::optional<Time> forget_expired();

@@ -139,7 +139,7 @@ Job job_at(const Statement& row) {
     job.progress = {row.real(10), static_cast<int>(row.integer(11)), {}};
     if (!row.is_null(12)) job.progress.variation = row.real(12);
     if (!row.is_null(13))
-        job.failure = JobFailure{static_cast<int>(row.integer(13)), {ErrorCode::Internal, row.text(14), row.text(15)}};
+        job.failure = Problem{static_cast<int>(row.integer(13)), {ErrorCode::Internal, row.text(14), row.text(15)}};
     job.media_type = row.text(16);
     job.result_bytes = static_cast<std::size_t>(row.integer(17));
     job.partial = row.integer(18) != 0;

@@ -74,7 +74,8 @@ std::string escape(std::string_view text) {
 
 std::string exchange_line(const Exchange& exchange, LogFormat format) {
     const auto& [request, response, client, in, out, total] = exchange;
-    const auto& stages = response.stages;
+    const Record& record = response.record;
+    const auto& stages = record.stages;
     constexpr std::string_view kText =
         "{} {} {} {} {} in={} out={} total={:.1f} queue={:.1f} decode={:.1f} optimise={:.1f} encode={:.1f}";
     constexpr std::string_view kJson =
@@ -85,18 +86,18 @@ std::string exchange_line(const Exchange& exchange, LogFormat format) {
         return text.empty() ? "-" : escape(text.substr(0, kLongestTarget));
     };
     const bool text = format == LogFormat::Text;
-    std::string line = fmt::format(fmt::runtime(text ? kText : kJson), shown(response.request_id), shown(client),
+    std::string line = fmt::format(fmt::runtime(text ? kText : kJson), shown(record.request_id), shown(client),
                                    shown(request.method), shown(target_of(request)), response.status, in, out, total,
                                    stages.queue, stages.work.decode, stages.work.optimise, stages.work.encode);
     const auto add = [&](const char* as_text, const char* as_json, std::string_view value) {
         add_member(line, text ? as_text : as_json, value);
     };
     const auto trace = parse_traceparent(request.header("traceparent")).value_or(Trace{});
-    add(" key={}", R"(,"key":"{}")", response.key);
-    add(" cache={}", R"(,"cache":"{}")", response.cached ? "hit" : "");
+    add(" key={}", R"(,"key":"{}")", record.key);
+    add(" cache={}", R"(,"cache":"{}")", record.cached ? "hit" : "");
     add(" trace={}", R"(,"trace":"{}")", trace.id);
     add(" parent={}", R"(,"parent":"{}")", trace.parent);
-    add(R"( cause="{}")", R"(,"cause":"{}")", response.cause);
+    add(R"( cause="{}")", R"(,"cause":"{}")", record.cause);
     return line;
 }
 

@@ -140,14 +140,14 @@ Metrics::~Metrics() = default;
 void Metrics::add(const Exchange& exchange) {
     constexpr double kMilliseconds = 1e-3;
     Families& all = *families_;
-    const Response& response = exchange.response;
-    const std::string route = label(response.route);
-    all.requests.Add({{"route", route}, {"status", std::to_string(response.status)}}).Increment();
+    const Record& record = exchange.response.record;
+    const std::string route = label(record.route);
+    all.requests.Add({{"route", route}, {"status", std::to_string(exchange.response.status)}}).Increment();
     all.durations.Add({{"route", route}}, kSeconds).Observe(exchange.milliseconds * kMilliseconds);
     all.received.Increment(static_cast<double>(exchange.bytes_in));
     all.sent.Increment(static_cast<double>(exchange.bytes_out));
-    if (!response.cancelled.empty()) all.cancellations.Add({{"cause", std::string(response.cancelled)}}).Increment();
-    if (response.computed) add_computed(*response.computed, response.stages);
+    if (!record.cancelled.empty()) all.cancellations.Add({{"cause", std::string(record.cancelled)}}).Increment();
+    if (record.computed) add_computed(*record.computed, record.stages);
 }
 
 void Metrics::add(const JobEnd& end) {

@@ -28,9 +28,52 @@ constexpr std::chrono::seconds kGrace{2};
 /// Longer bodies are never for short jobs.
 constexpr std::size_t kLongBody = 65'536;
 
+/// Clients that take answers compressed have them kept so: compressing is work, too.
+///
+/// @param owner  the API key that they are kept for; empty: for all
+std::string cache_key(const std::string& name, bool compressed, const std::string& owner) {
+    return (compressed ? name + "-gzip " : name + ' ') + owner;
+}
+
+/// Tells figures why a computation was given up.
+tl::unexpected<Problem> give_up(tl::unexpected<Problem> why, std::string_view cause, Record& record) {
+    record.cancelled = cause;
+    return why;
+}
+
+/// @param name  of the answer, unless it is only a part of it
+Response response_of(api::Answer answer, const std::string& name, Record& record) {
+    Response response;
+    response.media_type = std::move(answer.media_type);
+    response.body = std::move(answer.body);
+    response.coding = std::move(answer.coding);
+    if (answer.partial) {
+        response.headers.push_back({"X-Partial", "deadline"});
+        record.cancelled = "deadline";
+    } else {
+        response.tag = (answer.repeats ? "\"" : "W/\"") + name + '"';
+    }
+    return response;
+}
+
+}  // namespace
+
+/// A question, and its part of the memory for those that wait. Shared with the worker, which may still read it when the
+/// connection has left.
+struct Computing::Asked {
+    Question question;
+    MemoryBudget::Lease lease;
+};
+
+/// An answer, and its part of the memory that computing it had.
+struct Computing::Product {
+    api::Answer answer;
+    MemoryBudget::Lease lease;
+};
+
 /// A result on its way from a worker to the connection that waits for it, which may leave before it comes.
 template <class T>
-class Ticket {
+class Computing::Ticket {
 public:
     void begin() {
         const std::lock_guard lock(mutex_);
@@ -69,43 +112,6 @@ private:
     Stages stages_;
 };
 
-/// Clients that take answers compressed have them kept so: compressing is work, too.
-///
-/// @param owner  the API key that they are kept for; empty: for all
-std::string cache_key(const std::string& name, bool compressed, const std::string& owner) {
-    return (compressed ? name + "-gzip " : name + ' ') + owner;
-}
-
-/// @param name  of the answer, unless it is only a part of it
-Response response_of(api::Answer answer, const std::string& name) {
-    Response response;
-    response.media_type = std::move(answer.media_type);
-    response.body = std::move(answer.body);
-    response.coding = std::move(answer.coding);
-    if (answer.partial) {
-        response.headers.push_back({"X-Partial", "deadline"});
-        response.cancelled = "deadline";
-    } else {
-        response.tag = (answer.repeats ? "\"" : "W/\"") + name + '"';
-    }
-    return response;
-}
-
-}  // namespace
-
-/// A question, and its part of the memory for those that wait. Shared with the worker, which may still read it when the
-/// connection has left.
-struct Computing::Asked {
-    Question question;
-    MemoryBudget::Lease lease;
-};
-
-/// An answer, and its part of the memory that computing it had.
-struct Computing::Product {
-    api::Answer answer;
-    MemoryBudget::Lease lease;
-};
-
 Computing::Computing(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs)
     : config_(config),
       pool_(pool),
@@ -114,7 +120,8 @@ Computing::Computing(const Config& config, WorkerPool& pool, Compute compute, Jo
       waiting_memory_(pool.memory().total() / 3),  // a quarter of both
       cache_(config.cache) {}
 
-Outcome Computing::answer(const Request& request, Connection& connection) {
+HttpResult<Response> Computing::answer(const Incoming& incoming) {
+    const Request& request = incoming.request;
     Question question{request.path,
                       request.query,
                       std::string(request.header("Content-Type")),
@@ -122,33 +129,31 @@ Outcome Computing::answer(const Request& request, Connection& connection) {
                       {}};
     if (auto checked = check(question); !checked) return problem(std::move(checked.error()));
     const bool deferred = prefers(request, "respond-async");
-    auto body = read_body(request, connection, deferred);
+    auto body = read_body(incoming, deferred);
     if (!body) return tl::unexpected(std::move(body.error()));
     question.body = *std::move(body);
     const auto asked = take_in(std::move(question));
     if (!asked) return tl::unexpected(asked.error());
     const std::string name = name_of_answer((*asked)->question, config_.limits);
     if (const auto tag = find_tag(request.header("If-None-Match"), name)) return not_modified(*tag);
-    if (deferred) return defer(*asked, connection);
+    if (deferred) return defer(*asked, incoming);
     const bool compressed = accepts_gzip(request.header("Accept-Encoding"));
-    if (auto response = recall(name, compressed, cache_owner(connection))) return *std::move(response);
-    return compute(*asked, name, compressed, connection);
+    if (auto response = recall(name, compressed, incoming)) return *std::move(response);
+    return compute(*asked, name, compressed, incoming);
 }
 
-Outcome Computing::compute(const AskedPointer& asked, const std::string& name, bool compressed,
-                           Connection& connection) {
+HttpResult<Response> Computing::compute(const AskedPointer& asked, const std::string& name, bool compressed,
+                                        const Incoming& incoming) {
     const auto deadline = Clock::now() + config_.timeout;
-    Stages stages;
-    const auto cost = find_cost(asked, connection, deadline, stages);
+    const auto cost = find_cost(asked, incoming, deadline);
     if (!cost) return tl::unexpected(cost.error());
-    auto product = run(asked, *cost, compressed, connection, deadline, stages);
+    auto product = run(asked, *cost, compressed, incoming, deadline);
     if (!product) return tl::unexpected(std::move(product.error()));
-    if (!product->answer.partial) cache_.keep(cache_key(name, compressed, cache_owner(connection)), product->answer);
-    const Computed computed{product->answer.sites, product->answer.pixels};
-    Response response = response_of(std::move(product->answer), name);
-    response.stages = stages;
-    response.computed = computed;
-    response.lease = std::make_shared<MemoryBudget::Lease>(std::move(product->lease));
+    auto& [answer, lease] = *product;
+    if (!answer.partial) cache_.keep(cache_key(name, compressed, cache_owner(incoming.connection)), answer);
+    incoming.record.computed = Computed{answer.sites, answer.pixels};
+    Response response = response_of(std::move(answer), name, incoming.record);
+    response.lease = std::make_shared<MemoryBudget::Lease>(std::move(lease));
     return response;
 }
 
@@ -157,21 +162,21 @@ std::string Computing::cache_owner(const Connection& connection) const {
     return config_.cache_shared ? "" : connection.key();
 }
 
-/// The answer of that name if it was computed before, and there is memory to send it.
-std::optional<Response> Computing::recall(const std::string& name, bool compressed, const std::string& owner) {
-    const auto answer = cache_.find(cache_key(name, compressed, owner));
+/// Finds the answer of that name if it was computed before, and there is memory to send it.
+std::optional<Response> Computing::recall(const std::string& name, bool compressed, const Incoming& incoming) {
+    const auto answer = cache_.find(cache_key(name, compressed, cache_owner(incoming.connection)));
     if (answer == nullptr) return std::nullopt;
     auto lease = pool_.memory().take(answer->body.size());
     if (!lease) return std::nullopt;
-    Response response = response_of(*answer, name);
-    response.cached = true;
+    incoming.record.cached = true;
+    Response response = response_of(*answer, name, incoming.record);
     response.lease = std::make_shared<MemoryBudget::Lease>(*std::move(lease));
     return response;
 }
 
-/// The body of a request that is to be computed, unless it is clear already that it will not be.
-tl::expected<std::string, Problem> Computing::read_body(const Request& request, Connection& connection,
-                                                        bool deferred) const {
+/// Reads the body of a request that is to be computed, unless it is clear already that it will not be.
+HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool deferred) const {
+    const auto& [request, connection, record] = incoming;
     const auto encoding = request.header("Content-Encoding");
     if (!encoding.empty() && !equals_ignoring_case(encoding, "identity"))
         return problem(415, "a Content-Encoding is not understood; send the body as it is");
@@ -180,13 +185,11 @@ tl::expected<std::string, Problem> Computing::read_body(const Request& request, 
     const auto& client = connection.client_name();
     if (deferred && jobs_.is_full(client)) return busy(429, "too many jobs are waiting (job-queue)");
     if (!deferred && pool_.is_full(client, may_be_short)) return busy(429, "too many requests are waiting");
-    auto body = connection.read_body(request, config_.max_body);
-    if (!body) return problem(std::move(body.error()));
-    return std::move(*body);
+    return connection.read_body(request, config_.max_body);
 }
 
-/// Has the question counted from here on until nobody needs it any more.
-tl::expected<Computing::AskedPointer, Problem> Computing::take_in(Question question) {
+/// Counts the question's memory from here on until nobody needs it any more.
+HttpResult<Computing::AskedPointer> Computing::take_in(Question question) {
     const std::size_t size = question.body.size();
     if (size > waiting_memory_.total()) return too_large(size);
     auto lease = waiting_memory_.take(size);
@@ -195,104 +198,96 @@ tl::expected<Computing::AskedPointer, Problem> Computing::take_in(Question quest
 }
 
 /// Makes a job of what is understood now and computed when its turn comes.
-Outcome Computing::defer(const AskedPointer& asked, Connection& connection) {
-    Stages stages;
-    const auto cost = find_cost(asked, connection, Clock::now() + config_.timeout, stages);
+HttpResult<Response> Computing::defer(const AskedPointer& asked, const Incoming& incoming) {
+    const auto cost = find_cost(asked, incoming, Clock::now() + config_.timeout);
     if (!cost) return tl::unexpected(cost.error());
+    incoming.record.stages = {};  // the job has its own
     Job job;
-    job.owner = connection.key();
-    job.client = connection.client_name();
+    job.owner = incoming.connection.key();
+    job.client = incoming.connection.client_name();
     job.cost = *cost;
     job.cost.memory += asked->question.body.size();  // its run takes it from the store
     if (job.cost.memory > pool_.memory().total()) return too_large(job.cost.memory);
     return jobs_.accept(std::move(job), asked->question).map(accepted);
 }
 
-/// What a request costs is known once it is understood, which a worker does unless that is quick.
-tl::expected<api::Cost, Problem> Computing::find_cost(const AskedPointer& asked, Connection& connection,
-                                                      Clock::time_point deadline, Stages& stages) {
+/// Finds what a request costs, which is known once it is understood: a worker does that unless it is quick.
+HttpResult<api::Cost> Computing::find_cost(const AskedPointer& asked, const Incoming& incoming,
+                                           Clock::time_point deadline) {
     Task<api::Cost> find = [asked, &limits = config_.limits](const Control&, api::Timings&) {
         return understand(asked->question, limits).map([&](const Understood& understood) {
             return cost_of_answering(asked->question, understood, limits);
         });
     };
     if (!is_quickly_understood(asked->question))
-        return have_done(cost_of_understanding(asked->question), std::move(find), connection, deadline, stages);
-    auto cost = find({}, stages.work);
+        return have_worker_do(std::move(find), cost_of_understanding(asked->question), incoming, deadline);
+    auto cost = find({}, incoming.record.stages.work);
     if (!cost) return problem(std::move(cost.error()));
     return *cost;
 }
 
-/// Has a worker do it, and waits: for the result, the deadline or the client's leaving.
-///
-/// @param stages  filled as far as it came
+/// Has a worker do a task, and waits for the result. The record tells how far it came.
 template <class T>
-tl::expected<T, Problem> Computing::have_done(const api::Cost& cost, Task<T> work, Connection& connection,
-                                              Clock::time_point deadline, Stages& stages) {
+HttpResult<T> Computing::have_worker_do(Task<T> task, const api::Cost& cost, const Incoming& incoming,
+                                        Clock::time_point deadline) {
     if (cost.memory > pool_.memory().total()) return too_large(cost.memory);
     const auto ticket = std::make_shared<Ticket<T>>();
     const auto job = pool_.submit(
-        connection.client_name(),
-        [ticket, work = std::move(work)](std::stop_token stop) {
+        incoming.connection.client_name(),
+        [ticket, task = std::move(task)](std::stop_token stop) {
             ticket->begin();
             api::Timings timings;
             try {
-                ticket->finish(work(Control{std::move(stop), {}}, timings), timings);
+                ticket->finish(task(Control{std::move(stop), {}}, timings), timings);
             } catch (const std::exception& exception) {
                 ticket->finish(failure(ErrorCode::Internal, exception.what()), timings);
             }
         },
         cost);
     if (!job) return busy(429, "too many requests are waiting");
-
-    const auto give_up = [&](tl::unexpected<Problem> reason) {
-        reason.value().stages = ticket->stages();
-        return reason;
-    };
-    while (!ticket->wait_until(std::min(Clock::now() + kPeek, deadline))) {
-        if (connection.client_gone()) {
-            pool_.cancel(*job);
-            auto gone = problem(499, "the client went away");
-            gone.value().deliver = false;
-            gone.value().cancelled = "client_gone";
-            return give_up(std::move(gone));
-        }
-        if (abandoned_) {
-            pool_.cancel(*job);
-            auto refused = busy(503, "the server is shutting down");
-            refused.value().cancelled = "shutdown";
-            return give_up(std::move(refused));
-        }
-        if (Clock::now() < deadline) continue;
-        if (pool_.cancel(*job) == WorkerPool::Cancelled::Queued) {
-            auto refused = busy(503, "no worker was free in time");
-            refused.value().cancelled = "deadline";
-            return give_up(std::move(refused));
-        }
-        if (ticket->wait_until(deadline + kGrace)) break;
-        return give_up(too_slow());
-    }
+    const auto waited = wait_for(*ticket, *job, incoming, deadline);
+    incoming.record.stages = ticket->stages();
+    if (!waited) return tl::unexpected(waited.error());
     auto result = ticket->take_result();
-    if (!result && result.error().code == ErrorCode::Stopped) return give_up(too_slow());
-    if (!result) return give_up(problem(std::move(result.error())));
-    stages = ticket->stages();
+    if (!result && result.error().code == ErrorCode::Stopped) return too_slow(incoming.record);
+    if (!result) return problem(std::move(result.error()));
     return *std::move(result);
 }
 
-/// @param stages  with the wait so far
-tl::expected<Computing::Product, Problem> Computing::run(const AskedPointer& asked, const api::Cost& cost,
-                                                         bool compressed, Connection& connection,
-                                                         Clock::time_point deadline, Stages& stages) {
+/// Waits for a result until its client leaves, the server shuts down, or the deadline has passed and the job has had
+/// its time to stop.
+template <class T>
+HttpResult<void> Computing::wait_for(Ticket<T>& ticket, WorkerPool::JobId job, const Incoming& incoming,
+                                     Clock::time_point deadline) {
+    while (!ticket.wait_until(std::min(Clock::now() + kPeek, deadline))) {
+        if (incoming.connection.client_gone()) {
+            pool_.cancel(job);
+            return give_up(problem(kClientGone, "the client went away"), "client_gone", incoming.record);
+        }
+        if (abandoned_) {
+            pool_.cancel(job);
+            return give_up(busy(503, "the server is shutting down"), "shutdown", incoming.record);
+        }
+        if (Clock::now() < deadline) continue;
+        if (pool_.cancel(job) == WorkerPool::Cancelled::Queued)
+            return give_up(busy(503, "no worker was free in time"), "deadline", incoming.record);
+        if (!ticket.wait_until(deadline + kGrace)) return too_slow(incoming.record);
+    }
+    return {};
+}
+
+HttpResult<Computing::Product> Computing::run(const AskedPointer& asked, const api::Cost& cost, bool compressed,
+                                              const Incoming& incoming, Clock::time_point deadline) {
     const Manner manner{compressed};
-    Task<Product> job = [this, asked, manner](const Control& control, api::Timings& timings) {
+    Task<Product> task = [this, asked, manner](const Control& control, api::Timings& timings) {
         return compute_(asked->question, manner, control, timings).map([this](api::Answer answer) {
             const std::size_t size = answer.body.size();
             return Product{std::move(answer), pool_.memory().hold(size)};
         });
     };
-    const double waited = stages.queue;
-    auto product = have_done(cost, std::move(job), connection, deadline, stages);
-    stages.queue += waited;
+    const double waited = incoming.record.stages.queue;
+    auto product = have_worker_do(std::move(task), cost, incoming, deadline);
+    incoming.record.stages.queue += waited;
     return product;
 }
 
@@ -307,11 +302,10 @@ tl::unexpected<Problem> Computing::too_large(std::size_t bytes) const {
                             mebibytes(waiting_memory_.total()) + " for requests");
 }
 
-tl::unexpected<Problem> Computing::too_slow() const {
-    auto late = problem(504, "the computation took longer than the timeout of " +
-                                 std::to_string(config_.timeout.count()) + " ms (timeout)");
-    late.value().cancelled = "deadline";
-    return late;
+tl::unexpected<Problem> Computing::too_slow(Record& record) const {
+    return give_up(problem(504, "the computation took longer than the timeout of " +
+                                    std::to_string(config_.timeout.count()) + " ms (timeout)"),
+                   "deadline", record);
 }
 
 }  // namespace ccdt::server

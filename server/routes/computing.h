@@ -7,14 +7,15 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "api/options.h"
 #include "server/cache/result_cache.h"
 #include "server/config/config.h"
-#include "server/http/connection.h"
-#include "server/http/http.h"
+#include "server/http/message.h"
 #include "server/http/problem.h"
 #include "server/jobs/jobs.h"
+#include "server/routes/incoming.h"
 #include "server/work/computation.h"
 #include "server/work/memory_budget.h"
 #include "server/work/worker_pool.h"
@@ -28,7 +29,7 @@ public:
     /// Pool and jobs must outlive it. Requests may take a third of the memory that the pool has for jobs, besides that.
     Computing(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs);
 
-    Outcome answer(const Request& request, Connection& connection);
+    HttpResult<Response> answer(const Incoming& incoming);
 
     /// That requests hold until they are done, besides what the pool's jobs take.
     const MemoryBudget& waiting_memory() const { return waiting_memory_; }
@@ -52,22 +53,27 @@ private:
     struct Asked;
     using AskedPointer = std::shared_ptr<const Asked>;
     struct Product;
-
-    tl::unexpected<Problem> too_slow() const;
-    tl::unexpected<Problem> too_large(std::size_t bytes) const;
-    tl::expected<std::string, Problem> read_body(const Request& request, Connection& connection, bool deferred) const;
-    tl::expected<AskedPointer, Problem> take_in(Question question);
-    Outcome defer(const AskedPointer& asked, Connection& connection);
-    tl::expected<api::Cost, Problem> find_cost(const AskedPointer& asked, Connection& connection,
-                                               Clock::time_point deadline, Stages& stages);
     template <class T>
-    tl::expected<T, Problem> have_done(const api::Cost& cost, Task<T> work, Connection& connection,
-                                       Clock::time_point deadline, Stages& stages);
+    class Ticket;
+
+    tl::unexpected<Problem> too_slow(Record& record) const;
+    tl::unexpected<Problem> too_large(std::size_t bytes) const;
+    HttpResult<std::string> read_body(const Incoming& incoming, bool deferred) const;
+    HttpResult<AskedPointer> take_in(Question question);
+    HttpResult<Response> defer(const AskedPointer& asked, const Incoming& incoming);
+    HttpResult<api::Cost> find_cost(const AskedPointer& asked, const Incoming& incoming, Clock::time_point deadline);
+    template <class T>
+    HttpResult<T> have_worker_do(Task<T> task, const api::Cost& cost, const Incoming& incoming,
+                                 Clock::time_point deadline);
+    template <class T>
+    HttpResult<void> wait_for(Ticket<T>& ticket, WorkerPool::JobId job, const Incoming& incoming,
+                              Clock::time_point deadline);
     std::string cache_owner(const Connection& connection) const;
-    std::optional<Response> recall(const std::string& name, bool compressed, const std::string& owner);
-    Outcome compute(const AskedPointer& asked, const std::string& name, bool compressed, Connection& connection);
-    tl::expected<Product, Problem> run(const AskedPointer& asked, const api::Cost& cost, bool compressed,
-                                       Connection& connection, Clock::time_point deadline, Stages& stages);
+    std::optional<Response> recall(const std::string& name, bool compressed, const Incoming& incoming);
+    HttpResult<Response> compute(const AskedPointer& asked, const std::string& name, bool compressed,
+                                 const Incoming& incoming);
+    HttpResult<Product> run(const AskedPointer& asked, const api::Cost& cost, bool compressed, const Incoming& incoming,
+                            Clock::time_point deadline);
 
     const Config config_;
     WorkerPool& pool_;

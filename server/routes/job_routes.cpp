@@ -33,9 +33,9 @@ Response document(const Job& job) {
 tl::unexpected<Problem> no_result(const Job& job) {
     if (job.status == JobStatus::Cancelled) return problem(410, "the job was cancelled");
     if (job.failure) {
-        auto failed = problem(job.failure->status, job.failure->error.message, job.failure->error.field);
-        failed.value().told = true;  // as in the job's document
-        return failed;
+        Problem failed{job.failure->status, job.failure->error};  // as in the job's document
+        if (failed.status == 500) failed.cause = failed.error.message;
+        return tl::unexpected(std::move(failed));
     }
     return problem(409, "the job is " + std::string(name_of(job.status)) + "; its result is not there yet");
 }
@@ -55,14 +55,15 @@ Response accepted(const Job& job) {
     return response;
 }
 
-Outcome JobRoutes::status(const std::string& id, const Connection& connection) const {
+HttpResult<Response> JobRoutes::status(const std::string& id, const Connection& connection) const {
     const auto job = jobs_.find(id, connection.key());
     if (!job) return tl::unexpected(job.error());
     return document(*job);
 }
 
 /// A result stays what it is as long as it is there, so the job names it.
-Outcome JobRoutes::result(const std::string& id, std::string_view if_none_match, const Connection& connection) {
+HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view if_none_match,
+                                       const Connection& connection) {
     const auto job = jobs_.find(id, connection.key());
     if (!job) return tl::unexpected(job.error());
     if (job->status != JobStatus::Succeeded) return no_result(*job);
@@ -80,14 +81,14 @@ Outcome JobRoutes::result(const std::string& id, std::string_view if_none_match,
     return response;
 }
 
-Outcome JobRoutes::remove(const std::string& id, const Connection& connection) {
+HttpResult<Response> JobRoutes::remove(const std::string& id, const Connection& connection) {
     if (const auto removed = jobs_.remove(id, connection.key()); !removed) return tl::unexpected(removed.error());
     Response response;
     response.status = 204;
     return response;
 }
 
-Outcome JobRoutes::events(const std::string& id, const Connection& connection) const {
+HttpResult<Response> JobRoutes::events(const std::string& id, const Connection& connection) const {
     auto watch = jobs_.watch(id, connection.key());
     if (!watch) return tl::unexpected(std::move(watch.error()));
     Response response = for_now("text/event-stream", {});

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "server/http/connection.h"
-#include "server/http/http.h"
+#include "server/http/message.h"
 #include "server/http/problem.h"
 #include "server/jobs/jobs.h"
 #include "server/work/memory_budget.h"
@@ -20,10 +20,10 @@ public:
     JobRoutes(Jobs& jobs, MemoryBudget& memory, std::chrono::milliseconds ping)
         : jobs_(jobs), memory_(memory), ping_(ping) {}
 
-    Outcome status(const std::string& id, const Connection& connection) const;
-    Outcome result(const std::string& id, std::string_view if_none_match, const Connection& connection);
-    Outcome remove(const std::string& id, const Connection& connection);
-    Outcome events(const std::string& id, const Connection& connection) const;
+    HttpResult<Response> status(const std::string& id, const Connection& connection) const;
+    HttpResult<Response> result(const std::string& id, std::string_view if_none_match, const Connection& connection);
+    HttpResult<Response> remove(const std::string& id, const Connection& connection);
+    HttpResult<Response> events(const std::string& id, const Connection& connection) const;
 
 private:
     void send_events(Jobs::Watch watch, const Connection& connection, const Send& send) const;

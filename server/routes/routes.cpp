@@ -13,6 +13,7 @@
 #include "api/problem.h"
 #include "server/http/compression.h"
 #include "server/http/cors.h"
+#include "server/http/http.h"
 #include "server/page/page.h"
 
 namespace ccdt::server {
@@ -112,21 +113,23 @@ Routes::Routes(const Config& config, WorkerPool& pool, Compute compute, Jobs& jo
       job_routes_(jobs, pool.memory(), config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
 
-Response Routes::answer(const Request& request, const std::optional<Fault>& fault, Connection& connection) {
-    const std::string id = request_id(request);
+Response Routes::answer(const Request& request, const HttpResult<void>& received, Connection& connection) {
     const Route* const route = find_route(request.path, request.method);
+    Record record;
+    record.request_id = request_id(request);
+    record.key = connection.key();
+    if (route != nullptr) record.route = route->path;
     Response response;
     try {
-        auto outcome = fault ? Outcome(problem(*fault)) : dispatch(route, request, connection);
-        response = outcome ? std::move(*outcome) : describe(std::move(outcome.error()), id);
+        auto outcome = received.and_then([&] { return dispatch(route, {request, connection, record}); });
+        response = outcome ? std::move(*outcome) : describe(std::move(outcome.error()), record);
         if (route != nullptr && request.method == "POST") response.headers.push_back({"Vary", "Accept"});
         negotiate_coding(request, response);
         add_entity_tag(response);
     } catch (const std::exception& exception) {
-        response = describe(problem(500, exception.what()).value(), id);
+        response = describe(problem(500, exception.what()).value(), record);
     }
-    response.request_id = id;
-    if (route != nullptr) response.route = route->path;
+    response.record = std::move(record);
     add_common_headers(request, response);
     return response;
 }
@@ -142,7 +145,8 @@ const Routes::Route* Routes::find_route(std::string_view path, std::string_view 
     return found;
 }
 
-Outcome Routes::dispatch(const Route* route, const Request& request, Connection& connection) {
+HttpResult<Response> Routes::dispatch(const Route* route, const Incoming& incoming) {
+    const Request& request = incoming.request;
     if (request.method == "OPTIONS" && request.target == "*") return preflight(kAllMethods, request);
     if (route == nullptr) return problem(404, "there is nothing at this path");
     if (request.method == "OPTIONS") return preflight(route->allow, request);
@@ -152,23 +156,23 @@ Outcome Routes::dispatch(const Route* route, const Request& request, Connection&
         refused.value().headers.push_back({"Allow", std::string(route->allow)});
         return refused;
     }
-    if (!connection.move_to(route->room)) return no_place(route->room);
-    return (this->*route->handler)(request, connection);
+    if (!incoming.connection.move_to(route->room)) return no_place(route->room);
+    return (this->*route->handler)(incoming);
 }
 
-Outcome Routes::compute(const Request& request, Connection& connection) {
-    return computing_.answer(request, connection);
+HttpResult<Response> Routes::compute(const Incoming& incoming) {
+    return computing_.answer(incoming);
 }
 
-Outcome Routes::page(const Request& request, Connection&) {
-    return page_response(*find_page_file(request.path), request.header("If-None-Match"));
+HttpResult<Response> Routes::page(const Incoming& incoming) {
+    return page_response(*find_page_file(incoming.request.path), incoming.request.header("If-None-Match"));
 }
 
-Outcome Routes::live(const Request&, Connection&) {
+HttpResult<Response> Routes::live(const Incoming& /*incoming*/) {
     return json_response(R"({"status":"live"})");
 }
 
-Outcome Routes::ready(const Request&, Connection&) {
+HttpResult<Response> Routes::ready(const Incoming& /*incoming*/) {
     if (draining_) return computing_.busy(503, "the server is shutting down");
     if (auto lacking = lacking_(); !lacking.empty()) return computing_.busy(503, std::move(lacking));
     const WorkerPool::Load load = pool_.load();
@@ -179,27 +183,28 @@ Outcome Routes::ready(const Request&, Connection&) {
     return json_response(R"({"status":"ready"})");
 }
 
-Outcome Routes::metrics(const Request&, Connection&) {
+HttpResult<Response> Routes::metrics(const Incoming& /*incoming*/) {
     Response response;
     response.media_type = "text/plain; version=0.0.4; charset=utf-8";
     response.body = metrics_.text(pool_.load());
     return response;
 }
 
-Outcome Routes::job_status(const Request& request, Connection& connection) {
-    return job_routes_.status(std::string(job_id(request.path)), connection);
+HttpResult<Response> Routes::job_status(const Incoming& incoming) {
+    return job_routes_.status(std::string(job_id(incoming.request.path)), incoming.connection);
 }
 
-Outcome Routes::job_result(const Request& request, Connection& connection) {
-    return job_routes_.result(std::string(job_id(request.path)), request.header("If-None-Match"), connection);
+HttpResult<Response> Routes::job_result(const Incoming& incoming) {
+    return job_routes_.result(std::string(job_id(incoming.request.path)), incoming.request.header("If-None-Match"),
+                              incoming.connection);
 }
 
-Outcome Routes::job_events(const Request& request, Connection& connection) {
-    return job_routes_.events(std::string(job_id(request.path)), connection);
+HttpResult<Response> Routes::job_events(const Incoming& incoming) {
+    return job_routes_.events(std::string(job_id(incoming.request.path)), incoming.connection);
 }
 
-Outcome Routes::remove_job(const Request& request, Connection& connection) {
-    return job_routes_.remove(std::string(job_id(request.path)), connection);
+HttpResult<Response> Routes::remove_job(const Incoming& incoming) {
+    return job_routes_.remove(std::string(job_id(incoming.request.path)), incoming.connection);
 }
 
 /// Answers OPTIONS, to people and to browsers that ask before a request from another origin.
@@ -218,20 +223,14 @@ std::string Routes::request_id(const Request& request) {
     return id_prefix_ + hexadecimal(++requests_, 8);
 }
 
-Response Routes::describe(Problem problem, const std::string& id) const {
+Response Routes::describe(Problem problem, Record& record) {
+    record.cause = std::move(problem.cause);
     Response response;
-    if (problem.status == 500) {
-        response.cause = problem.error.message;
-        if (!problem.told) problem.error = {problem.error.code, std::string(kFailedHere), {}};
-    }
     response.status = problem.status;
-    response.media_type = kProblem;
-    response.body =
-        api::problem_json(problem.status, status_phrase(problem.status), problem.error, "urn:request:" + id);
     response.headers = std::move(problem.headers);
-    response.stages = problem.stages;
-    response.deliver = problem.deliver;
-    response.cancelled = problem.cancelled;
+    response.media_type = kProblem;
+    response.body = api::problem_json(problem.status, status_phrase(problem.status), problem.error,
+                                      "urn:request:" + record.request_id);
     return response;
 }
 
@@ -249,8 +248,8 @@ void Routes::negotiate_coding(const Request& request, Response& response) {
 }
 
 void Routes::add_common_headers(const Request& request, Response& response) const {
-    response.headers.push_back({"X-Request-ID", response.request_id});
-    response.headers.push_back({"Server-Timing", server_timing(response.stages)});
+    response.headers.push_back({"X-Request-ID", response.record.request_id});
+    response.headers.push_back({"Server-Timing", server_timing(response.record.stages)});
     std::ranges::move(cors_headers(config_.cors_origins, request.header("Origin")),
                       std::back_inserter(response.headers));
 }

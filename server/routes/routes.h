@@ -3,17 +3,17 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <string_view>
 
 #include "server/config/config.h"
 #include "server/http/connection.h"
-#include "server/http/http.h"
+#include "server/http/message.h"
 #include "server/http/problem.h"
 #include "server/jobs/jobs.h"
 #include "server/monitoring/metrics.h"
 #include "server/routes/computing.h"
+#include "server/routes/incoming.h"
 #include "server/routes/job_routes.h"
 #include "server/work/memory_budget.h"
 #include "server/work/question.h"
@@ -31,8 +31,8 @@ public:
     Routes(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs, const Metrics& metrics,
            Lacking lacking);
 
-    /// Answers anything that came over a connection; a fault is answered as what it says.
-    Response answer(const Request& request, const std::optional<Fault>& fault, Connection& connection);
+    /// Answers anything that came over a connection; what was not to be received is told so.
+    Response answer(const Request& request, const HttpResult<void>& received, Connection& connection);
 
     /// That requests hold until they are done, besides what the pool's jobs take.
     const MemoryBudget& waiting_memory() const { return computing_.waiting_memory(); }
@@ -49,7 +49,7 @@ public:
     void abandon() { computing_.abandon(); }
 
 private:
-    using Handler = Outcome (Routes::*)(const Request&, Connection&);
+    using Handler = HttpResult<Response> (Routes::*)(const Incoming&);
 
     struct Route {
         std::string_view path;  ///< `{id}` stands for a job's
@@ -61,21 +61,21 @@ private:
     static const Route kRoutes[];
 
     static const Route* find_route(std::string_view path, std::string_view method);
-    Outcome dispatch(const Route* route, const Request& request, Connection& connection);
-    Outcome compute(const Request& request, Connection& connection);
-    Outcome page(const Request& request, Connection& connection);
-    Outcome live(const Request& request, Connection& connection);
-    Outcome ready(const Request& request, Connection& connection);
-    Outcome metrics(const Request& request, Connection& connection);
-    Outcome job_status(const Request& request, Connection& connection);
-    Outcome job_result(const Request& request, Connection& connection);
-    Outcome job_events(const Request& request, Connection& connection);
-    Outcome remove_job(const Request& request, Connection& connection);
+    HttpResult<Response> dispatch(const Route* route, const Incoming& incoming);
+    HttpResult<Response> compute(const Incoming& incoming);
+    HttpResult<Response> page(const Incoming& incoming);
+    HttpResult<Response> live(const Incoming& incoming);
+    HttpResult<Response> ready(const Incoming& incoming);
+    HttpResult<Response> metrics(const Incoming& incoming);
+    HttpResult<Response> job_status(const Incoming& incoming);
+    HttpResult<Response> job_result(const Incoming& incoming);
+    HttpResult<Response> job_events(const Incoming& incoming);
+    HttpResult<Response> remove_job(const Incoming& incoming);
 
     Response preflight(std::string_view allow, const Request& request) const;
 
     std::string request_id(const Request& request);
-    Response describe(Problem problem, const std::string& id) const;
+    static Response describe(Problem problem, Record& record);
     static void negotiate_coding(const Request& request, Response& response);
     void add_common_headers(const Request& request, Response& response) const;
 

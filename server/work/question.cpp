@@ -37,7 +37,7 @@ bool may_hold_json(std::string_view type) {
 Result<std::string_view> read_form(const Question& question, std::vector<api::TextOption>& options) {
     const std::string_view body = question.body;
     const auto parts = parse_multipart(body, question.content_type);
-    if (!parts) return failure(ErrorCode::Malformed, parts.error().detail);
+    if (!parts) return failure(ErrorCode::Malformed, parts.error().error.message);
     std::optional<std::string_view> picture;
     for (const FormPart& part : *parts) {
         if (part.name != "image" && part.name != "file") {

@@ -81,11 +81,11 @@ void check_error(const Error& error, std::span<const api::TextOption> options) {
     CCDT_CHECK(error.field.empty() || error.field.size() > kLongestWhole || std::ranges::any_of(options, is_field));
 }
 
-void check_fault(const server::Fault& fault) {
-    CCDT_CHECK(!fault.detail.empty());
-    CCDT_CHECK(fault.status >= 400 && fault.status < 500);
-    CCDT_CHECK(server::status_phrase(fault.status) != "Error");
-    check_json(api::problem_json(fault.status, "Bad Request", {ErrorCode::Malformed, fault.detail, {}}, {}));
+void check_problem(const server::Problem& problem) {
+    CCDT_CHECK(!problem.error.message.empty());
+    CCDT_CHECK(problem.status >= 400 && problem.status < 500);
+    CCDT_CHECK(server::status_phrase(problem.status) != "Error");
+    check_json(api::problem_json(problem.status, "Bad Request", problem.error, {}));
 }
 
 void check_json(std::string_view text) {

@@ -37,8 +37,8 @@ void check_error(const Error& error, std::string_view body);
 /// The same, for what came as options: the field is one of their names, or that of an option that is missing.
 void check_error(const Error& error, std::span<const api::TextOption> options);
 
-/// A fault says what is wrong, with a status that HTTP has for it.
-void check_fault(const server::Fault& fault);
+/// A problem says what is wrong, with a status that HTTP has for it.
+void check_problem(const server::Problem& problem);
 
 /// Text that is JSON and, as all that goes out, has no bytes that are not UTF-8.
 void check_json(std::string_view text);

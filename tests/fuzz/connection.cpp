@@ -111,13 +111,13 @@ void check_lines(std::string_view bytes, std::string_view body) {
 Outcome read_request(Connection& connection) {
     const auto head = connection.read_head();
     if (!head) {
-        check_fault(head.error());
+        check_problem(head.error());
         return {head.error().status, {}, {}};
     }
     if (!head->is_framed()) return {200, head->target, {}};
     const auto body = connection.read_body(*head, kLargestBody);
     if (!body) {
-        check_fault(body.error());
+        check_problem(body.error());
         return {body.error().status, head->target, {}};
     }
     CCDT_CHECK(body->size() <= kLargestBody);

@@ -70,7 +70,7 @@ void check_request(const Request& request, std::string_view head) {
     check_framing(request);
     const auto again = server::parse_head(write(request));
     CCDT_CHECK(again && equal(request, *again));
-    if (const auto fault = server::find_fault(request)) check_fault(*fault);
+    if (const auto checked = server::check_request(request); !checked) check_problem(checked.error());
 }
 
 }  // namespace
@@ -84,7 +84,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (request) {
         fuzz::check_request(*request, head);
     } else {
-        fuzz::check_fault(request.error());
+        fuzz::check_problem(request.error());
     }
     return 0;
 }

@@ -46,7 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         fuzz::check_parts(*parts, body, content_type);
         fuzz::check_epilogue(*parts, body, content_type);
     } else {
-        fuzz::check_fault(parts.error());
+        fuzz::check_problem(parts.error());
         CCDT_CHECK(parts.error().status == 400);
     }
     return 0;

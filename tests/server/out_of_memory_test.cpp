@@ -16,10 +16,10 @@ namespace ccdt::server {
 namespace {
 
 /// Sends the body back.
-Response echo(const Request& request, const std::optional<Fault>& fault, Connection& connection) {
+Response echo(const Request& request, const HttpResult<void>& received, Connection& connection) {
     Response response;
-    response.status = fault ? fault->status : 200;
-    if (!fault) response.body = connection.read_body(request, 100).value_or("");
+    response.status = received ? 200 : received.error().status;
+    if (received) response.body = connection.read_body(request, 100).value_or("");
     return response;
 }
 

@@ -33,13 +33,13 @@ TEST_F(GateTest, AsksForAKeyIfThereAreAny) {
     Gate gate(keys_, rate_);
     ASSERT_TRUE(gate.read_keys());
     EXPECT_EQ(gate.check(request(kKey), "a").key, "alice");
-    EXPECT_FALSE(gate.check(request(kKey), "a").fault);
-    EXPECT_EQ(gate.check(request(""), "a").fault->status, 401);
-    EXPECT_EQ(gate.check(request(kKey + "x"), "a").fault->headers.front().name, "WWW-Authenticate");
+    EXPECT_TRUE(gate.check(request(kKey), "a").admission);
+    EXPECT_EQ(gate.check(request(""), "a").admission.error().status, 401);
+    EXPECT_EQ(gate.check(request(kKey + "x"), "a").admission.error().headers.front().name, "WWW-Authenticate");
     for (const char* line : {"GET /health", "GET /health/ready", "OPTIONS /health"})
-        EXPECT_FALSE(gate.check(request("", line), "a").fault) << line;
+        EXPECT_TRUE(gate.check(request("", line), "a").admission) << line;
     for (const char* line : {"GET /healthy", "OPTIONS /halftone", "OPTIONS *"})
-        EXPECT_TRUE(gate.check(request("", line), "a").fault) << line;
+        EXPECT_FALSE(gate.check(request("", line), "a").admission) << line;
 }
 
 TEST_F(GateTest, LetsThePagePass) {
@@ -47,9 +47,9 @@ TEST_F(GateTest, LetsThePagePass) {
     Gate gate(keys_, rate_);
     ASSERT_TRUE(gate.read_keys());
     for (const char* line : {"GET /", "HEAD /", "GET /assets/main.js"})
-        EXPECT_FALSE(gate.check(request("", line), "a").fault) << line;
+        EXPECT_TRUE(gate.check(request("", line), "a").admission) << line;
     for (const char* line : {"POST /", "OPTIONS /", "GET /assets/", "GET /assets/nothing.js"})
-        EXPECT_TRUE(gate.check(request("", line), "a").fault) << line;
+        EXPECT_FALSE(gate.check(request("", line), "a").admission) << line;
 }
 
 TEST_F(GateTest, LetsPreflightsPass) {
@@ -57,7 +57,8 @@ TEST_F(GateTest, LetsPreflightsPass) {
     Gate gate(keys_, rate_);
     ASSERT_TRUE(gate.read_keys());
     const auto passes = [&](const std::string& method, const std::string& headers) {
-        return !gate.check(*parse_head(method + " /halftone HTTP/1.1\r\n" + headers + "\r\n"), "a").fault;
+        return gate.check(*parse_head(method + " /halftone HTTP/1.1\r\n" + headers + "\r\n"), "a")
+            .admission.has_value();
     };
     const std::string origin = "Origin: https://example.org\r\n", asked = "Access-Control-Request-Method: POST\r\n";
     EXPECT_TRUE(passes("OPTIONS", origin + asked));
@@ -73,12 +74,12 @@ TEST_F(GateTest, CountsPreflightsByAddress) {
     ASSERT_TRUE(gate.read_keys());
     const auto status = [&](const std::string& line, const std::string& address) {
         const auto asked = "Origin: https://example.org\r\nAccess-Control-Request-Method: POST\r\n";
-        const auto fault = gate.check(*parse_head(line + " HTTP/1.1\r\n" + asked + "\r\n"), address).fault;
-        return fault ? fault->status : 200;
+        const auto admission = gate.check(*parse_head(line + " HTTP/1.1\r\n" + asked + "\r\n"), address).admission;
+        return admission ? 200 : admission.error().status;
     };
     for (const int expected : {200, 200, 429, 429}) EXPECT_EQ(status("OPTIONS /halftone", "a"), expected);
     EXPECT_EQ(status("OPTIONS /halftone", "b"), 200);
-    EXPECT_FALSE(gate.check(request(kKey), "a").fault) << "a key has its own count";
+    EXPECT_TRUE(gate.check(request(kKey), "a").admission) << "a key has its own count";
     for (int i = 0; i < 5; ++i) EXPECT_EQ(status("OPTIONS /health", "a"), 200);
     for (int i = 0; i < 5; ++i) EXPECT_EQ(status("GET /", "a"), 200);
 }
@@ -87,7 +88,7 @@ TEST_F(GateTest, LetsEverybodyPassWithoutAFile) {
     keys_.clear();
     Gate gate(keys_, rate_);
     EXPECT_TRUE(gate.read_keys());
-    EXPECT_FALSE(gate.check(request(""), "a").fault);
+    EXPECT_TRUE(gate.check(request(""), "a").admission);
     EXPECT_EQ(gate.check(request(kKey), "a").key, "");
 }
 
@@ -108,11 +109,11 @@ TEST_F(GateTest, CountsByKeyAndElseByAddress) {
     rate_ = {.per_second = 0.001, .burst = 1};
     Gate gate(keys_, rate_);
     ASSERT_TRUE(gate.read_keys());
-    EXPECT_FALSE(gate.check(request(kKey), "a").fault);
-    EXPECT_EQ(gate.check(request(kKey), "b").fault->status, 429);
-    EXPECT_EQ(gate.check(request("x"), "a").fault->status, 401);
-    EXPECT_EQ(gate.check(request("y"), "a").fault->status, 429);
-    EXPECT_EQ(gate.check(request("y"), "").fault->status, 401) << "nothing to count by";
+    EXPECT_TRUE(gate.check(request(kKey), "a").admission);
+    EXPECT_EQ(gate.check(request(kKey), "b").admission.error().status, 429);
+    EXPECT_EQ(gate.check(request("x"), "a").admission.error().status, 401);
+    EXPECT_EQ(gate.check(request("y"), "a").admission.error().status, 429);
+    EXPECT_EQ(gate.check(request("y"), "").admission.error().status, 401) << "nothing to count by";
 }
 
 }  // namespace

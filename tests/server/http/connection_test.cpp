@@ -44,7 +44,7 @@ public:
         sockets_[1] = -1;
     }
 
-    Received<std::string> read(std::string_view request, std::size_t limit = 100) {
+    HttpResult<std::string> read(std::string_view request, std::size_t limit = 100) {
         send(request);
         EXPECT_TRUE(connection_.wait_for_request(never));
         const auto head = connection_.read_head();
@@ -62,7 +62,7 @@ private:
     Connection connection_;
 };
 
-int status_of(const Received<std::string>& body) {
+int status_of(const HttpResult<std::string>& body) {
     return body ? 200 : body.error().status;
 }
 
@@ -125,8 +125,8 @@ TEST(Connection, ReadsChunksHoweverTheyArrive) {
 }
 
 /// Statuses and texts of faults; a body that is taken has none.
-std::string detail_of(const Received<std::string>& body) {
-    return body ? "" : std::to_string(body.error().status) + ' ' + body.error().detail;
+std::string detail_of(const HttpResult<std::string>& body) {
+    return body ? "" : std::to_string(body.error().status) + ' ' + body.error().error.message;
 }
 
 TEST(Connection, RefusesLinesOfChunksThatOthersMightReadDifferently) {

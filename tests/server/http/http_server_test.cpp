@@ -15,9 +15,9 @@ namespace {
 constexpr std::string_view kRequest = "GET / HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n";
 
 /// Answers with `hello`, faults with their status.
-Response greet(const Request&, const std::optional<Fault>& fault, Connection&) {
+Response greet(const Request&, const HttpResult<void>& received, Connection&) {
     Response response;
-    response.status = fault ? fault->status : 200;
+    response.status = received ? 200 : received.error().status;
     response.media_type = "text/plain";
     response.body = "hello";
     return response;
@@ -53,7 +53,7 @@ TEST(HttpServer, RefusesThoughItsLoggerThrows) {
 }
 
 /// Sends three pieces, of which the second is empty.
-Response dictate(const Request&, const std::optional<Fault>&, Connection&) {
+Response dictate(const Request&, const HttpResult<void>&, Connection&) {
     Response response;
     response.media_type = "text/plain";
     response.stream = [](const Send& send) {
@@ -91,7 +91,7 @@ TEST(HttpServer, StreamsNothingToThoseWhoWantTheHeadOnly) {
 TEST(HttpServer, TellsAStreamThatItsClientLeft) {
     std::promise<void> streaming;
     std::atomic<int> status = 0;
-    const auto stream_on = [&](const Request&, const std::optional<Fault>&, Connection& connection) {
+    const auto stream_on = [&](const Request&, const HttpResult<void>&, Connection& connection) {
         Response response;
         response.stream = [&](const Send& send) {
             streaming.set_value();

@@ -14,7 +14,7 @@ TEST(Multipart, FindsThePartsOfAForm) {
         "--XX\r\ncontent-disposition: form-data; name=sites\r\n\r\n20\r\n"
         "--XX\r\nContent-Disposition: form-data; name=\"empty\"\r\n\r\n\r\n--XX--\r\n";
     const auto parts = parse_multipart(body, kType);
-    ASSERT_TRUE(parts) << parts.error().detail;
+    ASSERT_TRUE(parts) << parts.error().error.message;
     ASSERT_EQ(parts->size(), 3u);
     EXPECT_EQ((*parts)[0].name, "image");
     EXPECT_EQ((*parts)[0].content(body), "binary\r\n--X\r\n\r\nmore");
@@ -41,14 +41,14 @@ TEST(Multipart, SkipsWhatStandsBeforeTheFirstBoundary) {
     const std::string part = "--XX \t\r\nContent-Disposition: form-data; name=a\r\n\r\nb\r\n--XX--";
     const std::string body = "no--XX\r\n" + part;
     const auto parts = parse_multipart(body, kType);
-    ASSERT_TRUE(parts) << parts.error().detail;
+    ASSERT_TRUE(parts) << parts.error().error.message;
     ASSERT_EQ(parts->size(), 1u);
     EXPECT_EQ(parts->front().content(body), "b");
     EXPECT_TRUE(parse_multipart("no" + part, kType)->empty()) << "a boundary begins a line";
 }
 
 /// A form of one part with this boundary.
-Received<std::vector<FormPart>> parse_with(const std::string& boundary) {
+HttpResult<std::vector<FormPart>> parse_with(const std::string& boundary) {
     const std::string body =
         "--" + boundary + "\r\nContent-Disposition: form-data; name=a\r\n\r\nb\r\n--" + boundary + "--";
     return parse_multipart(body, "multipart/form-data; boundary=\"" + boundary + '"');
@@ -63,7 +63,7 @@ TEST(Multipart, TakesBoundariesThatAreAllowed) {
         const auto parts = parse_with(boundary);
         ASSERT_FALSE(parts) << boundary;
         EXPECT_EQ(parts.error().status, 400);
-        EXPECT_NE(parts.error().detail.find("1 to 70"), std::string::npos) << parts.error().detail;
+        EXPECT_NE(parts.error().error.message.find("1 to 70"), std::string::npos) << parts.error().error.message;
     }
 }
 
@@ -76,9 +76,9 @@ TEST(Multipart, BoundsPartsAndTheirHeaders) {
         return body + "--XX--";
     };
     EXPECT_EQ(parse_multipart(form(1000, 0), kType)->size(), 1000u);
-    EXPECT_NE(parse_multipart(form(1001, 0), kType).error().detail.find("1000"), std::string::npos);
+    EXPECT_NE(parse_multipart(form(1001, 0), kType).error().error.message.find("1000"), std::string::npos);
     EXPECT_EQ(parse_multipart(form(1, 16'000), kType)->size(), 1u);
-    EXPECT_NE(parse_multipart(form(1, 20'000), kType).error().detail.find("16384"), std::string::npos);
+    EXPECT_NE(parse_multipart(form(1, 20'000), kType).error().error.message.find("16384"), std::string::npos);
 }
 
 TEST(Multipart, RefusesMoreThanABoundaryOnItsLine) {

@@ -138,7 +138,7 @@ TEST_F(JobStoreTest, KeepsFailures) {
     job.status = JobStatus::Failed;
     job.finished = time_now();
     job.progress = {0.5, 3, 0.25};
-    job.failure = JobFailure{422, {ErrorCode::Unusable, "crossing", "/polygon/2"}};
+    job.failure = Problem{422, {ErrorCode::Unusable, "crossing", "/polygon/2"}};
     ASSERT_TRUE(store->finish(job, {}));
     const Job found = **store->find("a");
     EXPECT_EQ(found.status, JobStatus::Failed);

@@ -282,7 +282,7 @@ TEST(StatusJson, HasNullForWhatThereIsNotYet) {
     job.created = Time(milliseconds(1'700'000'000'007));
     EXPECT_EQ(status_json(job), R"({"id":"0123","status":"queued","progress":0.0,"iteration":0,"variation":null,)"
                                 R"("created":"2023-11-14T22:13:20.007Z","started":null,"finished":null,"error":null})");
-    job.failure = JobFailure{504, {ErrorCode::Stopped, "late", {}}};
+    job.failure = Problem{504, {ErrorCode::Stopped, "late", {}}};
     EXPECT_TRUE(status_json(job).ends_with(
         R"("error":{"type":"about:blank","title":"Gateway Timeout","status":504,"detail":"late","instance":"/jobs/0123"}})"))
         << status_json(job);

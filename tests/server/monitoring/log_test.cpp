@@ -10,9 +10,9 @@ Exchange example() {
     exchange.request.method = "POST";
     exchange.request.target = "/a=\"\r\n\x1b[1m\xff\\";
     exchange.response.status = 500;
-    exchange.response.request_id = "abc-1";
-    exchange.response.cause = "out of \"luck\"";
-    exchange.response.stages = {1, {2, 3, 4}};
+    exchange.response.record.request_id = "abc-1";
+    exchange.response.record.cause = "out of \"luck\"";
+    exchange.response.record.stages = {1, {2, 3, 4}};
     exchange.client = "127.0.0.1:5";
     exchange.bytes_in = 10;
     exchange.bytes_out = 20;
@@ -36,7 +36,7 @@ TEST(Log, WritesARequestAsJson) {
 
 TEST(Log, NamesKeyAndTrace) {
     Exchange exchange;
-    exchange.response.key = "alice";
+    exchange.response.record.key = "alice";
     exchange.request.headers = {{"Traceparent", "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01"}};
     EXPECT_TRUE(exchange_line(exchange, LogFormat::Text)
                     .ends_with(" key=alice trace=0af7651916cd43dd8448eb211c80319c parent=b7ad6b7169203331"));
@@ -47,7 +47,7 @@ TEST(Log, NamesKeyAndTrace) {
 
 TEST(Log, TellsOfAnswersGivenAgain) {
     Exchange exchange;
-    exchange.response.cached = true;
+    exchange.response.record.cached = true;
     EXPECT_TRUE(exchange_line(exchange, LogFormat::Text).ends_with(" encode=0.0 cache=hit"));
     EXPECT_TRUE(exchange_line(exchange, LogFormat::Json).ends_with(R"(,"cache":"hit")"));
 }
@@ -86,7 +86,7 @@ TEST(Log, WritesAJobOnOneLine) {
     end.job.id = "0123";
     end.job.owner = "alice";
     end.job.status = JobStatus::Failed;
-    end.job.failure = JobFailure{500, {}};
+    end.job.failure = Problem{500, {}};
     end.stages = {1, {2, 3, 4}};
     end.cause = "out of \"luck\"";
     EXPECT_EQ(job_line(end, LogFormat::Text),

@@ -12,7 +12,7 @@ namespace {
 
 Exchange exchange(std::string_view route, int status) {
     Exchange exchange;
-    exchange.response.route = route;
+    exchange.response.record.route = route;
     exchange.response.status = status;
     exchange.milliseconds = 20;
     exchange.bytes_in = 10;
@@ -72,11 +72,11 @@ TEST(Metrics, CountsJobsByHowTheyEnd) {
 TEST(Metrics, TellsWhatWasComputedAndGivenUp) {
     Metrics metrics("1");
     Exchange done = exchange("/halftone", 200);
-    done.response.computed = Computed{5000, 262144};
-    done.response.stages = {.queue = 1, .work = {.decode = 30, .optimise = 200, .encode = 4}};
+    done.response.record.computed = Computed{5000, 262144};
+    done.response.record.stages = {.queue = 1, .work = {.decode = 30, .optimise = 200, .encode = 4}};
     metrics.add(done);
     Exchange late = exchange("/halftone", 504);
-    late.response.cancelled = "deadline";
+    late.response.record.cancelled = "deadline";
     metrics.add(late);
     const std::string text = metrics.text({});
     EXPECT_EQ(value(text, "ccdt_sites_total"), 5000);

@@ -22,9 +22,9 @@ protected:
         for (const int socket : sockets_) ::close(socket);
     }
 
-    Response ask(const std::string& head, const std::optional<Fault>& fault = {}) {
+    Response ask(const std::string& head, const HttpResult<void>& received = {}) {
         Connection connection(sockets_[0]);
-        return routes_.answer(*parse_head(head + "\r\n\r\n"), fault, connection);
+        return routes_.answer(*parse_head(head + "\r\n\r\n"), received, connection);
     }
 
     static std::string header(const Response& response, std::string_view name) {
@@ -58,22 +58,22 @@ TEST(HttpStatus, CoversEveryKindOfError) {
 }
 
 TEST_F(RoutesTest, KeepsAWellFormedRequestId) {
-    EXPECT_EQ(ask("GET /health HTTP/1.1\r\nX-Request-ID: aZ09._-").request_id, "aZ09._-");
+    EXPECT_EQ(ask("GET /health HTTP/1.1\r\nX-Request-ID: aZ09._-").record.request_id, "aZ09._-");
     const std::string longest(64, 'a');
-    EXPECT_EQ(ask("GET /health HTTP/1.1\r\nX-Request-ID: " + longest).request_id, longest);
+    EXPECT_EQ(ask("GET /health HTTP/1.1\r\nX-Request-ID: " + longest).record.request_id, longest);
 }
 
 TEST_F(RoutesTest, ReplacesAnyOtherRequestId) {
     for (const std::string& id : {std::string("a b"), std::string("a%0d%0aX"), std::string(65, 'a'), std::string()}) {
         const Response response = ask("GET /health HTTP/1.1\r\nX-Request-ID: " + id);
-        EXPECT_NE(response.request_id, id);
-        EXPECT_EQ(header(response, "X-Request-ID"), response.request_id);
+        EXPECT_NE(response.record.request_id, id);
+        EXPECT_EQ(header(response, "X-Request-ID"), response.record.request_id);
     }
-    EXPECT_NE(ask("GET /health HTTP/1.1").request_id, ask("GET /health HTTP/1.1").request_id);
+    EXPECT_NE(ask("GET /health HTTP/1.1").record.request_id, ask("GET /health HTTP/1.1").record.request_id);
 }
 
 TEST_F(RoutesTest, AnswersFaultsAsProblems) {
-    const Response response = ask("GET /health HTTP/1.1", Fault{431, "too large"});
+    const Response response = ask("GET /health HTTP/1.1", problem(431, "too large"));
     EXPECT_EQ(response.status, 431);
     EXPECT_EQ(response.media_type, "application/problem+json");
     EXPECT_NE(response.body.find("too large"), std::string::npos);
@@ -100,11 +100,11 @@ TEST_F(RoutesTest, RefusesNewWorkWhileDraining) {
 }
 
 TEST_F(RoutesTest, CountsThePageAsOneRoute) {
-    EXPECT_EQ(ask("GET / HTTP/1.1").route, "/");
-    EXPECT_EQ(ask("GET /assets/main.js HTTP/1.1").route, "/");
+    EXPECT_EQ(ask("GET / HTTP/1.1").record.route, "/");
+    EXPECT_EQ(ask("GET /assets/main.js HTTP/1.1").record.route, "/");
     EXPECT_EQ(ask("GET /assets/nothing.js HTTP/1.1").status, 404);
     EXPECT_EQ(header(ask("POST /assets/main.js HTTP/1.1"), "Allow"), "GET, HEAD, OPTIONS");
-    EXPECT_EQ(ask("GET /openapi.json HTTP/1.1").route, "/openapi.json");
+    EXPECT_EQ(ask("GET /openapi.json HTTP/1.1").record.route, "/openapi.json");
 }
 
 TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
@@ -127,10 +127,10 @@ TEST_F(RoutesTest, NamesTheConfiguredOrigin) {
 
 TEST_F(RoutesTest, CompressesLongTextsForThoseWhoWantIt) {
     const std::string detail(2000, 'x');
-    const Response plain = ask("GET /health HTTP/1.1", Fault{400, detail});
+    const Response plain = ask("GET /health HTTP/1.1", problem(400, detail));
     EXPECT_EQ(header(plain, "Content-Encoding"), "");
     EXPECT_EQ(header(plain, "Vary"), "Accept-Encoding");
-    const Response small = ask("GET /health HTTP/1.1\r\nAccept-Encoding: gzip", Fault{400, detail});
+    const Response small = ask("GET /health HTTP/1.1\r\nAccept-Encoding: gzip", problem(400, detail));
     EXPECT_EQ(header(small, "Content-Encoding"), "gzip");
     EXPECT_LT(small.body.size(), 500u);
     EXPECT_EQ(header(ask("GET /health HTTP/1.1\r\nAccept-Encoding: gzip"), "Vary"), "");
