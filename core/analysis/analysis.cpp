@@ -10,6 +10,7 @@
 
 #include "core/analysis/nonuniform_transform.h"
 #include "core/analysis/spacing.h"
+#include "core/geometry/hexagonal_spacing.h"
 
 namespace ccdt {
 namespace {
@@ -196,7 +197,7 @@ void add_spacing(const std::vector<Point>& set, const Frame& frame, double densi
         points.push_back({share.x * frame.sides.x, share.y * frame.sides.y});
     }
     const Spacing spacing = measure_spacing(points, frame.sides, frame.periodic, stop);
-    const double densest = std::sqrt(2 / (std::sqrt(3.0) * density));
+    const double densest = hexagonal_spacing(density);
     const auto sets = static_cast<double>(analysis.sets);
     analysis.min_distance += spacing.min / densest / sets;
     analysis.mean_distance += spacing.mean / densest / sets;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/hexagonal_spacing.h"
+
 namespace ccdt {
 
 namespace {
@@ -31,10 +33,6 @@ double length_in_spacings(const Domain& domain, const Capacity& capacity, double
 }
 
 }  // namespace
-
-double hexagonal_spacing(double density) {
-    return std::sqrt(2 / (std::sqrt(3.0) * density));
-}
 
 Border make_border(const Domain& domain, const Capacity& capacity, std::size_t sites) {
     const double sites_per_capacity = static_cast<double>(sites) / capacity.total();

@@ -12,9 +12,6 @@
 
 namespace ccdt {
 
-/// Distance of neighbours when `density` sites per unit area stand in a hexagonal grid.
-double hexagonal_spacing(double density);
-
 /// Closed chains of vertices on the border. Scaffolding for the triangulation, no part of the result.
 struct Border {
     std::vector<std::vector<Point>> loops;  ///< outer rings counter-clockwise, holes clockwise

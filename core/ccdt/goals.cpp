@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/ccdt/border.h"
+#include "core/geometry/hexagonal_spacing.h"
 
 namespace ccdt {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/ccdt/border.h"
+#include "core/geometry/hexagonal_spacing.h"
 #include "core/polish/cell_list.h"
 
 namespace ccdt {

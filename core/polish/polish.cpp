@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/ccdt/border.h"
+#include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/predicates.h"
 #include "core/polish/rounds.h"
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/ccdt/border.h"
+#include "core/geometry/hexagonal_spacing.h"
 #include "core/random.h"
 
 namespace ccdt {
