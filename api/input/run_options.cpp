@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/ccdt/inks.h"
-
 namespace ccdt::api {
 namespace {
 

@@ -1,32 +1,166 @@
 #include "core/ccdt/ccdt.h"
 
-#include "core/ccdt/run.h"
+#include <algorithm>
+#include <cassert>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "core/ccdt/construction.h"
+#include "core/polish/polish.h"
+#include "core/polish/settings.h"
+#include "core/random.h"
 
 namespace ccdt {
 
+namespace {
+
+/// The triangulations of all inks that have sites, built in step and polished together.
+class InkConstructions {
+public:
+    InkConstructions(const Domain& domain, std::span<const Density> densities, std::span<const std::size_t> sites,
+                     const Options& options, const Control& control);
+
+    Result<std::vector<Distribution>> execute();
+
+private:
+    bool stopping() const { return control_.stop.stop_requested(); }
+    Result<void> start();
+    void iterate();
+    Result<void> polish();
+    void report();
+    std::vector<Distribution> collect();
+
+    struct Ink {
+        Ink(const Domain& domain, const Density& density, const Options& own, const std::stop_token& stop)
+            : options(own), construction(domain, density, options, stop) {}
+
+        Options options;
+        Construction construction;
+    };
+
+    const Domain& domain_;
+    const Options& options_;
+    const Control& control_;
+    std::vector<std::unique_ptr<Ink>> inks_;    ///< [inks]; null for those without sites
+    std::vector<Construction*> constructions_;  ///< those that there are
+    std::optional<PolishSettings> settings_;    ///< none if there is no polish
+    int round_ = 0;                             ///< of the polish
+};
+
+/// The first one keeps the seed.
+std::uint64_t seed_of(std::uint64_t seed, std::size_t number) {
+    constexpr int kSeedBits = 53;
+    return number == 0 ? seed : Random(seed, number).bits() >> (64 - kSeedBits);
+}
+
+InkConstructions::InkConstructions(const Domain& domain, std::span<const Density> densities,
+                                   std::span<const std::size_t> sites, const Options& options, const Control& control)
+    : domain_(domain), options_(options), control_(control) {
+    bool uniform = true;
+    for (std::size_t ink = 0; ink < sites.size(); ++ink) {
+        inks_.emplace_back();
+        if (sites[ink] == 0) continue;
+        Options own = options;
+        own.sites = sites[ink];
+        own.seed = seed_of(options.seed, constructions_.size());
+        inks_.back() = std::make_unique<Ink>(domain, densities[ink], own, control.stop);
+        constructions_.push_back(&inks_.back()->construction);
+        uniform = uniform && densities[ink].is_uniform();
+    }
+    if (has_polish(options)) settings_ = polish_settings(options.quality, constructions_.size(), uniform);
+}
+
+Result<std::vector<Distribution>> InkConstructions::execute() {
+    if (auto started = start(); !started) return tl::unexpected(started.error());
+    iterate();
+    if (auto polished = polish(); !polished) return tl::unexpected(polished.error());
+    return collect();
+}
+
+Result<void> InkConstructions::start() {
+    for (Construction* construction : constructions_) {
+        if (auto started = construction->start(); !started) return started;
+    }
+    report();
+    return {};
+}
+
+void InkConstructions::iterate() {
+    while (std::ranges::any_of(constructions_, &Construction::goes_on)) {
+        for (Construction* construction : constructions_) {
+            if (construction->goes_on()) construction->iterate();
+        }
+        if (!stopping()) report();
+    }
+}
+
+Result<void> InkConstructions::polish() {
+    if (!settings_ || stopping()) return {};
+    std::vector<Polish::Layer> layers;
+    for (Construction* construction : constructions_) layers.push_back({construction->polish(), &construction->mesh()});
+    Polish(domain_, std::move(layers), control_.stop).refine(*settings_, control_.stop, [this] {
+        ++round_;
+        report();
+    });
+    for (Construction* construction : constructions_) {
+        if (auto finished = construction->finish(); !finished) return finished;
+    }
+    return {};
+}
+
+void InkConstructions::report() {
+    if (!control_.progress) return;
+    Progress progress{0, options_.iterations, 0, round_, settings_ ? settings_->all_rounds() : 0};
+    for (const Construction* construction : constructions_) {
+        progress.iteration = std::max(progress.iteration, construction->iterations());
+        progress.variation = std::max(progress.variation, construction->variation());
+    }
+    control_.progress(progress);
+}
+
+std::vector<Distribution> InkConstructions::collect() {
+    std::vector<Distribution> distributions;
+    for (const auto& ink : inks_) {
+        distributions.push_back(ink ? ink->construction.collect() : Distribution{});
+        if (!ink) distributions.back().trace = {0};
+    }
+    return distributions;
+}
+
+bool is_one_grid(std::span<const Density> densities, std::span<const std::size_t> sites) {
+    const Density* first = nullptr;
+    for (std::size_t ink = 0; ink < sites.size(); ++ink) {
+        if (sites[ink] == 0) continue;
+        const Density& density = densities[ink];
+        if (!first) first = &density;
+        if (density.width() != first->width() || density.height() != first->height()) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
 Result<Distribution> distribute(const Domain& domain, const Density& density, const Options& options,
                                 const Control& control) {
-    if (auto checked = check(options); !checked) return tl::unexpected(checked.error());
-    Run run(domain, density, options, control.stop);
-    if (auto started = run.start(); !started) return tl::unexpected(started.error());
-    Progress progress{0, options.iterations, 0, 0, run.polish_rounds()};
-    const auto report = [&] {
-        progress.iteration = run.iterations();
-        progress.variation = run.variation();
-        if (control.progress) control.progress(progress);
-    };
-    report();
-    while (run.goes_on()) {
-        if (run.iterate()) report();
+    auto inks = distribute_inks(domain, {&density, 1}, {&options.sites, 1}, options, control);
+    if (!inks) return tl::unexpected(inks.error());
+    return std::move(inks->front());
+}
+
+Result<std::vector<Distribution>> distribute_inks(const Domain& domain, std::span<const Density> densities,
+                                                  std::span<const std::size_t> sites, const Options& options,
+                                                  const Control& control) {
+    assert(densities.size() == sites.size());
+    std::size_t all = 0;
+    for (const std::size_t count : sites) all += count;
+    if (!is_one_grid(densities, sites)) {
+        return failure(ErrorCode::Malformed, "the densities of all inks must have one grid", "density");
     }
-    if (Polish* polish = run.polish(); polish && !control.stop.stop_requested()) {
-        polish->refine(run.mesh(), run.polish_options(), control.stop, [&] {
-            ++progress.round;
-            report();
-        });
-        if (auto finished = run.finish(); !finished) return tl::unexpected(finished.error());
-    }
-    return run.collect();
+    Options whole = options;
+    whole.sites = all;
+    if (auto checked = check(whole); !checked) return tl::unexpected(checked.error());
+    return InkConstructions(domain, densities, sites, options, control).execute();
 }
 
 }  // namespace ccdt

@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <vector>
 
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
+#include "core/polish/settings.h"
 #include "core/result.h"
 
 namespace ccdt {
@@ -19,13 +21,6 @@ namespace ccdt {
 enum class Start {
     Stratified,  ///< a few at random in each of many cells of equal capacity
     Random,      ///< independently by the density, as in the paper
-};
-
-/// What is done for the pattern.
-enum class Quality {
-    Draft,     ///< triangles of equal capacity, as in the paper
-    Standard,  ///< then near neighbours are pushed apart and long waves evened out
-    Best,      ///< the same for longer: a few times the time
 };
 
 struct Options {
@@ -91,5 +86,21 @@ struct Distribution {
 /// Source: Xu, Liu, Gotsman, Gortler 2011, section 3. The polish is not theirs.
 Result<Distribution> distribute(const Domain& domain, const Density& density, const Options& options,
                                 const Control& control = {});
+
+/// Distributes the dots of several inks, each as distribute() does by a density of its own, and dots of different inks
+/// apart from each other where there is room: all iterate in step, and are polished together. A draft has no polish,
+/// and inks that know nothing of each other.
+///
+/// @param densities  [inks] each stretched over the domain's bounding box; that of an ink without sites is not used
+/// @param sites      [inks] >= 0, one of them at least > 0
+/// @param options    but for the number of sites; the first ink that has sites takes the seed, others seeds made of it
+/// @param control    progress counts iterations and rounds of all inks as one, with the largest variation; a stop
+///                   returns the sites as they stand, is no error; stopped during the start: Error Stopped
+/// @returns          [inks]; an ink without sites has no points, and a trace of one 0
+/// Errors: as distribute(), which is this with one ink; Malformed if the densities have different grids. Same input,
+/// same bytes, on any number of threads (it uses one). O(sites) per pass.
+Result<std::vector<Distribution>> distribute_inks(const Domain& domain, std::span<const Density> densities,
+                                                  std::span<const std::size_t> sites, const Options& options,
+                                                  const Control& control = {});
 
 }  // namespace ccdt

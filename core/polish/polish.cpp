@@ -1,221 +1,130 @@
 #include "core/polish/polish.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
-
-#include "core/geometry/hexagonal_spacing.h"
-#include "core/geometry/predicates.h"
-#include "core/polish/rounds.h"
+#include <utility>
 
 namespace ccdt {
 
 namespace {
 
-constexpr double kLongestPush = 0.2;  ///< in spacings
-constexpr double kKeptArea = 0.1;     ///< least share of its area that a triangle keeps
+/// Does rounds of a polish until it is stopped.
+/// @param round  called with the number of each, from 0
+/// @param after  called after each round that was not stopped; may be empty
+template <class Round>
+void repeat(int rounds, const std::stop_token& stop, const std::function<void()>& after, Round&& round) {
+    for (int i = 0; i < rounds && !stop.stop_requested(); ++i) {
+        round(i);
+        if (after && !stop.stop_requested()) after();
+    }
+}
+
+/// Sites of all inks that each cell wants.
+Density sum_of_densities(std::span<const Polish::Layer> layers) {
+    const Density& first = layers[0].steps->density();
+    if (first.is_uniform()) return Density::uniform();
+    std::vector<double> wanted(static_cast<std::size_t>(first.width()) * static_cast<std::size_t>(first.height()), 0);
+    for (const Polish::Layer& layer : layers) {
+        const Density& density = layer.steps->density();
+        const double scale = static_cast<double>(layer.mesh->site_count()) / density.total();
+        auto cell = wanted.begin();
+        for (int row = 0; row < first.height(); ++row) {
+            for (int column = 0; column < first.width(); ++column) *cell++ += scale * density.value(column, row);
+        }
+    }
+    return Density::grid(first.width(), first.height(), std::span<const double>(wanted)).value();
+}
 
 }  // namespace
 
-Ink::Ink(const Domain& domain, const Density& density) : density_(density) {
-    const Point sides = domain.unit_bounds().max;
-    to_grid_ = {density.width() / sides.x, density.height() / sides.y};
+Polish::Polish(const Domain& domain, std::vector<Layer> layers, const std::stop_token& stop)
+    : domain_(domain), layers_(std::move(layers)) {
+    if (has_one_ink()) return;
+    std::size_t sites = 0;
+    for (const Layer& layer : layers_) sites += layer.mesh->site_count();
+    places_.resize(sites);
+    sites_.resize(sites);
+    moves_.resize(sites);
+    if (!domain.is_box()) return;
+    density_ = sum_of_densities(layers_);
+    transport_.emplace(domain, *density_, sites, stop);
 }
 
-Point Ink::nearest(Point p, double reach) const {
-    const Point g{p.x * to_grid_.x, p.y * to_grid_.y};
-    const int column = std::clamp(static_cast<int>(g.x), 0, density_.width() - 1);
-    const int row = std::clamp(static_cast<int>(g.y), 0, density_.height() - 1);
-    if (density_.value(column, row) > 0) {
-        // On the side of a cell rounding would decide what it stands in.
-        constexpr double kSide = 1e-6;
-        const Point q{std::clamp(g.x, column + kSide, column + 1 - kSide),
-                      std::clamp(g.y, row + kSide, row + 1 - kSide)};
-        return q == g ? p : Point{q.x / to_grid_.x, q.y / to_grid_.y};
+void Polish::refine(const PolishSettings& settings, const std::stop_token& stop, const std::function<void()>& after) {
+    constexpr double kNearPush = 0.5;  // each of two goes half of what is missing
+    begin();
+    repeat(settings.rounds, stop, after, [&](int round) {
+        if (settings.mesh_every > 0 && round > 0 && round % settings.mesh_every == 0) restore_meshes(stop);
+        push_apart(settings.reach, settings.push, settings.ink_reach, settings.push, stop);
+        if ((round + 1) % settings.even_every == 0) even_out_each(stop);
+    });
+    repeat(settings.even_rounds, stop, after, [&](int) {
+        even_out_together(stop);
+        even_out_each(stop);
+    });
+    repeat(settings.near_rounds, stop, after,
+           [&](int) { push_apart(settings.nearest, kNearPush, settings.ink_nearest, settings.push, stop); });
+    repeat(settings.last_rounds, stop, after, [&](int) { even_out_each(stop); });
+}
+
+/// Calls with each ink, and the moves of its sites if there are several, until it is stopped.
+template <class Function>
+void Polish::for_each(const std::stop_token& stop, Function&& function) {
+    std::span<Point> moves = moves_;
+    for (const Layer& layer : layers_) {
+        if (stop.stop_requested()) return;
+        const std::size_t sites = has_one_ink() ? 0 : layer.mesh->site_count();
+        function(layer, moves.first(sites));
+        moves = moves.subspan(sites);
     }
-    const double most = reach * std::max(to_grid_.x, to_grid_.y);
-    for (int around = 2;; around *= 2) {
-        if (const auto found = nearest_within(g, column, row, around))
-            return {found->x / to_grid_.x, found->y / to_grid_.y};
-        if (around > most || around > std::max(density_.width(), density_.height())) return p;
-    }
 }
 
-/// The nearest point with density that lies in cells so many columns and rows around; g and it in cells.
-std::optional<Point> Ink::nearest_within(Point g, int column, int row, int around) const {
-    constexpr double kInset = 0.05;  // of a cell, from its sides
-    double least = std::numeric_limits<double>::infinity();
-    std::optional<Point> best;
-    for (int j = std::max(0, row - around); j <= std::min(density_.height() - 1, row + around); ++j) {
-        for (int i = std::max(0, column - around); i <= std::min(density_.width() - 1, column + around); ++i) {
-            if (!(density_.value(i, j) > 0)) continue;
-            const Point q{std::clamp(g.x, i + kInset, i + 1 - kInset), std::clamp(g.y, j + kInset, j + 1 - kInset)};
-            const double distance = dot(q - g, q - g);
-            if (distance >= least) continue;
-            least = distance;
-            best = q;
-        }
-    }
-    return best;
-}
-
-Polish::Polish(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop)
-    : domain_(domain), density_(density), ink_(domain, density), moves_(sites), before_(sites), spacings_(sites) {
-    if (domain.is_box()) transport_.emplace(domain, density, sites, stop);
-}
-
+/// 1 / sqrt(density of all inks' sites).
 double Polish::spacing(Point p) const {
     if (transport_) return transport_->spacing(p);
-    return std::sqrt(domain_.unit_area() / static_cast<double>(moves_.size()));
+    return std::sqrt(domain_.unit_area() / static_cast<double>(sites_.size()));
 }
 
-/// The nearest place in the domain's box; on a torus the same place, rounded to what is exact there.
-Point Polish::inside(Point p) const {
-    constexpr double kInside = 1e-9;
-    const Point sides = domain_.unit_bounds().max;
-    if (domain_.is_torus()) return snapped(p);
-    return {std::clamp(p.x, kInside * sides.x, (1 - kInside) * sides.x),
-            std::clamp(p.y, kInside * sides.y, (1 - kInside) * sides.y)};
-}
-
-/// Where a site may stand that wants to stand at p.
-Point Polish::allowed(Point p, double spacing) const {
-    constexpr double kReach = 2;  // spacings
-    p = inside(p);
-    if (density_.is_uniform()) return p;
-    const Point sides = domain_.unit_bounds().max;
-    const Point corner{whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
-    return inside(corner + ink_.nearest(p - corner, kReach * spacing));
-}
-
-void Polish::even_out(std::span<Point> sites, const std::stop_token& stop) {
-    constexpr int kRounds = 5;
-    constexpr int kFreeRounds = 3;     // that let sites stand where there is no density
-    constexpr double kMomentum = 0.5;  // of the free rounds
-    if (density_.is_uniform() || !transport_) return;
-    std::vector<Point> last(sites.size());
-    for (int round = 0; round < kRounds; ++round) {
-        if (!transport_->displacements(sites, moves_, stop)) break;
-        const bool free = round < kFreeRounds;
-        for (std::size_t i = 0; i < sites.size(); ++i) {
-            last[i] = moves_[i] + (free ? kMomentum : 0) * last[i];
-            const Point moved = sites[i] + last[i];
-            sites[i] = free ? inside(moved) : allowed(moved, spacing(sites[i]));
+/// Copies where all inks' sites stand.
+void Polish::gather() {
+    std::size_t site = 0;
+    for (std::uint32_t ink = 0; ink < layers_.size(); ++ink) {
+        const Triangulation& mesh = *layers_[ink].mesh;
+        for (std::uint32_t v = 0; v < mesh.site_count(); ++v, ++site) {
+            places_[site] = mesh.point(v);
+            sites_[site] = {places_[site], spacing(places_[site]), ink};
         }
     }
-    if (!domain_.is_torus()) return;
-    const Point sides = domain_.unit_bounds().max;
-    for (Point& p : sites) p = p - Point{whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
 }
 
-bool Polish::clear_gaps(std::span<Point> sites) const {
-    if (density_.is_uniform()) return false;
-    constexpr double kAnywhere = 1;  // the longer side
-    bool moved = false;
-    for (Point& site : sites) {
-        const Point to = allowed(site, kAnywhere);
-        moved = moved || !(to == site);
-        site = to;
+void Polish::begin() {
+    for (const Layer& layer : layers_) layer.steps->begin(*layer.mesh);
+}
+
+void Polish::restore_meshes(const std::stop_token& stop) {
+    for_each(stop, [&](const Layer& layer, std::span<Point>) { layer.mesh->restore_delaunay(stop); });
+    begin();
+}
+
+void Polish::push_apart(double reach, double push, double ink_reach, double ink_push, const std::stop_token& stop) {
+    if (!has_one_ink()) {
+        gather();
+        moves_ = push_inks_apart(domain_, sites_, ink_reach, ink_push, stop);
     }
-    return moved;
-}
-
-/// Lists the edges between sites, and what triangles are like before the first move.
-void Polish::begin(const Triangulation& mesh) {
-    edges_.clear();
-    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        for (std::uint32_t i = 0; i < 3; ++i) {
-            const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
-            if (twin == Triangulation::kNone || twin < h) continue;
-            if (mesh.is_site(mesh.origin(h)) && mesh.is_site(mesh.target(h))) edges_.push_back(h);
-        }
-    }
-    areas_.resize(mesh.triangle_count());
-    moved_areas_.resize(mesh.triangle_count());
-    for (std::uint32_t t = 0; t < areas_.size(); ++t) areas_[t] = mesh.doubled_area(t);
-}
-
-void Polish::refine(Triangulation& mesh, const PolishOptions& options, const std::stop_token& stop,
-                    const std::function<void()>& after) {
-    begin(mesh);
-    repeat(options.rounds, stop, after, [&](int) {
-        push_apart(mesh, options.reach, options.push, {}, stop);
-        even_out(mesh, stop);
+    for_each(stop, [&](const Layer& layer, std::span<Point> moves) {
+        layer.steps->push_apart(*layer.mesh, reach, push, moves, stop);
     });
-    repeat(options.even_rounds, stop, after, [&](int) { even_out(mesh, stop); });
-    repeat(options.near_rounds, stop, after, [&](int) { push_apart(mesh, options.nearest, 0.5, {}, stop); });
 }
 
-void Polish::even_out(Triangulation& mesh, const std::stop_token& stop) {
-    const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
-    if (transport_ && transport_->displacements(sites, moves_, stop)) apply(mesh);
+void Polish::even_out_each(const std::stop_token& stop) {
+    for_each(stop, [&](const Layer& layer, std::span<Point>) { layer.steps->even_out(*layer.mesh, stop); });
 }
 
-void Polish::move(Triangulation& mesh, std::span<const Point> moves) {
-    std::ranges::copy(moves, moves_.begin());
-    apply(mesh);
-}
-
-/// Neighbours closer than they should be share out what is missing.
-void Polish::push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
-                        const std::stop_token& stop) {
-    const double half_reach = 0.5 * reach * hexagonal_spacing(1);
-    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) spacings_[v] = spacing(mesh.point(v));
-    std::fill(moves_.begin(), moves_.end(), Point{});
-    std::ranges::copy(pushed, moves_.begin());
-    for (const std::uint32_t h : edges_) {
-        const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
-        const Point along = mesh.along(h);
-        const double least = half_reach * (spacings_[a] + spacings_[b]);
-        const double squared = dot(along, along);
-        if (squared >= least * least) continue;
-        const Point by = push * (least / std::sqrt(squared) - 1) * along;
-        moves_[a] = moves_[a] - by;
-        moves_[b] = moves_[b] + by;
-    }
-    for (std::size_t v = 0; v < moves_.size(); ++v) {
-        const double longest = kLongestPush * spacings_[v], length = std::sqrt(dot(moves_[v], moves_[v]));
-        if (length > longest) moves_[v] = (longest / length) * moves_[v];
-    }
-    if (!stop.stop_requested()) apply(mesh);
-}
-
-void Polish::apply(Triangulation& mesh) {
-    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
-        const Point here = before_[v] = mesh.point(v);
-        mesh.points()[v] = density_.is_uniform() ? inside(here + moves_[v]) : allowed(here + moves_[v], spacing(here));
-    }
-    take_back(mesh);
-    areas_.swap(moved_areas_);
-    if (mesh.is_torus()) mesh.wrap();
-}
-
-/// Whether a triangle has kept enough of its area, and is no needle unless it was one.
-bool Polish::is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const {
-    constexpr double kSmall = 0.05;       // of the mean area; larger triangles are no needles
-    constexpr double kLeastShape = 1e-5;  // doubled area over the longest edge squared
-    if (area < kKeptArea * areas_[triangle]) return false;
-    if (area >= kSmall * domain_.unit_area() / static_cast<double>(mesh.site_count())) return true;
-    const auto [a, b, c] = mesh.places(triangle);
-    const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-    const double least = std::max(kLeastShape * longest, domain_.resolution() * std::sqrt(longest));
-    return area >= std::min(areas_[triangle], least) && orientation(a, b, c) > 0;
-}
-
-/// Takes back moves next to triangles that would turn over, or lose most of their area, until there is none.
-void Polish::take_back(Triangulation& mesh) {
-    for (bool found = true; found;) {
-        found = false;
-        for (std::uint32_t t = 0; t < areas_.size(); ++t) {
-            const double area = moved_areas_[t] = mesh.doubled_area(t);
-            if (is_sound(mesh, t, area)) continue;
-            for (const std::uint32_t v : mesh.corners(t)) {
-                if (!mesh.is_site(v) || mesh.point(v) == before_[v]) continue;
-                mesh.points()[v] = before_[v];
-                found = true;
-            }
-        }
-    }
+/// Evens out the sites of all inks as if they were of one; nothing happens where they are.
+void Polish::even_out_together(const std::stop_token& stop) {
+    if (!transport_) return;
+    gather();
+    if (!transport_->displacements(places_, moves_, stop)) return;
+    for_each(stop, [&](const Layer& layer, std::span<Point> moves) { layer.steps->move(*layer.mesh, moves); });
 }
 
 }  // namespace ccdt

@@ -1,4 +1,4 @@
-#include "core/ccdt/inks.h"
+#include "core/ccdt/ccdt.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/ccdt/inks.h"
+#include "core/ccdt/ccdt.h"
 #include "core/halftone/dots.h"
 #include "tests/support/inks.h"
 

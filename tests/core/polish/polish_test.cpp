@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -25,60 +24,6 @@ using test::StartMesh;
 
 const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
 
-/// Distance from a point of the grid to the nearest cell with density, in cells.
-double distance_to_ink(const Density& density, Point g) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (int j = 0; j < density.height(); ++j) {
-        for (int i = 0; i < density.width(); ++i) {
-            if (!(density.value(i, j) > 0)) continue;
-            const Point q{std::clamp(g.x, i + 0.0, i + 1.0), std::clamp(g.y, j + 0.0, j + 1.0)};
-            nearest = std::min(nearest, std::sqrt(dot(q - g, q - g)));
-        }
-    }
-    return nearest;
-}
-
-TEST(Ink, FindsDensityInReach) {
-    constexpr double kReach = 0.2;
-    const Domain domain = Domain::rectangle(2, 1).value();  // in the unit frame 1 x 0.5
-    Random random(1, 0);
-    int far = 0;
-    for (const double share : {0.5, 0.02, 0.001}) {
-        const Density density =
-            grid_of(60, 30, [&](int i, int j) { return random.uniform() < share || i + j == 0 ? 1.0 : 0.0; });
-        const Ink ink(domain, density);
-        for (int k = 0; k < 2000; ++k) {
-            const Point p{random.uniform(), 0.5 * random.uniform()}, g = 60 * p;
-            const double distance = distance_to_ink(density, g);
-            const Point found = ink.nearest(p, kReach), q = 60 * found;
-            if (distance > kReach * 60) {
-                ++far;
-                if (found == p) continue;
-            }
-            ASSERT_EQ(count_on_white(domain, density, {2 * found}), 0u) << p.x << ' ' << p.y;
-            // Cells are looked at in squares, whose corners lie further away than their sides.
-            ASSERT_LE(std::sqrt(dot(q - g, q - g)), std::sqrt(2.0) * distance + 0.2) << p.x << ' ' << p.y;
-        }
-    }
-    EXPECT_GT(far, 0) << "some are out of reach";
-}
-
-TEST(Ink, LeavesPointsWithDensityWhereTheyAre) {
-    const Domain domain = domain_of(kSquare);
-    const Density density = grid_of(10, 10, [](int i, int) { return i < 5 ? 1.0 : 0.0; });
-    const Ink ink(domain, density);
-    EXPECT_EQ(ink.nearest({0.25, 0.75}, 1), (Point{0.25, 0.75}));
-    EXPECT_EQ(ink.nearest({0.33, 0.05}, 1), (Point{0.33, 0.05}));
-}
-
-TEST(Ink, GivesUpWhereThereIsNone) {
-    const Density corner = grid_of(1000, 1000, [](int i, int j) { return i + j == 0 ? 1.0 : 0.0; });
-    const Ink ink(domain_of(kSquare), corner);
-    EXPECT_EQ(ink.nearest({0.9, 0.9}, 0.01), (Point{0.9, 0.9}));
-    const Point found = ink.nearest({0.9, 0.9}, 2);
-    EXPECT_TRUE(found.x > 0 && found.x < 0.001 && found.y > 0 && found.y < 0.001) << found.x << ' ' << found.y;
-}
-
 /// The domain in its unit frame; the first ring is an outer one, and for what is inside the others' kinds do not
 /// matter.
 Parts unit_parts(const Domain& domain) {
@@ -86,13 +31,13 @@ Parts unit_parts(const Domain& domain) {
     return {{rings[0], {rings.begin() + 1, rings.end()}}};
 }
 
-void expect_sound(const Domain& domain, const Density& density, std::size_t sites, const PolishOptions& options) {
+void expect_sound(const Domain& domain, const Density& density, std::size_t sites, const PolishSettings& settings) {
     StartMesh start(domain, density, {.sites = sites, .seed = sites});
     Triangulation& mesh = start.mesh;
-    Polish polish(domain, density, sites);
+    MeshPolish steps(domain, density, sites);
     for (int round = 0; round < 4; ++round) {
         const auto before = mesh.points();
-        polish.refine(mesh, options, {});
+        Polish(domain, {{&steps, &mesh}}).refine(settings, {});
         ASSERT_EQ(count_inverted(mesh), 0u) << "round " << round;
         for (std::size_t v = sites; v < before.size(); ++v) ASSERT_EQ(mesh.points()[v], before[v]) << "border";
         EXPECT_TRUE(sites < 1000 || before != mesh.points()) << "nothing has moved";
@@ -119,13 +64,17 @@ TEST(Polish, KeepsTrianglesAndSitesInside) {
         {"Switzerland", domain_of(test::read_geojson("Switzerland-10m.geojson"))},
         {"torus", Domain::torus(1, 1).value()},
         {"long torus", Domain::torus(1, 40).value()}};
-    const PolishOptions strong{.rounds = 20, .reach = 1, .push = 0.5};
+    const PolishSettings usual = polish_settings(Quality::Standard, 1, false);
+    PolishSettings strong = usual;
+    strong.rounds = 20;
+    strong.reach = 1;
+    strong.push = 0.5;
     for (const auto& [name, domain] : domains) {
         for (const std::size_t sites : {1, 2, 5, 50, 1000}) {
             SCOPED_TRACE(std::string(name) + ", " + std::to_string(sites));
             expect_sound(domain, Density::uniform(), sites, strong);
             expect_sound(domain, spot_and_corner(), sites, strong);
-            expect_sound(domain, test::pear(), sites, {});
+            expect_sound(domain, test::pear(), sites, usual);
         }
     }
 }
@@ -174,8 +123,10 @@ TEST(Polish, KeepsPlacesNearTheBoxOfATorus) {
         const Density steep =
             grid_of(width, height, [&](int, int) { return std::pow(10.0, 12 * random.uniform() - 6); });
         StartMesh start(torus, steep, {.sites = 2 + seed % 4, .seed = seed});
-        Polish polish(torus, steep, start.mesh.site_count());
-        polish.refine(start.mesh, {.rounds = 20}, {});
+        MeshPolish steps(torus, steep, start.mesh.site_count());
+        PolishSettings settings = polish_settings(Quality::Standard, 1, false);
+        settings.rounds = 20;
+        Polish(torus, {{&steps, &start.mesh}}).refine(settings, {});
         for (const Point p : start.mesh.points()) {
             EXPECT_TRUE(std::abs(p.x) < 2 && std::abs(p.y) < 2) << "seed " << seed << ": " << p.x << ' ' << p.y;
         }
@@ -189,8 +140,8 @@ TEST(Polish, ClearsGapsOfAnyProportions) {
         for (const Domain& domain : {Domain::rectangle(width, height).value(), Domain::torus(width, height).value()}) {
             const Point sides = domain.unit_bounds().max;
             std::vector<Point> sites{{0.9 * sides.x, 0.5 * sides.y}, {0.05 * sides.x, 0.9 * sides.y}};
-            const Polish polish(domain, corner, sites.size());
-            EXPECT_TRUE(polish.clear_gaps(sites));
+            const MeshPolish steps(domain, corner, sites.size());
+            EXPECT_TRUE(steps.clear_gaps(sites));
             for (Point& p : sites) p = domain.to_user(p);
             EXPECT_EQ(count_on_white(domain, corner, sites), 0u) << width << " x " << height;
         }
@@ -202,12 +153,13 @@ TEST(Polish, MovesNothingOnceStopped) {
     source.request_stop();
     StartMesh start(domain_of(kSquare), spot_and_corner(), {.sites = 200, .seed = 1});
     const auto before = start.mesh.points();
-    Polish polish(start.domain, start.density, 200);
-    polish.refine(start.mesh, {}, source.get_token());
+    MeshPolish steps(start.domain, start.density, 200);
+    Polish(start.domain, {{&steps, &start.mesh}})
+        .refine(polish_settings(Quality::Standard, 1, false), source.get_token());
     EXPECT_EQ(start.mesh.points(), before);
     std::vector<Point> sites(before.begin(), before.begin() + 200);
     const auto drawn = sites;
-    polish.even_out(sites, source.get_token());
+    steps.even_out_start(sites, source.get_token());
     EXPECT_EQ(sites, drawn);
 }
 

@@ -1,4 +1,4 @@
-#include "core/ccdt/run.h"
+#include "core/ccdt/construction.h"
 
 #include <algorithm>
 #include <string>
@@ -34,17 +34,20 @@ Result<void> check(const Options& options) {
     return {};
 }
 
-Run::Run(const Domain& domain, const Density& density, const Options& options, const std::stop_token& stop)
+bool has_polish(const Options& options) {
+    return options.quality != Quality::Draft && options.iterations > 0;
+}
+
+Construction::Construction(const Domain& domain, const Density& density, const Options& options,
+                           const std::stop_token& stop)
     : domain_(domain), density_(density), options_(options), stop_(stop), capacity_(domain, density) {}
 
-Result<void> Run::start() {
+Result<void> Construction::start() {
     if (!(capacity_.total() > 0)) {
         return failure(ErrorCode::Unusable, "the density is zero all over the domain", "density");
     }
     start_.emplace(domain_, density_, options_);
-    if (options_.quality != Quality::Draft && options_.iterations > 0) {
-        polish_.emplace(domain_, density_, options_.sites, stop_);
-    }
+    if (has_polish(options_)) polish_.emplace(domain_, density_, options_.sites, stop_);
     if (stopping()) return stopped_at_start();
     auto placed = triangulate_sites(even_start());
     if (!placed) return tl::unexpected(placed.error());
@@ -55,7 +58,7 @@ Result<void> Run::start() {
 }
 
 /// @param first  [sites] or empty: where they stand
-Result<DomainMesh> Run::triangulate_sites(const std::vector<Point>& first) {
+Result<DomainMesh> Construction::triangulate_sites(const std::vector<Point>& first) {
     auto placed = empty_mesh(domain_, capacity_, options_.sites, stop_);
     if (!placed) return placed;
     if (auto error = place_sites(placed->mesh, first, *start_, options_.seed, domain_.resolution(), stop_)) {
@@ -67,34 +70,34 @@ Result<DomainMesh> Run::triangulate_sites(const std::vector<Point>& first) {
 }
 
 /// First sites among which long waves are gone; none where nothing is to be gained.
-std::vector<Point> Run::even_start() {
+std::vector<Point> Construction::even_start() {
     std::vector<Point> first;
     if (!polish_ || capacity_.is_uniform() || !domain_.is_box()) return first;
     first.reserve(options_.sites);
     for (std::size_t site = 0; site < options_.sites; ++site) first.push_back(start_->draw(site, 0));
-    polish_->even_out(first, stop_);
+    polish_->even_out_start(first, stop_);
     return first;
 }
 
 /// @returns  the capacity variation; of no use once a stop is asked for
-double Run::measure(const Triangulation& mesh) {
+double Construction::measure(const Triangulation& mesh) {
     capacity_.of_triangles(mesh, capacities_, stop_);
     if (stopping()) return 0;
     return set_goals(mesh, capacity_, capacities_, goals_);
 }
 
 /// Exact passes cost more, and matter once the sites are near their places.
-bool Run::is_exact(int iteration) const {
+bool Construction::is_exact(int iteration) const {
     constexpr int kFirst = 4;
     return !capacity_.is_uniform() && (iteration >= kFirst || iteration + 1 == options_.iterations);
 }
 
-bool Run::goes_on() const {
+bool Construction::goes_on() const {
     if (stopping() || result_.iterations >= options_.iterations) return false;
     return !(options_.tolerance && variation() < *options_.tolerance);
 }
 
-Relaxation& Run::relaxation() {
+Relaxation& Construction::relaxation() {
     if (relaxation_) return *relaxation_;
     constexpr double kPolishedSpring = 0.03;  // rounder triangles, whose areas may vary a little more
     RelaxationOptions settings;
@@ -103,7 +106,7 @@ Relaxation& Run::relaxation() {
     return relaxation_.emplace(placed_->mesh, placed_->border.corner, capacity_.is_uniform(), settings);
 }
 
-bool Run::iterate() {
+bool Construction::iterate() {
     Triangulation& mesh = placed_->mesh;
     Relaxation& relaxation = this->relaxation();
     relaxation.prepare(goals_, stop_);
@@ -123,29 +126,7 @@ bool Run::iterate() {
     return true;
 }
 
-/// Measured on sets and pictures: what more rounds, or a longer reach, would gain is oscillation of the spectrum.
-PolishOptions Run::polish_options() const {
-    const bool best = options_.quality == Quality::Best;
-    PolishOptions settings;
-    if (!capacity_.is_uniform()) {
-        if (best) {
-            settings.rounds = 20;
-            settings.even_rounds = 10;
-        }
-        return settings;
-    }
-    settings.nearest = 0.84;
-    settings.near_rounds = 4;
-    settings.rounds = best ? 40 : 5;
-    settings.even_rounds = best ? 4 : 1;
-    if (best) {
-        settings.reach = 0.87;
-        settings.push = 0.5;
-    }
-    return settings;
-}
-
-Result<void> Run::finish() {
+Result<void> Construction::finish() {
     if (stopping()) return {};
     Triangulation& mesh = placed_->mesh;
     mesh.restore_delaunay(stop_);
@@ -163,7 +144,7 @@ Result<void> Run::finish() {
     return {};
 }
 
-Distribution Run::collect() {
+Distribution Construction::collect() {
     result_.stopped = stopping();
     result_.points = sites_to_user(domain_, placed_->mesh);
     if (options_.keep_mesh) result_.mesh = mesh_to_user(domain_, placed_->mesh, placed_->border);

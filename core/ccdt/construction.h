@@ -9,39 +9,41 @@
 #include "core/ccdt/goals.h"
 #include "core/ccdt/relaxation.h"
 #include "core/ccdt/start.h"
-#include "core/polish/polish.h"
+#include "core/polish/mesh_polish.h"
 
 namespace ccdt {
 
 /// Errors: Malformed for an option out of range.
 Result<void> check(const Options& options);
 
-/// One computation of distribute(), step by step: start(); iterate() as long as it goes on; then, if there is a polish,
-/// a polish of the mesh, by itself or together with those of other runs, and finish(). After the start, collect() gives
-/// what there is.
-class Run {
-public:
-    /// All must outlive this.
-    Run(const Domain& domain, const Density& density, const Options& options, const std::stop_token& stop);
-    Run(const Run&) = delete;  // the relaxation holds on to the mesh
-    Run& operator=(const Run&) = delete;
+/// Whether iterations are followed by a polish.
+bool has_polish(const Options& options);
 
+/// Builds the capacity-constrained triangulation of one density, step by step: start(); iterate() as long as it goes
+/// on; then, if there is a polish, its rounds, which others call, and finish(). After the start, collect() gives what
+/// there is.
+class Construction {
+public:
+    /// @param options, density  must outlive this, as the domain
+    Construction(const Domain& domain, const Density& density, const Options& options, const std::stop_token& stop);
+    Construction(const Construction&) = delete;  // the relaxation holds on to the mesh
+    Construction& operator=(const Construction&) = delete;
+
+    /// Draws and triangulates the first sites.
     /// Errors: Unusable if the density is zero all over the domain, or the domain too thin; Stopped.
     Result<void> start();
 
     /// Whether there is an iteration to do.
     bool goes_on() const;
-    /// One triangulation phase, and the geometry passes before it.
+    /// Does the geometry passes of an iteration and its triangulation phase.
     /// @returns  false if it was stopped
     bool iterate();
 
-    /// None for a draft, and where no iteration is wanted.
-    Polish* polish() { return polish_ ? &*polish_ : nullptr; }
-    PolishOptions polish_options() const;
-    int polish_rounds() const { return polish_ ? polish_options().all_rounds() : 0; }
+    /// Null for a draft, and where no iteration is wanted.
+    MeshPolish* polish() { return polish_ ? &*polish_ : nullptr; }
     Triangulation& mesh() { return placed_->mesh; }
 
-    /// After the polish. Errors: as start().
+    /// Makes the triangulation Delaunay again, after the polish. Errors: as start().
     Result<void> finish();
 
     Distribution collect();
@@ -63,7 +65,7 @@ private:
     std::stop_token stop_;
     Capacity capacity_;
     std::optional<StartSites> start_;
-    std::optional<Polish> polish_;
+    std::optional<MeshPolish> polish_;
     std::optional<DomainMesh> placed_;
     std::optional<Relaxation> relaxation_;
     std::vector<double> capacities_;   ///< [triangles]

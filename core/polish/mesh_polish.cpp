@@ -1,0 +1,164 @@
+#include "core/polish/mesh_polish.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/hexagonal_spacing.h"
+#include "core/geometry/predicates.h"
+
+namespace ccdt {
+
+namespace {
+
+constexpr double kLongestPush = 0.2;  ///< in spacings
+constexpr double kKeptArea = 0.1;     ///< least share of its area that a triangle keeps
+
+}  // namespace
+
+MeshPolish::MeshPolish(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop)
+    : domain_(domain), density_(density), support_(domain, density), moves_(sites), before_(sites), spacings_(sites) {
+    if (domain.is_box()) transport_.emplace(domain, density, sites, stop);
+}
+
+double MeshPolish::spacing(Point p) const {
+    if (transport_) return transport_->spacing(p);
+    return std::sqrt(domain_.unit_area() / static_cast<double>(moves_.size()));
+}
+
+/// The nearest place in the domain's box; on a torus the same place, rounded to what is exact there.
+Point MeshPolish::inside(Point p) const {
+    constexpr double kInside = 1e-9;
+    const Point sides = domain_.unit_bounds().max;
+    if (domain_.is_torus()) return snapped(p);
+    return {std::clamp(p.x, kInside * sides.x, (1 - kInside) * sides.x),
+            std::clamp(p.y, kInside * sides.y, (1 - kInside) * sides.y)};
+}
+
+/// Where a site may stand that wants to stand at p.
+Point MeshPolish::allowed(Point p, double spacing) const {
+    constexpr double kReach = 2;  // spacings
+    p = inside(p);
+    if (density_.is_uniform()) return p;
+    const Point sides = domain_.unit_bounds().max;
+    const Point corner{whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
+    return inside(corner + support_.nearest(p - corner, kReach * spacing));
+}
+
+void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& stop) {
+    constexpr int kRounds = 5;
+    constexpr int kFreeRounds = 3;     // that let sites stand where there is no density
+    constexpr double kMomentum = 0.5;  // of the free rounds
+    if (density_.is_uniform() || !transport_) return;
+    std::vector<Point> last(sites.size());
+    for (int round = 0; round < kRounds; ++round) {
+        if (!transport_->displacements(sites, moves_, stop)) break;
+        const bool free = round < kFreeRounds;
+        for (std::size_t i = 0; i < sites.size(); ++i) {
+            last[i] = moves_[i] + (free ? kMomentum : 0) * last[i];
+            const Point moved = sites[i] + last[i];
+            sites[i] = free ? inside(moved) : allowed(moved, spacing(sites[i]));
+        }
+    }
+    if (!domain_.is_torus()) return;
+    const Point sides = domain_.unit_bounds().max;
+    for (Point& p : sites) p = p - Point{whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
+}
+
+bool MeshPolish::clear_gaps(std::span<Point> sites) const {
+    if (density_.is_uniform()) return false;
+    constexpr double kAnywhere = 1;  // the longer side
+    bool moved = false;
+    for (Point& site : sites) {
+        const Point to = allowed(site, kAnywhere);
+        moved = moved || !(to == site);
+        site = to;
+    }
+    return moved;
+}
+
+void MeshPolish::begin(const Triangulation& mesh) {
+    edges_.clear();
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
+            if (twin == Triangulation::kNone || twin < h) continue;
+            if (mesh.is_site(mesh.origin(h)) && mesh.is_site(mesh.target(h))) edges_.push_back(h);
+        }
+    }
+    areas_.resize(mesh.triangle_count());
+    moved_areas_.resize(mesh.triangle_count());
+    for (std::uint32_t t = 0; t < areas_.size(); ++t) areas_[t] = mesh.doubled_area(t);
+}
+
+void MeshPolish::even_out(Triangulation& mesh, const std::stop_token& stop) {
+    const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
+    if (transport_ && transport_->displacements(sites, moves_, stop)) apply(mesh);
+}
+
+void MeshPolish::move(Triangulation& mesh, std::span<const Point> moves) {
+    std::ranges::copy(moves, moves_.begin());
+    apply(mesh);
+}
+
+void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
+                            const std::stop_token& stop) {
+    const double half_reach = 0.5 * reach * hexagonal_spacing(1);
+    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) spacings_[v] = spacing(mesh.point(v));
+    std::fill(moves_.begin(), moves_.end(), Point{});
+    std::ranges::copy(pushed, moves_.begin());
+    for (const std::uint32_t h : edges_) {
+        const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
+        const Point along = mesh.along(h);
+        const double least = half_reach * (spacings_[a] + spacings_[b]);
+        const double squared = dot(along, along);
+        if (squared >= least * least) continue;
+        const Point by = push * (least / std::sqrt(squared) - 1) * along;
+        moves_[a] = moves_[a] - by;
+        moves_[b] = moves_[b] + by;
+    }
+    for (std::size_t v = 0; v < moves_.size(); ++v) {
+        const double longest = kLongestPush * spacings_[v], length = std::sqrt(dot(moves_[v], moves_[v]));
+        if (length > longest) moves_[v] = (longest / length) * moves_[v];
+    }
+    if (!stop.stop_requested()) apply(mesh);
+}
+
+void MeshPolish::apply(Triangulation& mesh) {
+    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
+        const Point here = before_[v] = mesh.point(v);
+        mesh.points()[v] = density_.is_uniform() ? inside(here + moves_[v]) : allowed(here + moves_[v], spacing(here));
+    }
+    take_back(mesh);
+    areas_.swap(moved_areas_);
+    if (mesh.is_torus()) mesh.wrap();
+}
+
+/// Whether a triangle has kept enough of its area, and is no needle unless it was one.
+bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const {
+    constexpr double kSmall = 0.05;       // of the mean area; larger triangles are no needles
+    constexpr double kLeastShape = 1e-5;  // doubled area over the longest edge squared
+    if (area < kKeptArea * areas_[triangle]) return false;
+    if (area >= kSmall * domain_.unit_area() / static_cast<double>(mesh.site_count())) return true;
+    const auto [a, b, c] = mesh.places(triangle);
+    const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
+    const double least = std::max(kLeastShape * longest, domain_.resolution() * std::sqrt(longest));
+    return area >= std::min(areas_[triangle], least) && orientation(a, b, c) > 0;
+}
+
+/// Takes back moves next to triangles that would turn over, or lose most of their area, until there is none.
+void MeshPolish::take_back(Triangulation& mesh) {
+    for (bool found = true; found;) {
+        found = false;
+        for (std::uint32_t t = 0; t < areas_.size(); ++t) {
+            const double area = moved_areas_[t] = mesh.doubled_area(t);
+            if (is_sound(mesh, t, area)) continue;
+            for (const std::uint32_t v : mesh.corners(t)) {
+                if (!mesh.is_site(v) || mesh.point(v) == before_[v]) continue;
+                mesh.points()[v] = before_[v];
+                found = true;
+            }
+        }
+    }
+}
+
+}  // namespace ccdt

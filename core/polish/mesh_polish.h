@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/density/density.h"
+#include "core/geometry/domain.h"
+#include "core/geometry/point.h"
+#include "core/mesh/triangulation.h"
+#include "core/polish/support.h"
+#include "core/polish/transport.h"
+
+namespace ccdt {
+
+/// Steps of a polish on the sites of one triangulation: near neighbours are pushed apart, and what is left of long
+/// waves of density error, most of it along the border and where the density is steep, is transported away.
+class MeshPolish {
+public:
+    /// Both must outlive this. Long waves are evened out in boxes and on tori only.
+    /// @param stop  asked now and then; leaves what is of no use
+    MeshPolish(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {});
+
+    const Density& density() const { return density_; }
+
+    /// Evens out first sites, which no triangulation binds yet: they may cross gaps in the density.
+    /// Nothing happens for a uniform density.
+    void even_out_start(std::span<Point> sites, const std::stop_token& stop);
+
+    /// Lists the edges between sites, and what triangles are like before the first move. Comes before the other steps,
+    /// and again after all that changes edges.
+    void begin(const Triangulation& mesh);
+
+    /// Moves neighbours that are nearer than they should be apart, and sites as others push them. Of this step and the
+    /// following ones all triangles stay counter-clockwise; the Delaunay property is lost.
+    /// @param reach   over the distance of neighbours in a hexagonal grid
+    /// @param push    share of what is missing by which each of the two moves
+    /// @param pushed  [sites] or empty: how far others push each site
+    void push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
+                    const std::stop_token& stop);
+
+    /// Undoes long waves of density error.
+    void even_out(Triangulation& mesh, const std::stop_token& stop);
+
+    /// @param moves  [sites]
+    void move(Triangulation& mesh, std::span<const Point> moves);
+
+    /// Takes sites where there is no density to the nearest place with some.
+    /// @returns  whether there were any
+    bool clear_gaps(std::span<Point> sites) const;
+
+private:
+    void apply(Triangulation& mesh);
+    void take_back(Triangulation& mesh);
+    bool is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const;
+    Point inside(Point p) const;
+    Point allowed(Point p, double spacing) const;
+    double spacing(Point p) const;
+
+    const Domain& domain_;
+    const Density& density_;
+    std::optional<Transport> transport_;
+    Support support_;
+    std::vector<std::uint32_t> edges_;  ///< half-edges between sites
+    std::vector<Point> moves_, before_;
+    std::vector<double> spacings_;
+    std::vector<double> areas_, moved_areas_;  ///< doubled [triangles], before a move and after it
+};
+
+}  // namespace ccdt

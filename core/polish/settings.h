@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+
+namespace ccdt {
+
+/// Work done on the pattern once the triangles' capacities are equal.
+enum class Quality {
+    Draft,     ///< none: triangles of equal capacity, as in the paper
+    Standard,  ///< near neighbours are pushed apart and long waves evened out
+    Best,      ///< the same for longer: a few times the time
+};
+
+/// Schedule of a polish, in the order in which it is done, and the strength of its steps. Reaches are over the distance
+/// of neighbours in a hexagonal grid: of an ink's own sites, or of all inks' together.
+struct PolishSettings {
+    int rounds = 0;          ///< that push near sites apart and even out long waves
+    int even_every = 1;      ///< of so many of these rounds only the last evens out
+    int mesh_every = 0;      ///< of these rounds after which neighbours are found anew; 0: never
+    double reach = 0;        ///< distance below which neighbours of one ink are pushed
+    double push = 0;         ///< share of what is missing by which each of the two moves
+    double ink_reach = 0;    ///< distance below which sites of different inks are pushed
+    int even_rounds = 0;     ///< then, that only even out
+    int near_rounds = 0;     ///< then, that only push the nearest sites: too few to make waves
+    double nearest = 0;      ///< their reach within an ink,
+    double ink_nearest = 0;  ///< and between inks
+    int last_rounds = 0;     ///< last, that even out what these have left behind
+
+    int all_rounds() const { return rounds + even_rounds + near_rounds + last_rounds; }
+};
+
+/// @param quality  not Draft, which has no polish
+/// @param uniform  whether the density is, if there is one ink alone
+PolishSettings polish_settings(Quality quality, std::size_t inks, bool uniform);
+
+}  // namespace ccdt

@@ -1,0 +1,50 @@
+#include "core/polish/support.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace ccdt {
+
+Support::Support(const Domain& domain, const Density& density) : density_(density) {
+    const Point sides = domain.unit_bounds().max;
+    to_grid_ = {density.width() / sides.x, density.height() / sides.y};
+}
+
+Point Support::nearest(Point p, double reach) const {
+    const Point g{p.x * to_grid_.x, p.y * to_grid_.y};
+    const int column = std::clamp(static_cast<int>(g.x), 0, density_.width() - 1);
+    const int row = std::clamp(static_cast<int>(g.y), 0, density_.height() - 1);
+    if (density_.value(column, row) > 0) {
+        // On the side of a cell rounding would decide what it stands in.
+        constexpr double kSide = 1e-6;
+        const Point q{std::clamp(g.x, column + kSide, column + 1 - kSide),
+                      std::clamp(g.y, row + kSide, row + 1 - kSide)};
+        return q == g ? p : Point{q.x / to_grid_.x, q.y / to_grid_.y};
+    }
+    const double most = reach * std::max(to_grid_.x, to_grid_.y);
+    for (int around = 2;; around *= 2) {
+        if (const auto found = nearest_within(g, column, row, around))
+            return {found->x / to_grid_.x, found->y / to_grid_.y};
+        if (around > most || around > std::max(density_.width(), density_.height())) return p;
+    }
+}
+
+/// The nearest point with density that lies in cells so many columns and rows around; g and it in cells.
+std::optional<Point> Support::nearest_within(Point g, int column, int row, int around) const {
+    constexpr double kInset = 0.05;  // of a cell, from its sides
+    double least = std::numeric_limits<double>::infinity();
+    std::optional<Point> best;
+    for (int j = std::max(0, row - around); j <= std::min(density_.height() - 1, row + around); ++j) {
+        for (int i = std::max(0, column - around); i <= std::min(density_.width() - 1, column + around); ++i) {
+            if (!(density_.value(i, j) > 0)) continue;
+            const Point q{std::clamp(g.x, i + kInset, i + 1 - kInset), std::clamp(g.y, j + kInset, j + 1 - kInset)};
+            const double distance = dot(q - g, q - g);
+            if (distance >= least) continue;
+            least = distance;
+            best = q;
+        }
+    }
+    return best;
+}
+
+}  // namespace ccdt
