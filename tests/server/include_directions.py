@@ -11,7 +11,7 @@ import sys
 import tempfile
 
 FOLDERS = ("core", "api", "server")
-FLOORS_WITHOUT_CIRCLES = ("server",)
+FLOORS_WITHOUT_CIRCLES = ("core", "server")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
 # What a header may be included by, for all that not every folder may include: the first match decides.
@@ -115,13 +115,14 @@ def self_check():
 
 def check_circles(root):
     planted = {"server/one/a.h": "server/two/a.h", "server/two/a.h": "server/three/a.h",
-               "server/three/a.cpp": "server/one/a.h", "server/four/a.h": "server/five/a.h"}
+               "server/three/a.cpp": "server/one/a.h", "server/four/a.h": "server/five/a.h",
+               "core/one/a.cpp": "core/two/a.h", "core/two/a.cpp": "core/one/b.h"}
     for name, included in planted.items():
         path = root / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(f'#include "{included}"\n')
     found = [line.split()[0] for line in circles(root)]
-    if found != ["server/one", "server/three", "server/two"]:
+    if found != ["core/one", "core/two", "server/one", "server/three", "server/two"]:
         sys.exit(f"found {found}")
 
 
