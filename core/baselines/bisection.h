@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "core/ccdt/capacity.h"
+#include "core/ccdt/capacity_integral.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
@@ -38,7 +38,7 @@ public:
 private:
     double flow(Point a, Point b) const;
 
-    Capacity capacity_;
+    CapacityIntegral capacity_;
 };
 
 }  // namespace ccdt

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "core/baselines/equal_cells.h"
-#include "core/baselines/images.h"
 #include "core/baselines/mass_samples.h"
+#include "core/baselines/periodic_images.h"
 #include "core/baselines/site_mesh.h"
 
 namespace ccdt {
@@ -20,7 +20,7 @@ std::size_t samples_per_site(std::size_t sites) {
 EqualCells make_cells(const SiteMesh& sites, std::uint64_t seed, const std::stop_token& stop) {
     const std::size_t count = samples_per_site(sites.sites().size()) * sites.sites().size();
     return EqualCells(mass_samples(sites.domain(), sites.mesh(), sites.density(), count, seed, stop), sites.sites(),
-                      Images(sites.domain()), stop);
+                      PeriodicImages(sites.domain()), stop);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ std::size_t golden_step(std::size_t count) {
 
 }  // namespace
 
-EqualCells::EqualCells(std::vector<Point> samples, std::span<const Point> sites, const Images& images,
+EqualCells::EqualCells(std::vector<Point> samples, std::span<const Point> sites, const PeriodicImages& images,
                        const std::stop_token& stop)
     : images_(images), capacity_(samples.size() / sites.size()), radii_(sites.size()), changed_(sites.size(), 0) {
     for (const Point& site : sites) sites_.push_back(images.in_box(site));

@@ -6,7 +6,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/baselines/images.h"
+#include "core/baselines/periodic_images.h"
 #include "core/baselines/site_tree.h"
 #include "core/geometry/point.h"
 
@@ -26,7 +26,7 @@ public:
     /// @param samples  [sites * capacity]; on a torus within its box
     /// @param sites    [n >= 1] where each is at first
     /// @param stop     asked now and then; once it is requested, samples may be missing and the cells not to be used
-    EqualCells(std::vector<Point> samples, std::span<const Point> sites, const Images& images,
+    EqualCells(std::vector<Point> samples, std::span<const Point> sites, const PeriodicImages& images,
                const std::stop_token& stop);
 
     /// Looks at every pair once. The energy never rises; after finitely many sweeps there is nothing left to swap.
@@ -58,7 +58,7 @@ private:
                      std::vector<Offer>& offers) const;
     void settle(std::uint32_t site);
 
-    Images images_;
+    PeriodicImages images_;
     std::size_t capacity_;
     std::vector<Point> sites_;
     std::vector<Point> samples_;          ///< [sites * capacity]: those of the first site, of the second, ...

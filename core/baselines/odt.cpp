@@ -59,7 +59,7 @@ bool Circumcentres::step() {
 void Circumcentres::weigh() {
     // Measured: what brings the density along the border closest to the wanted one.
     constexpr double kBorderWeight = 2;
-    const Capacity& capacity = sites_.capacity();
+    const CapacityIntegral& capacity = sites_.capacity();
     if (!capacity.is_uniform()) capacity.of_triangles(mesh_, capacities_);
     weights_.assign(mesh_.triangle_count(), 1);
     for (std::uint32_t t = 0; t < weights_.size(); ++t) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "core/baselines/images.h"
+#include "core/baselines/periodic_images.h"
 #include "core/ccdt/placement.h"
 #include "core/ccdt/start.h"
 
@@ -34,7 +34,7 @@ SiteMesh::SiteMesh(const Domain& domain, const Density& density, DomainMesh empt
 Result<SiteMesh> SiteMesh::create(const Domain& domain, const Density& density, const Options& options,
                                   const std::stop_token& stop) {
     if (auto error = check(options)) return tl::unexpected(*error);
-    const Capacity capacity(domain, density);
+    const CapacityIntegral capacity(domain, density);
     if (!(capacity.total() > 0)) {
         return failure(ErrorCode::Unusable, "the density is zero all over the domain", "density");
     }
@@ -65,7 +65,7 @@ bool SiteMesh::move(std::span<const Point> wanted) {
 /// Around a torus the shorter way is taken.
 Point SiteMesh::end_of_way(Point from, Point to) const {
     if (!mesh_.is_torus()) return to;
-    const Images images(*domain_);
+    const PeriodicImages images(*domain_);
     return snapped(from + images.shortest(images.in_box(to) - images.in_box(from)));
 }
 
@@ -111,7 +111,7 @@ bool SiteMesh::insert_all(std::span<const Point> from, std::span<const Point> to
 
 bool SiteMesh::insert(Triangulation& mesh, std::uint32_t site, Point from, Point to) const {
     constexpr int kHalvings = 60;
-    const Images images(*domain_);
+    const PeriodicImages images(*domain_);
     const Point way = end_of_way(from, to) - from;
     double share = 1;
     for (int i = 0; i < kHalvings; ++i, share /= 2) {

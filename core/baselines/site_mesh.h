@@ -5,7 +5,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/ccdt/capacity.h"
+#include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/ccdt.h"
 #include "core/ccdt/domain_mesh.h"
 #include "core/ccdt/goals.h"
@@ -25,7 +25,7 @@ public:
 
     const Domain& domain() const { return *domain_; }
     const Density& density() const { return *density_; }
-    const Capacity& capacity() const { return capacity_; }
+    const CapacityIntegral& capacity() const { return capacity_; }
     const Triangulation& mesh() const { return mesh_; }
     Triangulation& mesh() { return mesh_; }
 
@@ -57,7 +57,7 @@ private:
 
     const Domain* domain_;
     const Density* density_;
-    Capacity capacity_;
+    CapacityIntegral capacity_;
     DomainMesh empty_;  ///< without sites
     Triangulation mesh_;
     std::vector<double> capacities_;   ///< [triangles]

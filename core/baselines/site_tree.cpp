@@ -21,7 +21,7 @@ double squared_distance(const Box& box, Point p) {
 
 }  // namespace
 
-SiteTree::SiteTree(std::span<const Point> sites, const Images& images)
+SiteTree::SiteTree(std::span<const Point> sites, const PeriodicImages& images)
     : images_(images), slot_of_(sites.size()), taken_(sites.size(), false) {
     const auto count = static_cast<std::uint32_t>(sites.size());
     for (std::uint32_t i = 0; i < count; ++i) sites_.push_back({i, images.in_box(sites[i])});

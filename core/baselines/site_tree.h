@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/baselines/images.h"
+#include "core/baselines/periodic_images.h"
 #include "core/geometry/point.h"
 
 namespace ccdt {
@@ -21,7 +21,7 @@ public:
     };
 
     /// @param sites  [n >= 1]. O(n log n)
-    SiteTree(std::span<const Point> sites, const Images& images);
+    SiteTree(std::span<const Point> sites, const PeriodicImages& images);
 
     /// The site nearest to a place, of those not taken away; nothing if all are. O(log n), mostly.
     /// @param place  on a torus within its box
@@ -50,7 +50,7 @@ private:
     void improve(std::size_t node, Point place, Point shift, double& best, std::optional<Found>& found) const;
     void collect(std::size_t node, Point place, Point shift, double limit, std::vector<Found>& found) const;
 
-    Images images_;
+    PeriodicImages images_;
     std::vector<Node> nodes_;   ///< children of k are 2 k + 1 and 2 k + 2
     std::vector<Found> sites_;  ///< in the order of the leaves, on a torus within its box
     std::vector<std::uint32_t> slot_of_;

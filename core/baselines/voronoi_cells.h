@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/baselines/bisection.h"
-#include "core/baselines/images.h"
+#include "core/baselines/periodic_images.h"
 #include "core/baselines/polygon_moments.h"
 
 namespace ccdt {
@@ -30,7 +30,7 @@ public:
 private:
     class Integration;
 
-    Images images_;
+    PeriodicImages images_;
     Bisection bisection_;
     SquaredDensity weight_;
     std::vector<Part> parts_;

@@ -11,7 +11,7 @@ namespace {
 
 /// How many site spacings long the edge ab is, up to each of as many equal steps along it as it crosses cells [steps +
 /// 1].
-std::vector<double> spacings_along(Point a, Point b, const Capacity& capacity, double sites_per_capacity) {
+std::vector<double> spacings_along(Point a, Point b, const CapacityIntegral& capacity, double sites_per_capacity) {
     const int samples = capacity.cells_along(a, b);
     const double step = std::sqrt(dot(b - a, b - a)) / samples;
     std::vector<double> sums{0};
@@ -22,7 +22,7 @@ std::vector<double> spacings_along(Point a, Point b, const Capacity& capacity, d
     return sums;
 }
 
-double length_in_spacings(const Domain& domain, const Capacity& capacity, double sites_per_capacity) {
+double length_in_spacings(const Domain& domain, const CapacityIntegral& capacity, double sites_per_capacity) {
     double length = 0;
     for (const Ring& ring : domain.rings()) {
         for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -34,7 +34,7 @@ double length_in_spacings(const Domain& domain, const Capacity& capacity, double
 
 }  // namespace
 
-Border make_border(const Domain& domain, const Capacity& capacity, std::size_t sites) {
+Border make_border(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites) {
     const double sites_per_capacity = static_cast<double>(sites) / capacity.total();
     // Along a domain thinner than the spacing of its sites, fewer do.
     const double most = 4.0 * static_cast<double>(sites) + 64;

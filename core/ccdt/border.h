@@ -5,7 +5,7 @@
 
 #include <tl/expected.hpp>
 
-#include "core/ccdt/capacity.h"
+#include "core/ccdt/capacity_integral.h"
 #include "core/geometry/delaunay.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
@@ -20,7 +20,7 @@ struct Border {
 
 /// The domain's corners and, between them, vertices about as far apart as sites are there; but no more than a few for
 /// every site.
-Border make_border(const Domain& domain, const Capacity& capacity, std::size_t sites);
+Border make_border(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites);
 
 /// The domain's corners alone.
 Border bare_border(const Domain& domain);

@@ -31,24 +31,16 @@ private:
     void report();
     std::vector<Distribution> collect();
 
-    struct Ink {
-        Ink(const Domain& domain, const Density& density, const Options& own, const std::stop_token& stop)
-            : options(own), construction(domain, density, options, stop) {}
-
-        Options options;
-        Construction construction;
-    };
-
     const Domain& domain_;
     const Options& options_;
     const Control& control_;
-    std::vector<std::unique_ptr<Ink>> inks_;    ///< [inks]; null for those without sites
-    std::vector<Construction*> constructions_;  ///< those that there are
-    std::optional<PolishSettings> settings_;    ///< none if there is no polish
-    int round_ = 0;                             ///< of the polish
+    std::vector<std::unique_ptr<Construction>> inks_;  ///< [inks]; null for those without sites
+    std::vector<Construction*> constructions_;         ///< those that there are
+    std::optional<PolishSettings> settings_;           ///< none if there is no polish
+    int round_ = 0;                                    ///< of the polish
 };
 
-/// The first one keeps the seed.
+/// Seed of an ink that has sites; the first one keeps that of the options.
 std::uint64_t seed_of(std::uint64_t seed, std::size_t number) {
     constexpr int kSeedBits = 53;
     return number == 0 ? seed : Random(seed, number).bits() >> (64 - kSeedBits);
@@ -64,8 +56,8 @@ InkConstructions::InkConstructions(const Domain& domain, std::span<const Density
         Options own = options;
         own.sites = sites[ink];
         own.seed = seed_of(options.seed, constructions_.size());
-        inks_.back() = std::make_unique<Ink>(domain, densities[ink], own, control.stop);
-        constructions_.push_back(&inks_.back()->construction);
+        inks_.back() = std::make_unique<Construction>(domain, densities[ink], own, control.stop);
+        constructions_.push_back(inks_.back().get());
         uniform = uniform && densities[ink].is_uniform();
     }
     if (has_polish(options)) settings_ = polish_settings(options.quality, constructions_.size(), uniform);
@@ -122,7 +114,7 @@ void InkConstructions::report() {
 std::vector<Distribution> InkConstructions::collect() {
     std::vector<Distribution> distributions;
     for (const auto& ink : inks_) {
-        distributions.push_back(ink ? ink->construction.collect() : Distribution{});
+        distributions.push_back(ink ? ink->collect() : Distribution{});
         if (!ink) distributions.back().trace = {0};
     }
     return distributions;

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/ccdt/capacity.h"
+#include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/ccdt.h"
 #include "core/ccdt/domain_mesh.h"
 #include "core/ccdt/goals.h"
@@ -16,7 +16,7 @@ namespace ccdt {
 /// Errors: Malformed for an option out of range.
 Result<void> check(const Options& options);
 
-/// Whether iterations are followed by a polish.
+/// Tells whether iterations are followed by a polish.
 bool has_polish(const Options& options);
 
 /// Builds the capacity-constrained triangulation of one density, step by step: start(); iterate() as long as it goes
@@ -24,7 +24,7 @@ bool has_polish(const Options& options);
 /// there is.
 class Construction {
 public:
-    /// @param options, density  must outlive this, as the domain
+    /// @param domain, density  must outlive this
     Construction(const Domain& domain, const Density& density, const Options& options, const std::stop_token& stop);
     Construction(const Construction&) = delete;  // the relaxation holds on to the mesh
     Construction& operator=(const Construction&) = delete;
@@ -33,13 +33,13 @@ public:
     /// Errors: Unusable if the density is zero all over the domain, or the domain too thin; Stopped.
     Result<void> start();
 
-    /// Whether there is an iteration to do.
+    /// Tells whether there is an iteration to do.
     bool goes_on() const;
     /// Does the geometry passes of an iteration and its triangulation phase.
     /// @returns  false if it was stopped
     bool iterate();
 
-    /// Null for a draft, and where no iteration is wanted.
+    /// Steps of the polish; null for a draft, and where no iteration is wanted.
     MeshPolish* polish() { return polish_ ? &*polish_ : nullptr; }
     Triangulation& mesh() { return placed_->mesh; }
 
@@ -61,9 +61,9 @@ private:
 
     const Domain& domain_;
     const Density& density_;
-    const Options& options_;
+    Options options_;
     std::stop_token stop_;
-    Capacity capacity_;
+    CapacityIntegral capacity_;
     std::optional<StartSites> start_;
     std::optional<MeshPolish> polish_;
     std::optional<DomainMesh> placed_;

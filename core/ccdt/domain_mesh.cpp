@@ -19,7 +19,7 @@ std::vector<Point> to_user(const Domain& domain, std::span<const Point> places) 
 
 }  // namespace
 
-Result<DomainMesh> empty_mesh(const Domain& domain, const Capacity& capacity, std::size_t sites,
+Result<DomainMesh> empty_mesh(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites,
                               const std::stop_token& stop) {
     if (domain.is_torus()) return DomainMesh{{}, Triangulation(sites, domain.unit_bounds().max)};
     Border border = make_border(domain, capacity, sites);

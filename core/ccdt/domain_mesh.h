@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/ccdt/border.h"
-#include "core/ccdt/capacity.h"
+#include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/ccdt.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
@@ -24,7 +24,7 @@ struct DomainMesh {
 /// The triangulation that sites are inserted into.
 /// @param sites  how many will be
 /// @param stop   asked now and then: Error Stopped
-Result<DomainMesh> empty_mesh(const Domain& domain, const Capacity& capacity, std::size_t sites,
+Result<DomainMesh> empty_mesh(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites,
                               const std::stop_token& stop = {});
 
 /// Where the sites stand, in the caller's coordinates [sites].

@@ -52,7 +52,7 @@ void aim(const Triangulation& mesh, std::uint32_t triangle, const std::vector<do
 
 }  // namespace
 
-double set_goals(const Triangulation& mesh, const Capacity& capacity, const std::vector<double>& capacities,
+double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals) {
     constexpr double kLeastTarget = 1e-9;  // less is rounding
     const double unit = 2 * static_cast<double>(mesh.site_count()) / capacity.total();

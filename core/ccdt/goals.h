@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/ccdt/capacity.h"
+#include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/relaxation.h"
 #include "core/mesh/triangulation.h"
 
@@ -24,7 +24,7 @@ namespace ccdt {
 /// @returns  the capacity variation: standard deviation over mean of capacity / target, each triangle weighing as much
 ///           as its target; triangles between vertices of the border alone, which no site can move, left out
 /// Departs from Xu et al. 2011, where all triangles aim at the same and sites crowd onto the border.
-double set_goals(const Triangulation& mesh, const Capacity& capacity, const std::vector<double>& capacities,
+double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals);
 
 }  // namespace ccdt

@@ -13,9 +13,9 @@ namespace ccdt {
 namespace {
 
 /// Draws points evenly from the inside of a triangulation.
-class Anywhere {
+class InteriorSampler {
 public:
-    explicit Anywhere(std::vector<std::array<Point, 3>> triangles) : triangles_(std::move(triangles)) {
+    explicit InteriorSampler(std::vector<std::array<Point, 3>> triangles) : triangles_(std::move(triangles)) {
         double sum = 0;
         for (const auto& [a, b, c] : triangles_) areas_.push_back(sum += cross(b - a, c - a));
     }
@@ -44,9 +44,9 @@ std::optional<Error> place_sites(Triangulation& mesh, std::span<const Point> fir
     constexpr int kAttempts = 16;
     constexpr int kLastAttempts = 1000;
     constexpr std::size_t kStopStride = 4096;
-    constexpr std::uint64_t kAnywhere = 0x616e797768657265;  // keeps these draws apart from the start's
+    constexpr std::uint64_t kInteriorStream = 0x616e797768657265;  // keeps these draws apart from the start's
     const std::size_t sites = mesh.site_count();
-    std::optional<Anywhere> anywhere;
+    std::optional<InteriorSampler> interior;
     const auto place = [&](std::size_t site) {
         const auto vertex = static_cast<std::uint32_t>(site);
         for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -54,10 +54,10 @@ std::optional<Error> place_sites(Triangulation& mesh, std::span<const Point> fir
                 return true;
         }
         // Next to nothing of the site's cell lies in the domain.
-        if (!anywhere) anywhere.emplace(mesh.inside_triangles());
-        Random random(seed ^ kAnywhere, site);
+        if (!interior) interior.emplace(mesh.inside_triangles());
+        Random random(seed ^ kInteriorStream, site);
         for (int attempt = 0; attempt < kLastAttempts; ++attempt) {
-            if (mesh.insert(vertex, anywhere->draw(random), margin)) return true;
+            if (mesh.insert(vertex, interior->draw(random), margin)) return true;
         }
         return false;
     };

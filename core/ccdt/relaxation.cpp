@@ -28,7 +28,7 @@ Point minimum(double xx, double xy, double yy, Point gradient) {
 }  // namespace
 
 /// Normal equations of one vertex about its present place: the energy's half gradient and half Hessian.
-struct Relaxation::System {
+struct Relaxation::NormalEquations {
     double xx = 0, xy = 0, yy = 0;
     Point gradient;
 
@@ -300,32 +300,33 @@ Point Relaxation::place(const Ring& ring, std::size_t i) const {
 }
 
 /// Normal equations from the triangles around a vertex.
-Relaxation::System Relaxation::system_of(const Fan& fan) const {
+Relaxation::NormalEquations Relaxation::equations_of(const Fan& fan) const {
     const Ring ring = ring_of(fan);
     const Point v = mesh_.point(fan.vertex);
-    System system;
+    NormalEquations equations;
     for (std::uint32_t i = 0; i < fan.triangles; ++i) {
-        system.add(place(ring, i) - v, place(ring, i + 1) - v, terms_[fan_triangles_[fan.first + i]], options_.spring);
+        equations.add(place(ring, i) - v, place(ring, i + 1) - v, terms_[fan_triangles_[fan.first + i]],
+                      options_.spring);
     }
-    return system;
+    return equations;
 }
 
 void Relaxation::move_site(const Fan& fan) {
-    const System system = system_of(fan);
-    move(fan.vertex, options_.relaxation * minimum(system.xx, system.xy, system.yy, system.gradient), ring_of(fan),
-         fan.triangles);
+    const NormalEquations equations = equations_of(fan);
+    move(fan.vertex, options_.relaxation * minimum(equations.xx, equations.xy, equations.yy, equations.gradient),
+         ring_of(fan), fan.triangles);
 }
 
 void Relaxation::slide(const Fan& fan) {
     const std::span<const std::uint32_t> around{&fan_vertices_[fan.first], fan.neighbours};
     const std::uint32_t* triangles = &fan_triangles_[fan.first];
     const Point v = mesh_.point(fan.vertex);
-    System system = system_of(fan);
-    system.add_spring(mesh_.point(around.front()) - v, options_.border_spring * terms_[triangles[0]].spring);
-    system.add_spring(mesh_.point(around.back()) - v,
-                      options_.border_spring * terms_[triangles[fan.triangles - 1]].spring);
+    NormalEquations equations = equations_of(fan);
+    equations.add_spring(mesh_.point(around.front()) - v, options_.border_spring * terms_[triangles[0]].spring);
+    equations.add_spring(mesh_.point(around.back()) - v,
+                         options_.border_spring * terms_[triangles[fan.triangles - 1]].spring);
     const Point along = mesh_.point(around.front()) - mesh_.point(around.back());
-    move(fan.vertex, options_.relaxation * system.minimum_along(along) * along, ring_of(fan), fan.triangles);
+    move(fan.vertex, options_.relaxation * equations.minimum_along(along) * along, ring_of(fan), fan.triangles);
 }
 
 /// Moves a vertex as far as leaves the first so many triangles around it enough of their area.
@@ -353,7 +354,7 @@ void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::siz
     mesh_.points()[vertex] = moved;
 }
 
-void Relaxation::exact_pass(const Capacity& capacity, const std::stop_token& stop) {
+void Relaxation::exact_pass(const CapacityIntegral& capacity, const std::stop_token& stop) {
     capacity.of_edges(mesh_, capacities_, sweeps_, stop);
     if (stop.stop_requested()) return;
     const double unit = 2 * static_cast<double>(mesh_.site_count()) / capacity.total();
@@ -366,7 +367,7 @@ void Relaxation::move_exactly(std::uint32_t site, double unit) {
     ring_vertices_.clear();
     ring_lifts_.clear();
     ring_gradients_.clear();
-    System system;
+    NormalEquations equations;
     const std::uint32_t first = mesh_.edge_of(site);
     std::uint32_t h = first;
     do {
@@ -376,16 +377,16 @@ void Relaxation::move_exactly(std::uint32_t site, double unit) {
         const Point gradient{unit * (sweeps_[h] * from.y - sweeps_[after] * to.y),
                              unit * (sweeps_[after] * to.x - sweeps_[h] * from.x)};
         const Term& term = terms_[triangle];
-        system.add(term.scale * gradient, term.scale * unit * capacities_[triangle] - term.target);
-        system.add_springs(from, to, options_.spring * term.spring);
+        equations.add(term.scale * gradient, term.scale * unit * capacities_[triangle] - term.target);
+        equations.add_springs(from, to, options_.spring * term.spring);
         ring_vertices_.push_back(mesh_.target(h));
         ring_lifts_.push_back(mesh_.distance(mesh_.shift(h)));
         ring_gradients_.push_back(gradient);
         h = after;
     } while (h != first);
     const Point before = mesh_.point(site);
-    move(site, minimum(system.xx, system.xy, system.yy, system.gradient), {ring_vertices_, ring_lifts_.data()},
-         ring_vertices_.size());
+    move(site, minimum(equations.xx, equations.xy, equations.yy, equations.gradient),
+         {ring_vertices_, ring_lifts_.data()}, ring_vertices_.size());
     const Point by = mesh_.point(site) - before;
     for (const Point gradient : ring_gradients_) {
         capacities_[Triangulation::triangle_of(h)] += dot(gradient, by) / unit;

@@ -7,13 +7,13 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/ccdt/capacity.h"
+#include "core/ccdt/capacity_integral.h"
 #include "core/geometry/point.h"
 #include "core/mesh/triangulation.h"
 
 namespace ccdt {
 
-/// What a triangle's doubled area counts for, and what it shall come to. In units of half the capacity that one site
+/// Weight of a triangle's doubled area, and the target of their product. In units of half the capacity that one site
 /// stands for, so that a triangle between three sites aims at 1.
 struct TriangleGoal {
     double weight = 0;  ///< capacity per doubled area, held fixed while vertices move
@@ -43,7 +43,7 @@ public:
     /// @param uniform  all weights are equal, and all targets between three sites
     Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool uniform, const RelaxationOptions& options);
 
-    /// Takes note of the mesh's edges and of new goals [triangles]. To be called before the first pass and after every
+    /// Lists the mesh's edges and takes new goals [triangles]. To be called before the first pass and after every
     /// restore_delaunay(). O(vertices).
     /// @param stop  asked now and then; no pass must follow
     void prepare(std::span<const TriangleGoal> goals, const std::stop_token& stop = {});
@@ -59,15 +59,15 @@ public:
     /// five times as much. O(vertices), and the edges' length in cells of the density.
     /// @param stop  asked now and then; moves nothing, then
     /// Source: Gauss and Newton's method; Reynolds' transport theorem.
-    void exact_pass(const Capacity& capacity, const std::stop_token& stop = {});
+    void exact_pass(const CapacityIntegral& capacity, const std::stop_token& stop = {});
 
-    /// What the passes minimise; no pass makes it larger.
+    /// Sum that the passes minimise; no pass makes it larger.
     double energy() const;
 
 private:
-    struct System;
+    struct NormalEquations;
 
-    /// What a triangle adds to the systems of its corners.
+    /// Contribution of a triangle to the normal equations of its corners.
     struct Term {
         double weight = 0;  ///< this and the target: over the square root of the share
         double target = 0;
@@ -116,7 +116,7 @@ private:
     void move_batch(std::size_t block);
     template <bool kPlain, std::size_t kPairs>
     void move_few(const std::uint32_t* record);
-    System system_of(const Fan& fan) const;
+    NormalEquations equations_of(const Fan& fan) const;
     void move_site(const Fan& fan);
     void move_exactly(std::uint32_t site, double unit);
     void slide(const Fan& fan);

@@ -7,15 +7,15 @@
 #include <numeric>
 #include <optional>
 
-#include "core/halftone/box_programme.h"
+#include "core/halftone/bounded_least_squares.h"
 
 namespace ccdt {
 
 namespace {
 
 using Cover = std::array<float, kMostInks>;
-using Numbers = BoxProgramme::Numbers;
-static_assert(kMostInks <= BoxProgramme::kMostNumbers);
+using Numbers = BoundedLeastSquares::Numbers;
+static_assert(kMostInks <= BoundedLeastSquares::kMostNumbers);
 
 /// Red, green, blue.
 using Channels = std::array<double, 3>;
@@ -35,9 +35,9 @@ Light mapped(const Light& light, Tone tone) {
 /// is none they overlap as if they knew nothing of each other, and what each lets through multiplies (Demichel,
 /// Neugebauer). Measured on flat tints: two inks overlap by their product times T^4 / (T^4 + 0.8), T being the sum of
 /// all shares, within 0.12; two inks alone by a little more, those of three by a little less.
-class Print {
+class NeugebauerModel {
 public:
-    Print(const InkSet& inks, Tone tone);
+    NeugebauerModel(const InkSet& inks, Tone tone);
 
     std::size_t count() const { return count_; }
     Channels light(const Numbers& cover) const;
@@ -59,7 +59,7 @@ private:
     std::array<Channels, kMostInks> changes_{};  ///< of the paper's light by a full cover
 };
 
-Print::Print(const InkSet& inks, Tone tone)
+NeugebauerModel::NeugebauerModel(const InkSet& inks, Tone tone)
     : count_(inks.inks.size()), additive_(inks.additive), paper_(channels(mapped(inks.paper, tone))) {
     for (std::size_t i = 0; i < count_; ++i) {
         Cover cover{};
@@ -69,7 +69,7 @@ Print::Print(const InkSet& inks, Tone tone)
     }
 }
 
-double Print::through(const Numbers& cover, std::size_t channel, std::size_t but) const {
+double NeugebauerModel::through(const Numbers& cover, std::size_t channel, std::size_t but) const {
     double share = 1;
     for (std::size_t i = 0; i < count_; ++i) {
         if (i != but && paper_[channel] > 0) share *= 1 + cover[i] * changes_[i][channel] / paper_[channel];
@@ -77,13 +77,13 @@ double Print::through(const Numbers& cover, std::size_t channel, std::size_t but
     return share;
 }
 
-double Print::spared(const Numbers& cover, std::size_t channel) const {
+double NeugebauerModel::spared(const Numbers& cover, std::size_t channel) const {
     double beside = paper_[channel];
     for (std::size_t i = 0; i < count_; ++i) beside += cover[i] * changes_[i][channel];
     return paper_[channel] * through(cover, channel, kMostInks) - beside;
 }
 
-Channels Print::light(const Numbers& cover) const {
+Channels NeugebauerModel::light(const Numbers& cover) const {
     Channels light = paper_;
     const double overlap = this->overlap(std::accumulate(cover.begin(), cover.end(), 0.0));
     for (std::size_t c = 0; c < 3; ++c) {
@@ -93,7 +93,7 @@ Channels Print::light(const Numbers& cover) const {
     return light;
 }
 
-Channels Print::change(const Numbers& cover, std::size_t ink) const {
+Channels NeugebauerModel::change(const Numbers& cover, std::size_t ink) const {
     Channels change = changes_[ink];
     if (additive_) return change;
     const double sum = std::accumulate(cover.begin(), cover.end(), 0.0);
@@ -107,69 +107,69 @@ Channels Print::change(const Numbers& cover, std::size_t ink) const {
 
 /// What is to be alike: luminance, and each channel's difference from it, which counts less. So a neutral ink alone
 /// reproduces luminance, whatever the colour.
-using Seen = std::array<double, 4>;
+using Appearance = std::array<double, 4>;
 
-Seen seen(const Channels& light) {
+Appearance appearance(const Channels& light) {
     constexpr double kColour = 0.5;
     const double luminance = 0.2126 * light[0] + 0.7152 * light[1] + 0.0722 * light[2];
     return {luminance, kColour * (light[0] - luminance), kColour * (light[1] - luminance),
             kColour * (light[2] - luminance)};
 }
 
-double dot(const Seen& a, const Seen& b) {
+double dot(const Appearance& a, const Appearance& b) {
     return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
 /// Finds the cover of each ink whose halftone looks most like a colour: least squares, and of equals the least cover.
 /// By Gauss and Newton's method, in the box of covers, from dots side by side.
-class Mixer {
+class Separator {
 public:
-    Mixer(const InkSet& inks, Tone tone) : print_(inks, tone) {}
+    Separator(const InkSet& inks, Tone tone) : model_(inks, tone) {}
 
-    Cover mix(const Light& light) const;
+    Cover cover_of(const Light& light) const;
 
 private:
     static constexpr double kPriceOfCover = 1e-4;
 
-    Seen missing(const Numbers& cover, const Light& light) const;
+    Appearance missing(const Numbers& cover, const Light& light) const;
     double cost(const Numbers& cover, const Light& light) const;
     Numbers aim(const Numbers& cover, const Light& light) const;
 
-    Print print_;
+    NeugebauerModel model_;
 };
 
-Seen Mixer::missing(const Numbers& cover, const Light& light) const {
+Appearance Separator::missing(const Numbers& cover, const Light& light) const {
     Channels left = channels(light);
-    const Channels print = print_.light(cover);
+    const Channels print = model_.light(cover);
     for (std::size_t c = 0; c < 3; ++c) left[c] -= print[c];
-    return seen(left);
+    return appearance(left);
 }
 
-double Mixer::cost(const Numbers& cover, const Light& light) const {
-    const Seen left = missing(cover, light);
+double Separator::cost(const Numbers& cover, const Light& light) const {
+    const Appearance left = missing(cover, light);
     return dot(left, left) / 2 + kPriceOfCover * std::accumulate(cover.begin(), cover.end(), 0.0);
 }
 
 /// The best cover, were all changes as they are at this one.
-Numbers Mixer::aim(const Numbers& cover, const Light& light) const {
+Numbers Separator::aim(const Numbers& cover, const Light& light) const {
     constexpr double kRidge = 1e-7;
-    BoxProgramme programme;
-    programme.count = print_.count();
-    std::array<Seen, kMostInks> changes{};
-    Seen wanted = missing(cover, light);
-    for (std::size_t i = 0; i < programme.count; ++i) {
-        changes[i] = seen(print_.change(cover, i));
+    BoundedLeastSquares problem;
+    problem.count = model_.count();
+    std::array<Appearance, kMostInks> changes{};
+    Appearance wanted = missing(cover, light);
+    for (std::size_t i = 0; i < problem.count; ++i) {
+        changes[i] = appearance(model_.change(cover, i));
         for (std::size_t k = 0; k < wanted.size(); ++k) wanted[k] += cover[i] * changes[i][k];
     }
-    for (std::size_t i = 0; i < programme.count; ++i) {
-        programme.wanted[i] = dot(changes[i], wanted) - kPriceOfCover;
-        for (std::size_t k = 0; k < programme.count; ++k) programme.products[i][k] = dot(changes[i], changes[k]);
-        programme.products[i][i] += kRidge;
+    for (std::size_t i = 0; i < problem.count; ++i) {
+        problem.wanted[i] = dot(changes[i], wanted) - kPriceOfCover;
+        for (std::size_t k = 0; k < problem.count; ++k) problem.products[i][k] = dot(changes[i], changes[k]);
+        problem.products[i][i] += kRidge;
     }
-    return programme.minimize();
+    return problem.minimize();
 }
 
-Cover Mixer::mix(const Light& light) const {
+Cover Separator::cover_of(const Light& light) const {
     constexpr int kMostSteps = 12;
     constexpr double kLeastStep = 1.0 / 64, kExact = 1e-9;
     Numbers cover = aim({}, light);
@@ -193,11 +193,11 @@ Cover Mixer::mix(const Light& light) const {
 
 /// A table over all colours, filled where it is asked. Between its nodes it is linear in each tetrahedron about the
 /// greys, as are inks that stand for the least of a colour's channels.
-class MixTable {
+class SeparationTable {
 public:
-    explicit MixTable(const Mixer& mixer) : mixer_(mixer), nodes_(kSide * kSide * kSide) {}
+    explicit SeparationTable(const Separator& separator) : separator_(separator), nodes_(kSide * kSide * kSide) {}
 
-    Cover mix(const Light& light) {
+    Cover cover_of(const Light& light) {
         struct Axis {
             float part;
             std::size_t step;
@@ -236,11 +236,12 @@ private:
     const Cover& at_node(std::size_t node) {
         const auto at = [](std::size_t index) { return static_cast<float>(index) / (kSide - 1); };
         auto& cover = nodes_[node];
-        if (!cover) cover = mixer_.mix({at(node % kSide), at(node / kSide % kSide), at(node / (kSide * kSide))});
+        if (!cover)
+            cover = separator_.cover_of({at(node % kSide), at(node / kSide % kSide), at(node / (kSide * kSide))});
         return *cover;
     }
 
-    const Mixer mixer_;
+    const Separator separator_;
     std::vector<std::optional<Cover>> nodes_;  ///< red is the fastest axis
 };
 
@@ -261,7 +262,7 @@ Light printed(const InkSet& inks, std::span<const float> cover) {
 Light halftoned(const InkSet& inks, std::span<const float> cover) {
     Numbers numbers{};
     std::ranges::copy(cover, numbers.begin());
-    const Channels light = Print(inks, Tone::Linear).light(numbers);
+    const Channels light = NeugebauerModel(inks, Tone::Linear).light(numbers);
     const auto share = [&](std::size_t channel) { return to_share(static_cast<float>(light[channel])); };
     return {share(0), share(1), share(2)};
 }
@@ -271,11 +272,11 @@ std::vector<std::vector<float>> separate(const ColourPicture& picture, const Ink
     assert(!inks.inks.empty() && inks.inks.size() <= kMostInks);
     const std::size_t pixels = picture.red.size();
     std::vector<std::vector<float>> coverage(inks.inks.size(), std::vector<float>(pixels));
-    MixTable table(Mixer(inks, tone));
+    SeparationTable table(Separator(inks, tone));
     for (std::size_t p = 0; p < pixels; ++p) {
         if (p % static_cast<std::size_t>(picture.width) == 0 && stop.stop_requested()) break;
         const float alpha = picture.alpha.empty() ? 1 : to_share(picture.alpha[p]);
-        const Cover cover = table.mix(mapped({picture.red[p], picture.green[p], picture.blue[p]}, tone));
+        const Cover cover = table.cover_of(mapped({picture.red[p], picture.green[p], picture.blue[p]}, tone));
         for (std::size_t i = 0; i < coverage.size(); ++i) coverage[i][p] = alpha * cover[i];
     }
     return coverage;

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/ccdt/border.h"
-#include "core/ccdt/capacity.h"
+#include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/goals.h"
 #include "core/ccdt/placement.h"
 #include "core/ccdt/relaxation.h"
@@ -15,7 +15,7 @@ namespace ccdt::bench {
 Stages time_stages(const Domain& domain, const Density& density, const Options& options) {
     Stages stages;
     Clock clock;
-    const Capacity capacity(domain, density);
+    const CapacityIntegral capacity(domain, density);
     const Border border = make_border(domain, capacity, options.sites);
     const StartSites start(domain, density, options);
     stages.start = clock.lap();

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/ccdt/border.h"
-#include "core/ccdt/capacity.h"
+#include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/ccdt.h"
 #include "core/ccdt/goals.h"
 #include "core/density/density.h"
@@ -38,7 +38,7 @@ struct StartMesh {
 
     Domain domain;
     Density density;
-    Capacity capacity;  // refers to the two above
+    CapacityIntegral capacity;  // refers to the two above
     Border border;
     Triangulation mesh;
     std::vector<double> capacities;

@@ -26,14 +26,15 @@ std::vector<Point> random_points(std::size_t count, std::uint64_t seed) {
 
 struct Setting {
     std::string name;
-    Images images;
+    PeriodicImages images;
 };
 
 std::vector<Setting> settings() {
-    return {{"plane", Images(Domain::rectangle(1, 0.5).value())}, {"torus", Images(Domain::torus(1, 0.5).value())}};
+    return {{"plane", PeriodicImages(Domain::rectangle(1, 0.5).value())},
+            {"torus", PeriodicImages(Domain::torus(1, 0.5).value())}};
 }
 
-EqualCells start(const Images& images) {
+EqualCells start(const PeriodicImages& images) {
     return EqualCells(random_points(kSites * kCapacity, 1), random_points(kSites, 101), images, {});
 }
 
@@ -48,13 +49,13 @@ std::vector<Point> all_samples(const EqualCells& cells) {
     return all;
 }
 
-double squared(const Images& images, Point a, Point b) {
+double squared(const PeriodicImages& images, Point a, Point b) {
     const Point way = images.shortest(a - b);
     return dot(way, way);
 }
 
 /// What the best swap between two cells would gain.
-double best_gain(const EqualCells& cells, const Images& images, std::size_t i, std::size_t j) {
+double best_gain(const EqualCells& cells, const PeriodicImages& images, std::size_t i, std::size_t j) {
     const auto most = [&](std::size_t own, std::size_t other) {
         double gain = -1;
         for (const Point& p : cells.cell(own)) {

@@ -13,14 +13,14 @@ namespace {
 
 struct Setting {
     std::string name;
-    Images images;
+    PeriodicImages images;
     Point sides;
 };
 
 std::vector<Setting> settings() {
-    return {{"plane", Images(Domain::rectangle(1, 0.5).value()), {1, 0.5}},
-            {"torus", Images(Domain::torus(1, 0.5).value()), {1, 0.5}},
-            {"thin torus", Images(Domain::torus(0.125, 1).value()), {0.125, 1}}};
+    return {{"plane", PeriodicImages(Domain::rectangle(1, 0.5).value()), {1, 0.5}},
+            {"torus", PeriodicImages(Domain::torus(1, 0.5).value()), {1, 0.5}},
+            {"thin torus", PeriodicImages(Domain::torus(0.125, 1).value()), {0.125, 1}}};
 }
 
 /// Half of them crowd into a corner.
@@ -35,7 +35,7 @@ std::vector<Point> sites_in(Point sides, std::size_t count) {
     return sites;
 }
 
-double distance(const Images& images, Point a, Point b) {
+double distance(const PeriodicImages& images, Point a, Point b) {
     const Point way = images.shortest(a - b);
     return std::sqrt(dot(way, way));
 }
@@ -95,7 +95,7 @@ TEST(SiteTree, FindsAllSitesWithinADistance) {
 }
 
 TEST(SiteTree, TakesSitesBeyondTheSeam) {
-    const Images images(Domain::torus(1, 1).value());
+    const PeriodicImages images(Domain::torus(1, 1).value());
     const std::vector<Point> sites{{-0.1, 1.2}, {0.4, 0.6}};
     EXPECT_EQ(SiteTree(sites, images).nearest({0.9, 0.2})->site, 0u);
 }

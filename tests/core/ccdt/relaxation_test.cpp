@@ -20,22 +20,22 @@ using test::StartMesh;
 
 const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
 
-struct Run {
+struct Problem {
     Domain domain;
     Density density;
     Options options;
 };
 
 /// Runs iterations by hand, checking what must hold after each pass and after each iteration.
-void expect_descent(const Run& run) {
-    StartMesh start(run.domain, run.density, run.options);
-    Relaxation relaxation(start.mesh, start.border.corner, run.density.is_uniform(), {});
-    for (int iteration = 0; iteration < run.options.iterations; ++iteration) {
+void expect_descent(const Problem& problem) {
+    StartMesh start(problem.domain, problem.density, problem.options);
+    Relaxation relaxation(start.mesh, start.border.corner, problem.density.is_uniform(), {});
+    for (int iteration = 0; iteration < problem.options.iterations; ++iteration) {
         start.measure();
         relaxation.prepare(start.goals);
         const double first = relaxation.energy();
         double before = first;
-        for (int pass = 0; pass < run.options.passes; ++pass) {
+        for (int pass = 0; pass < problem.options.passes; ++pass) {
             relaxation.pass();
             const double after = relaxation.energy();
             ASSERT_LE(after, before * (1 + 1e-9)) << "iteration " << iteration << ", pass " << pass;

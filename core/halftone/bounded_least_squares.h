@@ -11,7 +11,7 @@ namespace ccdt {
 /// By active sets, as in bounded-variable least squares (Stark, Parker 1995): one number after the other is set free
 /// from an end of its range where that gains most. G must be positive definite: then the minimum is one, and continuous
 /// in G and w. O(n^3) a step, of which there are about n.
-class BoxProgramme {
+class BoundedLeastSquares {
 public:
     static constexpr std::size_t kMostNumbers = 6;
     using Numbers = std::array<double, kMostNumbers>;
@@ -24,12 +24,12 @@ public:
     Numbers minimize() const;
 
 private:
-    enum class Place { AtZero, Free, AtOne };
-    using Places = std::array<Place, kMostNumbers>;
+    enum class State { AtZero, Free, AtOne };
+    using States = std::array<State, kMostNumbers>;
 
-    std::optional<std::size_t> to_free(const Numbers& x, const Places& places) const;
-    Numbers solve(const Numbers& x, const Places& places) const;
-    bool step(Numbers& x, Places& places, const Numbers& to) const;
+    std::optional<std::size_t> to_free(const Numbers& x, const States& states) const;
+    Numbers solve(const Numbers& x, const States& states) const;
+    bool step(Numbers& x, States& states, const Numbers& to) const;
 };
 
 }  // namespace ccdt

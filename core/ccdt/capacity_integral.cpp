@@ -1,4 +1,4 @@
-#include "core/ccdt/capacity.h"
+#include "core/ccdt/capacity_integral.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace ccdt {
 
-Capacity::Capacity(const Domain& domain, const Density& density) : density_(density) {
+CapacityIntegral::CapacityIntegral(const Domain& domain, const Density& density) : density_(density) {
     constexpr double kRounding = 1e-12;  // of the sums along the border, over the density's total
     if (density.is_uniform()) {
         total_ = domain.unit_area();
@@ -28,7 +28,7 @@ Capacity::Capacity(const Domain& domain, const Density& density) : density_(dens
     if (total_ < kRounding * density.total()) total_ = 0;
 }
 
-double Capacity::along(Point a, Point b) const {
+double CapacityIntegral::along(Point a, Point b) const {
     double sum = 0;
     const double* all_sums = density_.row_sums(0).data();
     const auto stride = static_cast<std::ptrdiff_t>(density_.width()) + 1;
@@ -61,7 +61,7 @@ bool leaves_box(const Triangulation& mesh, std::uint32_t edge) {
 }  // namespace
 
 /// Integral of the rows' totals up to y.
-double Capacity::rows_below(double y) const {
+double CapacityIntegral::rows_below(double y) const {
     const double place = y * to_grid_.y;
     const int rows = density_.height();
     const double copy = std::floor(place / rows);
@@ -72,7 +72,7 @@ double Capacity::rows_below(double y) const {
 }
 
 template <bool kRepeated>
-Capacity::Sweep Capacity::sweep(Point a, Point b) const {
+CapacityIntegral::Sweep CapacityIntegral::sweep(Point a, Point b) const {
     const int columns = density_.width(), rows = density_.height();
     constexpr int kCopies = kRepeated ? 2 * kRepeats : 1;
     const Point offset{kRepeated ? static_cast<double>(kRepeats) * columns : 0.0,
@@ -98,8 +98,8 @@ Capacity::Sweep Capacity::sweep(Point a, Point b) const {
 }
 
 /// Around a torus the two triangles at an edge may see it in different places.
-void Capacity::add_flow(const Triangulation& mesh, std::uint32_t edge, double flow,
-                        std::vector<double>& capacities) const {
+void CapacityIntegral::add_flow(const Triangulation& mesh, std::uint32_t edge, double flow,
+                                std::vector<double>& capacities) const {
     const std::uint32_t twin = mesh.twin(edge);
     const Point a = mesh.point(mesh.origin(edge)), b = a + mesh.along(edge);
     const double rise = rows_below(b.y) - rows_below(a.y);
@@ -107,8 +107,8 @@ void Capacity::add_flow(const Triangulation& mesh, std::uint32_t edge, double fl
     capacities[Triangulation::triangle_of(twin)] -= flow + (mesh.lift(twin) - mesh.shift(edge)).x * rise;
 }
 
-void Capacity::of_triangles(const Triangulation& mesh, std::vector<double>& capacities,
-                            const std::stop_token& stop) const {
+void CapacityIntegral::of_triangles(const Triangulation& mesh, std::vector<double>& capacities,
+                                    const std::stop_token& stop) const {
     capacities.assign(mesh.triangle_count(), 0);
     if (is_uniform()) {
         for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) capacities[t] = mesh.doubled_area(t) / 2;
@@ -131,8 +131,8 @@ void Capacity::of_triangles(const Triangulation& mesh, std::vector<double>& capa
     }
 }
 
-void Capacity::of_edges(const Triangulation& mesh, std::vector<double>& capacities, std::vector<double>& sweeps,
-                        const std::stop_token& stop) const {
+void CapacityIntegral::of_edges(const Triangulation& mesh, std::vector<double>& capacities, std::vector<double>& sweeps,
+                                const std::stop_token& stop) const {
     capacities.assign(mesh.triangle_count(), 0);
     sweeps.resize(4 * mesh.triangle_count());
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -155,13 +155,13 @@ void Capacity::of_edges(const Triangulation& mesh, std::vector<double>& capaciti
     }
 }
 
-int Capacity::cells_along(Point a, Point b) const {
+int CapacityIntegral::cells_along(Point a, Point b) const {
     if (is_uniform()) return 1;
     const Point span = to_grid(b - a);
     return 1 + static_cast<int>(std::abs(span.x) + std::abs(span.y));
 }
 
-double Capacity::at(Point p) const {
+double CapacityIntegral::at(Point p) const {
     if (is_uniform()) return 1;
     Point g = to_grid(p);
     if (!rows_below_.empty()) {

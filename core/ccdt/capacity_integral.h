@@ -14,10 +14,10 @@ namespace ccdt {
 /// triangle's capacity is the integral of F dy along its edges, F(x, y) the density's sum in the row up to x, and F
 /// is linear within a cell. Capacities of all triangles add up to the domain's to rounding. Around a torus the density
 /// repeats itself, and F grows by the row's total with every period.
-class Capacity {
+class CapacityIntegral {
 public:
     /// Both must outlive this.
-    Capacity(const Domain& domain, const Density& density);
+    CapacityIntegral(const Domain& domain, const Density& density);
 
     bool is_uniform() const { return density_.is_uniform(); }
 

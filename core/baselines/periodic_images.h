@@ -8,9 +8,9 @@
 namespace ccdt {
 
 /// The copies of a point around a torus. In other domains there is the point alone.
-class Images {
+class PeriodicImages {
 public:
-    explicit Images(const Domain& domain) {
+    explicit PeriodicImages(const Domain& domain) {
         if (!domain.is_torus()) return;
         period_ = domain.unit_bounds().max;
         half_ = 0.5 * period_;

@@ -1,4 +1,4 @@
-#include "core/ccdt/capacity.h"
+#include "core/ccdt/capacity_integral.h"
 
 #include <cmath>
 #include <numeric>
@@ -24,7 +24,7 @@ Triangulation mesh_of(const Domain& domain, const std::vector<Point>& sites) {
     return mesh;
 }
 
-std::vector<double> capacities_of(const Capacity& capacity, const Triangulation& mesh) {
+std::vector<double> capacities_of(const CapacityIntegral& capacity, const Triangulation& mesh) {
     std::vector<double> capacities;
     capacity.of_triangles(mesh, capacities);
     return capacities;
@@ -36,10 +36,10 @@ double sum_of(const std::vector<double>& values) {
 
 const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
 
-TEST(Capacity, OfAUniformDensityIsTheArea) {
+TEST(CapacityIntegral, OfAUniformDensityIsTheArea) {
     const Domain domain = domain_of({{test::l_shape(), {}}});
     const Density uniform = Density::uniform();
-    const Capacity capacity(domain, uniform);
+    const CapacityIntegral capacity(domain, uniform);
     EXPECT_DOUBLE_EQ(capacity.total(), domain.unit_area());
     const Triangulation mesh = mesh_of(domain, {{0.2, 0.3}, {0.7, 0.2}});
     const auto capacities = capacities_of(capacity, mesh);
@@ -49,10 +49,10 @@ TEST(Capacity, OfAUniformDensityIsTheArea) {
     EXPECT_NEAR(sum_of(capacities), capacity.total(), 1e-15);
 }
 
-TEST(Capacity, OfOneCellIsTheArea) {
+TEST(CapacityIntegral, OfOneCellIsTheArea) {
     const Domain domain = domain_of({{test::u_shape(), {}}});
     const Density one = grid_of(1, 1, [](int, int) { return 3.0; });
-    const Capacity capacity(domain, one);
+    const CapacityIntegral capacity(domain, one);
     const Triangulation mesh = mesh_of(domain, {{0.1, 0.3}, {0.9, 0.6}});
     const auto capacities = capacities_of(capacity, mesh);
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -60,22 +60,22 @@ TEST(Capacity, OfOneCellIsTheArea) {
     }
 }
 
-TEST(Capacity, OfTheWholeBoxIsTheSumOfTheCells) {
+TEST(CapacityIntegral, OfTheWholeBoxIsTheSumOfTheCells) {
     const Domain domain = domain_of(kSquare);
     Random random(1, 0);
     const Density noise = grid_of(37, 53, [&](int, int) { return random.uniform(); });
-    EXPECT_NEAR(Capacity(domain, noise).total(), noise.total(), 1e-12 * noise.total());
+    EXPECT_NEAR(CapacityIntegral(domain, noise).total(), noise.total(), 1e-12 * noise.total());
 }
 
 /// The ramp is sampled at the cells' centres: the difference to the linear function is of second order in their size.
-TEST(Capacity, FollowsALinearRamp) {
+TEST(CapacityIntegral, FollowsALinearRamp) {
     constexpr int kCells = 512;
     const Domain domain = domain_of(kSquare);
     const auto ramp = [](double x, double y) { return 0.25 + x + 2 * y; };
     const Density density =
         grid_of(kCells, kCells, [&](int i, int j) { return ramp((i + 0.5) / kCells, (j + 0.5) / kCells); });
     const double unit = density.largest() / ramp(1 - 0.5 / kCells, 1 - 0.5 / kCells);
-    const Capacity capacity(domain, density);
+    const CapacityIntegral capacity(domain, density);
     const Triangulation mesh = mesh_of(domain, {{0.31, 0.42}, {0.77, 0.13}, {0.52, 0.91}, {0.11, 0.86}});
     const auto capacities = capacities_of(capacity, mesh);
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -86,12 +86,12 @@ TEST(Capacity, FollowsALinearRamp) {
     }
 }
 
-TEST(Capacity, IsExactWhereEdgesLieOnCellLines) {
+TEST(CapacityIntegral, IsExactWhereEdgesLieOnCellLines) {
     // Four cells of values 1/8, 1/4, 1/2 and 1, a site in the middle: each triangle has half of two cells.
     const Domain domain = domain_of(kSquare);
     const Density density = grid_of(2, 2, [](int i, int j) { return std::ldexp(1.0, i + 2 * j - 3); });
     const Triangulation mesh = mesh_of(domain, {{0.5, 0.5}});
-    const auto capacities = capacities_of(Capacity(domain, density), mesh);
+    const auto capacities = capacities_of(CapacityIntegral(domain, density), mesh);
     ASSERT_EQ(capacities.size(), 4u);
     for (std::uint32_t t = 0; t < 4; ++t) {
         const auto [a, b, c] = mesh.corners(t);
@@ -101,11 +101,11 @@ TEST(Capacity, IsExactWhereEdgesLieOnCellLines) {
     }
 }
 
-TEST(Capacity, IsExactForTrianglesSmallerThanACell) {
+TEST(CapacityIntegral, IsExactForTrianglesSmallerThanACell) {
     const Domain domain = domain_of(kSquare);
     Random random(3, 0);
     const Density density = grid_of(8, 8, [&](int, int) { return random.uniform(); });
-    const Capacity capacity(domain, density);
+    const CapacityIntegral capacity(domain, density);
     std::vector<Point> sites;  // all within one cell
     for (int i = 0; i < 100; ++i) sites.push_back({0.38 + 0.11 * random.uniform(), 0.63 + 0.11 * random.uniform()});
     const Triangulation mesh = mesh_of(domain, sites);
@@ -122,14 +122,14 @@ TEST(Capacity, IsExactForTrianglesSmallerThanACell) {
     EXPECT_NEAR(sum_of(capacities), capacity.total(), 1e-12 * capacity.total());
 }
 
-TEST(Capacity, TurnsWithItsDensity) {
+TEST(CapacityIntegral, TurnsWithItsDensity) {
     const Domain domain = domain_of(kSquare);
     const Density density = grid_of(5, 5, [](int i, int j) { return 1.0 + 3 * i + 7 * j; });
     const Density turned = grid_of(5, 5, [](int i, int j) { return 1.0 + 3 * j + 7 * (4 - i); });
     const Triangulation mesh = mesh_of(domain, {{0.3, 0.4}});
     const Triangulation turned_mesh = mesh_of(domain, {{1 - 0.4, 0.3}});
-    auto before = capacities_of(Capacity(domain, density), mesh);
-    auto after = capacities_of(Capacity(domain, turned), turned_mesh);
+    auto before = capacities_of(CapacityIntegral(domain, density), mesh);
+    auto after = capacities_of(CapacityIntegral(domain, turned), turned_mesh);
     std::sort(before.begin(), before.end());
     std::sort(after.begin(), after.end());
     ASSERT_EQ(before.size(), after.size());
@@ -155,7 +155,7 @@ TEST_P(CapacitySum, IsTheTotal) {
     for (const Parts& parts : domains) {
         const Domain domain = domain_of(parts);
         for (const std::size_t sites : {1, 30, 2000}) {
-            if (!(Capacity(domain, density).total() > 0)) continue;
+            if (!(CapacityIntegral(domain, density).total() > 0)) continue;
             StartMesh start(domain, density, Options{.sites = sites, .seed = 7});
             start.measure();
             // What is left of the domain in a row counts into sums along the way: it bounds the rounding.
@@ -166,11 +166,11 @@ TEST_P(CapacitySum, IsTheTotal) {
 
 INSTANTIATE_TEST_SUITE_P(Grids, CapacitySum, testing::Range(0, 8));
 
-TEST(Capacity, AddsUpWhereVerticesLieOnCellLines) {
+TEST(CapacityIntegral, AddsUpWhereVerticesLieOnCellLines) {
     const Domain domain = domain_of(kSquare);
     Random random(9, 0);
     const Density density = grid_of(16, 16, [&](int, int) { return random.uniform(); });
-    const Capacity capacity(domain, density);
+    const CapacityIntegral capacity(domain, density);
     std::vector<Point> sites;
     for (int j = 1; j < 16; ++j) {
         for (int i = 1; i < 16; ++i) sites.push_back({i / 16.0, j / 16.0});
@@ -189,7 +189,7 @@ TEST(Capacity, AddsUpWhereVerticesLieOnCellLines) {
 }
 
 /// A triangle's capacity changes with a small move of a corner as the sweeps of its edges there say, to first order.
-TEST(Capacity, ChangesByWhatEdgesSweep) {
+TEST(CapacityIntegral, ChangesByWhatEdgesSweep) {
     Random random(11, 0);
     const Density density = grid_of(24, 16, [&](int, int) { return random.uniform() < 0.3 ? 0.0 : random.uniform(); });
     for (const Domain& domain : {Domain::rectangle(3, 2).value(), Domain::torus(3, 2).value()}) {
