@@ -192,16 +192,15 @@ int serve(const Config& config) {
         metrics.add(end);
         log.job(end);
     });
-    Routes routes(config, pool, compute, jobs, metrics, [&]() -> std::string {
+    const auto lacking = [&]() -> std::string {
         if (!(*box)->is_ready()) return "the decoder of pictures is being started again";
         return (*computing)->is_ready() ? "" : "what makes the processes that compute is being started again";
-    });
+    };
+    Routes routes(config, {gate, pool, compute, jobs, metrics, lacking});
     const auto listening = HttpServer::listen(
         config.bind, config.port, config.patience, config.capacity,
         [&](const auto& request, const auto& received, auto& connection) {
-            auto verdict = received ? gate.check(request, connection.address()) : Gate::Verdict{{}, {}, received};
-            connection.name_client(std::move(verdict.client), std::move(verdict.key));
-            return routes.answer(request, verdict.admission, connection);
+            return routes.answer(request, received, connection);
         },
         [&](const Exchange& exchange) {
             metrics.add(exchange);

@@ -3,8 +3,6 @@
 #include <string_view>
 #include <utility>
 
-#include "server/page/page.h"
-
 namespace ccdt::server {
 namespace {
 
@@ -12,15 +10,6 @@ namespace {
 bool is_preflight(const Request& request) {
     return request.method == "OPTIONS" && !request.header("Origin").empty() &&
            !request.header("Access-Control-Request-Method").empty();
-}
-
-/// A browser that opens the page sends no key; the page asks for it.
-bool is_of_page(const Request& request) {
-    return (request.method == "GET" || request.method == "HEAD") && find_page_file(request.path) != nullptr;
-}
-
-bool is_free(const Request& request) {
-    return is_of_page(request) || request.path == "/health" || request.path.starts_with("/health/");
 }
 
 tl::unexpected<Problem> no_key(bool none_shown) {
@@ -40,8 +29,8 @@ Result<void> Gate::read_keys() {
     return {};
 }
 
-Gate::Verdict Gate::check(const Request& request, const std::string& address) {
-    if (is_free(request)) return {{}, address, {}};
+Gate::Verdict Gate::check(const Request& request, const std::string& address, bool is_free) {
+    if (is_free) return {{}, address, {}};
     const auto ring = keys();
     const auto key = bearer_key(request.header("Authorization"));
     const auto name = ring && !key.empty() ? ring->find(key) : std::nullopt;

@@ -16,9 +16,8 @@ namespace ccdt::server {
 /// Decides whether a request may pass: it needs a key if there are any, and must not come too often.
 ///
 /// The rate is counted by key, or by address for those without a good one, so that keys cannot be guessed fast. Over a
-/// Unix socket clients have no address, and are not limited without a key. Balancers and browsers send no keys with
-/// health checks and preflights, which need none; health checks and the page always pass, preflights count by address.
-/// May be used from any thread.
+/// Unix socket clients have no address, and are not limited without a key. Browsers send no keys with preflights, which
+/// need none, and count by address. May be used from any thread.
 class Gate {
 public:
     struct Verdict {
@@ -33,7 +32,8 @@ public:
     /// Reads the file of keys, if one is configured. After an error the keys are what they were.
     Result<void> read_keys();
 
-    Verdict check(const Request& request, const std::string& address);
+    /// @param is_free  needs no key, whatever it says, and does not count
+    Verdict check(const Request& request, const std::string& address, bool is_free = false);
 
 private:
     std::shared_ptr<const KeyRing> keys() const;

@@ -278,6 +278,19 @@ std::vector<api::TextOption> parse_query(std::string_view query) {
     return options;
 }
 
+std::string encode_percent(std::string_view text) {
+    std::string encoded;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (is_digit(c) || (to_lower(c) >= 'a' && to_lower(c) <= 'z') || c == '.' || c == '-' || c == '_') {
+            encoded += c;
+        } else {
+            encoded += {'%', "0123456789ABCDEF"[byte / 16], "0123456789ABCDEF"[byte % 16]};
+        }
+    }
+    return encoded;
+}
+
 std::string media_type(std::string_view content_type) {
     std::string type(api::trim(content_type.substr(0, content_type.find(';'))));
     std::ranges::transform(type, type.begin(), to_lower);

@@ -36,6 +36,9 @@ bool prefers(const Request& request, std::string_view preference);
 /// The parameters of a query, in order and with their repetitions; `+` is a space.
 std::vector<api::TextOption> parse_query(std::string_view query);
 
+/// Encodes a name or value of a query so that `parse_query` gives it back, whatever it holds.
+std::string encode_percent(std::string_view text);
+
 /// The type and subtype of a Content-Type, in small letters.
 std::string media_type(std::string_view content_type);
 

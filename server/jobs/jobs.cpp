@@ -9,6 +9,8 @@
 #include <system_error>
 #include <utility>
 
+#include "server/work/form.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -221,17 +223,29 @@ Jobs::Run Jobs::compute(const Job& job, const LivePointer& live, const std::stop
     Run run{failure(ErrorCode::Internal, ""), {}};
     run.stages.queue = Milliseconds(*job.started - job.created).count();
     try {
-        const auto question = store_.question(job.id);
-        if (!question || !*question) {
-            run.answer = failure(ErrorCode::Internal, question ? "the question is lost" : question.error().message);
+        const auto question = load_question(job.id);
+        if (!question) {
+            run.answer = tl::unexpected(question.error());
             return run;
         }
         const Control control{stop, [&](const Progress& progress) { note(live, progress); }};
-        run.answer = compute_(**question, {}, control, run.stages.work);
+        run.answer = compute_(*question, {}, control, run.stages.work);
     } catch (const std::exception& exception) {
         run.answer = failure(ErrorCode::Internal, exception.what());
     }
     return run;
+}
+
+Result<Question> Jobs::load_question(const std::string& id) const {
+    auto stored = store_.question(id);
+    if (!stored) return failure(ErrorCode::Internal, std::move(stored.error().message));
+    if (!*stored) return failure(ErrorCode::Internal, "the question is lost");
+    Question question = **std::move(stored);
+    // Earlier versions stored forms as they came.
+    const auto apart = find_fields(question).and_then(
+        [&](const std::vector<FormPart>& fields) { return take_apart(question, fields); });
+    if (!apart) return tl::unexpected(apart.error());
+    return question;
 }
 
 void Jobs::note(const LivePointer& live, const Progress& progress) {

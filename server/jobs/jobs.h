@@ -146,6 +146,7 @@ private:
     void run(const LivePointer& live, const std::stop_token& stop);
     std::optional<Job> begin(const LivePointer& live);
     Run compute(const Job& job, const LivePointer& live, const std::stop_token& stop);
+    Result<Question> load_question(const std::string& id) const;
     void note(const LivePointer& live, const Progress& progress);
     void finish_run(const LivePointer& live, Run run);
     bool withdraw_locked(Live& live);

@@ -12,6 +12,7 @@
 #include "server/http/entity_tag.h"
 #include "server/routes/job_routes.h"
 #include "server/work/answer_name.h"
+#include "server/work/form.h"
 
 namespace ccdt::server {
 namespace {
@@ -61,7 +62,9 @@ Response response_of(api::Answer answer, const std::string& name, Record& record
 /// A question, and its part of the memory for those that wait. Shared with the worker, which may still read it when the
 /// connection has left.
 struct Computing::Asked {
+    const Operation& operation;
     Question question;
+    std::string name;  ///< of the answer
     MemoryBudget::Lease lease;
 };
 
@@ -120,39 +123,38 @@ Computing::Computing(const Config& config, WorkerPool& pool, Compute compute, Jo
       waiting_memory_(pool.memory().total() / 3),  // a quarter of both
       cache_(config.cache) {}
 
-HttpResult<Response> Computing::answer(const Incoming& incoming) {
+HttpResult<Response> Computing::answer(const Operation& operation, const Incoming& incoming) {
     const Request& request = incoming.request;
     Question question{request.path,
                       request.query,
                       std::string(request.header("Content-Type")),
                       std::string(request.header("Accept")),
                       {}};
-    if (auto checked = check(question); !checked) return problem(std::move(checked.error()));
+    if (auto checked = check(operation, question); !checked) return problem(std::move(checked.error()));
     const bool deferred = prefers(request, "respond-async");
     auto body = read_body(incoming, deferred);
     if (!body) return tl::unexpected(std::move(body.error()));
     question.body = *std::move(body);
-    const auto asked = take_in(std::move(question));
+    const auto asked = take_in(operation, std::move(question));
     if (!asked) return tl::unexpected(asked.error());
-    const std::string name = name_of_answer((*asked)->question, config_.limits);
+    const std::string& name = (*asked)->name;
     if (const auto tag = find_tag(request.header("If-None-Match"), name)) return not_modified(*tag);
     if (deferred) return defer(*asked, incoming);
     const bool compressed = accepts_gzip(request.header("Accept-Encoding"));
     if (auto response = recall(name, compressed, incoming)) return *std::move(response);
-    return compute(*asked, name, compressed, incoming);
+    return compute(*asked, compressed, incoming);
 }
 
-HttpResult<Response> Computing::compute(const AskedPointer& asked, const std::string& name, bool compressed,
-                                        const Incoming& incoming) {
+HttpResult<Response> Computing::compute(const AskedPointer& asked, bool compressed, const Incoming& incoming) {
     const auto deadline = Clock::now() + config_.timeout;
     const auto cost = find_cost(asked, incoming, deadline);
     if (!cost) return tl::unexpected(cost.error());
     auto product = run(asked, *cost, compressed, incoming, deadline);
     if (!product) return tl::unexpected(std::move(product.error()));
     auto& [answer, lease] = *product;
-    if (!answer.partial) cache_.keep(cache_key(name, compressed, cache_owner(incoming.connection)), answer);
+    if (!answer.partial) cache_.keep(cache_key(asked->name, compressed, cache_owner(incoming.connection)), answer);
     incoming.record.computed = Computed{answer.sites, answer.pixels};
-    Response response = response_of(std::move(answer), name, incoming.record);
+    Response response = response_of(std::move(answer), asked->name, incoming.record);
     response.lease = std::make_shared<MemoryBudget::Lease>(std::move(lease));
     return response;
 }
@@ -176,7 +178,8 @@ std::optional<Response> Computing::recall(const std::string& name, bool compress
 
 /// Reads the body of a request that is to be computed, unless it is clear already that it will not be.
 HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool deferred) const {
-    const auto& [request, connection, record] = incoming;
+    const Request& request = incoming.request;
+    Connection& connection = incoming.connection;
     const auto encoding = request.header("Content-Encoding");
     if (!encoding.empty() && !equals_ignoring_case(encoding, "identity"))
         return problem(415, "a Content-Encoding is not understood; send the body as it is");
@@ -188,16 +191,20 @@ HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool defe
     return connection.read_body(request, config_.max_body);
 }
 
-/// Counts the question's memory from here on until nobody needs it any more.
-HttpResult<Computing::AskedPointer> Computing::take_in(Question question) {
+/// Takes apart what was asked, and counts its memory from here on until nobody needs it any more.
+HttpResult<Computing::AskedPointer> Computing::take_in(const Operation& operation, Question question) {
     const std::size_t size = question.body.size();
     if (size > waiting_memory_.total()) return too_large(size);
     auto lease = waiting_memory_.take(size);
     if (!lease) return busy(429, "too many large requests are waiting");
-    return std::make_shared<const Asked>(Asked{std::move(question), *std::move(lease)});
+    auto fields = find_fields(question);
+    if (!fields) return problem(std::move(fields.error()));
+    std::string name = name_of_answer(question, *fields, config_.limits);
+    if (auto apart = take_apart(question, *fields); !apart) return problem(std::move(apart.error()));
+    return std::make_shared<const Asked>(operation, std::move(question), std::move(name), *std::move(lease));
 }
 
-/// Makes a job of what is understood now and computed when its turn comes.
+/// Makes a job of what is parsed now and computed when its turn comes.
 HttpResult<Response> Computing::defer(const AskedPointer& asked, const Incoming& incoming) {
     const auto cost = find_cost(asked, incoming, Clock::now() + config_.timeout);
     if (!cost) return tl::unexpected(cost.error());
@@ -211,16 +218,16 @@ HttpResult<Response> Computing::defer(const AskedPointer& asked, const Incoming&
     return jobs_.accept(std::move(job), asked->question).map(accepted);
 }
 
-/// Finds what a request costs, which is known once it is understood: a worker does that unless it is quick.
+/// Finds what a request costs, which is known once it is parsed: a worker does that unless it is quick.
 HttpResult<api::Cost> Computing::find_cost(const AskedPointer& asked, const Incoming& incoming,
                                            Clock::time_point deadline) {
     Task<api::Cost> find = [asked, &limits = config_.limits](const Control&, api::Timings&) {
-        return understand(asked->question, limits).map([&](const Understood& understood) {
-            return cost_of_answering(asked->question, understood, limits);
+        return asked->operation.parse(asked->question, limits).map([&](const ParsedPointer& parsed) {
+            return cost_of_answering(asked->operation, asked->question, *parsed);
         });
     };
-    if (!is_quickly_understood(asked->question))
-        return have_worker_do(std::move(find), cost_of_understanding(asked->question), incoming, deadline);
+    if (!is_quickly_parsed(asked->operation, asked->question))
+        return have_worker_do(std::move(find), cost_of_parsing(asked->operation, asked->question), incoming, deadline);
     auto cost = find({}, incoming.record.stages.work);
     if (!cost) return problem(std::move(cost.error()));
     return *cost;

@@ -18,6 +18,7 @@
 #include "server/routes/incoming.h"
 #include "server/work/computation.h"
 #include "server/work/memory_budget.h"
+#include "server/work/operation.h"
 #include "server/work/worker_pool.h"
 
 namespace ccdt::server {
@@ -29,7 +30,7 @@ public:
     /// Pool and jobs must outlive it. Requests may take a third of the memory that the pool has for jobs, besides that.
     Computing(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs);
 
-    HttpResult<Response> answer(const Incoming& incoming);
+    HttpResult<Response> answer(const Operation& operation, const Incoming& incoming);
 
     /// That requests hold until they are done, besides what the pool's jobs take.
     const MemoryBudget& waiting_memory() const { return waiting_memory_; }
@@ -59,7 +60,7 @@ private:
     tl::unexpected<Problem> too_slow(Record& record) const;
     tl::unexpected<Problem> too_large(std::size_t bytes) const;
     HttpResult<std::string> read_body(const Incoming& incoming, bool deferred) const;
-    HttpResult<AskedPointer> take_in(Question question);
+    HttpResult<AskedPointer> take_in(const Operation& operation, Question question);
     HttpResult<Response> defer(const AskedPointer& asked, const Incoming& incoming);
     HttpResult<api::Cost> find_cost(const AskedPointer& asked, const Incoming& incoming, Clock::time_point deadline);
     template <class T>
@@ -70,8 +71,7 @@ private:
                               Clock::time_point deadline);
     std::string cache_owner(const Connection& connection) const;
     std::optional<Response> recall(const std::string& name, bool compressed, const Incoming& incoming);
-    HttpResult<Response> compute(const AskedPointer& asked, const std::string& name, bool compressed,
-                                 const Incoming& incoming);
+    HttpResult<Response> compute(const AskedPointer& asked, bool compressed, const Incoming& incoming);
     HttpResult<Product> run(const AskedPointer& asked, const api::Cost& cost, bool compressed, const Incoming& incoming,
                             Clock::time_point deadline);
 

@@ -1,13 +1,13 @@
 #include "server/routes/routes.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <exception>
 #include <iterator>
 #include <random>
 #include <utility>
-#include <vector>
 
 #include "api/input/text.h"
 #include "api/problem.h"
@@ -15,6 +15,7 @@
 #include "server/http/cors.h"
 #include "server/http/http.h"
 #include "server/page/page.h"
+#include "server/work/operation.h"
 
 namespace ccdt::server {
 namespace {
@@ -29,7 +30,7 @@ constexpr std::size_t kQuickToCompress = 262'144;
 /// What `OPTIONS *` tells: the methods that some path takes.
 constexpr std::string_view kAllMethods = "GET, HEAD, POST, DELETE, OPTIONS";
 
-/// Seconds after which a worker that goes on though its job was cancelled is taken for stuck.
+/// Seconds after which a worker that goes on though its job was cancelled counts as stuck.
 constexpr double kLongestOverdue = 10;
 
 std::string hexadecimal(std::uint64_t number, int digits) {
@@ -87,43 +88,58 @@ Response json_response(std::string body) {
 
 }  // namespace
 
-constexpr Routes::Route Routes::kRoutes[] = {
-    {"/", "GET", "GET, HEAD, OPTIONS", Room::Common, &Routes::page},
-    {"/openapi.json", "GET", "GET, HEAD, OPTIONS", Room::Common, &Routes::page},
-    {"/halftone", "POST", "POST, OPTIONS", Room::Common, &Routes::compute},
-    {"/sample", "POST", "POST, OPTIONS", Room::Common, &Routes::compute},
-    {"/analyze", "POST", "POST, OPTIONS", Room::Common, &Routes::compute},
-    {"/health", "GET", "GET, HEAD, OPTIONS", Room::Reserve, &Routes::live},
-    {"/health/live", "GET", "GET, HEAD, OPTIONS", Room::Reserve, &Routes::live},
-    {"/health/ready", "GET", "GET, HEAD, OPTIONS", Room::Reserve, &Routes::ready},
-    {"/metrics", "GET", "GET, HEAD, OPTIONS", Room::Reserve, &Routes::metrics},
-    {"/jobs/{id}", "GET", "GET, HEAD, DELETE, OPTIONS", Room::Common, &Routes::job_status},
-    {"/jobs/{id}", "DELETE", "GET, HEAD, DELETE, OPTIONS", Room::Common, &Routes::remove_job},
-    {"/jobs/{id}/events", "GET", "GET, HEAD, OPTIONS", Room::Streams, &Routes::job_events},
-    {"/jobs/{id}/result", "GET", "GET, HEAD, OPTIONS", Room::Common, &Routes::job_result},
+/// All that is answered. What is computed has its rows in kOperations.
+struct Routes::Table {
+    static constexpr auto kFixed = std::to_array<Route>({
+        {"/", "GET", Room::Common, Entrance::Read, &Routes::page, nullptr},
+        {"/openapi.json", "GET", Room::Common, Entrance::Read, &Routes::page, nullptr},
+        {"/health", "GET", Room::Reserve, Entrance::Anyone, &Routes::live, nullptr},
+        {"/health/live", "GET", Room::Reserve, Entrance::Anyone, &Routes::live, nullptr},
+        {"/health/ready", "GET", Room::Reserve, Entrance::Anyone, &Routes::ready, nullptr},
+        {"/metrics", "GET", Room::Reserve, Entrance::Key, &Routes::metrics, nullptr},
+        {"/jobs/{id}", "GET", Room::Common, Entrance::Key, &Routes::job_status, nullptr},
+        {"/jobs/{id}", "DELETE", Room::Common, Entrance::Key, &Routes::remove_job, nullptr},
+        {"/jobs/{id}/events", "GET", Room::Streams, Entrance::Key, &Routes::job_events, nullptr},
+        {"/jobs/{id}/result", "GET", Room::Common, Entrance::Key, &Routes::job_result, nullptr},
+    });
+
+    static constexpr Route row_of(const Operation& operation) {
+        return {operation.path, "POST", Room::Common, Entrance::Key, &Routes::compute, &operation};
+    }
+
+    static const std::array<Route, kFixed.size() + kOperations.size()> kRows;
 };
 
-Routes::Routes(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs, const Metrics& metrics,
-               Lacking lacking)
+constexpr std::array<Routes::Route, Routes::Table::kFixed.size() + kOperations.size()> Routes::Table::kRows = [] {
+    std::array<Route, kFixed.size() + kOperations.size()> rows{};
+    std::ranges::transform(kOperations, std::ranges::copy(kFixed, rows.begin()).out, row_of);
+    return rows;
+}();
+
+Routes::Routes(const Config& config, Parts parts)
     : config_(config),
-      pool_(pool),
-      metrics_(metrics),
-      lacking_(std::move(lacking)),
-      computing_(config, pool, std::move(compute), jobs),
-      job_routes_(jobs, pool.memory(), config.jobs.ping),
+      gate_(parts.gate),
+      pool_(parts.pool),
+      metrics_(parts.metrics),
+      lacking_(std::move(parts.lacking)),
+      computing_(config, parts.pool, std::move(parts.compute), parts.jobs),
+      job_routes_(parts.jobs, parts.pool.memory(), config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
 
 Response Routes::answer(const Request& request, const HttpResult<void>& received, Connection& connection) {
-    const Route* const route = find_route(request.path, request.method);
+    const auto found = find(request);
+    const auto admitted = received.and_then([&] { return admit(found, request, connection); });
     Record record;
     record.request_id = request_id(request);
     record.key = connection.key();
-    if (route != nullptr) record.route = route->path;
+    if (found.route != nullptr) record.route = found.route->path;
     Response response;
     try {
-        auto outcome = received.and_then([&] { return dispatch(route, {request, connection, record}); });
+        auto outcome = admitted.and_then([&] {
+            return dispatch(found.route, {request, connection, record, found.target});
+        });
         response = outcome ? std::move(*outcome) : describe(std::move(outcome.error()), record);
-        if (route != nullptr && request.method == "POST") response.headers.push_back({"Vary", "Accept"});
+        if (found.route != nullptr && request.method == "POST") response.headers.push_back({"Vary", "Accept"});
         negotiate_coding(request, response);
         add_entity_tag(response);
     } catch (const std::exception& exception) {
@@ -134,26 +150,63 @@ Response Routes::answer(const Request& request, const HttpResult<void>& received
     return response;
 }
 
-/// The route of a path, of several that of the method if there is one.
-const Routes::Route* Routes::find_route(std::string_view path, std::string_view method) {
-    const Route* found = nullptr;
-    for (const Route& route : kRoutes) {
-        if (!matches(route.path, path)) continue;
-        if (found == nullptr || route.method == method) found = &route;
+/// Finds the row of a path; of several that of the method, if there is one. Files of the page share one.
+Routes::Found Routes::find(const Request& request) {
+    Found found;
+    for (const Route& route : Table::kRows) {
+        if (!matches(route.path, request.path)) continue;
+        if (found.route == nullptr || route.method == request.method) found.route = &route;
     }
-    if (found == nullptr && find_page_file(path) != nullptr) return find_route("/", method);  // one for all of them
+    if (found.route == nullptr || found.route->handler == &Routes::page)
+        found.target.file = find_page_file(request.path);
+    if (found.route == nullptr && found.target.file != nullptr) found.route = &Table::kFixed.front();
+    if (found.route != nullptr) found.target.operation = found.route->operation;
+    found.target.job = job_id(request.path);
     return found;
+}
+
+/// What lies below the health checks and is not there, is not there without a key either.
+bool Routes::is_free(const Found& found, const Request& request) {
+    if (found.route == nullptr) return request.path.starts_with("/health/");
+    switch (found.route->entrance) {
+        case Entrance::Key:
+            return false;
+        case Entrance::Read:
+            return request.method == "GET" || request.method == "HEAD";
+        case Entrance::Anyone:
+            break;
+    }
+    return true;
+}
+
+/// Lets a request pass the gate, and tells its connection whose it is.
+HttpResult<void> Routes::admit(const Found& found, const Request& request, Connection& connection) {
+    auto verdict = gate_.check(request, connection.address(), is_free(found, request));
+    connection.name_client(std::move(verdict.client), std::move(verdict.key));
+    return std::move(verdict.admission);
+}
+
+/// The methods that a path takes, as in Allow.
+std::string Routes::allowed_methods(const Route& route) {
+    std::string methods;
+    for (const Route& other : Table::kRows) {
+        if (other.path != route.path) continue;
+        methods += std::string(other.method) + ", ";
+        if (other.method == "GET") methods += "HEAD, ";
+    }
+    return methods + "OPTIONS";
 }
 
 HttpResult<Response> Routes::dispatch(const Route* route, const Incoming& incoming) {
     const Request& request = incoming.request;
     if (request.method == "OPTIONS" && request.target == "*") return preflight(kAllMethods, request);
     if (route == nullptr) return problem(404, "there is nothing at this path");
-    if (request.method == "OPTIONS") return preflight(route->allow, request);
+    if (request.method == "OPTIONS") return preflight(allowed_methods(*route), request);
     const bool headers_only = request.method == "HEAD" && route->method == "GET";
     if (request.method != route->method && !headers_only) {
-        auto refused = problem(405, "this path takes " + std::string(route->allow));
-        refused.value().headers.push_back({"Allow", std::string(route->allow)});
+        const std::string allowed = allowed_methods(*route);
+        auto refused = problem(405, "this path takes " + allowed);
+        refused.value().headers.push_back({"Allow", allowed});
         return refused;
     }
     if (!incoming.connection.move_to(route->room)) return no_place(route->room);
@@ -161,11 +214,11 @@ HttpResult<Response> Routes::dispatch(const Route* route, const Incoming& incomi
 }
 
 HttpResult<Response> Routes::compute(const Incoming& incoming) {
-    return computing_.answer(incoming);
+    return computing_.answer(*incoming.target.operation, incoming);
 }
 
 HttpResult<Response> Routes::page(const Incoming& incoming) {
-    return page_response(*find_page_file(incoming.request.path), incoming.request.header("If-None-Match"));
+    return page_response(*incoming.target.file, incoming.request.header("If-None-Match"));
 }
 
 HttpResult<Response> Routes::live(const Incoming& /*incoming*/) {
@@ -191,20 +244,20 @@ HttpResult<Response> Routes::metrics(const Incoming& /*incoming*/) {
 }
 
 HttpResult<Response> Routes::job_status(const Incoming& incoming) {
-    return job_routes_.status(std::string(job_id(incoming.request.path)), incoming.connection);
+    return job_routes_.status(std::string(incoming.target.job), incoming.connection);
 }
 
 HttpResult<Response> Routes::job_result(const Incoming& incoming) {
-    return job_routes_.result(std::string(job_id(incoming.request.path)), incoming.request.header("If-None-Match"),
+    return job_routes_.result(std::string(incoming.target.job), incoming.request.header("If-None-Match"),
                               incoming.connection);
 }
 
 HttpResult<Response> Routes::job_events(const Incoming& incoming) {
-    return job_routes_.events(std::string(job_id(incoming.request.path)), incoming.connection);
+    return job_routes_.events(std::string(incoming.target.job), incoming.connection);
 }
 
 HttpResult<Response> Routes::remove_job(const Incoming& incoming) {
-    return job_routes_.remove(std::string(job_id(incoming.request.path)), incoming.connection);
+    return job_routes_.remove(std::string(incoming.target.job), incoming.connection);
 }
 
 /// Answers OPTIONS, to people and to browsers that ask before a request from another origin.

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/access/gate.h"
 #include "server/config/config.h"
 #include "server/http/connection.h"
 #include "server/http/message.h"
@@ -16,7 +17,6 @@
 #include "server/routes/incoming.h"
 #include "server/routes/job_routes.h"
 #include "server/work/memory_budget.h"
-#include "server/work/question.h"
 #include "server/work/worker_pool.h"
 
 namespace ccdt::server {
@@ -27,9 +27,17 @@ public:
     /// What computing takes and is not there now, in words; empty: all of it is there.
     using Lacking = std::function<std::string()>;
 
-    /// All of these must outlive the routes.
-    Routes(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs, const Metrics& metrics,
-           Lacking lacking);
+    /// What answers requests. All of these must outlive the routes.
+    struct Parts {
+        Gate& gate;
+        WorkerPool& pool;
+        Compute compute;
+        Jobs& jobs;
+        const Metrics& metrics;
+        Lacking lacking;
+    };
+
+    Routes(const Config& config, Parts parts);
 
     /// Answers anything that came over a connection; what was not to be received is told so.
     Response answer(const Request& request, const HttpResult<void>& received, Connection& connection);
@@ -51,16 +59,34 @@ public:
 private:
     using Handler = HttpResult<Response> (Routes::*)(const Incoming&);
 
-    struct Route {
-        std::string_view path;  ///< `{id}` stands for a job's
-        std::string_view method;
-        std::string_view allow;
-        Room room;  ///< in which a connection needs its place
-        Handler handler;
+    /// Who is answered though there are API keys.
+    enum class Entrance {
+        Key,    ///< who shows one, and asks no more often than the rate allows
+        Read,   ///< who wants to GET, always: a browser that opens the page sends no key
+        Anyone  ///< always: balancers send no keys with health checks
     };
-    static const Route kRoutes[];
 
-    static const Route* find_route(std::string_view path, std::string_view method);
+    /// A row of the table of all that is answered; no column has a default.
+    struct Route {
+        std::string_view path;    ///< `{id}` stands for a job's
+        std::string_view method;  ///< of GET, HEAD as well
+        Room room;                ///< in which a connection needs its place
+        Entrance entrance;
+        Handler handler;
+        const Operation* operation;  ///< that the handler computes; null: none
+    };
+    struct Table;
+
+    /// What a path leads to.
+    struct Found {
+        const Route* route = nullptr;
+        Target target;
+    };
+    static Found find(const Request& request);
+    static std::string allowed_methods(const Route& route);
+    static bool is_free(const Found& found, const Request& request);
+
+    HttpResult<void> admit(const Found& found, const Request& request, Connection& connection);
     HttpResult<Response> dispatch(const Route* route, const Incoming& incoming);
     HttpResult<Response> compute(const Incoming& incoming);
     HttpResult<Response> page(const Incoming& incoming);
@@ -80,6 +106,7 @@ private:
     void add_common_headers(const Request& request, Response& response) const;
 
     const Config config_;
+    Gate& gate_;
     WorkerPool& pool_;
     const Metrics& metrics_;
     const Lacking lacking_;

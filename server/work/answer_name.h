@@ -1,8 +1,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "api/options.h"
+#include "server/http/multipart.h"
 #include "server/work/question.h"
 
 namespace ccdt::server {
@@ -10,8 +12,9 @@ namespace ccdt::server {
 /// Names the answer to a question before it is computed: different questions have different ones, and so
 /// have servers of other limits or versions. The same picture and options in a form have one, whatever its boundary.
 ///
-/// @returns  24 characters that may stand in an entity tag
+/// @param fields  of the question's form, if it is one
+/// @returns       24 characters that may stand in an entity tag
 /// O(size of the body).
-std::string name_of_answer(const Question& question, const api::Limits& limits);
+std::string name_of_answer(const Question& question, const std::vector<FormPart>& fields, const api::Limits& limits);
 
 }  // namespace ccdt::server

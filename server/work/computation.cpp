@@ -2,30 +2,12 @@
 
 #include <chrono>
 #include <utility>
-#include <variant>
 
 #include "server/http/compression.h"
+#include "server/work/operation.h"
 
 namespace ccdt::server {
 namespace {
-
-/// Finds what computes the answer to each kind of request.
-struct Run {
-    const api::Limits& limits;
-    const api::Decode& decode;
-    const Control& control;
-    api::Timings& timings;
-
-    Result<api::Answer> operator()(const api::HalftoneRequest& request) const {
-        return api::run_halftone(request, limits, decode, control, timings);
-    }
-    Result<api::Answer> operator()(const api::SampleRequest& request) const {
-        return api::run_sample(request, limits, decode, control, timings);
-    }
-    Result<api::Answer> operator()(const api::AnalyzeRequest& request) const {
-        return api::run_analyze(request, control, timings);
-    }
-};
 
 /// Leaves an answer as it is if a stop has come: what there is by a deadline goes out at once.
 void compress(api::Answer& answer, const std::stop_token& stop, api::Timings& timings) {
@@ -43,9 +25,11 @@ void compress(api::Answer& answer, const std::stop_token& stop, api::Timings& ti
 
 Result<api::Answer> compute_here(const Question& question, const Manner& manner, const api::Limits& limits,
                                  const api::Decode& decode, const Control& control, api::Timings& timings) {
-    const auto asked = understand(question, limits);
-    if (!asked) return tl::unexpected(asked.error());
-    auto answer = std::visit(Run{limits, decode, control, timings}, *asked);
+    const Operation* const operation = find_operation(question.path);
+    if (operation == nullptr) return failure(ErrorCode::Internal, "nothing is computed at " + question.path);
+    const auto parsed = operation->parse(question, limits);
+    if (!parsed) return tl::unexpected(parsed.error());
+    auto answer = (*parsed)->run(decode, control, timings);
     if (answer && manner.compressed) compress(*answer, control.stop, timings);
     return answer;
 }

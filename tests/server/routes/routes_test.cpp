@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include "server/jobs/sqlite_job_store.h"
@@ -34,6 +36,10 @@ protected:
 
     int socket() const { return sockets_[0]; }
 
+    Routes make(const Config& config) {
+        return Routes(config, {gate_, pool_, compute_, jobs_, metrics_, [this] { return lacking_; }});
+    }
+
     Config config_;
     std::string lacking_;
     WorkerPool pool_{1, 1};
@@ -41,7 +47,8 @@ protected:
     Compute compute_ = test::compute_in_process(config_.limits);
     std::unique_ptr<SqliteJobStore> store_ = *SqliteJobStore::open("");
     Jobs jobs_{config_.jobs, *store_, false, pool_, compute_, [](const JobEnd&) {}};
-    Routes routes_{config_, pool_, compute_, jobs_, metrics_, [this] { return lacking_; }};
+    Gate gate_{"", {}};
+    Routes routes_ = make(config_);
 
 private:
     std::array<int, 2> sockets_{};
@@ -107,6 +114,40 @@ TEST_F(RoutesTest, CountsThePageAsOneRoute) {
     EXPECT_EQ(ask("GET /openapi.json HTTP/1.1").record.route, "/openapi.json");
 }
 
+TEST_F(RoutesTest, AskForAKeyButForThePageAndHealthChecks) {
+    const std::string file = testing::TempDir() + "ccdt_keys_of_routes_" + std::to_string(::getpid());
+    std::ofstream(file) << "alice:0123456789abcdef";
+    Gate gate(file, {.per_second = 0.001, .burst = 1000});
+    ASSERT_TRUE(gate.read_keys());
+    std::filesystem::remove(file);
+    Routes routes(config_, {gate, pool_, compute_, jobs_, metrics_, [] { return ""; }});
+    const auto status = [&](const std::string& line, const std::string& headers = "") {
+        Connection connection(socket());
+        return routes.answer(*parse_head(line + " HTTP/1.1\r\n" + headers + "\r\n"), {}, connection).status;
+    };
+    for (const char* line : {"GET /", "HEAD /", "GET /assets/main.js", "GET /openapi.json", "GET /health",
+                             "HEAD /health/ready", "GET /health/live"})
+        EXPECT_EQ(status(line), 200) << line;
+    EXPECT_EQ(status("OPTIONS /health"), 204);
+    EXPECT_EQ(status("POST /health"), 405);
+    EXPECT_EQ(status("GET /health/nothing"), 404);
+    for (const char* line : {"POST /", "OPTIONS /", "GET /assets/", "GET /assets/nothing.js", "GET /healthy",
+                             "GET /metrics", "GET /jobs/a", "DELETE /jobs/a", "GET /jobs/a/events", "POST /halftone",
+                             "POST /sample", "POST /analyze", "OPTIONS /halftone", "OPTIONS *", "GET /nothing"})
+        EXPECT_EQ(status(line), 401) << line;
+    EXPECT_EQ(status("GET /metrics", "Authorization: Bearer 0123456789abcdef\r\n"), 200);
+}
+
+TEST_F(RoutesTest, TellWhichMethodsAPathTakes) {
+    const auto allowed = [&](const std::string& path) { return header(ask("OPTIONS " + path + " HTTP/1.1"), "Allow"); };
+    EXPECT_EQ(allowed("/"), "GET, HEAD, OPTIONS");
+    EXPECT_EQ(allowed("/halftone"), "POST, OPTIONS");
+    EXPECT_EQ(allowed("/jobs/a"), "GET, HEAD, DELETE, OPTIONS");
+    EXPECT_EQ(allowed("/jobs/a/result"), "GET, HEAD, OPTIONS");
+    EXPECT_EQ(header(ask("PUT /sample HTTP/1.1"), "Allow"), "POST, OPTIONS");
+    EXPECT_EQ(ask("PUT /sample HTTP/1.1").status, 405);
+}
+
 TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
     EXPECT_EQ(header(ask("GET /health HTTP/1.1"), "Access-Control-Allow-Origin"), "");
 }
@@ -114,7 +155,7 @@ TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
 TEST_F(RoutesTest, NamesTheConfiguredOrigin) {
     Config config;
     config.cors_origins = {"https://example.org"};
-    Routes routes(config, pool_, compute_, jobs_, metrics_, [] { return ""; });
+    Routes routes = make(config);
     Connection connection(-1);
     const auto request = parse_head(
         "OPTIONS /halftone HTTP/1.1\r\nOrigin: https://example.org\r\nAccess-Control-Request-Method: POST\r\n\r\n");
@@ -152,7 +193,7 @@ TEST_F(RoutesTest, TagsCodingsApart) {
 TEST_F(RoutesTest, KeepsStreamsOfEventsFromFallingSilent) {
     Config config;
     config.jobs.ping = std::chrono::milliseconds(1);
-    Routes routes(config, pool_, compute_, jobs_, metrics_, [] { return ""; });
+    Routes routes = make(config);
     const auto job = jobs_.accept({}, {"/sample", "", "", "", "{}"});  // waits: nothing has been started
     Connection connection(socket());
     const auto request = parse_head("GET /jobs/" + job->id + "/events HTTP/1.1\r\n\r\n");

@@ -1,0 +1,54 @@
+#include "server/work/form.h"
+
+#include <string_view>
+#include <utility>
+
+#include "server/http/http.h"
+
+namespace ccdt::server {
+namespace {
+
+bool is_form(const Question& question) {
+    return media_type(question.content_type) == "multipart/form-data";
+}
+
+bool is_picture(const FormPart& field) {
+    return field.name == "image" || field.name == "file";
+}
+
+Result<const FormPart*> find_picture(const std::vector<FormPart>& fields) {
+    const FormPart* picture = nullptr;
+    for (const FormPart& field : fields) {
+        if (!is_picture(field)) continue;
+        if (picture != nullptr) return failure(ErrorCode::Malformed, "the form holds more than one picture", "image");
+        picture = &field;
+    }
+    if (picture == nullptr) return failure(ErrorCode::Malformed, "the form has no part `image`", "image");
+    return picture;
+}
+
+}  // namespace
+
+Result<std::vector<FormPart>> find_fields(const Question& question) {
+    if (!is_form(question)) return {};
+    return parse_multipart(question.body, question.content_type).map_error([](Problem problem) {
+        return Error{ErrorCode::Malformed, std::move(problem.error.message), {}};
+    });
+}
+
+Result<void> take_apart(Question& question, const std::vector<FormPart>& fields) {
+    if (!is_form(question)) return {};
+    const auto picture = find_picture(fields);
+    if (!picture) return tl::unexpected(picture.error());
+    for (const FormPart& field : fields) {
+        if (is_picture(field)) continue;
+        if (!question.query.empty()) question.query += '&';
+        question.query += encode_percent(field.name) + '=' + encode_percent(field.content(question.body));
+    }
+    question.body.resize((*picture)->begin + (*picture)->size);
+    question.body.erase(0, (*picture)->begin);
+    question.content_type.clear();
+    return {};
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,127 @@
+#include "server/work/operation.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "api/analyze.h"
+#include "api/cost.h"
+#include "api/halftone.h"
+#include "api/sample.h"
+#include "server/http/http.h"
+
+namespace ccdt::server {
+namespace {
+
+/// Longer JSON is parsed by a worker.
+constexpr std::size_t kQuickToParse = 8'192;
+
+bool is_json(std::string_view type) {
+    return type == "application/json" || (type.starts_with("application/") && type.ends_with("+json"));
+}
+
+/// Whether programs send JSON under that type, if they do not say so.
+bool may_hold_json(std::string_view type) {
+    constexpr auto kUnspecific = std::to_array<std::string_view>(
+        {"", "text/plain", "application/octet-stream", "application/x-www-form-urlencoded"});
+    return is_json(type) || std::ranges::find(kUnspecific, type) != kUnspecific.end();
+}
+
+bool reads_json(const Operation& operation, const Question& question) {
+    return !operation.takes_pictures || is_json(media_type(question.content_type));
+}
+
+api::Cost cost_of(const api::AnalyzeRequest& request, const api::Limits& /*limits*/) {
+    return api::cost_of(request);
+}
+api::Cost cost_of(const auto& request, const api::Limits& limits) {
+    return api::cost_of(request, limits);
+}
+
+Result<api::Answer> compute(const api::HalftoneRequest& request, const api::Limits& limits, const api::Decode& decode,
+                            const Control& control, api::Timings& timings) {
+    return api::run_halftone(request, limits, decode, control, timings);
+}
+Result<api::Answer> compute(const api::SampleRequest& request, const api::Limits& limits, const api::Decode& decode,
+                            const Control& control, api::Timings& timings) {
+    return api::run_sample(request, limits, decode, control, timings);
+}
+Result<api::Answer> compute(const api::AnalyzeRequest& request, const api::Limits& /*limits*/,
+                            const api::Decode& /*decode*/, const Control& control, api::Timings& timings) {
+    return api::run_analyze(request, control, timings);
+}
+
+/// Any request of the api's, for which there are the functions above.
+template <class Request>
+class Parsed : public ParsedRequest {
+public:
+    Parsed(Request request, const api::Limits& limits) : request_(std::move(request)), limits_(limits) {}
+
+    api::Cost cost() const override {
+        const auto computing = server::cost_of(request_, limits_);
+        return {api::size_of(request_) + computing.memory, computing.seconds};
+    }
+
+    Result<api::Answer> run(const api::Decode& decode, const Control& control, api::Timings& timings) const override {
+        return compute(request_, limits_, decode, control, timings);
+    }
+
+private:
+    const Request request_;
+    const api::Limits limits_;
+};
+
+template <class Request>
+Result<ParsedPointer> pack(Result<Request> request, const api::Limits& limits) {
+    if (!request) return tl::unexpected(std::move(request.error()));
+    return std::make_unique<const Parsed<Request>>(*std::move(request), limits);
+}
+
+}  // namespace
+
+Result<ParsedPointer> parse_halftone(const Question& question, const api::Limits& limits) {
+    const auto options = parse_query(question.query);
+    if (is_json(media_type(question.content_type)))
+        return pack(api::parse_halftone_json(question.body, options, question.accept, limits), limits);
+    return pack(api::parse_halftone(question.body, options, question.accept, limits), limits);
+}
+
+Result<ParsedPointer> parse_sample(const Question& question, const api::Limits& limits) {
+    return pack(api::parse_sample(question.body, question.accept, limits), limits);
+}
+
+Result<ParsedPointer> parse_analyze(const Question& question, const api::Limits& limits) {
+    return pack(api::parse_analyze(question.body, question.accept, limits), limits);
+}
+
+const Operation* find_operation(std::string_view path) {
+    const auto* const found = std::ranges::find(kOperations, path, &Operation::path);
+    return found == kOperations.end() ? nullptr : found;
+}
+
+Result<void> check(const Operation& operation, const Question& question) {
+    if (operation.takes_pictures) return {};
+    const std::string type = media_type(question.content_type);
+    if (!may_hold_json(type)) return failure(ErrorCode::Unsupported, "the body must be application/json, not " + type);
+    if (!question.query.empty())
+        return failure(ErrorCode::Malformed, "the options of this path are members of the JSON body");
+    return {};
+}
+
+bool is_quickly_parsed(const Operation& operation, const Question& question) {
+    return !reads_json(operation, question) || question.body.size() <= kQuickToParse;
+}
+
+api::Cost cost_of_parsing(const Operation& operation, const Question& question) {
+    if (reads_json(operation, question)) return api::cost_of_parsing(question.body);
+    constexpr double kSecondsPerByte = 1e-9;
+    return {0, static_cast<double>(question.body.size()) * kSecondsPerByte};
+}
+
+api::Cost cost_of_answering(const Operation& operation, const Question& question, const ParsedRequest& parsed) {
+    const auto parsing = cost_of_parsing(operation, question);
+    const auto computing = parsed.cost();
+    return {question.body.size() + std::max(parsing.memory, computing.memory), parsing.seconds + computing.seconds};
+}
+
+}  // namespace ccdt::server
