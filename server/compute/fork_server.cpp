@@ -18,16 +18,12 @@
 #include "server/compute/compute_protocol.h"
 #include "server/processes/child_program.h"
 #include "server/processes/messages.h"
+#include "server/processes/signals.h"
 
 namespace ccdt::server {
 namespace {
 
 constexpr int kFailed = 1;
-
-/// Signals that a service manager sends to all processes are the server's to act on.
-void ignore_signals() {
-    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(number, SIG_IGN);
-}
 
 /// If the machine runs out of memory, this process ends rather than the server.
 void volunteer_for_out_of_memory() {
@@ -111,7 +107,7 @@ private:
 }  // namespace
 
 void run_fork_server(UniqueFd orders, const ComputeProcess& compute) {
-    ignore_signals();
+    leave_signals_to_server();
     ForkServer(std::move(orders), compute).run();
     _exit(0);
 }

@@ -26,6 +26,7 @@
 #include "server/decoder/decoder_confinement.h"
 #include "server/decoder/decoder_protocol.h"
 #include "server/processes/child_program.h"
+#include "server/processes/signals.h"
 
 namespace ccdt::server {
 namespace {
@@ -39,12 +40,6 @@ constexpr int kQuiet = 5;  ///< milliseconds without orders or deaths, after whi
 void follow(pid_t parent) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(kFailed);
-}
-
-/// Signals to the group, as from a terminal, are the server's to act on.
-void settle_signals() {
-    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(number, SIG_IGN);
-    std::signal(SIGCHLD, SIG_DFL);  // ignored, children would leave no status
 }
 
 /// What helper and spare have open besides the standard streams: a socket for orders, and /proc, which they could not
@@ -270,7 +265,8 @@ bool be_helper(const Decoder& decoder) {
 }  // namespace
 
 void run_decoder_helper(UniqueFd orders, const Decoder& decoder) {
-    settle_signals();
+    leave_signals_to_server();
+    std::signal(SIGCHLD, SIG_DFL);  // ignored, children would leave no status
     try {
         if (leave_files_of_server(orders.release()) && be_helper(decoder)) _exit(kServerGone);
     } catch (...) {  // as it ends all the same
