@@ -1,0 +1,302 @@
+#include "server/jobs/sqlite_job_store.h"
+
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/server/jobs/example_jobs.h"
+
+namespace ccdt::server {
+namespace {
+
+using test::add_finished;
+using test::job_named;
+using test::kQuestion;
+
+/// Instructions that SQLite has carried out, in all databases opened since `install_counter`.
+std::size_t instructions = 0;
+
+int install_counter(sqlite3* database, const char**, const void*) {
+    const auto count = [](void*) {
+        ++instructions;
+        return 0;
+    };
+    sqlite3_progress_handler(database, 1, count, nullptr);
+    return SQLITE_OK;
+}
+
+class SqliteJobStoreTest : public testing::Test {
+protected:
+    SqliteJobStoreTest() : folder_(std::filesystem::path(testing::TempDir()) / "jobs-XXXXXX") {
+        std::string name = folder_.string();
+        EXPECT_NE(mkdtemp(name.data()), nullptr);
+        folder_ = name;
+    }
+    ~SqliteJobStoreTest() override { std::filesystem::remove_all(folder_); }
+
+    std::unique_ptr<SqliteJobStore> open() {
+        auto store = SqliteJobStore::open(folder_.string());
+        if (store) return *std::move(store);
+        ADD_FAILURE() << store.error().message;
+        return nullptr;
+    }
+
+    std::string why_not() {
+        const auto store = SqliteJobStore::open(folder_.string());
+        return store ? "" : store.error().message;
+    }
+
+    std::string file() const { return (folder_ / "jobs.sqlite").string(); }
+
+    std::filesystem::path folder_;
+};
+
+TEST_F(SqliteJobStoreTest, DoesNoMoreForHavingManyJobs) {
+    ASSERT_EQ(sqlite3_auto_extension(reinterpret_cast<void (*)()>(install_counter)), SQLITE_OK);
+    const auto store = *SqliteJobStore::open("");
+    sqlite3_cancel_auto_extension(reinterpret_cast<void (*)()>(install_counter));
+    const Time start = time_now();
+    int added = 0;
+    const auto grow_to = [&](int count) {
+        for (; added < count; ++added)
+            add_finished(*store, "old-" + std::to_string(added), start - std::chrono::milliseconds(added), "result");
+    };
+    const auto work = [&](const std::string& id) {
+        instructions = 0;
+        add_finished(*store, id, start, "result");
+        EXPECT_TRUE(*store->find(id));
+        EXPECT_TRUE(*store->result(id));
+        EXPECT_TRUE(*store->first_finished());
+        EXPECT_TRUE(*store->drop_oldest_result());
+        EXPECT_EQ(*store->remove_finished(start, 1), 1u);
+        EXPECT_TRUE(*store->remove(id));
+        EXPECT_TRUE(store->unfinished()->empty());
+        return instructions;
+    };
+    grow_to(10);
+    const auto few = work("few");
+    EXPECT_GT(few, 100u);
+    grow_to(10'000);
+    EXPECT_LE(work("many"), few + few / 10);
+}
+
+TEST_F(SqliteJobStoreTest, BelongsToOneServer) {
+    const auto store = open();
+    EXPECT_NE(why_not().find("another server uses it"), std::string::npos) << why_not();
+}
+
+TEST_F(SqliteJobStoreTest, TakesNothingElsesFile) {
+    std::ofstream(file()) << std::string(5000, 'x');
+    EXPECT_NE(why_not().find("not a database"), std::string::npos) << why_not();
+    std::filesystem::remove(file());
+    Database(file()).execute("CREATE TABLE theirs (a); PRAGMA application_id = 7");
+    EXPECT_NE(why_not().find("another program"), std::string::npos) << why_not();
+    EXPECT_EQ(Database(file()).value_of("PRAGMA application_id"), 7);
+}
+
+TEST_F(SqliteJobStoreTest, TakesNoOtherVersionsFile) {
+    open();
+    Database(file()).execute("PRAGMA user_version = 99");
+    EXPECT_NE(why_not().find("version 99"), std::string::npos) << why_not();
+}
+
+TEST_F(SqliteJobStoreTest, TakesNoDamagedFile) {
+    {
+        const auto store = open();
+        for (int i = 0; i < 100; ++i) ASSERT_TRUE(store->add(job_named(std::to_string(i)), kQuestion));
+    }
+    std::fstream damaged(file(), std::ios::in | std::ios::out | std::ios::binary);
+    damaged.seekp(4096);
+    damaged << std::string(16'384, 'x');
+    damaged.close();
+    EXPECT_NE(why_not(), "");
+}
+
+/// As the first version wrote it.
+constexpr const char* kFirstVersion = R"(
+    PRAGMA application_id = 1667458164;
+    PRAGMA user_version = 1;
+    CREATE TABLE jobs (
+        row INTEGER PRIMARY KEY,
+        id TEXT NOT NULL UNIQUE,
+        owner TEXT NOT NULL,
+        client TEXT NOT NULL,
+        memory INTEGER NOT NULL,
+        seconds REAL NOT NULL,
+        status INTEGER NOT NULL,
+        starts INTEGER NOT NULL,
+        created INTEGER NOT NULL,
+        started INTEGER,
+        finished INTEGER,
+        fraction REAL NOT NULL,
+        iteration INTEGER NOT NULL,
+        variation REAL,
+        failure INTEGER,
+        message TEXT,
+        field TEXT,
+        media_type TEXT NOT NULL,
+        result_bytes INTEGER NOT NULL,
+        partial INTEGER NOT NULL,
+        dropped INTEGER NOT NULL,
+        bytes INTEGER NOT NULL
+    );
+    CREATE INDEX unfinished_jobs ON jobs (row) WHERE finished IS NULL;
+    CREATE INDEX finished_jobs ON jobs (finished) WHERE finished IS NOT NULL;
+    CREATE INDEX results_kept ON jobs (finished) WHERE result_bytes > 0 AND dropped = 0;
+    CREATE TABLE questions (
+        row INTEGER PRIMARY KEY,
+        path TEXT NOT NULL,
+        query TEXT NOT NULL,
+        content_type TEXT NOT NULL,
+        accept TEXT NOT NULL,
+        body BLOB NOT NULL
+    );
+    CREATE TABLE results (row INTEGER PRIMARY KEY, body BLOB NOT NULL);
+    INSERT INTO jobs VALUES (1, 'waits', 'alice', 'key alice', 1000, 0.5, 0, 0, 1700000000000, NULL, NULL, 0, 0, NULL,
+                             NULL, NULL, NULL, '', 0, 0, 0, 1047);
+    INSERT INTO jobs VALUES (2, 'done', '', 'a', 1000, 0.5, 2, 1, 1700000000000, 1700000000001, 1700000000002, 1, 5,
+                             0.25, NULL, NULL, NULL, 'text/csv', 3, 0, 0, 1027);
+    INSERT INTO questions VALUES (1, '/sample', 'a=b', 'text/plain', '*/*', X'00FF');
+    INSERT INTO results VALUES (2, X'0001FF');
+)";
+
+TEST_F(SqliteJobStoreTest, TakesOverTheFirstVersionsFile) {
+    Database(file()).execute(kFirstVersion);
+    for (int time = 0; time < 2; ++time) {
+        const auto store = open();
+        EXPECT_EQ(store->bytes(), 2074u);
+        ASSERT_EQ(store->unfinished()->size(), 1u);
+        EXPECT_EQ(store->unfinished()->front().owner, "alice");
+        EXPECT_EQ((**store->question("waits")).body, std::string("\0\xff", 2));
+        EXPECT_EQ((*store->find("done"))->media_type, "text/csv");
+        EXPECT_EQ(**store->result("done"), std::string("\0\1\xff", 3));
+        EXPECT_EQ(store->damages(), 0u);
+    }
+    EXPECT_EQ(Database(file()).value_of("PRAGMA user_version"), 2);
+}
+
+TEST_F(SqliteJobStoreTest, NeverTellsAResultThatTheDiskHasChanged) {
+    add_finished(*open(), "a", time_now(), "result");
+    Database(file()).execute("UPDATE results SET body = CAST('resulT' AS BLOB)");
+    const auto store = open();
+    const auto result = store->result("a");
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::Unusable);
+    EXPECT_EQ(store->damages(), 1u);
+    EXPECT_TRUE(*store->remove("a"));
+    EXPECT_EQ(store->bytes(), 0u);
+}
+
+TEST_F(SqliteJobStoreTest, TellsThatAResultIsLost) {
+    add_finished(*open(), "a", time_now(), "result");
+    Database(file()).execute("DELETE FROM results");
+    EXPECT_EQ(open()->result("a").error().code, ErrorCode::Unusable);
+}
+
+TEST_F(SqliteJobStoreTest, TellsNoResultOfAnotherJob) {
+    {
+        const auto store = open();
+        add_finished(*store, "a", time_now(), "this");
+        add_finished(*store, "b", time_now(), "that");
+    }
+    Database(file()).execute("UPDATE results SET row = row + 10; UPDATE results SET row = 13 - row");
+    const auto store = open();
+    EXPECT_FALSE(store->result("a"));
+    EXPECT_FALSE(store->result("b"));
+}
+
+TEST_F(SqliteJobStoreTest, NeverAsksAQuestionThatTheDiskHasChanged) {
+    for (const char* change : {"path = '/halftone'", "query = 'a=c'", "content_type = ''", "accept = ''",
+                               "body = CAST('a body' AS BLOB)", "path = '/samplea', query = '=b'"}) {
+        ASSERT_TRUE(open()->add(job_named(change), kQuestion));
+        Database(file()).execute(("UPDATE questions SET " + std::string(change)).c_str());
+        const auto store = open();
+        const auto question = store->question(change);
+        ASSERT_FALSE(question) << change;
+        EXPECT_EQ(question.error().code, ErrorCode::Unusable);
+        EXPECT_TRUE(*store->remove(change));
+    }
+}
+
+TEST_F(SqliteJobStoreTest, FailsJobsThatTheDiskHasChanged) {
+    for (const char* change :
+         {"owner = 'bob'",    "client = 'b'",  "memory = 1",    "seconds = 0",  "status = 1",
+          "starts = 1",       "created = 1",   "started = 1",   "fraction = 1", "iteration = 1",
+          "variation = 1",    "failure = 400", "message = 'm'", "field = 'f'",  "media_type = 'text/html'",
+          "result_bytes = 7", "partial = 1",   "dropped = 1",   "bytes = 1",    "digest = ''"}) {
+        add_finished(*open(), change, time_now(), "result");
+        Database(file()).execute(("UPDATE jobs SET " + std::string(change)).c_str());
+        const auto store = open();
+        const auto job = store->find(change);
+        ASSERT_TRUE(job && *job) << change;
+        EXPECT_EQ((*job)->status, JobStatus::Failed) << change;
+        ASSERT_TRUE((*job)->failure);
+        EXPECT_EQ((*job)->failure->status, 500);
+        EXPECT_EQ(*store->result(change), std::nullopt);
+        EXPECT_EQ(store->damages(), 1u);
+        EXPECT_EQ(store->bytes(), JobStore::bytes_of_job(0));
+        EXPECT_TRUE(*store->remove(change));
+    }
+}
+
+TEST_F(SqliteJobStoreTest, FailsWhatWaitsIfTheDiskHasChangedIt) {
+    ASSERT_TRUE(open()->add(job_named("a"), kQuestion));
+    Database(file()).execute("UPDATE jobs SET memory = 1");
+    const auto store = open();
+    EXPECT_TRUE(store->unfinished()->empty());
+    EXPECT_EQ((*store->find("a"))->status, JobStatus::Failed);
+    EXPECT_EQ(*store->remove_finished(time_now(), 1), 1u);
+}
+
+TEST_F(SqliteJobStoreTest, MakesIndicesAgainThatDoNotMatch) {
+    const Time now = time_now();
+    {
+        const auto store = open();
+        add_finished(*store, "gone", now - std::chrono::seconds(1), "result");
+        add_finished(*store, "there", now, "result");
+    }
+    const auto root = Database(file()).value_of("SELECT rootpage FROM sqlite_schema WHERE name = 'finished_jobs'");
+    Database(file()).execute("PRAGMA writable_schema = ON; DELETE FROM sqlite_schema WHERE name = 'finished_jobs'");
+    Database(file()).execute("DELETE FROM jobs WHERE id = 'gone'");
+    Database(file()).execute(
+        ("PRAGMA writable_schema = ON; INSERT INTO sqlite_schema VALUES ('index', 'finished_jobs', "
+         "'jobs', " +
+         std::to_string(root) + ", 'CREATE INDEX finished_jobs ON jobs (finished) WHERE finished IS NOT NULL')")
+            .c_str());
+    const auto store = open();
+    EXPECT_EQ(store->damages(), 1u);
+    EXPECT_EQ(*store->first_finished(), now);
+    EXPECT_EQ(**store->result("there"), "result");
+    EXPECT_EQ(*store->remove_finished(now, 5), 1u);
+}
+
+TEST_F(SqliteJobStoreTest, GivesRoomBackToTheDisk) {
+    const std::string large(std::size_t{20} << 20, 'x');
+    const auto size = [this] { return std::filesystem::file_size(file()); };
+    const auto log = [this] { return std::filesystem::file_size(file() + "-wal"); };
+    const auto store = open();
+    const auto reserve = log();
+    EXPECT_GE(reserve, std::size_t{1} << 20);
+    for (const char* id : {"a", "b", "c"}) add_finished(*store, id, time_now(), large);
+    EXPECT_EQ(log(), reserve);
+    EXPECT_GT(size(), 3 * large.size());
+    EXPECT_TRUE(*store->remove("a"));
+    EXPECT_LT(size(), 5 * large.size() / 2);
+    EXPECT_TRUE(*store->drop_oldest_result());
+    EXPECT_EQ(*store->remove_finished(time_now(), 5), 2u);
+    EXPECT_LT(size(), large.size() / 2);
+    EXPECT_EQ(log(), reserve);
+}
+
+TEST_F(SqliteJobStoreTest, NamesAFolderThatCannotBeUsed) {
+    std::ofstream(folder_ / "file") << "x";
+    const auto store = SqliteJobStore::open((folder_ / "file" / "below").string());
+    ASSERT_FALSE(store);
+    EXPECT_NE(store.error().message.find("below"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ccdt::server
