@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "api/input/text.h"
+#include "server/config/memory_plan.h"
 #include "server/processes/process.h"
 
 namespace ccdt::server {
@@ -21,18 +22,8 @@ constexpr std::size_t kSpareConnections = 512;
 constexpr std::size_t kLeastReserve = 16;
 constexpr std::size_t kConnectionsPerReserved = 4;
 
-/// Of bodies and answers on their way, at least: a large answer alone must not put the server under pressure.
-constexpr std::size_t kTransferBytes = std::size_t{256} << 20;
-constexpr std::size_t kBodiesAtOnce = 4;
-
-/// Of results and of what waits, on disk and, with a part of all memory that it may be, without one.
+/// Bytes that jobs may keep on disk.
 constexpr std::size_t kJobBytes = std::size_t{1} << 30;
-constexpr std::size_t kJobBytesInMemory = std::size_t{256} << 20;
-constexpr std::size_t kMemoryPerJobByte = 16;
-
-/// Of answers that are kept, with a part of all memory that it may be.
-constexpr std::size_t kCacheBytes = std::size_t{64} << 20;
-constexpr std::size_t kMemoryPerCacheByte = 16;
 
 /// What a flag or variable sets; some defaults wait for the number of workers.
 struct Draft {
@@ -248,10 +239,10 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     capacity.connections = draft.connections.value_or(kSpareConnections + draft.config.workers + draft.config.queue);
     capacity.reserve = std::max(kLeastReserve, capacity.connections / kConnectionsPerReserved);
     draft.config.memory = draft.memory ? *draft.memory : available_memory() / 2;
-    capacity.bytes = std::min(std::max(kTransferBytes, kBodiesAtOnce * draft.config.max_body), draft.config.memory / 4);
-    draft.config.cache = draft.cache.value_or(std::min(kCacheBytes, draft.config.memory / kMemoryPerCacheByte));
-    const std::size_t in_memory = std::min(kJobBytesInMemory, draft.config.memory / kMemoryPerJobByte);
-    draft.config.jobs.bytes = draft.job_bytes.value_or(draft.config.data_dir.empty() ? in_memory : kJobBytes);
+    const MemoryShares shares = share_memory(draft.config.memory, draft.config.max_body);
+    capacity.bytes = shares.transfers;
+    draft.config.cache = draft.cache.value_or(shares.cache);
+    draft.config.jobs.bytes = draft.job_bytes.value_or(draft.config.data_dir.empty() ? shares.jobs : kJobBytes);
     return CommandLine{CommandLine::Action::Serve, draft.config};
 }
 

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <deque>
 #include <exception>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -116,14 +117,6 @@ private:
 
     std::deque<Entry> sockets_;
 };
-
-Result<std::unique_ptr<HttpServer>> HttpServer::listen(const std::string& address, int port, const Patience& patience,
-                                                       const Capacity::Limits& limits, Handler handler, Logger logger) {
-    return ListeningSocket::open(address, port).map([&](ListeningSocket listener) {
-        return std::unique_ptr<HttpServer>(
-            new HttpServer(std::move(listener), patience, limits, std::move(handler), std::move(logger)));
-    });
-}
 
 HttpServer::HttpServer(ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits,
                        Handler handler, Logger logger)

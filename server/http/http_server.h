@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 
@@ -45,18 +44,12 @@ public:
     using Handler = std::function<Response(const Request&, const HttpResult<void>& received, Connection&)>;
     using Logger = std::function<void(const Exchange&)>;
 
-    /// Listens, and has clients wait until `serve` is called.
-    /// @param address  one of this machine, or `unix:` and a path
-    /// @param port     0: any that is free
-    /// Errors (Unusable): the address is unknown; another server listens there.
-    static Result<std::unique_ptr<HttpServer>> listen(const std::string& address, int port, const Patience& patience,
-                                                      const Capacity::Limits& limits, Handler handler, Logger logger);
+    /// @param listener  where clients wait until `serve` is called
+    HttpServer(ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits, Handler handler,
+               Logger logger);
 
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
-
-    /// The port that it listens on, 0 for a path.
-    int port() const { return listener_.port(); }
 
     /// Serves until `drain`; returns once every request that was accepted is answered.
     /// @returns  false if accepting failed for any other reason
@@ -69,9 +62,6 @@ public:
     Capacity::Counts connections() const { return capacity_.counts(); }
 
 private:
-    HttpServer(ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits, Handler handler,
-               Logger logger);
-
     void wait_for_client(RefusedClients& refused) const;
     void receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused);
     void serve_socket(const UniqueFd& socket, Place& place);

@@ -115,12 +115,12 @@ private:
     Stages stages_;
 };
 
-Computing::Computing(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs)
+Computing::Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute, Jobs& jobs)
     : config_(config),
       pool_(pool),
+      waiting_memory_(waiting_memory),
       compute_(std::move(compute)),
       jobs_(jobs),
-      waiting_memory_(pool.memory().total() / 3),  // a quarter of both
       cache_(config.cache) {}
 
 HttpResult<Response> Computing::answer(const Operation& operation, const Incoming& incoming) {

@@ -27,13 +27,11 @@ namespace ccdt::server {
 /// from any thread.
 class Computing {
 public:
-    /// Pool and jobs must outlive it. Requests may take a third of the memory that the pool has for jobs, besides that.
-    Computing(const Config& config, WorkerPool& pool, Compute compute, Jobs& jobs);
+    /// @param waiting_memory  that requests take until they are done, besides what the pool's jobs take
+    /// Pool, memory and jobs must outlive it.
+    Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute, Jobs& jobs);
 
     HttpResult<Response> answer(const Operation& operation, const Incoming& incoming);
-
-    /// That requests hold until they are done, besides what the pool's jobs take.
-    const MemoryBudget& waiting_memory() const { return waiting_memory_; }
 
     const ResultCache& cache() const { return cache_; }
 
@@ -77,9 +75,9 @@ private:
 
     const Config config_;
     WorkerPool& pool_;
+    MemoryBudget& waiting_memory_;
     const Compute compute_;
     Jobs& jobs_;
-    MemoryBudget waiting_memory_;  ///< of requests; apart, lest those that wait leave nothing to those that run
     ResultCache cache_;
     std::atomic<bool> draining_ = false;
     std::atomic<bool> abandoned_ = false;

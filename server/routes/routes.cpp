@@ -122,7 +122,7 @@ Routes::Routes(const Config& config, Parts parts)
       pool_(parts.pool),
       metrics_(parts.metrics),
       lacking_(std::move(parts.lacking)),
-      computing_(config, parts.pool, std::move(parts.compute), parts.jobs),
+      computing_(config, parts.pool, parts.waiting_memory, std::move(parts.compute), parts.jobs),
       job_routes_(parts.jobs, parts.pool.memory(), config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
 

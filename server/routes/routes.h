@@ -31,6 +31,7 @@ public:
     struct Parts {
         Gate& gate;
         WorkerPool& pool;
+        MemoryBudget& waiting_memory;  ///< that requests take until they are done, besides what jobs of the pool take
         Compute compute;
         Jobs& jobs;
         const Metrics& metrics;
@@ -41,9 +42,6 @@ public:
 
     /// Answers anything that came over a connection; what was not to be received is told so.
     Response answer(const Request& request, const HttpResult<void>& received, Connection& connection);
-
-    /// That requests hold until they are done, besides what the pool's jobs take.
-    const MemoryBudget& waiting_memory() const { return computing_.waiting_memory(); }
 
     const ResultCache& cache() const { return computing_.cache(); }
 

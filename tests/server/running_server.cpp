@@ -13,12 +13,17 @@
 namespace ccdt::server {
 
 RunningServer::RunningServer(const Capacity::Limits& limits, HttpServer::Handler handler, HttpServer::Logger logger)
-    : server_(HttpServer::listen("127.0.0.1", 0, {}, limits, std::move(handler), std::move(logger)).value()),
-      thread_([this] { EXPECT_TRUE(server_->serve()); }) {}
+    : RunningServer(ListeningSocket::open("127.0.0.1", 0).value(), limits, std::move(handler), std::move(logger)) {}
+
+RunningServer::RunningServer(ListeningSocket listener, const Capacity::Limits& limits, HttpServer::Handler handler,
+                             HttpServer::Logger logger)
+    : port_(listener.port()),
+      server_(std::move(listener), {}, limits, std::move(handler), std::move(logger)),
+      thread_([this] { EXPECT_TRUE(server_.serve()); }) {}
 
 void RunningServer::stop() {
     if (!thread_.joinable()) return;
-    server_->drain();
+    server_.drain();
     thread_.join();
 }
 

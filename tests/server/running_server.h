@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -20,11 +19,15 @@ public:
 
     void stop();
 
-    int port() const { return server_->port(); }
-    Capacity::Counts connections() const { return server_->connections(); }
+    int port() const { return port_; }
+    Capacity::Counts connections() const { return server_.connections(); }
 
 private:
-    const std::unique_ptr<HttpServer> server_;
+    RunningServer(ListeningSocket listener, const Capacity::Limits& limits, HttpServer::Handler handler,
+                  HttpServer::Logger logger);
+
+    const int port_;
+    HttpServer server_;
     std::jthread thread_;
 };
 

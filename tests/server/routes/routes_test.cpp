@@ -37,7 +37,7 @@ protected:
     int socket() const { return sockets_[0]; }
 
     Routes make(const Config& config) {
-        return Routes(config, {gate_, pool_, compute_, jobs_, metrics_, [this] { return lacking_; }});
+        return Routes(config, {gate_, pool_, waiting_memory_, compute_, jobs_, metrics_, [this] { return lacking_; }});
     }
 
     Config config_;
@@ -47,6 +47,7 @@ protected:
     Compute compute_ = test::compute_in_process(config_.limits);
     std::unique_ptr<SqliteJobStore> store_ = *SqliteJobStore::open("");
     Jobs jobs_{config_.jobs, *store_, false, pool_, compute_, [](const JobEnd&) {}};
+    MemoryBudget waiting_memory_{std::size_t{1} << 30};
     Gate gate_{"", {}};
     Routes routes_ = make(config_);
 
@@ -120,7 +121,7 @@ TEST_F(RoutesTest, AskForAKeyButForThePageAndHealthChecks) {
     Gate gate(file, {.per_second = 0.001, .burst = 1000});
     ASSERT_TRUE(gate.read_keys());
     std::filesystem::remove(file);
-    Routes routes(config_, {gate, pool_, compute_, jobs_, metrics_, [] { return ""; }});
+    Routes routes(config_, {gate, pool_, waiting_memory_, compute_, jobs_, metrics_, [] { return ""; }});
     const auto status = [&](const std::string& line, const std::string& headers = "") {
         Connection connection(socket());
         return routes.answer(*parse_head(line + " HTTP/1.1\r\n" + headers + "\r\n"), {}, connection).status;

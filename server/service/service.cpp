@@ -1,0 +1,151 @@
+#include "server/service/service.h"
+
+#include <cstdint>
+#include <stop_token>
+#include <utility>
+
+#include "server/processes/child_program.h"
+#include "server/processes/process.h"
+
+namespace ccdt::server {
+namespace {
+
+/// Besides those of connections: the log, libraries, pictures.
+constexpr std::size_t kOtherFiles = 256;
+
+Result<std::unique_ptr<DecoderBox>> start_decoder(const Log& log) {
+    auto box = DecoderBox::start([](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
+                                 [&log](const std::string& message) { log.error(message); });
+    if (!box) return box;
+    const Confinement& confinement = (*box)->confinement();
+    if (confinement.is_whole())
+        log.info(confinement.describe());
+    else if (confinement.has(Layer::Calls))
+        log.warning(confinement.describe());
+    else
+        log.error(confinement.describe());
+    return box;
+}
+
+Result<std::unique_ptr<Gate>> start_gate(const Config& config) {
+    auto gate = std::make_unique<Gate>(config.api_key_file, config.rate);
+    return gate->read_keys().map([&] { return std::move(gate); });
+}
+
+Result<std::unique_ptr<SqliteJobStore>> start_store(const Config& config, const Log& log) {
+    auto store = SqliteJobStore::open(config.data_dir);
+    if (const std::uint64_t count = store ? (*store)->damages() : 0; count > 0)
+        log.error("the disk has changed what is stored of jobs: " + std::to_string(count) +
+                  " faults were found, and the jobs that cannot be believed have failed");
+    return store;
+}
+
+Result<std::unique_ptr<ComputeBox>> start_computing(const Config& config, DecoderBox& decoder, const Log& log) {
+    return ComputeBox::start(
+        [](UniqueFd socket) { return spawn_sibling("ccdt-worker", std::move(socket)); }, {.limits = config.limits},
+        [&decoder](const Order& order, const std::stop_token& stop) { decoder.relay(order, stop); },
+        [&log](const std::string& what) { log.error(what); });
+}
+
+void allow_files(const Capacity::Limits& limits) {
+    allow_open_files(limits.connections + limits.reserve + limits.streams + kOtherFiles);
+}
+
+Compute compute_in(ComputeBox& box) {
+    return [&box](const auto& question, const auto& manner, const auto& control, auto& timings) {
+        return box.compute(question, manner, control, timings);
+    };
+}
+
+}  // namespace
+
+Result<Service::Parts> Service::start_parts(const Config& config, const Log& log) {
+    auto decoder = start_decoder(log);
+    if (!decoder) return tl::unexpected(std::move(decoder.error()));
+    auto gate = start_gate(config);
+    if (!gate) return tl::unexpected(std::move(gate.error()));
+    allow_files(config.capacity);
+    const auto memory = memory_to_compute_with(config, resident_bytes());
+    if (!memory) return tl::unexpected(memory.error());
+    auto store = start_store(config, log);
+    if (!store) return tl::unexpected(std::move(store.error()));
+    auto computing = start_computing(config, **decoder, log);
+    if (!computing) return tl::unexpected(std::move(computing.error()));
+    auto listener = ListeningSocket::open(config.bind, config.port);
+    if (!listener) return tl::unexpected(std::move(listener.error()));
+    return Parts{*std::move(decoder), *std::move(gate),      *memory,
+                 *std::move(store),   *std::move(computing), *std::move(listener)};
+}
+
+Result<std::unique_ptr<Service>> Service::start(const Config& config, const Log& log) {
+    auto parts = start_parts(config, log);
+    if (!parts) return tl::unexpected(std::move(parts.error()));
+    std::unique_ptr<Service> service(new Service(config, *std::move(parts), log));
+    return service->jobs_.start().map([&] { return std::move(service); });
+}
+
+Service::Service(const Config& config, Parts parts, const Log& log)
+    : config_(config),
+      log_(log),
+      parts_(std::move(parts)),
+      port_(parts_.listener.port()),
+      waiting_memory_(parts_.memory.requests),
+      pool_(config.workers, config.queue, parts_.memory.jobs),
+      metrics_(CCDT_VERSION),
+      jobs_(config.jobs, *parts_.store, !config.data_dir.empty(), pool_, compute_in(*parts_.computing),
+            [this](const JobEnd& end) {
+                metrics_.add(end);
+                log_.job(end);
+            }),
+      routes_(config, {.gate = *parts_.gate,
+                       .pool = pool_,
+                       .waiting_memory = waiting_memory_,
+                       .compute = compute_in(*parts_.computing),
+                       .jobs = jobs_,
+                       .metrics = metrics_,
+                       .lacking = [this] { return lacking(); }}),
+      server_(
+          std::move(parts_.listener), config.patience, config.capacity,
+          [this](const auto& request, const auto& received, auto& connection) {
+              return routes_.answer(request, received, connection);
+          },
+          [this](const Exchange& exchange) {
+              metrics_.add(exchange);
+              log_.exchange(exchange);
+          }) {
+    metrics_.watch([this] { return figures(); });
+}
+
+std::string Service::address() const {
+    if (config_.bind.starts_with("unix:")) return config_.bind;
+    const bool has_colon = config_.bind.find(':') != std::string::npos;
+    return "http://" + (has_colon ? "[" + config_.bind + "]" : config_.bind) + ":" + std::to_string(port_);
+}
+
+void Service::drain() {
+    routes_.drain();
+    server_.drain();
+    jobs_.drain();
+}
+
+/// What computing takes and is not there now; empty: nothing.
+std::string Service::lacking() const {
+    if (!parts_.decoder->is_ready()) return "the decoder of pictures is being started again";
+    return parts_.computing->is_ready() ? "" : "what makes the processes that compute is being started again";
+}
+
+/// What the parts count.
+Metrics::Watched Service::figures() const {
+    return {.connections = server_.connections(),
+            .memory_budget = parts_.memory.total,
+            .memory_reserved = pool_.memory().taken() + waiting_memory_.taken(),
+            .decoder_restarts = parts_.decoder->restarts(),
+            .computing = parts_.computing->counts(),
+            .jobs = jobs_.counts(),
+            .job_bytes = jobs_.stored_bytes(),
+            .job_capacity = config_.jobs.bytes,
+            .job_damages = parts_.store->damages(),
+            .cache = routes_.cache().load()};
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+#include "core/result.h"
+#include "server/access/gate.h"
+#include "server/compute/compute_box.h"
+#include "server/config/config.h"
+#include "server/config/memory_plan.h"
+#include "server/decoder/decoder_box.h"
+#include "server/http/http_server.h"
+#include "server/http/sockets.h"
+#include "server/jobs/jobs.h"
+#include "server/jobs/sqlite_job_store.h"
+#include "server/monitoring/log.h"
+#include "server/monitoring/metrics.h"
+#include "server/routes/routes.h"
+#include "server/work/memory_budget.h"
+#include "server/work/worker_pool.h"
+
+namespace ccdt::server {
+
+/// All parts of the server, which are there from its start to its end.
+class Service {
+public:
+    /// Starts the parts in the order in which they need each other: the process that starts decoders, the keys, memory,
+    /// the store of jobs, the process that starts those that compute, the port, and the jobs that the store has from
+    /// before. Clients that connect wait until `serve` is called.
+    ///
+    /// @param log  outlives the service
+    /// Errors: those of the parts, of which those before have ended then.
+    static Result<std::unique_ptr<Service>> start(const Config& config, const Log& log);
+
+    Service(const Service&) = delete;
+    Service& operator=(const Service&) = delete;
+
+    /// Where it listens: a URL, or `unix:` and a path.
+    std::string address() const;
+
+    /// Reads the file of API keys again. After an error they are what they were.
+    Result<void> read_keys() { return parts_.gate->read_keys(); }
+
+    /// Serves until `drain`; returns once all that was accepted is answered.
+    /// @returns  false if accepting failed for any other reason
+    bool serve() { return server_.serve(); }
+
+    /// Has nothing new accepted or computed. From any thread.
+    void drain();
+
+    /// Has nothing waited for any more: whoever waits for a result is told that the server shuts down.
+    void abandon() { routes_.abandon(); }
+
+    /// Returns once nothing is computed any more. To be called after `serve` has returned.
+    void finish() { pool_.drain(); }
+
+private:
+    /// What may fail to start.
+    struct Parts {
+        std::unique_ptr<DecoderBox> decoder;
+        std::unique_ptr<Gate> gate;
+        ComputeMemory memory;
+        std::unique_ptr<SqliteJobStore> store;
+        std::unique_ptr<ComputeBox> computing;
+        ListeningSocket listener;
+    };
+
+    static Result<Parts> start_parts(const Config& config, const Log& log);
+    Service(const Config& config, Parts parts, const Log& log);
+
+    std::string lacking() const;
+    Metrics::Watched figures() const;
+
+    const Config config_;
+    const Log& log_;
+    Parts parts_;
+    const int port_;
+    MemoryBudget waiting_memory_;
+    WorkerPool pool_;
+    Metrics metrics_;
+    Jobs jobs_;
+    Routes routes_;
+    HttpServer server_;
+};
+
+}  // namespace ccdt::server

@@ -1,0 +1,57 @@
+#include "server/service/shutdown.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <cstdlib>
+#include <mutex>
+#include <stop_token>
+#include <utility>
+
+#include <unistd.h>
+
+namespace ccdt::server {
+namespace {
+
+/// For telling those who wait that nothing will come.
+constexpr std::chrono::milliseconds kLastWords{1'000};
+
+/// @returns  false if the time has passed
+bool ended_within(std::chrono::milliseconds time, const std::stop_token& ended) {
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any never;
+    never.wait_for(lock, ended, time, [] { return false; });
+    return ended.stop_requested();
+}
+
+}  // namespace
+
+EndSignals::EndSignals(bool reload) : signals_{} {
+    sigemptyset(&signals_);
+    sigaddset(&signals_, SIGINT);
+    sigaddset(&signals_, SIGTERM);
+    if (reload) sigaddset(&signals_, SIGHUP);
+    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+}
+
+void EndSignals::wait(const std::function<void()>& reload) const {
+    int number = 0;
+    while (sigwait(&signals_, &number) == 0 && number == SIGHUP) reload();
+    std::signal(SIGHUP, SIG_IGN);
+    // That takes a handler: without one, the first process of a container is not ended by them.
+    for (const int other : {SIGINT, SIGTERM}) std::signal(other, [](int again) { _exit(128 + again); });
+    pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
+}
+
+ShutdownDeadline::ShutdownDeadline(std::chrono::milliseconds timeout, std::function<void()> abandon, const Log& log)
+    : thread_([timeout, abandon = std::move(abandon), &log](const std::stop_token& ended) {
+          const auto last_words = std::min(kLastWords, timeout / 2);
+          if (ended_within(timeout - last_words, ended)) return;
+          log.info("the time to shut down is nearly over: requests that are not done are given up");
+          abandon();
+          if (ended_within(last_words, ended)) return;
+          log.error("the time to shut down is over: answers that clients do not take are dropped");
+          std::_Exit(EXIT_SUCCESS);
+      }) {}
+
+}  // namespace ccdt::server
