@@ -7,7 +7,6 @@
 #include "api/input/negotiation.h"
 #include "api/input/polygon_reader.h"
 #include "api/json/json_writer.h"
-#include "api/output/formats.h"
 #include "api/output/spectrum_plot.h"
 #include "api/output/svg_renderer.h"
 #include "api/stopwatch.h"
@@ -20,15 +19,11 @@ using Set = std::vector<Point>;
 constexpr Interval kFrequencies = {.min = 1, .max = 16};
 constexpr double kPixelsPerUnit = 2;  // of a plot
 
-/// In the order of AnalyzeFormat, which is the server's preference.
-constexpr std::array<Format, 3> kFormats = {kJson, kPng, kSvg};
-
-/// A request on its way: what is given is known, whether it fits together is not.
+/// Request on its way: what is given is known, whether it fits together is not.
 struct Draft {
     AnalyzeRequest request;
     std::optional<Set> points;
     std::optional<std::vector<Set>> sets;
-    std::optional<std::size_t> format;  ///< index into kFormats
 };
 
 Result<std::vector<Set>> read_sets(const Input& input) {
@@ -51,7 +46,8 @@ constexpr std::array<OptionRule<Draft>, 6> kRules = {{
     {"spectrum", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.spectrum, read_boolean(i)); }},
     {"max_frequency", [](const Input& i, const Limits&,
                          Draft& d) { return assign(d.request.options.max_frequency, read_number(i, kFrequencies)); }},
-    {"format", [](const Input& i, const Limits&, Draft& d) { return assign(d.format, read_format(i, kFormats)); }},
+    {"format", [](const Input& i, const Limits&,
+                  Draft& d) { return assign(d.request.format, read_format(i, analyze_formats())); }},
 }};
 
 Result<void> check_count(const AnalyzeRequest& request, const Limits& limits) {
@@ -78,33 +74,52 @@ Result<void> settle_points(Draft& draft, const Limits& limits) {
     return check_count(request, limits);
 }
 
-/// The JSON Pointer, in the request, to what analyse() calls `field`.
+/// Makes the JSON Pointer, in the request, to what analyse() calls `field`.
 std::string locate(const AnalyzeRequest& request, std::string_view field) {
-    if (!field.empty() && field.front() != '/') return '/' + std::string(field);
+    if (!field.empty() && field.front() != '/') return pointer_below("", field);
     if (!request.single) return "/sets" + std::string(field);
     const auto point = field.find('/', 1);
     return "/points" + std::string(point == std::string_view::npos ? "" : field.substr(point));
 }
 
-Result<std::string> encode(const AnalyzeRequest& request, const Analysis& analysis, const Domain& domain) {
-    if (request.format == AnalyzeFormat::Json) return write_analysis(analysis, request.spectrum);
-    auto svg = plot_spectrum(analysis, request.sets[0], domain, request.options.max_frequency);
-    if (!svg || request.format == AnalyzeFormat::Svg) return svg;
-    return render_svg(*svg, kPixelsPerUnit);
+Result<std::string> write_figures(const AnalyzeRequest& request, const Analysis& analysis, const Domain&) {
+    return write_analysis(analysis, request.spectrum);
 }
 
+Result<std::string> draw_plot(const AnalyzeRequest& request, const Analysis& analysis, const Domain& domain) {
+    return plot_spectrum(analysis, request.sets[0], domain, request.options.max_frequency);
+}
+
+Result<std::string> render_plot(const AnalyzeRequest& request, const Analysis& analysis, const Domain& domain) {
+    return draw_plot(request, analysis, domain).and_then([](const std::string& svg) {
+        return render_svg(svg, kPixelsPerUnit);
+    });
+}
+
+constexpr double kPlotBytes = 32 << 20;
+
+constexpr AnalysisFormat kJsonFigures{kJson, {}, write_figures};
+constexpr AnalysisFormat kPngPlot{kPng, {kPlotBytes, 0.1}, render_plot};
+constexpr AnalysisFormat kSvgPlot{kSvg, {kPlotBytes, 0}, draw_plot};
+
+constexpr const AnalysisFormat* kFormats[] = {&kJsonFigures, &kPngPlot, &kSvgPlot};
+
 }  // namespace
+
+std::span<const AnalysisFormat* const> analyze_formats() {
+    return kFormats;
+}
+
+std::vector<std::string_view> analyze_options() {
+    return names_of<Draft>(kRules);
+}
 
 Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view accept, const Limits& limits) {
     Draft draft;
     if (auto read = read_body<Draft>(kRules, body, limits, draft); !read) return tl::unexpected(read.error());
     if (auto settled = settle_points(draft, limits); !settled) return tl::unexpected(settled.error());
-    if (!draft.format) {
-        if (auto chosen = assign(draft.format, negotiate(accept, kFormats)); !chosen) {
-            return tl::unexpected(chosen.error());
-        }
-    }
-    draft.request.format = static_cast<AnalyzeFormat>(*draft.format);
+    if (auto settled = settle_format(accept, analyze_formats(), draft.request.format); !settled)
+        return tl::unexpected(settled.error());
     return std::move(draft.request);
 }
 
@@ -119,10 +134,10 @@ Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control
             analysis.error().field = locate(request, analysis.error().field);
         return tl::unexpected(analysis.error());
     }
-    auto body = encode(request, *analysis, *domain);
+    auto body = request.format->write(request, *analysis, *domain);
     timings.encode = watch.lap();
     if (!body) return tl::unexpected(body.error());
-    return Answer{kFormats[static_cast<std::size_t>(request.format)].content_type(), *std::move(body)};
+    return Answer{request.format->file.content_type(), *std::move(body)};
 }
 
 }  // namespace ccdt::api

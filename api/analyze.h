@@ -1,26 +1,42 @@
 #pragma once
 
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "api/estimate.h"
 #include "api/input/domain_reader.h"
 #include "api/options.h"
+#include "api/output/file_formats.h"
 #include "core/analysis/analysis.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 
 namespace ccdt::api {
 
-/// What an answer is made as.
-enum class AnalyzeFormat { Json, Png, Svg };
+struct AnalyzeRequest;
+
+/// Format of an analysis: a row of the table in analyze.cpp.
+struct AnalysisFormat {
+    FileFormat file;
+    Estimate cost;  ///< of writing
+    Result<std::string> (&write)(const AnalyzeRequest& request, const Analysis& analysis, const Domain& domain);
+};
+
+/// Formats of /analyze, in the server's order of preference.
+std::span<const AnalysisFormat* const> analyze_formats();
+
+/// Names of the members of a request.
+std::vector<std::string_view> analyze_options();
 
 struct AnalyzeRequest {
     std::vector<std::vector<Point>> sets;
     bool single = false;  ///< came as `points`, not as `sets`
     Rectangle domain{1, 1, true};
     AnalysisOptions options;
-    bool spectrum = false;  ///< add it to the JSON
-    AnalyzeFormat format = AnalyzeFormat::Json;
+    bool spectrum = false;                   ///< add it to the JSON
+    const AnalysisFormat* format = nullptr;  ///< never null in a request that was parsed
 };
 
 /// Reads a request: a JSON object.

@@ -5,30 +5,14 @@
 #include <limits>
 #include <optional>
 
+#include "api/estimate.h"
 #include "api/json/json_document.h"
-#include "core/baselines/ccvt.h"
-#include "core/baselines/cvt.h"
-#include "core/baselines/odt.h"
 #include "core/halftone/tone.h"
 
 namespace ccdt::api {
 namespace {
 
-constexpr double kMicrosecond = 1e-6;
 constexpr double kFixedBytes = 6 << 20;
-
-/// Of what is there at the same time.
-struct Estimate {
-    double bytes = 0;
-    double seconds = 0;
-
-    Estimate operator+(const Estimate& other) const { return {bytes + other.bytes, seconds + other.seconds}; }
-};
-
-/// One stage after the other, each giving its memory back.
-Estimate then(const Estimate& a, const Estimate& b) {
-    return {std::max(a.bytes, b.bytes), a.seconds + b.seconds};
-}
 
 Cost cost(const Estimate& estimate) {
     return {static_cast<std::size_t>(estimate.bytes + kFixedBytes), estimate.seconds};
@@ -48,45 +32,13 @@ double inks_of(const HalftoneRequest& request) {
     return static_cast<double>(request.palette.inks.size());
 }
 
-/// Of inks that mix: four planes, and the coverage of each ink.
+/// Decodes and separates: of inks that mix there are four planes, and the coverage of each ink.
 Estimate decoding(const HalftoneRequest& request) {
     if (request.palette.mixing == Mixing::Cover) return decoding(request.image);
     constexpr double kSeparating = 0.2 * kMicrosecond;
     constexpr double kTable = 300'000;  // takes as long as so many pixels
     const auto pixels = static_cast<double>(request.image.header.pixels());
     return decoding(request.image, 16 + 4 * inks_of(request)) + Estimate{0, (pixels + kTable) * kSeparating};
-}
-
-/// The triangulation, its passes and the polish.
-Estimate triangulating(const Options& options, bool is_uniform) {
-    const auto sites = static_cast<double>(options.sites);
-    const bool polished = options.quality != Quality::Draft && options.iterations > 0;
-    const double pass = is_uniform ? 0.06 : 0.22;
-    double microseconds = 1 + pass * options.iterations * options.passes;
-    if (polished && options.quality == Quality::Standard) microseconds += is_uniform ? 2.6 : 7;
-    if (polished && options.quality == Quality::Best) microseconds += is_uniform ? 12.5 : 22;
-    const double bytes = (is_uniform ? 450 : 700) + (polished ? 330 : 0) + (options.keep_mesh ? 150 : 0);
-    return {sites * bytes, sites * microseconds * kMicrosecond};
-}
-
-Estimate distributing(Method method, const Options& options, bool is_uniform) {
-    const auto sites = static_cast<double>(options.sites);
-    const auto all = [&](double bytes, double microseconds_each) {
-        return Estimate{sites * bytes, sites * microseconds_each * options.iterations * kMicrosecond};
-    };
-    switch (method) {
-        case Method::Ccdt:
-            return triangulating(options, is_uniform);
-        case Method::Cvt:
-            return all(1600, 560.0 / kCvtIterations);
-        case Method::Odt:
-            return all(400, 45.0 / kOdtIterations);
-        case Method::Ccvt:
-            return all(9500, 850.0 / kCcvtIterations);
-        case Method::Random:
-            return {sites * 290, sites * 2.5 * kMicrosecond};
-    }
-    return {};
 }
 
 Estimate bounding(const std::variant<PolygonInput, Rectangle>& domain) {
@@ -98,36 +50,31 @@ Estimate bounding(const std::variant<PolygonInput, Rectangle>& domain) {
     return {corners * kBytes, corners * kTime};
 }
 
-/// A grid's integrals, and the passes that walk over its cells.
+/// Makes a grid's integrals, over whose cells the passes walk.
 Estimate weighing(double cells) {
     return {cells * 20, cells * 0.03 * kMicrosecond};
 }
 
-/// Of several inks there is one grid each, and one of all together.
+/// Makes grids: of several inks one each, and one of all together.
 Estimate weighing(const HalftoneRequest& request) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
     const double inks = inks_of(request);
     return weighing(pixels * (inks > 1 ? inks * 1.2 + 1 : 1));
 }
 
-/// What keeps dots of different inks apart.
+/// Keeps dots of different inks apart.
 Estimate parting(const HalftoneRequest& request, const Options& options) {
     if (inks_of(request) < 2 || options.quality == Quality::Draft || options.iterations == 0) return {};
     const auto sites = static_cast<double>(options.sites);
     return {sites * 400, sites * (options.quality == Quality::Best ? 30 : 10) * kMicrosecond};
 }
 
-/// Pixels of the output at most: the chosen scale stops at 16 million.
+/// Counts the pixels of the output at most: the chosen scale stops at 16 million.
 double drawn_pixels(const HalftoneRequest& request, const Limits& limits) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
     const auto most = static_cast<double>(limits.max_pixels);
     if (request.scale) return std::min(pixels * *request.scale * *request.scale, most);
     return std::min({pixels * kLargestScale * kLargestScale, kMostCanvasPixels, most});
-}
-
-/// Ordering dots along a short path, and writing them.
-Estimate plotting(double sites) {
-    return {sites * 500, sites * 3.5 * kMicrosecond};
 }
 
 /// @param radius  of the dots, in pixels; each may cover all
@@ -136,7 +83,7 @@ Estimate rasterising(double sites, double pixels, std::optional<double> radius, 
     return {sites * 150 + pixels * 6, (pixels * (antialias ? 0.04 : 0.005) + covered * 0.001) * kMicrosecond};
 }
 
-/// The rasters of inks that mix stay until they are laid over each other.
+/// Draws dots: the rasters of inks that mix stay until they are laid over each other.
 Estimate rasterising(const HalftoneRequest& request, double sites, double pixels, bool antialias) {
     const Estimate one = rasterising(sites, pixels, request.dot, antialias);
     if (request.palette.mixing == Mixing::Cover) return one;
@@ -144,23 +91,18 @@ Estimate rasterising(const HalftoneRequest& request, double sites, double pixels
     return one + Estimate{pixels * inks, pixels * inks * (antialias ? 0.08 : 0.02) * kMicrosecond};
 }
 
-Estimate drawing(const HalftoneRequest& request, double sites, const Limits& limits) {
+/// Writes a drawing: of shapes once the raster has gone that their radius is from, of pixels beside it.
+Estimate drawing(const PointFormat& format, const Estimate& raster, double sites, double pixels) {
+    const Estimate writing = format.per_site * sites + format.per_pixel * pixels;
+    return format.raster() == nullptr ? then(raster, writing) : raster + writing;
+}
+
+Estimate writing(const HalftoneRequest& request, double sites, const Limits& limits) {
+    const PointFormat& format = *request.format;
+    if (!format.is_drawn()) return format.per_site * sites;
     const double pixels = drawn_pixels(request, limits);
-    const auto raster = [&](bool antialias) { return rasterising(request, sites, pixels, antialias); };
-    switch (request.format) {
-        case HalftoneFormat::Png:
-        case HalftoneFormat::Tiff:
-            return raster(request.antialias);
-        case HalftoneFormat::WebP:
-            return raster(request.antialias) + Estimate{pixels * 16, pixels * 0.1 * kMicrosecond};
-        case HalftoneFormat::Svg:
-            return then(raster(true), plotting(sites));
-        case HalftoneFormat::Json:
-        case HalftoneFormat::Csv:
-        case HalftoneFormat::Npy:
-            break;
-    }
-    return {sites * 150, sites * 0.3 * kMicrosecond};
+    const bool antialias = request.antialias || format.raster() == nullptr;
+    return drawing(format, rasterising(request, sites, pixels, antialias), sites, pixels);
 }
 
 Box bounds_of(const std::variant<PolygonInput, Rectangle>& domain) {
@@ -173,7 +115,7 @@ Box bounds_of(const std::variant<PolygonInput, Rectangle>& domain) {
     return box;
 }
 
-/// Pixels at most: a chosen width depends on the area, which of a polygon is not known yet.
+/// Counts the pixels at most: a chosen width depends on the area, which of a polygon is not known yet.
 /// @param box  of positive, finite sides
 double drawn_pixels(const SampleRequest& request, const Box& box, const Limits& limits) {
     const auto most = static_cast<double>(limits.max_pixels);
@@ -185,10 +127,10 @@ double drawn_pixels(const SampleRequest& request, const Box& box, const Limits& 
     return std::min({chosen, kMostCanvasPixels, most});
 }
 
-Estimate drawing(const SampleRequest& request, const Limits& limits) {
+Estimate writing(const SampleRequest& request, const Limits& limits) {
+    const PointFormat& format = *request.format;
     const auto sites = static_cast<double>(request.run.sites);
-    if (request.format == SampleFormat::Svg) return plotting(sites);
-    if (request.format != SampleFormat::Png) return {sites * 150, sites * 0.3 * kMicrosecond};
+    if (format.raster() == nullptr) return format.per_site * sites;
     const Box box = bounds_of(request.domain);
     // Of other boxes there is no domain, and nothing is drawn.
     const auto is_length = [](double side) { return side > 0 && std::isfinite(side); };
@@ -196,7 +138,7 @@ Estimate drawing(const SampleRequest& request, const Limits& limits) {
     const double pixels = drawn_pixels(request, box, limits);
     const double scale = request.width ? *request.width / box.width() : std::sqrt(pixels / box.width() / box.height());
     const auto radius = request.dot ? std::optional(*request.dot * scale) : std::nullopt;
-    return rasterising(sites, pixels, radius, true);
+    return drawing(format, rasterising(sites, pixels, radius, true), sites, pixels);
 }
 
 std::size_t bytes_of(const PolygonInput& polygon) {
@@ -213,9 +155,9 @@ Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
     Options options = request.run;
     options.sites = request.sites.value_or(default_sites(pixels * inks_of(request), limits.max_sites));
-    const Estimate placing = weighing(request) + triangulating(options, false) + parting(request, options);
-    const Estimate drawn = drawing(request, static_cast<double>(options.sites), limits);
-    return cost(then(then(decoding(request), placing), drawn));
+    const Estimate placing = weighing(request) + methods().front().cost(options, false) + parting(request, options);
+    const Estimate written = writing(request, static_cast<double>(options.sites), limits);
+    return cost(then(then(decoding(request), placing), written));
 }
 
 Cost cost_of(const SampleRequest& request, const Limits& limits) {
@@ -225,8 +167,8 @@ Cost cost_of(const SampleRequest& request, const Limits& limits) {
     if (image != nullptr) density = weighing(static_cast<double>(image->file.header.pixels()));
     if (grid != nullptr) density = weighing(static_cast<double>(grid->values.size()));
     const bool is_uniform = image == nullptr && grid == nullptr;
-    const Estimate placing = bounding(request.domain) + density + distributing(request.method, request.run, is_uniform);
-    const Estimate made = then(placing, drawing(request, limits));
+    const Estimate placing = bounding(request.domain) + density + request.method->cost(request.run, is_uniform);
+    const Estimate made = then(placing, writing(request, limits));
     return cost(image != nullptr ? then(decoding(image->file), made) : made);
 }
 
@@ -234,12 +176,9 @@ Cost cost_of(const AnalyzeRequest& request) {
     const auto sets = static_cast<double>(request.sets.size());
     const double points = request.sets.empty() ? 0 : static_cast<double>(request.sets.front().size());
     const double cells = points * request.options.max_frequency * request.options.max_frequency;
-    constexpr double kPlot = 32 << 20;
     const Estimate transforms{cells * 360, cells * sets * 0.4 * kMicrosecond};
     const Estimate others{points * sets * 64, points * sets * kMicrosecond};
-    const Estimate plot{request.format == AnalyzeFormat::Json ? 0 : kPlot,
-                        request.format == AnalyzeFormat::Png ? 0.1 : 0};
-    return cost(transforms + others + plot);
+    return cost(transforms + others + request.format->cost);
 }
 
 Cost cost_of_parsing(std::string_view body) {

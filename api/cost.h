@@ -10,7 +10,7 @@
 
 namespace ccdt::api {
 
-/// What computing an answer takes, told before it is begun.
+/// Estimates what computing an answer takes, before it is begun.
 ///
 /// A number for any request that was parsed, also where its domain or its picture will be refused. Fitted to peaks of
 /// resident memory and to times of the whole program; tests/api/cost_test.cpp holds them to it. What decides are sites,
@@ -20,10 +20,10 @@ Cost cost_of(const HalftoneRequest& request, const Limits& limits);
 Cost cost_of(const SampleRequest& request, const Limits& limits);
 Cost cost_of(const AnalyzeRequest& request);
 
-/// Of reading a JSON body: of parse_sample and the like.
+/// Estimates what reading a JSON body takes: parse_sample and the like.
 Cost cost_of_parsing(std::string_view body);
 
-/// Bytes that a request holds besides the body that it was read from.
+/// Counts the bytes that a request holds besides the body that it was read from.
 std::size_t size_of(const HalftoneRequest& request);
 std::size_t size_of(const SampleRequest& request);
 std::size_t size_of(const AnalyzeRequest& request);

@@ -18,8 +18,7 @@ namespace {
 constexpr Interval kScales = {.min = 0.1, .max = 16};
 constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
 
-/// In the order of HalftoneFormat, which is the server's preference.
-constexpr std::array<Format, 7> kFormats = {kPng, kJson, kSvg, kCsv, kNpy, kWebP, kTiff};
+constexpr std::array<Choice<Tone>, 2> kTones = {{{"linear", Tone::Linear}, {"perceptual", Tone::Perceptual}}};
 
 Result<void> read_dot(const Input& input, std::optional<double>& dot) {
     if (const auto text = read_text(input); text && *text == "auto") {
@@ -31,11 +30,6 @@ Result<void> read_dot(const Input& input, std::optional<double>& dot) {
     return assign(dot, std::move(radius));
 }
 
-Result<void> read_tone(const Input& input, Tone& tone) {
-    static constexpr std::array<std::string_view, 2> kWords = {"linear", "perceptual"};
-    return assign(tone, read_choice(input, kWords));
-}
-
 /// Request on its way; what depends on several options can only be settled when all are known.
 struct Draft {
     HalftoneRequest request;
@@ -43,7 +37,6 @@ struct Draft {
     std::optional<Palette> palette;
     std::optional<Colour> foreground;
     std::optional<Colour> background;
-    std::optional<std::size_t> format;  ///< index into kFormats
 };
 
 constexpr std::array<OptionRule<Draft>, 18> kRules = {{
@@ -52,12 +45,14 @@ constexpr std::array<OptionRule<Draft>, 18> kRules = {{
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
     {"passes", [](const Input& i, const Limits&, Draft& d) { return read_passes(i, d.request.run); }},
     {"quality", [](const Input& i, const Limits&, Draft& d) { return read_quality(i, d.request.run); }},
-    {"on_deadline", [](const Input& i, const Limits&, Draft& d) { return read_on_deadline(i, d.request.on_deadline); }},
+    {"on_deadline",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_deadline, read_on_deadline(i)); }},
     {"scale", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.scale, read_number(i, kScales)); }},
     {"dot", [](const Input& i, const Limits&, Draft& d) { return read_dot(i, d.request.dot); }},
     {"antialias", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.antialias, read_boolean(i)); }},
     {"invert", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.invert, read_boolean(i)); }},
-    {"tone", [](const Input& i, const Limits&, Draft& d) { return read_tone(i, d.request.tone); }},
+    {"tone",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.tone, read_choice<Tone>(i, kTones)); }},
     {"color", [](const Input& i, const Limits&, Draft& d) { return assign(d.color, read_color(i)); }},
     {"palette", [](const Input& i, const Limits&, Draft& d) { return assign(d.palette, read_palette(i)); }},
     {"foreground", [](const Input& i, const Limits&, Draft& d) { return assign(d.foreground, read_colour(i)); }},
@@ -65,7 +60,8 @@ constexpr std::array<OptionRule<Draft>, 18> kRules = {{
      [](const Input& i, const Limits&, Draft& d) { return assign(d.background, read_colour_or_none(i)); }},
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
     {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
-    {"format", [](const Input& i, const Limits&, Draft& d) { return assign(d.format, read_format(i, kFormats)); }},
+    {"format", [](const Input& i, const Limits&,
+                  Draft& d) { return assign(d.request.format, read_format(i, halftone_formats())); }},
 }};
 
 /// Refuses options that inks which mix do not have.
@@ -109,11 +105,8 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
     draft.request = std::move(request);
     if (auto read = read_options<Draft>(kRules, inputs, limits, draft); !read) return tl::unexpected(read.error());
     if (auto settled = settle_palette(draft, inputs); !settled) return tl::unexpected(settled.error());
-    if (!draft.format) {
-        auto chosen = assign(draft.format, negotiate(accept, kFormats));
-        if (!chosen) return tl::unexpected(chosen.error());
-    }
-    draft.request.format = static_cast<HalftoneFormat>(*draft.format);
+    if (auto settled = settle_format(accept, halftone_formats(), draft.request.format); !settled)
+        return tl::unexpected(settled.error());
     return std::move(draft.request);
 }
 
@@ -169,13 +162,13 @@ Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits
     timings.encode = watch.lap();
     if (!body) return tl::unexpected(body.error());
     Answer answer;
-    answer.media_type = kFormats[static_cast<std::size_t>(request.format)].content_type();
+    answer.media_type = request.format->file.content_type();
     answer.body = *std::move(body);
     for (const Distribution& each : *dots) answer.sites += each.points.size();
     answer.pixels = static_cast<std::size_t>(plan->picture.width) * static_cast<std::size_t>(plan->picture.height);
     answer.partial = std::ranges::any_of(*dots, &Distribution::stopped);
     // A stop may have made the path of a drawing longer.
-    answer.repeats = request.format != HalftoneFormat::Json && !control.stop.stop_requested();
+    answer.repeats = request.format->repeats() && !control.stop.stop_requested();
     return answer;
 }
 

@@ -12,14 +12,12 @@
 #include "api/input/palette.h"
 #include "api/input/run_options.h"
 #include "api/options.h"
+#include "api/output/formats.h"
 #include "core/ccdt/ccdt.h"
 #include "core/halftone/tone.h"
 #include "core/result.h"
 
 namespace ccdt::api {
-
-/// What an answer is made as.
-enum class HalftoneFormat { Png, Json, Svg, Csv, Npy, WebP, Tiff };
 
 struct HalftoneRequest {
     ImageFile image;
@@ -32,12 +30,12 @@ struct HalftoneRequest {
     bool invert = false;  ///< dots where the picture is light; only of an ink that covers
     Tone tone = Tone::Linear;
     Palette palette;
-    HalftoneFormat format = HalftoneFormat::Png;
+    const PointFormat* format = nullptr;  ///< never null in a request that was parsed
     DrawingOptions drawing;
     OnStop on_deadline = OnStop::Error;
 };
 
-/// The names of the options that may come as text.
+/// Names of the options that may come as text.
 std::vector<std::string_view> halftone_options();
 
 /// Reads a request whose image is the body, or a part of a form; options come as text.
@@ -51,7 +49,7 @@ std::vector<std::string_view> halftone_options();
 Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector<TextOption>& options,
                                        std::string_view accept, const Limits& limits);
 
-/// The same for a body that is a JSON object, with the member `image` in base64 or as a data: URI.
+/// Reads a request whose body is a JSON object, with the member `image` in base64 or as a data: URI.
 ///
 /// @param options  that came in the query besides; they must not repeat a member
 /// Errors: as above, and those of JsonDocument::parse. The field of a member is its JSON Pointer.

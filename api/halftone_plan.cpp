@@ -1,14 +1,12 @@
 #include "api/halftone_plan.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 #include <string>
 #include <utility>
 
+#include "api/deadline.h"
 #include "api/image/ink_set.h"
-#include "api/image/webp_writer.h"
-#include "api/input/run_options.h"
 #include "api/output/point_drawing.h"
 #include "core/halftone/separation.h"
 #include "core/halftone/tone.h"
@@ -54,17 +52,7 @@ tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {
                    request.image_field);
 }
 
-/// Errors: LimitExceeded for a canvas that is larger than what the format holds.
-Result<void> check_side(HalftoneFormat format, const Canvas& canvas) {
-    if (format != HalftoneFormat::WebP || std::max(canvas.width, canvas.height) <= kMaxWebPSide) return {};
-    return failure(ErrorCode::LimitExceeded,
-                   "the output would have " + std::to_string(canvas.width) + " x " + std::to_string(canvas.height) +
-                       " pixels; WebP holds at most " + std::to_string(kMaxWebPSide) +
-                       " a side: take a smaller scale or another format",
-                   "scale");
-}
-
-/// A chosen scale gives way to the limit; one that was asked for does not.
+/// Makes the canvas. A chosen scale gives way to the limit; one that was asked for does not.
 Result<Canvas> plan_canvas(const HalftoneRequest& request, const Box& box, double preferred_scale,
                            const Limits& limits) {
     if (!request.scale) return canvas_of(box, fitting_scale(box, preferred_scale, limits.max_pixels));
@@ -76,7 +64,7 @@ Result<Canvas> plan_canvas(const HalftoneRequest& request, const Box& box, doubl
                    "scale");
 }
 
-/// A density for each ink that has sites. Coverages go as they are taken.
+/// Makes a density for each ink that has sites. Coverages go as they are taken.
 Result<std::vector<Density>> make_densities(Separation& separation, const std::vector<std::size_t>& sites) {
     std::vector<Density> densities(sites.size(), Density::uniform());
     for (std::size_t ink = 0; ink < sites.size(); ++ink) {
@@ -90,12 +78,6 @@ Result<std::vector<Density>> make_densities(Separation& separation, const std::v
 }
 
 }  // namespace
-
-bool is_drawn(HalftoneFormat format) {
-    constexpr std::array kDrawn = {HalftoneFormat::Png, HalftoneFormat::Svg, HalftoneFormat::WebP,
-                                   HalftoneFormat::Tiff};
-    return std::ranges::find(kDrawn, format) != kDrawn.end();
-}
 
 Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                                    const Control& control) {
@@ -111,11 +93,12 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     for (const double each : ink) plan.cover.push_back(each / static_cast<double>(pixels));
     const std::size_t sites = request.sites ? *request.sites : default_sites(all_ink, limits.max_sites);
     plan.sites = share_sites(ink, sites);
-    if (is_drawn(request.format)) {
+    if (request.format->is_drawn()) {
         auto canvas = plan_canvas(request, plan.box(), default_scale(all_ink, pixels, sites), limits);
         if (!canvas) return tl::unexpected(canvas.error());
         plan.canvas = *canvas;
-        if (auto checked = check_side(request.format, *canvas); !checked) return tl::unexpected(checked.error());
+        if (auto checked = request.format->check_side(*canvas, "scale", "scale"); !checked)
+            return tl::unexpected(checked.error());
     }
     auto densities = make_densities(*separation, plan.sites);
     if (!densities) return about_image(densities.error(), request);
@@ -128,8 +111,11 @@ Result<std::vector<Distribution>> place_dots(const HalftoneRequest& request, Hal
     const std::vector<Density> densities = std::exchange(plan.densities, {});
     const auto domain = Domain::rectangle(plan.picture.width, plan.picture.height);
     if (!domain) return tl::unexpected(domain.error());
-    auto dots = distribute_all_inks(*domain, densities, plan.sites, request.run, control, request.on_deadline);
+    auto dots = distribute_inks(*domain, densities, plan.sites, request.run, control);
     if (!dots) return about_image(dots.error(), request);
+    for (const Distribution& each : *dots) {
+        if (auto whole = check_whole(each, request.on_deadline); !whole) return about_image(whole.error(), request);
+    }
     return dots;
 }
 

@@ -13,9 +13,6 @@
 
 namespace ccdt::api {
 
-/// Tells whether an answer is drawn on a canvas.
-bool is_drawn(HalftoneFormat format);
-
 /// Share of each ink in the picture, and where its dots shall go.
 struct HalftonePlan {
     PictureSize picture;

@@ -1,8 +1,8 @@
 #include "api/method.h"
 
+#include <array>
 #include <limits>
 #include <string>
-#include <utility>
 
 #include "core/baselines/ccvt.h"
 #include "core/baselines/cvt.h"
@@ -14,72 +14,91 @@ namespace {
 
 constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();  ///< but the server's
 
-struct Traits {
-    std::string_view name;
-    decltype(&distribute) run;
-    std::size_t max_sites;
-    int iterations;    ///< unless given
-    GivenOptions has;  ///< options that it has
+constexpr MethodOptions kAll = {.iterations = true, .passes = true, .quality = true, .tolerance = true};
+constexpr MethodOptions kIterative = {.iterations = true, .passes = false, .quality = false, .tolerance = true};
+constexpr MethodOptions kNone = {.iterations = false, .passes = false, .quality = false, .tolerance = false};
+
+/// Estimates the triangulation, its passes and the polish.
+Estimate ccdt_cost(const Options& options, bool is_uniform) {
+    const auto sites = static_cast<double>(options.sites);
+    const bool polished = options.quality != Quality::Draft && options.iterations > 0;
+    const double pass = is_uniform ? 0.06 : 0.22;
+    double microseconds = 1 + pass * options.iterations * options.passes;
+    if (polished && options.quality == Quality::Standard) microseconds += is_uniform ? 2.6 : 7;
+    if (polished && options.quality == Quality::Best) microseconds += is_uniform ? 12.5 : 22;
+    const double bytes = (is_uniform ? 450 : 700) + (polished ? 330 : 0) + (options.keep_mesh ? 150 : 0);
+    return {sites * bytes, sites * microseconds * kMicrosecond};
+}
+
+/// @param bytes  of a site
+Estimate iterating(const Options& options, double bytes, double microseconds_an_iteration) {
+    const auto sites = static_cast<double>(options.sites);
+    return {sites * bytes, sites * microseconds_an_iteration * options.iterations * kMicrosecond};
+}
+
+Estimate cvt_cost(const Options& options, bool) {
+    return iterating(options, 1600, 560.0 / kCvtIterations);
+}
+
+Estimate odt_cost(const Options& options, bool) {
+    return iterating(options, 400, 45.0 / kOdtIterations);
+}
+
+Estimate ccvt_cost(const Options& options, bool) {
+    return iterating(options, 9500, 850.0 / kCcvtIterations);
+}
+
+Estimate random_cost(const Options& options, bool) {
+    return Estimate{290, 2.5 * kMicrosecond} * static_cast<double>(options.sites);
+}
+
+constexpr Method kMethods[] = {
+    {"ccdt", "CCDT", kNoLimit, Options{}.iterations, kAll, ccdt_cost, distribute},
+    {"cvt", "CVT, Lloyd's method", 50'000, kCvtIterations, kIterative, cvt_cost, cvt},
+    {"odt", "ODT", 500'000, kOdtIterations, kIterative, odt_cost, odt},
+    {"ccvt", "CCVT", 20'000, kCcvtIterations, kIterative, ccvt_cost, ccvt},
+    {"random", "random", kNoLimit, 0, kNone, random_cost, random_sites},
 };
 
-constexpr GivenOptions kAll = {.iterations = true, .passes = true, .quality = true, .tolerance = true};
-constexpr GivenOptions kIterative = {.iterations = true, .passes = false, .quality = false, .tolerance = true};
-
-/// In the order of Method.
-constexpr std::array<Traits, 5> kTraits = {{
-    {"ccdt", distribute, kNoLimit, Options{}.iterations, kAll},
-    {"cvt", cvt, 50'000, kCvtIterations, kIterative},
-    {"odt", odt, 500'000, kOdtIterations, kIterative},
-    {"ccvt", ccvt, 20'000, kCcvtIterations, kIterative},
-    {"random", random_sites, kNoLimit, 0, {}},
-}};
-
-constexpr std::array<std::pair<std::string_view, bool GivenOptions::*>, 4> kOptions = {
-    {{"iterations", &GivenOptions::iterations},
-     {"passes", &GivenOptions::passes},
-     {"quality", &GivenOptions::quality},
-     {"tolerance", &GivenOptions::tolerance}}};
-
-const Traits& traits_of(Method method) {
-    return kTraits[static_cast<std::size_t>(method)];
-}
+constexpr std::array<Choice<bool MethodOptions::*>, 4> kOptions = {{{"iterations", &MethodOptions::iterations},
+                                                                    {"passes", &MethodOptions::passes},
+                                                                    {"quality", &MethodOptions::quality},
+                                                                    {"tolerance", &MethodOptions::tolerance}}};
 
 }  // namespace
 
-std::string_view name_of(Method method) {
-    return traits_of(method).name;
+std::span<const Method> methods() {
+    return kMethods;
 }
 
-Result<Method> read_method(const Input& input) {
-    std::array<std::string_view, kTraits.size()> names;
-    for (std::size_t i = 0; i < names.size(); ++i) names[i] = kTraits[i].name;
-    Method method{};
-    const auto read = assign(method, read_choice(input, names));
-    if (!read) return tl::unexpected(read.error());
-    return method;
-}
-
-Result<void> settle_method(Method method, const GivenOptions& given, Options& options) {
-    const Traits& traits = traits_of(method);
-    for (const auto& [option, member] : kOptions) {
-        if (!(given.*member) || traits.has.*member) continue;
-        return failure(ErrorCode::Malformed,
-                       std::string(option) + " is no option of method " + std::string(traits.name),
-                       '/' + std::string(option));
+std::vector<std::string_view> option_names(const Method& method) {
+    std::vector<std::string_view> names;
+    for (const auto& [name, member] : kOptions) {
+        if (method.options.*member) names.push_back(name);
     }
-    if (options.sites > traits.max_sites) {
+    return names;
+}
+
+Result<const Method*> read_method(const Input& input) {
+    std::vector<Choice<const Method*>> choices;
+    for (const Method& method : kMethods) choices.push_back({method.name, &method});
+    return read_choice<const Method*>(input, choices);
+}
+
+Result<void> settle_method(const Method& method, const MethodOptions& given, Options& options) {
+    for (const auto& [name, member] : kOptions) {
+        if (!(given.*member) || method.options.*member) continue;
+        return failure(ErrorCode::Malformed, std::string(name) + " is no option of method " + std::string(method.name),
+                       pointer_below("", name));
+    }
+    if (options.sites > method.max_sites) {
         return failure(ErrorCode::LimitExceeded,
                        "sites is " + std::to_string(options.sites) + "; the limit of method " +
-                           std::string(traits.name) + " is " + std::to_string(traits.max_sites),
+                           std::string(method.name) + " is " + std::to_string(method.max_sites),
                        "/sites");
     }
-    if (!given.iterations) options.iterations = traits.iterations;
+    if (!given.iterations) options.iterations = method.iterations;
     return {};
-}
-
-Result<Distribution> distribute_by(Method method, const Domain& domain, const Density& density, const Options& options,
-                                   const Control& control) {
-    return traits_of(method).run(domain, density, options, control);
 }
 
 }  // namespace ccdt::api

@@ -1,38 +1,49 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
+#include <span>
 #include <string_view>
+#include <vector>
 
+#include "api/estimate.h"
 #include "api/input/option_reader.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 
 namespace ccdt::api {
 
-/// How points are distributed.
-enum class Method { Ccdt, Cvt, Odt, Ccvt, Random };
-
-/// Which of the options that not every method has were given.
-struct GivenOptions {
-    bool iterations = false;
-    bool passes = false;
-    bool quality = false;
-    bool tolerance = false;
+/// Set of the options that not every method has.
+struct MethodOptions {
+    bool iterations;
+    bool passes;
+    bool quality;
+    bool tolerance;
 };
 
-/// The word of a request and of its answer.
-std::string_view name_of(Method method);
+/// Method of distributing points: a row of the table in method.cpp. Functions are references, lest a row without one
+/// compile.
+struct Method {
+    std::string_view name;   ///< in requests and answers
+    std::string_view title;  ///< for people
+    std::size_t max_sites;   ///< as many as it distributes in a third of the default timeout or so, on one core
+    int iterations;          ///< unless a request gives them
+    MethodOptions options;   ///< that it has
+    Estimate (&cost)(const Options& options, bool is_uniform);
+    decltype(distribute)& run;
+};
 
-Result<Method> read_method(const Input& input);
+/// All methods; the first is the default one.
+std::span<const Method> methods();
+
+/// Names of the options that a method has, of those that not every method has.
+std::vector<std::string_view> option_names(const Method& method);
+
+/// Reads a method by its name. Errors: Malformed.
+Result<const Method*> read_method(const Input& input);
 
 /// Makes options fit a method: iterations that were not given become as many as the method needs.
-/// Errors: Malformed for a given option that the method does not have; LimitExceeded for more sites than it can
-/// distribute in a third of the default timeout or so, on one core. The field is a JSON Pointer.
-Result<void> settle_method(Method method, const GivenOptions& given, Options& options);
-
-/// Distributes as distribute() does.
-Result<Distribution> distribute_by(Method method, const Domain& domain, const Density& density, const Options& options,
-                                   const Control& control);
+/// Errors: Malformed for a given option that the method does not have; LimitExceeded for more sites than it takes. The
+/// field is a JSON Pointer.
+Result<void> settle_method(const Method& method, const MethodOptions& given, Options& options);
 
 }  // namespace ccdt::api

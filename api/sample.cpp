@@ -7,15 +7,14 @@
 #include <optional>
 #include <utility>
 
+#include "api/deadline.h"
 #include "api/image/embedded_image.h"
 #include "api/image/overlay.h"
-#include "api/image/png_writer.h"
 #include "api/input/negotiation.h"
 #include "api/input/run_options.h"
 #include "api/json/json_writer.h"
 #include "api/output/formats.h"
 #include "api/output/point_drawing.h"
-#include "api/output/point_table.h"
 #include "api/stopwatch.h"
 #include "core/density/density.h"
 #include "core/halftone/tone.h"
@@ -23,14 +22,11 @@
 namespace ccdt::api {
 namespace {
 
-/// In the order of SampleFormat, which is the server's preference.
-constexpr std::array<Format, 6> kFormats = {kJson, kCsv, kGeoJson, kNpy, kSvg, kPng};
 constexpr std::uint64_t kMaxSide = std::numeric_limits<int>::max();
 
 constexpr std::uint64_t kMaxWidth = 65'535;
 
-/// Black on white.
-const Palette kInk;
+const Palette kBlackOnWhite;
 
 struct DensityDraft {
     std::optional<int> width;
@@ -39,19 +35,18 @@ struct DensityDraft {
     std::optional<ImageFile> image;
 };
 
-/// A request on its way: what is given is known, whether it fits together is not.
+/// Request on its way: what is given is known, whether it fits together is not.
 struct Draft {
     SampleRequest request;
     std::optional<Ring> polygon;
     std::optional<std::vector<Ring>> holes;
     std::optional<PolygonInput> geometry;
     std::optional<Rectangle> rectangle;
-    std::optional<std::size_t> format;  ///< index into kFormats
-    GivenOptions given;
+    MethodOptions given{};
 };
 
 /// Reads an option that not every method has, and takes note of it.
-template <Result<void> (*kRead)(const Input&, Options&), bool GivenOptions::*kGiven>
+template <Result<void> (*kRead)(const Input&, Options&), bool MethodOptions::*kGiven>
 Result<void> read_given(const Input& input, const Limits&, Draft& draft) {
     draft.given.*kGiven = true;
     return kRead(input, draft.request.run);
@@ -122,11 +117,12 @@ constexpr std::array<OptionRule<Draft>, 19> kRules = {{
     {"domain", [](const Input& i, const Limits&, Draft& d) { return assign(d.rectangle, read_rectangle(i)); }},
     {"density", read_density},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
-    {"iterations", read_given<read_iterations, &GivenOptions::iterations>},
-    {"passes", read_given<read_passes, &GivenOptions::passes>},
-    {"quality", read_given<read_quality, &GivenOptions::quality>},
-    {"on_deadline", [](const Input& i, const Limits&, Draft& d) { return read_on_deadline(i, d.request.on_deadline); }},
-    {"tolerance", read_given<read_tolerance, &GivenOptions::tolerance>},
+    {"iterations", read_given<read_iterations, &MethodOptions::iterations>},
+    {"passes", read_given<read_passes, &MethodOptions::passes>},
+    {"quality", read_given<read_quality, &MethodOptions::quality>},
+    {"on_deadline",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_deadline, read_on_deadline(i)); }},
+    {"tolerance", read_given<read_tolerance, &MethodOptions::tolerance>},
     {"method", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.method, read_method(i)); }},
     {"mesh", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.run.keep_mesh, read_boolean(i)); }},
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
@@ -134,7 +130,8 @@ constexpr std::array<OptionRule<Draft>, 19> kRules = {{
     {"width",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_integer(i, 1, kMaxWidth)); }},
     {"dot", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.dot, read_number(i, kPositive)); }},
-    {"format", [](const Input& i, const Limits&, Draft& d) { return assign(d.format, read_format(i, kFormats)); }},
+    {"format", [](const Input& i, const Limits&,
+                  Draft& d) { return assign(d.request.format, read_format(i, sample_formats())); }},
 }};
 
 Result<void> settle_domain(Draft& draft) {
@@ -164,7 +161,7 @@ Result<Domain> make_domain(const SampleRequest& request, const std::stop_token& 
     return domain;
 }
 
-/// Pictures have their top row first, grids over the plane their bottom one.
+/// Turns a picture over: pictures have their top row first, grids over the plane their bottom one.
 void flip_rows(std::vector<float>& values, int width) {
     const auto row = static_cast<std::ptrdiff_t>(width);
     auto top = values.begin();
@@ -194,36 +191,38 @@ Result<Density> make_density(const SampleRequest& request, const Limits& limits,
     const auto* grid = std::get_if<DensityGrid>(&request.density);
     if (grid == nullptr) return Density::uniform();
     auto density = Density::grid(grid->width, grid->height, std::span<const double>(grid->values));
-    if (!density) {
-        Error& error = density.error();
-        error.field = error.field.empty() ? "/density" : "/density/" + error.field;
-    }
+    if (!density) return tl::unexpected(error_below(density.error(), "/density"));
     return density;
 }
 
 Result<Distribution> place_points(const SampleRequest& request, const Domain& domain, const Density& density,
                                   const Control& control) {
     if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
-    auto distribution = distribute_all(domain, density, request.run, control, request.on_deadline, request.method);
-    if (!distribution && !distribution.error().field.empty()) distribution.error().field.insert(0, "/");
+    auto distribution = request.method->run(domain, density, request.run, control);
+    if (!distribution) return tl::unexpected(error_below(distribution.error(), ""));
+    if (auto whole = check_whole(*distribution, request.on_deadline); !whole) return tl::unexpected(whole.error());
     return distribution;
 }
 
-/// From dot to dot, in units of the domain, if they were evenly spread.
+/// Distance from dot to dot, in units of the domain, if they were evenly spread.
 double pitch_of(const Domain& domain, std::size_t sites) {
     return std::sqrt(domain.area() / static_cast<double>(sites));
 }
 
-/// A width that was asked for is kept, and may be too much; a chosen one gives way to the limit.
+/// Plans the sheet. A width that was asked for is kept, and may be too much; a chosen one gives way to the limit.
 Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const Limits& limits) {
     Page page{domain.bounds(), true, domain.is_torus(), {}, request.drawing.width_mm};
     const Box& box = page.box;
     const double longer = std::max(box.width(), box.height());
+    const RasterWriter* const pixels = request.format->raster();
+    const double most_side = pixels == nullptr ? kMostSide : std::min<double>(kMostSide, pixels->max_side);
     const double wished =
-        std::clamp(kPixelPitch / pitch_of(domain, request.run.sites), kLeastSide / longer, kMostSide / longer);
+        std::clamp(kPixelPitch / pitch_of(domain, request.run.sites), kLeastSide / longer, most_side / longer);
     const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMostCanvasPixels));
     page.canvas = canvas_of(box, request.width ? *request.width / box.width() : fitting_scale(box, wished, most));
-    if (request.format != SampleFormat::Png || fits(page.canvas, limits.max_pixels)) return page;
+    if (auto checked = request.format->check_side(page.canvas, "width", "/width"); !checked)
+        return tl::unexpected(checked.error());
+    if (pixels == nullptr || fits(page.canvas, limits.max_pixels)) return page;
     return failure(ErrorCode::LimitExceeded,
                    "width makes a picture of " + std::to_string(page.canvas.width) + " x " +
                        std::to_string(page.canvas.height) + " pixels; this server's limit (max-pixels) is " +
@@ -231,68 +230,70 @@ Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const
                    "/width");
 }
 
-/// Of the dots, in units of the domain: a dot of twice its box's longer side covers it from anywhere inside.
+/// Radius of the dots, in units of the domain: a dot of twice its box's longer side covers it from anywhere inside.
 double radius_of(const SampleRequest& request, const Domain& domain) {
     const double largest = 2 * std::max(domain.bounds().width(), domain.bounds().height());
     return std::min(request.dot.value_or(pitch_of(domain, request.run.sites) / 4), largest);
 }
 
-Result<std::string> draw(const SampleRequest& request, const Page& page, const InkDots& ink, const Control& control) {
-    const std::stop_token stop = stop_of_writing(control, request.on_deadline);
-    if (request.format == SampleFormat::Svg)
-        return write_svg({&ink, 1}, kInk, page, request.drawing.style, control.stop, stop);
-    Raster raster = draw_points(ink.dots.points, page, ink.radius, stop);
-    return write_png(overlay({std::move(raster)}, kInk, true, stop), page.width_mm, stop);
-}
+/// Writes points in the way that a format's writer takes them.
+class Writing {
+public:
+    Writing(const SampleRequest& request, const Page& page, const Report& report, const InkDots& ink,
+            const Control& control)
+        : request_(request),
+          page_(page),
+          report_(report),
+          ink_(ink),
+          hurry_(control.stop),
+          stop_(stop_of_writing(control, request.on_deadline)) {}
 
-std::string write(SampleFormat format, const InkDots& ink, const Report& report, const std::stop_token& stop) {
-    switch (format) {
-        case SampleFormat::Json:
-            return write_json({&ink, 1}, report, stop);
-        case SampleFormat::Csv:
-            return write_csv({&ink, 1}, stop);
-        case SampleFormat::GeoJson:
-            return write_feature({&ink, 1}, report, stop);
-        case SampleFormat::Npy:
-            return write_npy({&ink, 1});
-        case SampleFormat::Svg:
-        case SampleFormat::Png:
-            break;
+    Result<std::string> operator()(const ListWriter& writer) const { return writer.write({&ink_, 1}, report_, stop_); }
+
+    Result<std::string> operator()(const VectorWriter& writer) const {
+        return writer.write({&ink_, 1}, kBlackOnWhite, page_, request_.drawing.style, hurry_, stop_);
     }
-    return {};
-}
 
-bool is_drawn(SampleFormat format) {
-    return format == SampleFormat::Svg || format == SampleFormat::Png;
-}
+    Result<std::string> operator()(const RasterWriter& writer) const {
+        std::vector<Raster> rasters = {draw_points(ink_.dots.points, page_, ink_.radius, stop_)};
+        return writer.write(overlay(std::move(rasters), kBlackOnWhite, true, stop_), page_.width_mm, stop_);
+    }
+
+private:
+    const SampleRequest& request_;
+    const Page& page_;
+    const Report& report_;
+    const InkDots& ink_;
+    std::stop_token hurry_;
+    std::stop_token stop_;
+};
 
 Result<std::string> encode(const SampleRequest& request, const Domain& domain, const Page& page,
                            const Distribution& distribution, double elapsed, const Control& control) {
-    const std::stop_token stop = stop_of_writing(control, request.on_deadline);
-    const Report report{request.run.seed, elapsed, {}, name_of(request.method)};
-    const InkDots ink{kInk.inks.front(), distribution, radius_of(request, domain)};
-    auto body = is_drawn(request.format) ? draw(request, page, ink, control)
-                                         : Result<std::string>(write(request.format, ink, report, stop));
-    if (auto going = check_stop(stop); !going) return tl::unexpected(going.error());
+    const Report report{request.run.seed, elapsed, {}, request.method->name};
+    const InkDots ink{kBlackOnWhite.inks.front(), distribution, radius_of(request, domain)};
+    auto body = std::visit(Writing(request, page, report, ink, control), request.format->writer);
+    if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going)
+        return tl::unexpected(going.error());
     return body;
 }
 
 }  // namespace
 
+std::vector<std::string_view> sample_options() {
+    return names_of<Draft>(kRules);
+}
+
 Result<SampleRequest> parse_sample(std::string_view body, std::string_view accept, const Limits& limits) {
     Draft draft;
     if (auto read = read_body<Draft>(kRules, body, limits, draft); !read) return tl::unexpected(read.error());
     if (draft.request.run.sites == 0) return failure(ErrorCode::Malformed, "sites is missing", "/sites");
-    if (auto settled = settle_method(draft.request.method, draft.given, draft.request.run); !settled) {
+    if (auto settled = settle_method(*draft.request.method, draft.given, draft.request.run); !settled) {
         return tl::unexpected(settled.error());
     }
     if (auto settled = settle_domain(draft); !settled) return tl::unexpected(settled.error());
-    if (!draft.format) {
-        if (auto chosen = assign(draft.format, negotiate(accept, kFormats)); !chosen) {
-            return tl::unexpected(chosen.error());
-        }
-    }
-    draft.request.format = static_cast<SampleFormat>(*draft.format);
+    if (auto settled = settle_format(accept, sample_formats(), draft.request.format); !settled)
+        return tl::unexpected(settled.error());
     return std::move(draft.request);
 }
 
@@ -316,12 +317,12 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     timings.encode = watch.lap();
     if (!body) return tl::unexpected(body.error());
     Answer answer;
-    answer.media_type = kFormats[static_cast<std::size_t>(request.format)].content_type();
+    answer.media_type = request.format->file.content_type();
     answer.body = *std::move(body);
     answer.sites = request.run.sites;
     answer.partial = distribution->stopped;
     // A stop may have made the path of a drawing longer.
-    answer.repeats = request.format != SampleFormat::Json && !control.stop.stop_requested();
+    answer.repeats = request.format->repeats() && !control.stop.stop_requested();
     return answer;
 }
 

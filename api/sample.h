@@ -14,42 +14,43 @@
 #include "api/input/run_options.h"
 #include "api/method.h"
 #include "api/options.h"
+#include "api/output/formats.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 
 namespace ccdt::api {
 
-/// A grid stretched over the bounding box, the first row at the smallest y.
+/// Grid stretched over the bounding box, the first row at the smallest y.
 struct DensityGrid {
     int width = 0;
     int height = 0;
     std::vector<double> values;  ///< [width * height], finite, >= 0
 };
 
-/// A picture stretched over the bounding box, the first row at the largest y; dark is dense.
+/// Picture stretched over the bounding box, the first row at the largest y; dark is dense.
 struct DensityImage {
     ImageFile file;
 };
-
-/// What an answer is made as.
-enum class SampleFormat { Json, Csv, GeoJson, Npy, Svg, Png };
 
 struct SampleRequest {
     std::variant<PolygonInput, Rectangle> domain;
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
     Options run;
-    Method method = Method::Ccdt;
-    SampleFormat format = SampleFormat::Json;
+    const Method* method = &methods().front();
+    const PointFormat* format = nullptr;  ///< never null in a request that was parsed
     DrawingOptions drawing;
     std::optional<int> width;   ///< of a drawing, in pixels; none: chosen
     std::optional<double> dot;  ///< radius in units of the domain, > 0; none: chosen
     OnStop on_deadline = OnStop::Error;
 };
 
-/// Of a drawing whose width is chosen: pixels from dot to dot, if they were evenly spread, and on the longer side.
+/// Pixels of a drawing whose width is chosen: from dot to dot, if they were evenly spread, and on the longer side.
 inline constexpr double kPixelPitch = 8;
 inline constexpr double kLeastSide = 512;
 inline constexpr double kMostSide = 16'384;
+
+/// Names of the members of a request.
+std::vector<std::string_view> sample_options();
 
 /// Reads a request: a JSON object.
 ///

@@ -7,14 +7,15 @@ namespace ccdt::api {
 namespace {
 
 struct Members {
-    std::optional<std::size_t> type;  ///< index into kTypes
+    std::optional<bool> periodic;
     Rectangle sides;
 };
 
-constexpr std::array<std::string_view, 2> kTypes = {"rectangle", "torus"};
+constexpr std::array<Choice<bool>, 2> kPeriodic = {{{"rectangle", false}, {"torus", true}}};
 
 constexpr std::array<OptionRule<Members>, 3> kRules = {{
-    {"/domain/type", [](const Input& i, const Limits&, Members& m) { return assign(m.type, read_choice(i, kTypes)); }},
+    {"/domain/type",
+     [](const Input& i, const Limits&, Members& m) { return assign(m.periodic, read_choice<bool>(i, kPeriodic)); }},
     {"/domain/width",
      [](const Input& i, const Limits&, Members& m) { return assign(m.sides.width, read_number(i, kPositive)); }},
     {"/domain/height",
@@ -29,10 +30,10 @@ Result<Rectangle> read_rectangle(const Input& input) {
     if (auto read = read_members<Members>(kRules, object, input.field, {}, members); !read) {
         return tl::unexpected(read.error());
     }
-    if (!members.type || members.sides.width == 0 || members.sides.height == 0) {
+    if (!members.periodic || members.sides.width == 0 || members.sides.height == 0) {
         return malformed(input, "must have the members type, width and height");
     }
-    members.sides.periodic = *members.type == 1;
+    members.sides.periodic = *members.periodic;
     return members.sides;
 }
 

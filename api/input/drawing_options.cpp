@@ -1,12 +1,12 @@
 #include "api/input/drawing_options.h"
 
 #include <array>
-#include <string_view>
 
 namespace ccdt::api {
 namespace {
 
 constexpr Interval kWidths = {.min = 1, .max = 10'000};
+constexpr std::array<Choice<DotStyle>, 2> kStyles = {{{"fill", DotStyle::Fill}, {"stroke", DotStyle::Stroke}}};
 
 }  // namespace
 
@@ -15,8 +15,7 @@ Result<void> read_width_mm(const Input& input, DrawingOptions& options) {
 }
 
 Result<void> read_style(const Input& input, DrawingOptions& options) {
-    static constexpr std::array<std::string_view, 2> kWords = {"fill", "stroke"};
-    return assign(options.style, read_choice(input, kWords));
+    return assign(options.style, read_choice<DotStyle>(input, kStyles));
 }
 
 }  // namespace ccdt::api

@@ -11,13 +11,13 @@
 namespace ccdt::api {
 namespace {
 
-/// `type/subtype;q=0.5`; a star stands for any.
+/// Media range, as `type/subtype;q=0.5`; a star stands for any.
 struct MediaRange {
     std::string type;
     std::string subtype;
     double quality = 1;
 
-    /// How closely it names a media type: 3 exactly, 2 by type, 1 any, 0 not at all.
+    /// Tells how closely it names a media type: 3 exactly, 2 by type, 1 any, 0 not at all.
     int match(std::string_view media_type) const {
         const auto slash = media_type.find('/');
         if (type == "*") return 1;
@@ -89,41 +89,41 @@ double quality_of(std::string_view media_type, const std::vector<MediaRange>& ra
     return quality;
 }
 
-std::string list(std::span<const Format> formats, std::string_view Format::*what) {
+std::string list(std::span<const FileFormat* const> formats, std::string_view FileFormat::*what) {
     std::string text;
-    for (const auto& format : formats) {
+    for (const FileFormat* format : formats) {
         if (!text.empty()) text += ", ";
-        text += format.*what;
+        text += format->*what;
     }
     return text;
 }
 
 }  // namespace
 
-Result<std::size_t> read_format(const Input& input, std::span<const Format> made) {
+Result<std::size_t> read_format(const Input& input, std::span<const FileFormat* const> made) {
     const auto name = read_text(input);
     if (!name) return tl::unexpected(name.error());
-    const auto found = std::find_if(made.begin(), made.end(), [&](const Format& f) { return f.name == *name; });
+    const auto found = std::find_if(made.begin(), made.end(), [&](const FileFormat* f) { return f->name == *name; });
     if (found != made.end()) return static_cast<std::size_t>(found - made.begin());
     return failure(ErrorCode::Malformed,
-                   "this server does not make '" + excerpt(*name) + "' here; it makes " + list(made, &Format::name),
+                   "this server does not make '" + excerpt(*name) + "' here; it makes " + list(made, &FileFormat::name),
                    input.field);
 }
 
-Result<std::size_t> negotiate(std::string_view accept, std::span<const Format> made) {
+Result<std::size_t> negotiate(std::string_view accept, std::span<const FileFormat* const> made) {
     const auto ranges = parse_accept(accept);
     if (ranges.empty()) return 0;
     std::size_t chosen = 0;
     double best = 0;
     for (std::size_t i = 0; i < made.size(); ++i) {
-        if (const double quality = quality_of(made[i].media_type, ranges); quality > best) {
+        if (const double quality = quality_of(made[i]->media_type, ranges); quality > best) {
             chosen = i;
             best = quality;
         }
     }
     if (best > 0) return chosen;
-    return failure(ErrorCode::NotAcceptable,
-                   "none of the media types in Accept can be made here; these can: " + list(made, &Format::media_type));
+    return failure(ErrorCode::NotAcceptable, "none of the media types in Accept can be made here; these can: " +
+                                                 list(made, &FileFormat::media_type));
 }
 
 }  // namespace ccdt::api

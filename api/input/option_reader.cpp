@@ -84,7 +84,7 @@ Result<std::string_view> read_text(const Input& input) {
     return malformed(input, "must be a string");
 }
 
-Result<std::size_t> read_choice(const Input& input, std::span<const std::string_view> words) {
+Result<std::size_t> read_word(const Input& input, std::span<const std::string_view> words) {
     const auto text = read_text(input);
     if (!text) return tl::unexpected(text.error());
     const auto found = std::find(words.begin(), words.end(), *text);
@@ -108,6 +108,15 @@ Result<std::size_t> read_sites(const Input& input, const Limits& limits) {
                        input.field);
     }
     return static_cast<std::size_t>(*sites);
+}
+
+Error error_below(Error error, std::string_view pointer) {
+    if (error.field.empty() || error.field.starts_with('/')) {
+        error.field.insert(0, pointer);
+    } else {
+        error.field = pointer_below(pointer, error.field);
+    }
+    return error;
 }
 
 std::string excerpt(std::string_view text) {

@@ -16,24 +16,24 @@
 
 namespace ccdt::api {
 
-/// One value of a request as it came: the text of a query parameter or form field, or a JSON value.
+/// Value of a request as it came: the text of a query parameter or form field, or a JSON value.
 struct Input {
     std::string name;   ///< what messages call it
     std::string field;  ///< for Error::field: the option's name if it came as text, else a JSON Pointer
     std::variant<std::string_view, JsonValue> value;
 };
 
-/// The largest integer that a double, and so a JSON number, tells from its neighbours.
+/// Largest integer that a double, and so a JSON number, tells from its neighbours.
 inline constexpr std::uint64_t kMaxInteger = (std::uint64_t{1} << 53) - 1;
 
-/// Finite numbers that an option may take.
+/// Range of finite numbers that an option may take.
 struct Interval {
     double min = 0;
     double max = std::numeric_limits<double>::max();
     bool above_min = false;  ///< min itself is not in it
 };
 
-/// Positive and finite.
+/// Range of positive, finite numbers.
 inline constexpr Interval kPositive = {.min = 0, .above_min = true};
 
 /// Readers take the whole text, or a JSON value of the right kind, and nothing that would have to be rounded
@@ -41,41 +41,61 @@ inline constexpr Interval kPositive = {.min = 0, .above_min = true};
 Result<std::uint64_t> read_integer(const Input& input, std::uint64_t min, std::uint64_t max);
 Result<double> read_number(const Input& input, const Interval& allowed);
 
-/// `true` or `false`; as text also `1` or `0`.
+/// Reads `true` or `false`; as text also `1` or `0`.
 Result<bool> read_boolean(const Input& input);
 
-/// A word, a colour, a base64 text; viewed where it came from.
+/// Reads a word, a colour, a base64 text; viewed where it came from.
 Result<std::string_view> read_text(const Input& input);
 
-/// One of a few words.
+/// Reads one of a few words.
 /// @returns  its index
-Result<std::size_t> read_choice(const Input& input, std::span<const std::string_view> words);
+Result<std::size_t> read_word(const Input& input, std::span<const std::string_view> words);
 
-/// A number of sites or points.
+/// Word that an option takes, and what it stands for.
+template <class T>
+struct Choice {
+    std::string_view word;
+    T value;
+};
+
+/// Reads one of a few words.
+/// @returns  what it stands for
+template <class T>
+Result<T> read_choice(const Input& input, std::span<const Choice<T>> choices) {
+    std::vector<std::string_view> words;
+    for (const auto& choice : choices) words.push_back(choice.word);
+    return read_word(input, words).map([&](std::size_t i) { return choices[i].value; });
+}
+
+/// Reads a number of sites or points.
 /// Errors besides: LimitExceeded above limits.max_sites, naming it.
 Result<std::size_t> read_sites(const Input& input, const Limits& limits);
 
-/// A Malformed error about an input: its name, then `what`.
+/// Makes a Malformed error about an input: its name, then `what`.
 tl::unexpected<Error> malformed(const Input& input, std::string_view what);
 
-/// What a client sent, as messages quote it: the first few dozen bytes.
+/// Makes an error of core one about a request: its field, the name of a member or a pointer already, becomes the JSON
+/// Pointer below another.
+Error error_below(Error error, std::string_view pointer);
+
+/// Cuts what a client sent to the first few dozen bytes, as messages quote it.
 std::string excerpt(std::string_view text);
 
 std::vector<Input> inputs_of(const std::vector<TextOption>& options);
 
-/// The members of a JSON object.
+/// Lists the members of a JSON object.
 /// @param pointer  to the object; empty for the whole body
 /// Errors: Malformed if it is none, or has far more members than anything here does.
 Result<std::vector<Input>> inputs_of(JsonValue object, std::string_view pointer);
 
-/// How one option is read, and what it sets.
+/// Rule by which an option is read, and what it sets.
 template <class Target>
 struct OptionRule {
     std::string_view name;
     Result<void> (*read)(const Input& input, const Limits& limits, Target& target);
 };
 
-/// For rules: keeps a value that was read, or passes the error on.
+/// Keeps a value that was read, or passes the error on.
 template <class T, class Value>
 Result<void> assign(T& target, Result<Value> value) {
     if (!value) return tl::unexpected(value.error());
@@ -83,7 +103,7 @@ Result<void> assign(T& target, Result<Value> value) {
     return {};
 }
 
-/// A Malformed error about an input of none of these names.
+/// Makes a Malformed error about an input of none of these names.
 tl::unexpected<Error> unknown_option(const Input& input, std::span<const std::string_view> known);
 
 template <class Target>

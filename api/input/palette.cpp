@@ -12,6 +12,10 @@
 namespace ccdt::api {
 namespace {
 
+Palette gray() {
+    return {};
+}
+
 Palette cmyk() {
     return {{{"cyan", {0, 255, 255}}, {"magenta", {255, 0, 255}}, {"yellow", {255, 255, 0}}, {"black", kBlack}},
             kWhite,
@@ -48,10 +52,8 @@ Result<std::vector<Input>> split(const Input& input) {
 }  // namespace
 
 Result<Palette> read_color(const Input& input) {
-    static constexpr std::array<std::string_view, 3> kWords = {"gray", "cmyk", "rgb"};
-    const auto word = read_choice(input, kWords);
-    if (!word) return tl::unexpected(word.error());
-    return *word == 0 ? Palette() : *word == 1 ? cmyk() : rgb();
+    static constexpr std::array<Choice<Palette (*)()>, 3> kPalettes = {{{"gray", gray}, {"cmyk", cmyk}, {"rgb", rgb}}};
+    return read_choice<Palette (*)()>(input, kPalettes).map([](const auto make) { return make(); });
 }
 
 Result<Palette> read_palette(const Input& input) {

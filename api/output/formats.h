@@ -1,17 +1,61 @@
 #pragma once
 
-#include "api/input/negotiation.h"
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <variant>
+
+#include "api/estimate.h"
+#include "api/image/overlay.h"
+#include "api/input/drawing_options.h"
+#include "api/input/palette.h"
+#include "api/json/json_writer.h"
+#include "api/output/file_formats.h"
+#include "api/output/ink_dots.h"
+#include "api/output/point_drawing.h"
+#include "core/result.h"
 
 namespace ccdt::api {
 
-/// What answers can be made as; each endpoint makes some of these.
-inline constexpr Format kJson = {"json", "application/json"};
-inline constexpr Format kCsv = {"csv", "text/csv", "; header=present"};
-inline constexpr Format kGeoJson = {"geojson", "application/geo+json"};
-inline constexpr Format kNpy = {"npy", "application/x-npy"};  // NumPy has registered none
-inline constexpr Format kSvg = {"svg", "image/svg+xml"};
-inline constexpr Format kPng = {"png", "image/png"};
-inline constexpr Format kWebP = {"webp", "image/webp"};
-inline constexpr Format kTiff = {"tiff", "image/tiff"};
+/// Writer of points as numbers. Stopped, it ends early, with nothing of use.
+struct ListWriter {
+    bool repeats;  ///< the same bytes each time; not so if it tells how long computing took
+    std::string (&write)(std::span<const InkDots> inks, const Report& report, const std::stop_token& stop);
+};
+
+/// Writer of drawings as shapes; its parameters are those of write_svg().
+struct VectorWriter {
+    std::string (&write)(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style,
+                         const std::stop_token& hurry, const std::stop_token& stop);
+};
+
+/// Writer of drawings as pixels. Errors: Stopped; Internal if memory runs out.
+struct RasterWriter {
+    int max_side;  ///< pixels
+    Result<std::string> (&write)(const DotImage& image, std::optional<double> width_mm, const std::stop_token& stop);
+};
+
+/// Format that points are answered in: a row of the table in formats.cpp. Writers are references, lest a row without
+/// one compile.
+struct PointFormat {
+    FileFormat file;
+    Estimate per_site;   ///< of writing
+    Estimate per_pixel;  ///< of writing, besides the raster
+    std::variant<ListWriter, VectorWriter, RasterWriter> writer;
+
+    bool is_drawn() const { return !std::holds_alternative<ListWriter>(writer); }
+    const RasterWriter* raster() const { return std::get_if<RasterWriter>(&writer); }
+
+    /// Tells whether the same request gets the same bytes each time.
+    bool repeats() const;
+
+    /// Errors: LimitExceeded for a canvas that is larger than what the format holds, which `option` makes smaller.
+    Result<void> check_side(const Canvas& canvas, const std::string& option, const std::string& field) const;
+};
+
+/// Formats of /halftone and /sample, in the server's order of preference.
+std::span<const PointFormat* const> halftone_formats();
+std::span<const PointFormat* const> sample_formats();
 
 }  // namespace ccdt::api

@@ -51,7 +51,7 @@ TEST(AnalyzeRequest, HasTheDocumentedDefaults) {
     EXPECT_TRUE(request->domain.periodic);
     EXPECT_EQ(request->options.max_frequency, 4);
     EXPECT_FALSE(request->spectrum);
-    EXPECT_EQ(request->format, AnalyzeFormat::Json);
+    EXPECT_EQ(request->format->file.name, "json");
 }
 
 TEST(AnalyzeRequest, ReadsEveryMember) {
@@ -65,7 +65,7 @@ TEST(AnalyzeRequest, ReadsEveryMember) {
     EXPECT_FALSE(request->domain.periodic);
     EXPECT_EQ(request->options.max_frequency, 2.5);
     EXPECT_TRUE(request->spectrum);
-    EXPECT_EQ(request->format, AnalyzeFormat::Svg);
+    EXPECT_EQ(request->format->file.name, "svg");
 }
 
 TEST(AnalyzeRequest, PointsAtWhatIsWrong) {
@@ -111,11 +111,11 @@ TEST(AnalyzeRequest, StopsAtTheLimitOfPoints) {
 
 TEST(AnalyzeRequest, KnowsWhatIsAccepted) {
     const std::string body = '{' + kPoints + '}';
-    EXPECT_EQ(parse(body, "*/*")->format, AnalyzeFormat::Json);
-    EXPECT_EQ(parse(body, "image/*")->format, AnalyzeFormat::Png);
-    EXPECT_EQ(parse(body, "image/svg+xml, application/json;q=0.5")->format, AnalyzeFormat::Svg);
+    EXPECT_EQ(parse(body, "*/*")->format->file.name, "json");
+    EXPECT_EQ(parse(body, "image/*")->format->file.name, "png");
+    EXPECT_EQ(parse(body, "image/svg+xml, application/json;q=0.5")->format->file.name, "svg");
     EXPECT_EQ(parse(body, "text/csv").error().code, ErrorCode::NotAcceptable);
-    EXPECT_EQ(parse('{' + kPoints + R"(,"format":"png"})", "text/csv")->format, AnalyzeFormat::Png);
+    EXPECT_EQ(parse('{' + kPoints + R"(,"format":"png"})", "text/csv")->format->file.name, "png");
 }
 
 TEST(Analyze, AnswersWithTheDocumentedMembers) {

@@ -43,7 +43,7 @@ TEST(HalftoneOptions, HaveTheirDefaults) {
     EXPECT_EQ(request->palette.paper, kWhite);
     EXPECT_FALSE(request->antialias || request->invert);
     EXPECT_EQ(request->tone, Tone::Linear);
-    EXPECT_EQ(request->format, HalftoneFormat::Png);
+    EXPECT_EQ(request->format->file.name, "png");
     EXPECT_EQ(request->run.seed, 0U);
     EXPECT_EQ(request->run.iterations, 5);
     EXPECT_EQ(request->run.passes, 5);
@@ -77,7 +77,7 @@ TEST(HalftoneOptions, AreAllRead) {
     EXPECT_EQ(request->tone, Tone::Perceptual);
     EXPECT_EQ(request->palette.inks.front().colour, (Colour{0x11, 0x22, 0x33}));
     EXPECT_TRUE(request->palette.paper.transparent);
-    EXPECT_EQ(request->format, HalftoneFormat::Json);
+    EXPECT_EQ(request->format->file.name, "json");
 }
 
 TEST(HalftoneOptions, AreRefusedByName) {
@@ -120,9 +120,9 @@ TEST(HalftoneOptions, StopAtTheLimitOfSites) {
 }
 
 TEST(HalftoneOptions, LetFormatWinOverAccept) {
-    EXPECT_EQ(parse({}, "application/json")->format, HalftoneFormat::Json);
-    EXPECT_EQ(parse({{"format", "png"}}, "application/json")->format, HalftoneFormat::Png);
-    EXPECT_EQ(parse({{"format", "png"}}, "text/html")->format, HalftoneFormat::Png);
+    EXPECT_EQ(parse({}, "application/json")->format->file.name, "json");
+    EXPECT_EQ(parse({{"format", "png"}}, "application/json")->format->file.name, "png");
+    EXPECT_EQ(parse({{"format", "png"}}, "text/html")->format->file.name, "png");
     EXPECT_EQ(parse({}, "text/html").error().code, ErrorCode::NotAcceptable);
 }
 

@@ -174,12 +174,12 @@ TEST(SampleRequest, StopsAtLimits) {
 
 TEST(SampleRequest, KnowsWhatIsAccepted) {
     const std::string body = '{' + kSquare + R"(,"sites":10)";
-    EXPECT_EQ(parse(body + '}', "application/*")->format, SampleFormat::Json);
-    EXPECT_EQ(parse(body + '}', "application/json;q=0.5, text/csv")->format, SampleFormat::Csv);
-    EXPECT_EQ(parse(body + '}', "application/geo+json")->format, SampleFormat::GeoJson);
-    EXPECT_EQ(parse(body + '}', "application/x-npy")->format, SampleFormat::Npy);
+    EXPECT_EQ(parse(body + '}', "application/*")->format->file.name, "json");
+    EXPECT_EQ(parse(body + '}', "application/json;q=0.5, text/csv")->format->file.name, "csv");
+    EXPECT_EQ(parse(body + '}', "application/geo+json")->format->file.name, "geojson");
+    EXPECT_EQ(parse(body + '}', "application/x-npy")->format->file.name, "npy");
     EXPECT_EQ(parse(body + '}', "text/html").error().code, ErrorCode::NotAcceptable);
-    EXPECT_EQ(parse(body + R"(,"format":"csv"})", "text/html")->format, SampleFormat::Csv);
+    EXPECT_EQ(parse(body + R"(,"format":"csv"})", "text/html")->format->file.name, "csv");
 }
 
 TEST(Sample, GivesExactlyTheSitesInsideThePolygon) {

@@ -46,13 +46,13 @@ void check_nulls(std::string_view json) {
     CCDT_CHECK(json.find("null", null + 1) == std::string_view::npos);
 }
 
-void run(api::AnalyzeRequest request, api::AnalyzeFormat format, std::string_view body) {
-    request.format = format;
+void run(api::AnalyzeRequest request, const api::AnalysisFormat& format, std::string_view body) {
+    request.format = &format;
     api::Timings timings;
     const auto answer = api::run_analyze(request, {}, timings);
     if (!answer) return check_error(answer.error(), body);
-    const bool is_json = format == api::AnalyzeFormat::Json;
-    CCDT_CHECK(answer->media_type == (is_json ? "application/json" : "image/svg+xml"));
+    const bool is_json = format.file.name == "json";
+    CCDT_CHECK(answer->media_type == format.file.content_type());
     if (is_json) {
         check_json(answer->body);
         check_nulls(answer->body);
@@ -70,8 +70,9 @@ void check_request(const api::AnalyzeRequest& request, std::string_view body) {
     const Count points = count_points(request);
     CCDT_CHECK(points.all <= kLimits.max_sites);
     if (static_cast<double>(points.largest) * frequency * frequency > kMostWork) return;
-    run(request, api::AnalyzeFormat::Json, body);
-    run(request, api::AnalyzeFormat::Svg, body);
+    for (const api::AnalysisFormat* format : api::analyze_formats()) {
+        if (format->file.name != "png") run(request, *format, body);
+    }
 }
 
 }  // namespace

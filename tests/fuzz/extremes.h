@@ -66,9 +66,9 @@ inline double take_number(Bytes& input) {
 }
 
 /// One of a few.
-template <class T, std::size_t kCount>
-const T& take_one(const std::array<T, kCount>& all, Bytes& input) {
-    return all[input.take<std::uint8_t>() % kCount];
+template <class All>
+const auto& take_one(const All& all, Bytes& input) {
+    return all[input.take<std::uint8_t>() % all.size()];
 }
 
 /// The number as a request writes it.

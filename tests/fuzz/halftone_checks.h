@@ -23,7 +23,7 @@ inline void check_request(const api::HalftoneRequest& request) {
     CCDT_CHECK(palette.mixing == api::Mixing::Cover || !request.invert);
     CCDT_CHECK(palette.mixing != api::Mixing::Add || palette.paper == api::kBlack);
     for (const api::Ink& ink : palette.inks) CCDT_CHECK(!ink.colour.transparent);
-    CCDT_CHECK(request.format <= api::HalftoneFormat::Tiff);
+    CCDT_CHECK(request.format != nullptr);
     CCDT_CHECK(request.image.header.pixels() >= 1);
 }
 

@@ -14,8 +14,7 @@
 namespace ccdt::fuzz {
 namespace {
 
-constexpr std::array<api::Format, 3> kFormats = {
-    {{"json", "application/json"}, {"png", "image/png"}, {"svg", "image/svg+xml"}}};
+constexpr std::array<const api::FileFormat*, 3> kFormats = {&api::kJson, &api::kPng, &api::kSvg};
 
 std::string in_capitals(std::string_view text) {
     std::string result(text);

@@ -19,7 +19,6 @@ constexpr api::Limits kLimits = {.max_sites = 64, .max_pixels = 4'096};
 constexpr std::string_view kImage = "\xff\xd8\xff\xc0\0\x0b\x08\0\1\0\2\1"sv;
 
 constexpr std::array<std::string_view, 3> kQualities = {"draft", "standard", "best"};
-constexpr std::array<std::string_view, 7> kFormats = {"png", "json", "svg", "csv", "npy", "webp", "tiff"};
 constexpr std::array<std::string_view, 3> kColours = {"gray", "cmyk", "rgb"};
 constexpr std::array<std::string_view, 6> kPalettes = {
     "#000", "#fff", "#fff,#000", "#010101,#000", "#f00,#0f0,#00f,#0ff,#f0f,#ff0", "#00f,#ff8800,#123456"};
@@ -69,7 +68,8 @@ constexpr std::array<Option, 16> kOptions = {{{"sites", take_count<24, 1>},
 /// Which options there are, by the bits of a number.
 std::vector<api::TextOption> take_options(Bytes& input) {
     const auto bits = input.take<std::uint16_t>();
-    std::vector<api::TextOption> options{{"format", take_word<kFormats>(input)}, {"seed", take_count<3, 0>(input)}};
+    std::vector<api::TextOption> options{{"format", std::string(take_one(api::halftone_formats(), input)->file.name)},
+                                         {"seed", take_count<3, 0>(input)}};
     for (std::size_t i = 0; i < kOptions.size(); ++i) {
         if ((bits >> i & 1) != 0) options.push_back({std::string(kOptions[i].name), kOptions[i].take(input)});
     }
@@ -87,23 +87,15 @@ void check_points(const std::vector<Point>& points, const api::HalftoneRequest& 
 
 void check_answer(const api::HalftoneRequest& request, const api::Answer& answer) {
     CCDT_CHECK(!answer.partial && !answer.media_type.empty() && answer.pixels > 0);
-    switch (request.format) {
-        case api::HalftoneFormat::Png:
-            return check_signature(answer.body, "\x89PNG\r\n");
-        case api::HalftoneFormat::WebP:
-            return check_signature(answer.body, "RIFF");
-        case api::HalftoneFormat::Tiff:
-            return check_signature(answer.body, "II");
-        case api::HalftoneFormat::Svg:
-            return check_svg(answer.body);
-        case api::HalftoneFormat::Json:
-            return check_points(points_of_json(answer.body), request, answer);
-        case api::HalftoneFormat::Csv:
-            return check_points(points_of_csv(answer.body), request, answer);
-        case api::HalftoneFormat::Npy:
-            return check_points(points_of_npy(answer.body, request.palette.mixing == api::Mixing::Cover ? 2 : 3),
-                                request, answer);
-    }
+    const std::string_view format = request.format->file.name;
+    if (format == "png") return check_signature(answer.body, "\x89PNG\r\n");
+    if (format == "webp") return check_signature(answer.body, "RIFF");
+    if (format == "tiff") return check_signature(answer.body, "II");
+    if (format == "svg") return check_svg(answer.body);
+    if (format == "json") return check_points(points_of_json(answer.body), request, answer);
+    if (format == "csv") return check_points(points_of_csv(answer.body), request, answer);
+    const bool is_named = request.palette.mixing != api::Mixing::Cover;
+    if (format == "npy") return check_points(points_of_npy(answer.body, is_named ? 3 : 2), request, answer);
 }
 
 }  // namespace

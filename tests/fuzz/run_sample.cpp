@@ -15,9 +15,7 @@ namespace {
 
 constexpr api::Limits kLimits = {.max_sites = 100, .max_pixels = 4'096};
 
-constexpr std::array<std::string_view, 5> kMethods = {"ccdt", "cvt", "odt", "ccvt", "random"};
 constexpr std::array<std::string_view, 3> kQualities = {"draft", "standard", "best"};
-constexpr std::array<std::string_view, 6> kFormats = {"json", "csv", "geojson", "npy", "svg", "png"};
 
 /// Which members a request has, by the bits of a number.
 enum class Given : std::uint16_t {
@@ -109,11 +107,11 @@ std::string take_request(Bytes& input) {
     Members members;
     const auto bits = input.take<std::uint16_t>();
     const auto given = [bits](Given member) { return (bits & static_cast<std::uint16_t>(member)) != 0; };
-    const auto method = input.take<std::uint8_t>() % (2 * kMethods.size());
-    if (method < kMethods.size()) members.add_word("method", kMethods[method]);
+    const auto method = input.take<std::uint8_t>() % (2 * api::methods().size());
+    if (method < api::methods().size()) members.add_word("method", api::methods()[method].name);
     members.add("sites", input.take<std::uint8_t>() % 16 + 1);
     members.add("seed", input.take<std::uint8_t>());
-    members.add_word("format", take_one(kFormats, input));
+    members.add_word("format", take_one(api::sample_formats(), input)->file.name);
     // The other methods' own numbers of iterations take long, and say nothing that a few do not.
     if (given(Given::Iterations) || method < 4) members.add("iterations", input.take<std::uint8_t>() % 8);
     if (given(Given::Passes)) members.add("passes", input.take<std::uint8_t>() % 4 + 1);
@@ -141,18 +139,18 @@ Domain domain_of(const api::SampleRequest& request) {
     return Domain::create(parts_of(request)).value();
 }
 
-std::vector<Point> points_of(api::SampleFormat format, const std::string& body) {
-    if (format == api::SampleFormat::Json) return points_of_json(body);
-    if (format == api::SampleFormat::GeoJson) return points_of_feature(body);
-    if (format == api::SampleFormat::Csv) return points_of_csv(body);
-    return points_of_npy(body, 2);
-}
-
 void check_answer(const api::SampleRequest& request, const api::Answer& answer) {
     CCDT_CHECK(answer.sites == request.run.sites && !answer.partial && !answer.media_type.empty());
-    if (request.format == api::SampleFormat::Svg) return check_svg(answer.body);
-    if (request.format == api::SampleFormat::Png) return check_signature(answer.body, "\x89PNG\r\n");
-    check_points(points_of(request.format, answer.body), request.run.sites, domain_of(request), parts_of(request));
+    const auto check = [&](const std::vector<Point>& points) {
+        check_points(points, request.run.sites, domain_of(request), parts_of(request));
+    };
+    const std::string_view format = request.format->file.name;
+    if (format == "svg") return check_svg(answer.body);
+    if (format == "png") return check_signature(answer.body, "\x89PNG\r\n");
+    if (format == "json") return check(points_of_json(answer.body));
+    if (format == "geojson") return check(points_of_feature(answer.body));
+    if (format == "csv") return check(points_of_csv(answer.body));
+    if (format == "npy") return check(points_of_npy(answer.body, 2));
 }
 
 }  // namespace

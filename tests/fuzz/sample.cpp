@@ -57,8 +57,8 @@ void run(const api::SampleRequest& request, const Domain& domain, const Density&
     const auto* polygon = std::get_if<api::PolygonInput>(&request.domain);
     if (polygon != nullptr && polygon->corner_count() > kMostCorners) return;
     const auto parts = polygon == nullptr ? std::vector<PolygonPart>() : polygon->parts;
-    if (request.method == api::Method::Ccdt) return check_distribution(domain, parts, density, options);
-    const auto placed = api::distribute_by(request.method, domain, density, options, {});
+    if (request.method == &api::methods().front()) return check_distribution(domain, parts, density, options);
+    const auto placed = request.method->run(domain, density, options, {});
     if (placed) {
         check_points(placed->points, options.sites, domain, parts);
     } else {

@@ -69,12 +69,23 @@ TEST(OptionReader, ReadsBooleans) {
 }
 
 TEST(OptionReader, ReadsChoices) {
-    constexpr std::array<std::string_view, 2> words = {"linear", "perceptual"};
-    EXPECT_EQ(*read_choice(text("perceptual"), words), 1U);
-    EXPECT_EQ(*read_choice(Json("\"linear\""), words), 0U);
-    EXPECT_EQ(read_choice(text("loud"), words).error().message,
+    constexpr std::array<Choice<int>, 2> choices = {{{"linear", 7}, {"perceptual", -3}}};
+    EXPECT_EQ(*read_choice<int>(text("perceptual"), choices), -3);
+    EXPECT_EQ(*read_choice<int>(Json("\"linear\""), choices), 7);
+    EXPECT_EQ(read_choice<int>(text("loud"), choices).error().message,
               "option is 'loud', but must be 'linear' or 'perceptual'");
-    EXPECT_FALSE(read_choice(Json("1"), words));
+    EXPECT_FALSE(read_choice<int>(Json("1"), choices));
+}
+
+TEST(OptionReader, PutsErrorsOfCoreBelowAPointer) {
+    const auto field = [](std::string name, std::string_view pointer) {
+        return error_below({ErrorCode::Malformed, "", std::move(name)}, pointer).field;
+    };
+    EXPECT_EQ(field("", "/density"), "/density");
+    EXPECT_EQ(field("values", "/density"), "/density/values");
+    EXPECT_EQ(field("/0/3", "/sets"), "/sets/0/3");
+    EXPECT_EQ(field("sites", ""), "/sites");
+    EXPECT_EQ(field("", ""), "");
 }
 
 TEST(OptionReader, TellsTooManySitesFromNoNumber) {

@@ -1,0 +1,68 @@
+#include "api/output/formats.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "api/image/png_writer.h"
+#include "api/image/tiff_writer.h"
+#include "api/image/webp_writer.h"
+#include "api/output/file_formats.h"
+#include "api/output/point_table.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr int kAnySide = std::numeric_limits<int>::max();
+
+constexpr Estimate kNumbers{150, 0.3 * kMicrosecond};  ///< of a site, as text or in binary
+constexpr Estimate kPath{500, 3.5 * kMicrosecond};     ///< of a site, with ordering it along a short path
+constexpr Estimate kColours{16, 0.1 * kMicrosecond};   ///< of a pixel as libwebp holds it
+
+std::string list_csv(std::span<const InkDots> inks, const Report&, const std::stop_token& stop) {
+    return write_csv(inks, stop);
+}
+
+std::string list_npy(std::span<const InkDots> inks, const Report&, const std::stop_token&) {
+    return write_npy(inks);
+}
+
+constexpr PointFormat kPngPoints{kPng, {}, {}, RasterWriter{kAnySide, write_png}};
+constexpr PointFormat kTiffPoints{kTiff, {}, {}, RasterWriter{kAnySide, write_tiff}};
+constexpr PointFormat kWebPPoints{kWebP, {}, kColours, RasterWriter{kMaxWebPSide, write_webp}};
+constexpr PointFormat kSvgPoints{kSvg, kPath, {}, VectorWriter{write_svg}};
+constexpr PointFormat kJsonPoints{kJson, kNumbers, {}, ListWriter{false, write_json}};
+constexpr PointFormat kGeoJsonPoints{kGeoJson, kNumbers, {}, ListWriter{true, write_feature}};
+constexpr PointFormat kCsvPoints{kCsv, kNumbers, {}, ListWriter{true, list_csv}};
+constexpr PointFormat kNpyPoints{kNpy, kNumbers, {}, ListWriter{true, list_npy}};
+
+constexpr const PointFormat* kHalftoneFormats[] = {&kPngPoints, &kJsonPoints, &kSvgPoints, &kCsvPoints,
+                                                   &kNpyPoints, &kWebPPoints, &kTiffPoints};
+constexpr const PointFormat* kSampleFormats[] = {&kJsonPoints, &kCsvPoints, &kGeoJsonPoints,
+                                                 &kNpyPoints,  &kSvgPoints, &kPngPoints};
+
+}  // namespace
+
+bool PointFormat::repeats() const {
+    const auto* list = std::get_if<ListWriter>(&writer);
+    return list == nullptr || list->repeats;
+}
+
+Result<void> PointFormat::check_side(const Canvas& canvas, const std::string& option, const std::string& field) const {
+    const RasterWriter* const pixels = raster();
+    if (pixels == nullptr || std::max(canvas.width, canvas.height) <= pixels->max_side) return {};
+    return failure(ErrorCode::LimitExceeded,
+                   "the output would have " + std::to_string(canvas.width) + " x " + std::to_string(canvas.height) +
+                       " pixels; " + std::string(file.title) + " holds at most " + std::to_string(pixels->max_side) +
+                       " a side: take a smaller " + option + " or another format",
+                   field);
+}
+
+std::span<const PointFormat* const> halftone_formats() {
+    return kHalftoneFormats;
+}
+
+std::span<const PointFormat* const> sample_formats() {
+    return kSampleFormats;
+}
+
+}  // namespace ccdt::api
