@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "api/input/text.h"
+#include "api/text/text.h"
 
 namespace ccdt::api {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "api/input/text.h"
+#include "api/text/text.h"
 
 namespace ccdt::api {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "api/input/text.h"
+#include "api/text/text.h"
 
 namespace ccdt::api {
 namespace {

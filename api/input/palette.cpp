@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "api/input/text.h"
+#include "api/text/text.h"
 #include "core/halftone/separation.h"
 
 namespace ccdt::api {

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "api/input/text.h"
+#include "api/text/text.h"
 
 namespace ccdt::api {
 namespace {

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "api/output/numbers.h"
+#include "api/text/numbers.h"
 
 namespace ccdt::api {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "api/output/numbers.h"
+#include "api/text/numbers.h"
 #include "core/tour/short_path.h"
 
 namespace ccdt::api {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string_view>
 
-#include "api/output/numbers.h"
+#include "api/text/numbers.h"
 
 namespace ccdt::api {
 namespace {

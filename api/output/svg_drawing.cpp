@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "api/output/numbers.h"
+#include "api/text/numbers.h"
 
 namespace ccdt::api {
 namespace {

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <utility>
 
-#include "api/input/text.h"
+#include "api/text/text.h"
 #include "server/http/http.h"
 
 namespace ccdt::server {

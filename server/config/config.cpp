@@ -6,7 +6,7 @@
 #include <string_view>
 #include <thread>
 
-#include "api/input/text.h"
+#include "api/text/text.h"
 #include "server/config/memory_plan.h"
 #include "server/processes/process.h"
 

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <new>
 
-#include "api/input/text.h"
+#include "api/text/text.h"
 #include "server/http/http.h"
 
 namespace ccdt::server {

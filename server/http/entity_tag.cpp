@@ -1,6 +1,6 @@
 #include "server/http/entity_tag.h"
 
-#include "api/input/text.h"
+#include "api/text/text.h"
 
 namespace ccdt::server {
 

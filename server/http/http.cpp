@@ -5,7 +5,7 @@
 #include <cctype>
 #include <utility>
 
-#include "api/input/text.h"
+#include "api/text/text.h"
 
 namespace ccdt::server {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "api/input/text.h"
+#include "api/text/text.h"
 
 namespace ccdt::server {
 namespace {

@@ -7,7 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "api/halftone.h"
-#include "api/input/text.h"
+#include "api/text/text.h"
 #include "server/http/http.h"
 #include "server/http/trace.h"
 

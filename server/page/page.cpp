@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "api/input/text.h"
+#include "api/text/text.h"
 #include "server/http/entity_tag.h"
 #include "server/page/page_files.h"
 

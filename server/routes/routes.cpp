@@ -9,8 +9,8 @@
 #include <random>
 #include <utility>
 
-#include "api/input/text.h"
 #include "api/problem.h"
+#include "api/text/text.h"
 #include "server/http/compression.h"
 #include "server/http/cors.h"
 #include "server/http/http.h"

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "api/input/text.h"
+#include "api/text/text.h"
 #include "tests/fuzz/checks.h"
 
 namespace ccdt::fuzz {

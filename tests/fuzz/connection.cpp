@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "api/input/text.h"
+#include "api/text/text.h"
 #include "tests/fuzz/checks.h"
 
 namespace ccdt::fuzz {

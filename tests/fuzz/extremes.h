@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "api/output/numbers.h"
+#include "api/text/numbers.h"
 #include "tests/fuzz/checks.h"
 
 namespace ccdt::fuzz {

@@ -2,7 +2,7 @@
 #include <array>
 
 #include "api/input/negotiation.h"
-#include "api/input/text.h"
+#include "api/text/text.h"
 #include "server/access/key_ring.h"
 #include "server/http/compression.h"
 #include "server/http/cors.h"

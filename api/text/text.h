@@ -9,14 +9,14 @@
 
 namespace ccdt::api {
 
-/// Without the blanks at both ends.
+/// Cuts off the blanks at both ends.
 inline std::string_view trim(std::string_view text, std::string_view blanks = " \t") {
     const auto first = text.find_first_not_of(blanks);
     if (first == std::string_view::npos) return {};
     return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-/// The part before the first separator; `text` keeps what follows it.
+/// Takes the part before the first separator; `text` keeps what follows it.
 inline std::string_view take_until(std::string_view& text, std::string_view separator) {
     const auto at = text.find(separator);
     const auto part = text.substr(0, at);
@@ -24,7 +24,7 @@ inline std::string_view take_until(std::string_view& text, std::string_view sepa
     return part;
 }
 
-/// A number, nothing before or after it; the same in any locale.
+/// Reads a number, nothing before or after it; the same in any locale.
 /// @param form  base of a whole number, std::chars_format of another
 template <class T, class... Form>
 std::optional<T> parse_number(std::string_view text, Form... form) {
@@ -35,7 +35,7 @@ std::optional<T> parse_number(std::string_view text, Form... form) {
     return value;
 }
 
-/// Letters, digits, dots, underscores and dashes: what is safe in a header, a log, a label.
+/// Tells whether a text is letters, digits, dots, underscores and dashes: what is safe in a header, a log, a label.
 inline bool is_plain_name(std::string_view text, std::size_t longest) {
     const auto is_plain = [](char c) {
         return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '_' ||

@@ -1,4 +1,4 @@
-#include "api/output/numbers.h"
+#include "api/text/numbers.h"
 
 #include <charconv>
 #include <cmath>
