@@ -9,6 +9,7 @@
 #include <random>
 #include <utility>
 
+#include "api/json/capabilities.h"
 #include "api/problem.h"
 #include "api/text/text.h"
 #include "server/http/compression.h"
@@ -93,6 +94,7 @@ struct Routes::Table {
     static constexpr auto kFixed = std::to_array<Route>({
         {"/", "GET", Room::Common, Entrance::Read, &Routes::page, nullptr},
         {"/openapi.json", "GET", Room::Common, Entrance::Read, &Routes::page, nullptr},
+        {"/capabilities", "GET", Room::Common, Entrance::Read, &Routes::capabilities, nullptr},
         {"/health", "GET", Room::Reserve, Entrance::Anyone, &Routes::live, nullptr},
         {"/health/live", "GET", Room::Reserve, Entrance::Anyone, &Routes::live, nullptr},
         {"/health/ready", "GET", Room::Reserve, Entrance::Anyone, &Routes::ready, nullptr},
@@ -219,6 +221,10 @@ HttpResult<Response> Routes::compute(const Incoming& incoming) {
 
 HttpResult<Response> Routes::page(const Incoming& incoming) {
     return page_response(*incoming.target.file, incoming.request.header("If-None-Match"));
+}
+
+HttpResult<Response> Routes::capabilities(const Incoming& /*incoming*/) {
+    return json_response(api::capabilities_json(config_.limits));
 }
 
 HttpResult<Response> Routes::live(const Incoming& /*incoming*/) {

@@ -88,6 +88,7 @@ private:
     HttpResult<Response> dispatch(const Route* route, const Incoming& incoming);
     HttpResult<Response> compute(const Incoming& incoming);
     HttpResult<Response> page(const Incoming& incoming);
+    HttpResult<Response> capabilities(const Incoming& incoming);
     HttpResult<Response> live(const Incoming& incoming);
     HttpResult<Response> ready(const Incoming& incoming);
     HttpResult<Response> metrics(const Incoming& incoming);

@@ -39,7 +39,7 @@ class Keys(unittest.TestCase):
                     self.assertEqual(answer.headers["www-authenticate"], "Bearer")
             self.assertEqual(ask(server, HALFTONE, *bearer(ALICE), data=GREY).status, 200)
             self.assertEqual(ask(server, HALFTONE, "--header", "authorization: bearer " + BOB, data=GREY).status, 200)
-            for path in ("/health", "/health/live", "/health/ready"):
+            for path in ("/capabilities", "/health", "/health/live", "/health/ready"):
                 self.assertEqual(ask(server, path).status, 200)
             options = ("/halftone", "--request", "OPTIONS")
             self.assertEqual(ask(server, *options).status, 401)

@@ -175,7 +175,7 @@ class Routes(ContractCase):
                         self.check(operation, answer)
 
     def test_get_what_is_told(self):
-        for path in ("/", "/openapi.json", "/health", "/health/live", "/health/ready", "/metrics"):
+        for path in ("/", "/capabilities", "/openapi.json", "/health", "/health/live", "/health/ready", "/metrics"):
             with self.subTest(path=path):
                 answer = self.ask(path)
                 self.assertEqual(answer.status, 200)

@@ -1,0 +1,86 @@
+#include "api/json/capabilities.h"
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <vector>
+
+#include "api/analyze.h"
+#include "api/halftone.h"
+#include "api/method.h"
+#include "api/output/formats.h"
+#include "api/sample.h"
+
+namespace ccdt::api {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json describe(const FileFormat& file) {
+    return {{"name", file.name}, {"title", file.title}, {"media_type", file.media_type}, {"extension", file.extension}};
+}
+
+Json describe(const PointFormat& format) {
+    Json json = describe(format.file);
+    json["drawn"] = format.is_drawn();
+    const RasterWriter* const pixels = format.raster();
+    const bool any_side = pixels == nullptr || pixels->max_side == std::numeric_limits<int>::max();
+    json["max_side"] = any_side ? Json() : Json(pixels->max_side);
+    return json;
+}
+
+Json describe(const AnalysisFormat& format) {
+    return describe(format.file);
+}
+
+template <class Row>
+Json describe_all(std::span<const Row* const> formats) {
+    Json list = Json::array();
+    for (const Row* format : formats) list.push_back(describe(*format));
+    return list;
+}
+
+/// Seconds that a site takes in a density that is not uniform, by quality; of a method without qualities by the first.
+Json seconds_of(const Method& method) {
+    Json seconds = Json::object();
+    for (const auto& [word, quality] : qualities()) {
+        Options options;
+        options.sites = 1;
+        options.iterations = method.iterations;
+        options.quality = quality;
+        seconds[std::string(word)] = method.cost(options, false).seconds;
+    }
+    return seconds;
+}
+
+Json describe(const Method& method, const Limits& limits) {
+    return {{"name", method.name},
+            {"title", method.title},
+            {"max_sites", std::min(method.max_sites, limits.max_sites)},
+            {"iterations", method.iterations},
+            {"options", option_names(method)},
+            {"seconds_per_site", seconds_of(method)}};
+}
+
+Json describe_methods(const Limits& limits) {
+    Json list = Json::array();
+    for (const Method& method : methods()) list.push_back(describe(method, limits));
+    return list;
+}
+
+}  // namespace
+
+std::string capabilities_json(const Limits& limits) {
+    const Json document = {
+        {"limits", {{"max_sites", limits.max_sites}, {"max_pixels", limits.max_pixels}}},
+        {"halftone", {{"formats", describe_all(halftone_formats())}, {"options", halftone_options()}}},
+        {"sample",
+         {{"formats", describe_all(sample_formats())},
+          {"options", sample_options()},
+          {"methods", describe_methods(limits)}}},
+        {"analyze", {{"formats", describe_all(analyze_formats())}, {"options", analyze_options()}}}};
+    return document.dump() + '\n';
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,145 @@
+#include "api/json/capabilities.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "api/halftone.h"
+#include "api/sample.h"
+#include "tests/api/files.h"
+
+namespace ccdt::api {
+namespace {
+
+using Json = nlohmann::json;
+
+Json capabilities(const Limits& limits = {}) {
+    return Json::parse(capabilities_json(limits));
+}
+
+/// The document that describes the service to its clients.
+const Json& openapi() {
+    static const Json document = Json::parse(std::ifstream(CCDT_OPENAPI));
+    return document;
+}
+
+/// A node, or what it refers to.
+const Json& resolve(const Json& node) {
+    if (!node.contains("$ref")) return node;
+    return openapi().at(Json::json_pointer(node.at("$ref").get<std::string>().substr(1)));
+}
+
+/// Adds the properties of a schema, and of those that it includes.
+void add_properties(const Json& schema, Json& properties) {
+    if (schema.contains("allOf")) {
+        for (const Json& part : schema.at("allOf")) add_properties(resolve(part), properties);
+    }
+    if (schema.contains("properties")) properties.update(schema.at("properties"));
+}
+
+Json properties_of(const std::string& schema) {
+    Json properties = Json::object();
+    add_properties(openapi().at("components").at("schemas").at(schema), properties);
+    return properties;
+}
+
+std::vector<std::string> all(const Json& list, const std::string& member) {
+    std::vector<std::string> values;
+    for (const Json& each : list) values.push_back(each.at(member));
+    return values;
+}
+
+struct Endpoint {
+    std::string name;
+    std::string schema;
+};
+
+class Documented : public testing::TestWithParam<Endpoint> {};
+
+TEST_P(Documented, HaveTheFormatsThatAreDocumented) {
+    const Json formats = capabilities().at(GetParam().name).at("formats");
+    const Json documented = resolve(properties_of(GetParam().schema).at("format")).at("enum");
+    EXPECT_EQ(all(formats, "name"), documented.get<std::vector<std::string>>());
+    const Json& answers = openapi().at("paths").at('/' + GetParam().name).at("post").at("responses").at("200");
+    std::set<std::string> types;
+    for (const auto& [type, content] : resolve(answers).at("content").items()) types.insert(type);
+    const auto made = all(formats, "media_type");
+    EXPECT_EQ(types, std::set<std::string>(made.begin(), made.end()));
+}
+
+TEST_P(Documented, HaveTheOptionsThatAreDocumented) {
+    std::set<std::string> documented;
+    const Json properties = properties_of(GetParam().schema);
+    for (const auto& [name, schema] : properties.items()) documented.insert(name);
+    documented.erase("image");  // the picture itself is no option
+    const Json options = capabilities().at(GetParam().name).at("options");
+    EXPECT_EQ(options.get<std::set<std::string>>(), documented);
+}
+
+INSTANTIATE_TEST_SUITE_P(Endpoints, Documented,
+                         testing::Values(Endpoint{"halftone", "HalftoneRequest"}, Endpoint{"sample", "SampleRequest"},
+                                         Endpoint{"analyze", "AnalyzeRequest"}),
+                         [](const auto& each) { return each.param.name; });
+
+TEST(Capabilities, HaveTheMethodsThatAreDocumented) {
+    const auto names = all(capabilities().at("sample").at("methods"), "name");
+    for (const auto* schema : {"SampleRequest", "Origin"}) {
+        const Json method = resolve(properties_of(schema).at("method"));
+        EXPECT_EQ(names, method.at("enum").get<std::vector<std::string>>()) << schema;
+    }
+}
+
+/// Of an option of few words that is given another: the error names those that there are.
+std::string objection(const std::string& option) {
+    const auto request = parse_halftone(fixture("rgba.png"), {{option, "?"}}, "", {});
+    return request ? "" : request.error().message;
+}
+
+TEST(Capabilities, HaveTheWordsThatAreDocumented) {
+    int words = 0;
+    const Json properties = properties_of("HalftoneRequest");
+    for (const auto& [option, node] : properties.items()) {
+        const Json& schema = resolve(node);
+        if (!schema.contains("enum") || option == "format") continue;
+        std::string expected = option + " is '?', but must be";
+        for (const Json& word : schema.at("enum"))
+            expected += (word == schema.at("enum").front() ? " '" : " or '") + word.get<std::string>() + "'";
+        EXPECT_EQ(objection(option), expected);
+        ++words;
+    }
+    EXPECT_GE(words, 5);
+}
+
+TEST(Capabilities, TellTheLimits) {
+    const Json json = capabilities({.max_sites = 40'000, .max_pixels = 99});
+    EXPECT_EQ(json.at("limits"), Json::parse(R"({"max_sites":40000,"max_pixels":99})"));
+    const auto method = [&](const std::string& name) {
+        const Json& list = json.at("sample").at("methods");
+        const auto names = all(list, "name");
+        return list.at(static_cast<std::size_t>(std::ranges::find(names, name) - names.begin()));
+    };
+    EXPECT_EQ(method("ccdt").at("max_sites"), 40'000);
+    EXPECT_EQ(method("cvt").at("max_sites"), 40'000);
+    EXPECT_EQ(method("ccvt").at("max_sites"), 20'000);
+    EXPECT_GT(method("ccdt").at("seconds_per_site").at("best"), method("ccdt").at("seconds_per_site").at("draft"));
+    EXPECT_EQ(method("odt").at("options"), Json::parse(R"(["iterations","tolerance"])"));
+}
+
+TEST(Capabilities, TellWhatIsDrawnAndHowLarge) {
+    const Json json = capabilities();
+    for (const Json& format : json.at("halftone").at("formats")) {
+        const std::string name = format.at("name");
+        const bool drawn = name != "json" && name != "csv" && name != "npy";
+        EXPECT_EQ(format.at("drawn"), drawn) << name;
+        EXPECT_EQ(format.at("max_side"), name == "webp" ? Json(16'383) : Json()) << name;
+    }
+}
+
+}  // namespace
+}  // namespace ccdt::api
