@@ -1,4 +1,4 @@
-"""The README's examples, as they stand there, against a server of their own."""
+"""The examples of all READMEs, as they stand there, against a server of their own: those that ask for its address."""
 
 import os
 import pathlib
@@ -8,18 +8,19 @@ import sys
 import tempfile
 import unittest
 
-from harness import PATIENCE, ROOT, Server
+from harness import PATIENCE, PICTURES, ROOT, Server
 
-PAGE = (ROOT / "README.md").read_text()
-API = PAGE[PAGE.index("## The API by example"):PAGE.index("## Configuration")]
+ROOMS = ("", "api", "core", "server", "tests")
+PAGES = [ROOT / room / "README.md" for room in ROOMS if (ROOT / room / "README.md").exists()]
 ADDRESS = "localhost:8080"
 
 # The one that shows an error.
 CROSSING = "[[0,0],[1,1],[1,0],[0,1]]"
 
 
-def blocks(language):
-    return re.findall(rf"^```{language}\n(.*?)^```", API, re.MULTILINE | re.DOTALL)
+def blocks(page, language):
+    found = re.findall(rf"^```{language}\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
+    return [block for block in found if ADDRESS in block]
 
 
 class Examples(unittest.TestCase):
@@ -29,6 +30,7 @@ class Examples(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         folder = pathlib.Path(cls.folder.name)
         (folder / "tests").symlink_to(ROOT / "tests")
+        (folder / "photo.jpg").symlink_to(PICTURES / "chelsea.png")  # told by its first bytes
         (folder / ".curlrc").write_text("fail-with-body\nsilent\n")
 
     @classmethod
@@ -44,19 +46,26 @@ class Examples(unittest.TestCase):
                               timeout=PATIENCE, check=False)
         return done.returncode, done.stdout, done.stderr
 
+    def examples(self, language, least):
+        """At least so many, each with the page that it is on."""
+        found = [(page, block) for page in PAGES for block in blocks(page, language)]
+        self.assertGreaterEqual(len(found), least)
+        return found
+
     def test_for_python(self):
-        self.assertEqual(len(blocks("python")), 1)
-        self.assertEqual(self.run_it(sys.executable, "-c", code=blocks("python")[0]), (0, b"1000 points\n", b""))
+        for page, block in self.examples("python", 1):
+            with self.subTest(page=page):
+                self.assertEqual(self.run_it(sys.executable, "-c", code=block), (0, b"1000 points\n", b""))
 
     def test_for_javascript(self):
-        self.assertEqual(len(blocks("js")), 1)
-        code, told, errors = self.run_it("node", "--input-type=module", "--eval", code=blocks("js")[0])
-        self.assertEqual((code, told), (0, b"1000 points\n"), errors)
+        for page, block in self.examples("js", 1):
+            with self.subTest(page=page):
+                code, told, errors = self.run_it("node", "--input-type=module", "--eval", code=block)
+                self.assertEqual((code, told), (0, b"1000 points\n"), errors)
 
     def test_for_the_shell(self):
-        self.assertGreater(len(blocks("sh")), 7)
-        for block in blocks("sh"):
-            with self.subTest(block=block):
+        for page, block in self.examples("sh", 10):
+            with self.subTest(page=page, block=block):
                 code, told, errors = self.run_it("bash", "-euo", "pipefail", "-c", code=block)
                 self.assertEqual(code, 22 if CROSSING in block else 0, (told[:500], errors))
                 if "%{http_code}" in block:
