@@ -6,7 +6,7 @@
 
 namespace ccdt {
 
-/// What kind of failure an Error is. The kinds say nothing of transport; server maps each to a status.
+/// Kinds of failure. They say nothing of transport; server maps each to a status.
 enum class ErrorCode {
     Malformed,      ///< the input cannot be read, or a value lies outside its documented range
     Unusable,       ///< well formed, but nothing can be made of it: crossing edges, broken image, no ink

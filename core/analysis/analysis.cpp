@@ -32,7 +32,7 @@ struct Frame {
         sides = {ratio, 1 / ratio};
     }
 
-    /// In [0, 1] x [0, 1].
+    /// Place of a point over the box, in [0, 1] x [0, 1].
     Point share_of(Point p) const {
         return {std::clamp((p.x - box.min.x) / box.width(), 0.0, 1.0),
                 std::clamp((p.y - box.min.y) / box.height(), 0.0, 1.0)};
@@ -40,17 +40,17 @@ struct Frame {
 
     bool holds(Point p) const { return p.x >= box.min.x && p.x <= box.max.x && p.y >= box.min.y && p.y <= box.max.y; }
 
-    /// In cycles per side of the unit square that has the domain's area.
+    /// Magnitude of a frequency, in cycles per side of the unit square that has the domain's area.
     double frequency(int i, int j) const { return std::hypot(i / sides.x, j / sides.y); }
 
-    /// Says nothing of the points: it is their number, or blurred by the window.
+    /// Tells whether a frequency is left out: it holds the number of points, or what the window blurs it to.
     bool is_excluded(int i, int j) const {
         const int lobe = periodic ? 0 : 1;
         return std::abs(i) <= lobe && std::abs(j) <= lobe;
     }
 };
 
-/// What is known before any transform.
+/// Grid of frequencies and rings, chosen before any transform.
 struct Plan {
     std::vector<double> densities;  ///< by set, points per unit area
     double resolution = 0;          ///< root of the mean density: the unit of frequencies
@@ -229,7 +229,8 @@ std::vector<Ring> measure_rings(const Frame& frame, const Plan& plan, const Spec
     return rings;
 }
 
-/// In dB. Floors keep it finite where there is no power to speak of, as between the peaks of a lattice.
+/// Anisotropy of a ring in dB. Floors keep it finite where there is no power to speak of, as between the peaks of a
+/// lattice.
 double anisotropy(const Ring& ring) {
     constexpr double kLeastVariance = 1e-30, kLeastPower = 1e-15;
     const double power = std::max(ring.mean, kLeastPower);
@@ -257,7 +258,7 @@ std::optional<double> low_frequency_power(const Frame& frame, const Plan& plan, 
     return sum / count;
 }
 
-/// Ends early, with nothing of use, if a stop is requested.
+/// Transforms all sets and averages their powers. Ends early, with nothing of use, if a stop is requested.
 Analysis measure(Sets sets, const Frame& frame, const Plan& plan, const std::stop_token& stop) {
     Analysis analysis;
     analysis.sets = sets.size();

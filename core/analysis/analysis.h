@@ -33,7 +33,7 @@ private:
     }
 };
 
-/// What sets of points look like on average: Bartlett's method. White noise has power 1.
+/// Spectrum and spacing of sets of points, averaged by Bartlett's method. White noise has power 1.
 struct Analysis {
     std::size_t sets = 0;
     std::size_t points = 0;  ///< of each set
@@ -79,7 +79,7 @@ struct Analysis {
 Result<Analysis> analyse(std::span<const std::vector<Point>> sets, const Domain& domain, const AnalysisOptions& options,
                          const std::stop_token& stop = {});
 
-/// Of the grid that spectra are computed on; half a gigabyte.
+/// Largest grid that spectra are computed on; half a gigabyte.
 inline constexpr std::size_t kMaxTransformCells = std::size_t{1} << 25;
 
 }  // namespace ccdt

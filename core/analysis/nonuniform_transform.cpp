@@ -22,7 +22,7 @@ double grid_side(double highest) {
     return std::max(4 * highest, 2.0 * kWidth);
 }
 
-/// One over the kernel's Fourier transform, at frequencies of 0 to `highest` per `cells` cells.
+/// Inverse of the kernel's Fourier transform, at frequencies of 0 to `highest` per `cells` cells.
 std::vector<double> unspreading(int highest, int cells) {
     // The trapezoid rule errs by what the kernel holds at frequencies above 1 / kStep - 1/4 per cell: next to nothing.
     constexpr int kSteps = 4 * kWidth / 2;

@@ -25,7 +25,7 @@ struct WeightedPoint {
 /// Source: Barnett, Magland, af Klinteberg 2019, whose "exponential of semicircle" is the kernel; upsampling 2.
 class NonuniformTransform {
 public:
-    /// How large a grid these frequencies would need.
+    /// Size of the grid that these frequencies would need.
     static double cells(double highest_x, double highest_y);
 
     /// @param highest_x, highest_y  >= 0

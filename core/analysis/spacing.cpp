@@ -20,7 +20,7 @@ public:
 
     std::size_t size() const { return nodes_.size(); }
 
-    /// From a point to the nearest other one.
+    /// Distance from a point to the nearest other one.
     double nearest_distance(std::size_t index) const {
         Query query{nodes_[index].point, index, std::numeric_limits<double>::infinity()};
         search(0, nodes_.size(), query);

@@ -4,7 +4,7 @@
 
 namespace ccdt {
 
-/// Iterations at most. The method ends by itself, mostly after a tenth of them.
+/// Most iterations. The method ends by itself, mostly after a tenth of them.
 inline constexpr int kCcvtIterations = 1000;
 
 /// Distributes sites by a capacity-constrained Voronoi tessellation: each site is the centroid of a cell, and all cells

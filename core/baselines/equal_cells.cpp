@@ -87,6 +87,7 @@ bool EqualCells::swap(std::uint32_t first, std::uint32_t second) {
     return true;
 }
 
+/// Computes what each sample of a cell would gain in the other one.
 /// @returns  the largest
 double EqualCells::find_gains(std::uint32_t from, std::uint32_t to, std::vector<double>& gains) const {
     const Point a = sites_[from], b = sites_[to];
@@ -104,7 +105,7 @@ double EqualCells::find_gains(std::uint32_t from, std::uint32_t to, std::vector<
     return *std::ranges::max_element(gains);
 }
 
-/// Whether the shortest ways from the first site's samples to the two sites stay in the box.
+/// Tells whether the shortest ways from the first site's samples to the two sites stay in the box.
 bool EqualCells::is_clear_of_seams(std::uint32_t from, std::uint32_t to) const {
     if (!images_.is_torus()) return true;
     const Point a = sites_[from], period = images_.period(), way = sites_[to] - a;

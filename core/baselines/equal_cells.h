@@ -43,7 +43,7 @@ public:
     double energy() const;
 
 private:
-    /// What a swap would have of one sample.
+    /// A sample and what its move to the other site gains.
     struct Offer {
         double gain;
         std::uint32_t sample;

@@ -21,7 +21,7 @@ private:
     void divide(const Part& part, double begin, double end, int depth);
     void halve(const Part& part, double begin, double end, int depth);
 
-    /// Where the middle of the next sample's share lies, in shares.
+    /// Middle of the next sample's share, in shares from the first one.
     double next_middle() const { return static_cast<double>(samples_.size()) + 0.5; }
 
     const Bisection& bisection_;
@@ -57,6 +57,7 @@ Point Sampler::draw_in(const Part& part) {
     return a + u * (b - a) + v * (c - a);
 }
 
+/// Draws the samples of a part, in halves if it holds more than one share.
 /// @param begin, end  shares that come before the part's end, without it and with it
 void Sampler::divide(const Part& part, double begin, double end, int depth) {
     constexpr int kDeepest = 100;

@@ -11,7 +11,7 @@ namespace ccdt {
 
 namespace {
 
-/// One pass over all sites after the other.
+/// Moves sites to the mean circumcentres around them, pass by pass.
 class Circumcentres {
 public:
     Circumcentres(SiteMesh& sites, const std::stop_token& stop)
@@ -88,7 +88,8 @@ void Circumcentres::look_around(std::uint32_t site) {
     } while (h != first);
 }
 
-/// Circumcentres times areas need no division: they are quadratic forms of the corners.
+/// Step from the site to the mean of the circumcentres. These times areas need no division: they are quadratic forms of
+/// the corners.
 Point Circumcentres::way_to_mean() const {
     double area = 0;
     Point moment;
@@ -100,7 +101,7 @@ Point Circumcentres::way_to_mean() const {
     return area > 0 ? 1 / area * moment : Point{};
 }
 
-/// Whether no triangle loses more than 90 % of its area, or its height, on the way.
+/// Tells whether no triangle loses more than 90 % of its area, or its height, on the way.
 bool Circumcentres::fits(Point by) const {
     constexpr double kKeptArea = 0.1;
     constexpr double kLeastShape = 1e-5;  // doubled area over the longest edge squared

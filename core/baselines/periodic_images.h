@@ -7,7 +7,7 @@
 
 namespace ccdt {
 
-/// The copies of a point around a torus. In other domains there is the point alone.
+/// The periodic images of a point, its copies around a torus. In other domains there is the point alone.
 class PeriodicImages {
 public:
     explicit PeriodicImages(const Domain& domain) {
@@ -18,7 +18,7 @@ public:
 
     bool is_torus() const { return period_.x > 0; }
 
-    /// How far apart they are; {0, 0} if there is the point alone.
+    /// Distance between copies along each axis; {0, 0} if there is the point alone.
     Point period() const { return period_; }
 
     /// The shortest of the ways between copies of two points, given any that is less than one and a half periods long.

@@ -62,14 +62,14 @@ bool SiteMesh::move(std::span<const Point> wanted) {
     return false;
 }
 
-/// Around a torus the shorter way is taken.
+/// End of the shortest way from a place to another one, around a torus too.
 Point SiteMesh::end_of_way(Point from, Point to) const {
     if (!mesh_.is_torus()) return to;
     const PeriodicImages images(*domain_);
     return snapped(from + images.shortest(images.in_box(to) - images.in_box(from)));
 }
 
-/// Whether no triangle is turned over, flat, or out of the range where a torus' places are exact.
+/// Tells whether no triangle is turned over, flat, or out of the range where a torus' places are exact.
 bool SiteMesh::is_sound() const {
     constexpr double kLeastShape = 1e-6;  // doubled area over the longest edge squared
     constexpr double kFarthest = 1.25;
@@ -82,7 +82,8 @@ bool SiteMesh::is_sound() const {
     return std::ranges::none_of(sites(), far);
 }
 
-/// Whether the sites nearest to the border are far enough from it: in a Delaunay triangulation they face its edges.
+/// Tells whether the sites nearest to the border are far enough from it: in a Delaunay triangulation they face its
+/// edges.
 bool SiteMesh::keeps_margin() const {
     const double margin = domain_->resolution();
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
@@ -95,7 +96,7 @@ bool SiteMesh::keeps_margin() const {
     return true;
 }
 
-/// A new triangulation, coarse to fine as place_sites() has it.
+/// Triangulates all sites anew, coarse to fine as place_sites() has it.
 bool SiteMesh::insert_all(std::span<const Point> from, std::span<const Point> to) {
     Triangulation mesh = empty_.mesh;
     for (std::size_t stride = 64, coarser = 0; stride >= 1; coarser = stride, stride /= 4) {

@@ -13,8 +13,8 @@
 
 namespace ccdt {
 
-/// Sites on their way, in the triangulation that distribute() measures them by. What the methods of this folder share:
-/// the start, the measure, when to end. All places are in the unit frame.
+/// Sites that a method moves, in the triangulation that distribute() measures them by. It holds what the methods of
+/// this folder share: the start, the measure, when to end. All places are in the unit frame.
 class SiteMesh {
 public:
     /// Draws and triangulates the start that distribute() has.
@@ -29,7 +29,7 @@ public:
     const Triangulation& mesh() const { return mesh_; }
     Triangulation& mesh() { return mesh_; }
 
-    /// [sites]
+    /// Places of the sites [sites].
     std::span<const Point> sites() const { return {mesh_.points().data(), mesh_.site_count()}; }
 
     /// Moves all sites and makes the triangulation Delaunay again. A site that would leave the domain, or come too

@@ -14,13 +14,14 @@ namespace ccdt {
 /// Finds sites near a place: a balanced k-d tree (Bentley 1975), as quick where sites crowd as where they are few.
 class SiteTree {
 public:
-    /// One of a site's copies.
+    /// A site, in one of its copies.
     struct Found {
         std::uint32_t site;
         Point place;
     };
 
-    /// @param sites  [n >= 1]. O(n log n)
+    /// Builds the tree. O(n log n)
+    /// @param sites  [n >= 1]
     SiteTree(std::span<const Point> sites, const PeriodicImages& images);
 
     /// The site nearest to a place, of those not taken away; nothing if all are. O(log n), mostly.
@@ -33,7 +34,7 @@ public:
     /// @param found  out, replaced
     void within(Point place, double distance, std::vector<Found>& found) const;
 
-    /// From now on nearest() passes it over. O(log n)
+    /// Hides a site from nearest(). O(log n)
     void take_away(std::uint32_t site);
 
 private:

@@ -33,7 +33,7 @@ void clip_at_bisector(std::span<const Point> polygon, Point site, Point other, s
 
 }  // namespace
 
-/// For one set of sites.
+/// Integration for one set of sites.
 class VoronoiCells::Integration {
 public:
     Integration(const VoronoiCells& domain, std::span<const Point> sites, const std::stop_token& stop)

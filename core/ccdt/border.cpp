@@ -9,8 +9,7 @@ namespace ccdt {
 
 namespace {
 
-/// How many site spacings long the edge ab is, up to each of as many equal steps along it as it crosses cells [steps +
-/// 1].
+/// Lengths along the edge ab in site spacings, from a to each of as many equal steps as it crosses cells [steps + 1].
 std::vector<double> spacings_along(Point a, Point b, const CapacityIntegral& capacity, double sites_per_capacity) {
     const int samples = capacity.cells_along(a, b);
     const double step = std::sqrt(dot(b - a, b - a)) / samples;

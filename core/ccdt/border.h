@@ -12,7 +12,7 @@
 
 namespace ccdt {
 
-/// Closed chains of vertices on the border. Scaffolding for the triangulation, no part of the result.
+/// Closed chains of vertices on the border, which the triangulation needs and the result does not hold.
 struct Border {
     std::vector<std::vector<Point>> loops;  ///< outer rings counter-clockwise, holes clockwise
     std::vector<bool> corner;               ///< [vertices of all loops in turn]: a corner of the domain

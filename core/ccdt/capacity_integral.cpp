@@ -51,7 +51,7 @@ bool is_in(Point p, Point sides) {
     return p.x >= 0 && p.y >= 0 && p.x <= sides.x && p.y <= sides.y;
 }
 
-/// Whether the edge or a triangle at it reaches beyond a torus' box.
+/// Tells whether the edge or a triangle at it reaches beyond a torus' box.
 bool leaves_box(const Triangulation& mesh, std::uint32_t edge) {
     return mesh.crosses_seam(Triangulation::triangle_of(edge)) ||
            mesh.crosses_seam(Triangulation::triangle_of(mesh.twin(edge))) ||
@@ -97,7 +97,7 @@ CapacityIntegral::Sweep CapacityIntegral::sweep(Point a, Point b) const {
     return {sum.flow * (to.y - from.y), (sum.near - sum.far) * scale, sum.far * scale};
 }
 
-/// Around a torus the two triangles at an edge may see it in different places.
+/// Adds an edge's flow to the capacities of its two triangles, which around a torus may see it in different places.
 void CapacityIntegral::add_flow(const Triangulation& mesh, std::uint32_t edge, double flow,
                                 std::vector<double>& capacities) const {
     const std::uint32_t twin = mesh.twin(edge);

@@ -16,12 +16,12 @@ namespace ccdt {
 /// repeats itself, and F grows by the row's total with every period.
 class CapacityIntegral {
 public:
-    /// Both must outlive this.
+    /// @param domain, density  must outlive this
     CapacityIntegral(const Domain& domain, const Density& density);
 
     bool is_uniform() const { return density_.is_uniform(); }
 
-    /// Of the whole domain; in units of the unit frame's area if uniform, else of one cell with density 1.
+    /// Capacity of the whole domain; in units of the unit frame's area if uniform, else of one cell with density 1.
     /// Exactly 0 if it cannot be told from 0: below 1e-12 of the density's own.
     double total() const { return total_; }
 
@@ -42,11 +42,11 @@ public:
     /// Largest capacity per area of the unit frame.
     double densest() const { return is_uniform() ? 1 : density_.largest() * to_grid_.x * to_grid_.y; }
 
-    /// What a segment adds to the capacity on its left: the integral of F dy from a to b, within the domain's bounding
-    /// box. Not for uniform densities. O(cells crossed).
+    /// Contribution of a segment to the capacity on its left: the integral of F dy from a to b, within the domain's
+    /// bounding box. Not for uniform densities. O(cells crossed).
     double along(Point a, Point b) const;
 
-    /// How many cells a segment crosses, about; at least 1, and 1 if uniform.
+    /// Number of cells that a segment crosses, about; at least 1, and 1 if uniform.
     int cells_along(Point a, Point b) const;
 
 private:

@@ -17,7 +17,7 @@
 
 namespace ccdt {
 
-/// How the first sites are drawn.
+/// Ways to draw the first sites.
 enum class Start {
     Stratified,  ///< a few at random in each of many cells of equal capacity
     Random,      ///< independently by the density, as in the paper
@@ -34,7 +34,7 @@ struct Options {
     bool keep_mesh = false;  ///< fill Distribution::mesh
 };
 
-/// How far a computation is.
+/// State of a computation on its way.
 struct Progress {
     int iteration = 0;     ///< iterations done
     int iterations = 0;    ///< iterations asked for
@@ -47,7 +47,7 @@ struct Progress {
     double done() const { return (2.0 + iteration + round) / (3.0 + iterations + rounds); }
 };
 
-/// What the caller keeps in hand while core computes.
+/// Means by which a caller stops and watches a computation.
 struct Control {
     std::stop_token stop;  ///< asked at least once per pass
     /// Called after the start, each iteration and each round of the polish; may be empty.

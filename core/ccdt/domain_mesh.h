@@ -14,22 +14,23 @@
 
 namespace ccdt {
 
-/// What sites are measured by: the constrained Delaunay triangulation with vertices along the domain's border, on a
-/// torus without. All places are in the unit frame.
+/// Constrained Delaunay triangulation of a domain's sites, with vertices along its border, on a torus without. Its
+/// triangles' capacities measure the sites. All places are in the unit frame.
 struct DomainMesh {
     Border border;
     Triangulation mesh;
 };
 
-/// The triangulation that sites are inserted into.
+/// Triangulates the border alone, for sites to be inserted.
 /// @param sites  how many will be
 /// @param stop   asked now and then: Error Stopped
 Result<DomainMesh> empty_mesh(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites,
                               const std::stop_token& stop = {});
 
-/// Where the sites stand, in the caller's coordinates [sites].
+/// Places of the sites in the caller's coordinates [sites].
 std::vector<Point> sites_to_user(const Domain& domain, const Triangulation& mesh);
 
+/// Copies a triangulation into the caller's coordinates.
 /// @param mesh    trimmed
 /// @param border  of the mesh
 TriangleMesh mesh_to_user(const Domain& domain, const Triangulation& mesh, const Border& border);

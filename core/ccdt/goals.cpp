@@ -32,7 +32,7 @@ double length(const Triangulation& mesh, std::uint32_t edge, double weight) {
     return weight > 0 ? std::sqrt(dot(along, along)) / hexagonal_spacing(weight) : 0;
 }
 
-/// What a triangle with a site aims at, and as how much of a triangle it counts. Sets both.
+/// Sets the target of a triangle with a site, and its share of a triangle.
 /// @param faced  [sites] lengths of the edges of the border that each faces, together
 void aim(const Triangulation& mesh, std::uint32_t triangle, const std::vector<double>& faced, TriangleGoal& goal) {
     constexpr double kEdgeShare = 0.5, kCornerShare = 0.61;

@@ -8,7 +8,7 @@
 
 namespace ccdt {
 
-/// What every triangle's doubled area counts for and shall come to.
+/// Sets the target of every triangle, and the weight of its area.
 ///
 /// A triangle between three sites aims at the capacity of half a site. Along the border the first row of sites
 /// belongs half a row away from it, and so a triangle on an edge of the border aims at what the strip of half a row's

@@ -17,7 +17,7 @@ constexpr double kLeastShape = 1e-5;  ///< least doubled area that a move leaves
 constexpr double kSmall = 1e-2;       ///< doubled area over the mean one below which a triangle is looked at closely
 constexpr double kSingular = 1e-12;   ///< least determinant over the product of the diagonal
 
-/// Where the quadratic with this half Hessian and half gradient has its minimum, from here.
+/// Step to the minimum of the quadratic with this half Hessian and half gradient; none where it is singular.
 Point minimum(double xx, double xy, double yy, Point gradient) {
     const double det = xx * yy - xy * xy;
     if (!(det > kSingular * xx * yy)) return {};
@@ -32,7 +32,7 @@ struct Relaxation::NormalEquations {
     double xx = 0, xy = 0, yy = 0;
     Point gradient;
 
-    /// A triangle (vertex, from, to), and its half of the springs along the two edges at the vertex.
+    /// Adds a triangle (vertex, from, to), and its half of the springs along the two edges at the vertex.
     void add(Point from, Point to, const Term& term, double spring) {
         // Twice the area is cross(from, to) = a x + b y + c in the vertex's coordinates.
         const Point growth{term.weight * (from.y - to.y), term.weight * (to.x - from.x)};
@@ -40,7 +40,7 @@ struct Relaxation::NormalEquations {
         add_springs(from, to, spring * term.spring);
     }
 
-    /// A triangle whose capacity is off its target by `residual` and grows by this much per unit of the move.
+    /// Adds a triangle whose capacity is off its target by `residual` and grows by this much per unit of the move.
     void add(Point growth, double residual) {
         xx += growth.x * growth.x;
         xy += growth.x * growth.y;
@@ -48,7 +48,7 @@ struct Relaxation::NormalEquations {
         gradient = gradient + residual * growth;
     }
 
-    /// Its half of the springs along a triangle's two edges at the vertex.
+    /// Adds a triangle's half of the springs along a triangle's two edges at the vertex.
     void add_springs(Point from, Point to, double stiffness) {
         add_spring(from, 0.5 * stiffness);
         add_spring(to, 0.5 * stiffness);
@@ -192,8 +192,8 @@ void Relaxation::pass() {
     for (const Fan& fan : border_fans_) slide(fan);
 }
 
-/// Takes vertices from several places of the block in turn: neighbours in number are neighbours in the plane, and
-/// each would have to wait for the one before.
+/// Moves the sites of a batch. Takes them from several places of the block in turn: neighbours in number are neighbours
+/// in the plane, and each would have to wait for the one before.
 template <bool kPlain, std::size_t kPairs>
 void Relaxation::move_batch(std::size_t block) {
     constexpr std::uint8_t kKind = kind_of(kPlain, kPairs);
@@ -208,8 +208,8 @@ void Relaxation::move_batch(std::size_t block) {
     }
 }
 
-/// What move_site does, two triangles at a time. A triangle between a neighbour and its repetition is flat and adds
-/// nothing. Plain: around a closed ring the sums of a and b vanish, and with them the common target.
+/// Moves a site as move_site() does, two triangles at a time. A triangle between a neighbour and its repetition is flat
+/// and adds nothing. Plain: around a closed ring the sums of a and b vanish, and with them the common target.
 template <bool kPlain, std::size_t kPairs>
 void Relaxation::move_few(const std::uint32_t* record) {
     const std::uint32_t vertex = record[0];
@@ -362,7 +362,8 @@ void Relaxation::exact_pass(const CapacityIntegral& capacity, const std::stop_to
     for (const Fan& fan : border_fans_) slide(fan);
 }
 
-/// A triangle (v, from, to) gains what its edge v-from sweeps on its right, and loses what v-to sweeps.
+/// Moves a site by the true capacities. A triangle (v, from, to) gains what its edge v-from sweeps on its right, and
+/// loses what v-to sweeps.
 void Relaxation::move_exactly(std::uint32_t site, double unit) {
     ring_vertices_.clear();
     ring_lifts_.clear();

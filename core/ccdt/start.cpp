@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t kSitesPerCell = 4;
 
-/// Where on [x0, x1] an increasing function, linear between neighbouring grid points, has passed this share of its
-/// rise.
+/// Solves for the place on [x0, x1] where an increasing function, linear between neighbouring grid points, has passed
+/// this share of its rise.
 template <class Function>
 double invert(double x0, double x1, double share, Function&& function) {
     double f0 = function(x0), f1 = function(x1);
@@ -132,7 +132,7 @@ double StartSites::sum(double x, double y) const {
     return (1 - fy) * (s[0] + fx * (s[1] - s[0])) + fy * (above[0] + fx * (above[1] - above[0]));
 }
 
-/// Where a vertical cut leaves this share of the box's capacity on its left.
+/// Abscissa at which a vertical cut leaves this share of the box's capacity on its left.
 double StartSites::cut_across_x(const Rectangle& box, double share) const {
     if (box.x1 - box.x0 <= 1 && std::ceil(box.x1) - std::floor(box.x0) <= 1) return std::lerp(box.x0, box.x1, share);
     return invert(box.x0, box.x1, share, [&](double x) { return sum(x, box.y1) - sum(x, box.y0); });

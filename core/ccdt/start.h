@@ -19,7 +19,9 @@ namespace ccdt {
 /// caller, who can tell, draws again.
 class StartSites {
 public:
-    /// Both must outlive this. Their headers name the ranges that keep the numbers of cells within an int.
+    /// @param domain, density  must outlive this; their headers name the ranges that keep the numbers of cells within
+    /// an
+    ///                         int
     StartSites(const Domain& domain, const Density& density, const Options& options);
 
     /// A place for a site, in the unit frame. Sites of neighbouring number are neighbours, mostly. A function of the

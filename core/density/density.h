@@ -20,7 +20,7 @@ struct CellBlock {
     int rows() const { return high - low; }
 };
 
-/// How many sites an area wants, relative to other areas: constant, or constant on each cell of a grid that is
+/// Density of sites that areas want, relative to other areas: constant, or constant on each cell of a grid that is
 /// stretched over the bounding box of the domain.
 ///
 /// Only ratios matter, so that values are scaled where they enter, all by one power of two, which costs no digit:
@@ -53,7 +53,7 @@ public:
     /// Sum of the values in a row left of column x; `row_sums(row)[x]`, x in [0, width].
     std::span<const double> row_sums(int row) const;
 
-    /// All cells. Not for uniform densities, nor are the following.
+    /// Block of all cells. Not for uniform densities, nor are the following.
     CellBlock cells() const { return {0, 0, width_, height_}; }
 
     /// The smallest block with all that is not zero. O(cells).

@@ -24,11 +24,11 @@ public:
     RealTransform& operator=(RealTransform&&) noexcept;
     ~RealTransform();
 
-    /// [rows * columns], row by row.
+    /// Cells of the grid [rows * columns], row by row.
     std::span<double> grid();
 
-    /// [rows * (columns / 2 + 1)], row by row: frequency (x, y) of the row y mod rows. The columns left out are the
-    /// complex conjugates of those at (-x, -y).
+    /// Coefficients [rows * (columns / 2 + 1)], row by row: frequency (x, y) of the row y mod rows. The columns left
+    /// out are the complex conjugates of those at (-x, -y).
     std::span<std::complex<double>> spectrum();
     std::span<const std::complex<double>> spectrum() const;
 
@@ -56,7 +56,8 @@ public:
     CosineTransform& operator=(CosineTransform&&) noexcept;
     ~CosineTransform();
 
-    /// [rows * columns], row by row: values before forward(), coefficients of frequency (x, y) after it.
+    /// Cells of the grid [rows * columns], row by row: values before forward(), coefficients of frequency (x, y) after
+    /// it.
     std::span<double> grid();
 
     /// DCT-II: the coefficient (x, y) is 4 sum over cells (i, j) of

@@ -11,7 +11,7 @@
 
 #include "core/geometry/point.h"
 
-/// What CGAL does for us, and the only place that includes it.
+// Delaunay triangulation and exact predicates by CGAL; only delaunay.cpp includes it.
 namespace ccdt {
 
 /// A segment between two points, by their indices.

@@ -89,7 +89,7 @@ double signed_area(const Ring& ring) {
     return doubled / 2;
 }
 
-/// Whether all corners lie on one line, as nearly as the area spanned can tell. The area of a ring that crosses
+/// Tells whether all corners lie on one line, as nearly as the area spanned can tell. The area of a ring that crosses
 /// itself may cancel out: what is wrong with that one is the crossing.
 bool is_collinear(const Ring& ring, double min_area) {
     double spanned = 0;
@@ -173,7 +173,7 @@ std::optional<Error> find_shared_corner(const std::vector<RingInput>& rings, con
     return std::nullopt;
 }
 
-/// Which ring lies directly around each ring, kNone for none. Each constrained edge belongs to one ring, and
+/// Finds the ring directly around each ring, kNone for none. Each constrained edge belongs to one ring, and
 /// crossing it from outside enters that ring.
 std::vector<std::uint32_t> surrounding_rings(const ConstrainedDelaunay& mesh, const Outline& outline,
                                              std::size_t ring_count) {

@@ -30,8 +30,8 @@ struct PolygonPart {
 /// not 0. Coordinates of corners in the unit frame are 0 or at least kLeast, so that slopes of edges are finite.
 class Domain {
 public:
-    /// What is nearer to the lower or the left side of the bounding box is on it: far less than points are told apart
-    /// by.
+    /// Distance in the unit frame below which a corner counts as on the lower or the left side of the bounding box: far
+    /// less than points are told apart by.
     static constexpr double kLeast = 0x1p-100;
 
     /// @param parts  at least one; a part may lie inside a hole of another
@@ -42,10 +42,10 @@ public:
     /// /part/ring/vertex, ring 0 being the outer one and vertices as the caller counts them.
     static Result<Domain> create(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
 
-    /// [0, width] x [0, height].
+    /// Rectangle [0, width] x [0, height].
     static Result<Domain> rectangle(double width, double height);
 
-    /// [0, width) x [0, height), opposite sides joined: a set of points on it tiles the plane.
+    /// Torus [0, width) x [0, height), opposite sides joined: a set of points on it tiles the plane.
     /// Errors (Unusable): a side that is not finite and positive, sides further apart than 1 to 1000.
     static Result<Domain> torus(double width, double height);
 
@@ -66,16 +66,17 @@ public:
 
     std::size_t corner_count() const;
 
-    /// The domain is its own bounding box. So is a torus.
+    /// Tells whether the domain is its own bounding box. So is a torus.
     bool is_box() const { return is_box_; }
 
     /// Opposite sides of the bounding box are joined. Its unit frame's sides are multiples of 2^-50.
     bool is_torus() const { return is_torus_; }
 
-    /// On a torus it may be any copy of the point: the one in [0, width) x [0, height) is returned.
+    /// Converts a point of the unit frame to the caller's coordinates. On a torus it may be any copy: the one in [0,
+    /// width) x [0, height) is returned.
     Point to_user(Point unit) const;
 
-    /// How far to_user() may move a point by rounding, in the unit frame.
+    /// Distance by which to_user() may move a point by rounding, in the unit frame.
     double resolution() const;
 
 private:

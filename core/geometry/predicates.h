@@ -21,7 +21,7 @@ inline int orientation(Point a, Point b, Point c) {
 /// The in-circle determinant is off by at most this times its permanent: (10 + 96 e) e.
 inline constexpr double kInCircleBound = 1.1102230246251577e-15;
 
-/// Whether d lies strictly inside the circle through the counter-clockwise triangle abc, exact.
+/// Tells whether d lies strictly inside the circle through the counter-clockwise triangle abc, exact.
 inline bool in_circle(Point a, Point b, Point c, Point d) {
     const Point ad = a - d, bd = b - d, cd = c - d;
     const double bc1 = bd.x * cd.y, bc2 = cd.x * bd.y;

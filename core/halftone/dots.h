@@ -11,7 +11,7 @@
 
 namespace ccdt {
 
-/// Where dots are to be drawn.
+/// Canvas that dots are drawn on.
 struct Canvas {
     int width = 0;     ///< pixels
     int height = 0;    ///< pixels

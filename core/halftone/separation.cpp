@@ -31,8 +31,8 @@ Light mapped(const Light& light, Tone tone) {
 
 /// The mean light of halftones, by the share that each ink covers.
 ///
-/// Where there is room dots of different inks lie side by side, and what each takes from the light adds up; where there
-/// is none they overlap as if they knew nothing of each other, and what each lets through multiplies (Demichel,
+/// Where there is room, dots of different inks lie side by side, and what each takes from the light adds up; where
+/// there is none they overlap as if they knew nothing of each other, and what each lets through multiplies (Demichel,
 /// Neugebauer). Measured on flat tints: two inks overlap by their product times T^4 / (T^4 + 0.8), T being the sum of
 /// all shares, within 0.12; two inks alone by a little more, those of three by a little less.
 class NeugebauerModel {
@@ -41,16 +41,16 @@ public:
 
     std::size_t count() const { return count_; }
     Channels light(const Numbers& cover) const;
-    /// How the light changes with an ink's cover.
+    /// Derivative of the light by an ink's cover.
     Channels change(const Numbers& cover, std::size_t ink) const;
 
 private:
     static constexpr double kCrowding = 0.8;
 
     static double overlap(double sum) { return std::pow(sum, 4) / (std::pow(sum, 4) + kCrowding); }
-    /// What inks let through on top of each other, but for one of them.
+    /// Share of the light that inks let through on top of each other, one of them left out.
     double through(const Numbers& cover, std::size_t channel, std::size_t but) const;
-    /// What overlapping leaves of the light over lying side by side.
+    /// Light that inks on top of each other leave over what they leave side by side.
     double spared(const Numbers& cover, std::size_t channel) const;
 
     std::size_t count_;
@@ -105,8 +105,8 @@ Channels NeugebauerModel::change(const Numbers& cover, std::size_t ink) const {
     return change;
 }
 
-/// What is to be alike: luminance, and each channel's difference from it, which counts less. So a neutral ink alone
-/// reproduces luminance, whatever the colour.
+/// Terms in which picture and print are compared: luminance, and each channel's difference from it, which counts less.
+/// So a neutral ink alone reproduces luminance, whatever the colour.
 using Appearance = std::array<double, 4>;
 
 Appearance appearance(const Channels& light) {

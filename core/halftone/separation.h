@@ -21,7 +21,7 @@ struct Light {
 
 inline constexpr std::size_t kMostInks = 6;
 
-/// What a picture is printed with.
+/// Inks and paper that a picture is printed with.
 struct InkSet {
     std::vector<Light> inks;  ///< 1 to kMostInks: what a full cover of each looks like, on white or as a lamp on black
     Light paper{1, 1, 1};
@@ -29,7 +29,7 @@ struct InkSet {
     bool additive = false;
 };
 
-/// What is seen where shares of a place are covered by inks that know nothing of each other.
+/// The mean light where inks cover shares of a place independently of each other.
 /// @param cover  [inks] in [0, 1]
 Light printed(const InkSet& inks, std::span<const float> cover);
 

@@ -7,7 +7,7 @@
 
 namespace ccdt {
 
-/// Which lightness the dots reproduce.
+/// Scale of lightness that the dots reproduce.
 enum class Tone {
     Linear,      ///< relative luminance: what a densitometer or a far eye averages
     Perceptual,  ///< CIE L*: lighter, as the picture's own pixel values read
@@ -16,7 +16,7 @@ enum class Tone {
 /// CIE 1976 lightness of a relative luminance in [0, 1], in [0, 1].
 float lightness(float luminance);
 
-/// The value, or the nearer end of [0, 1]; what is no number is 0.
+/// Clamps a value to [0, 1]; what is no number is 0.
 float to_share(float value);
 
 /// Share of each pixel that the dots shall cover [width * height], in [0, 1], top row first.
@@ -28,10 +28,10 @@ std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert);
 /// than one a pixel of ink) and 100,000 at most; never less than 1 nor more than `limit`.
 std::size_t default_sites(const std::vector<float>& coverage, std::size_t limit);
 
-/// The same by the sum of the shares. More ink never means fewer dots.
+/// Default number of sites by the sum of the shares. More ink never means fewer dots.
 std::size_t default_sites(double ink, std::size_t limit);
 
-/// What default_scale keeps to.
+/// Limits of default_scale().
 inline constexpr double kLargestScale = 16;
 inline constexpr double kMostCanvasPixels = 16e6;
 
@@ -39,7 +39,7 @@ inline constexpr double kMostCanvasPixels = 16e6;
 /// radius of 3 pixels or more and so look round; less where the canvas would pass 16 million pixels, but at least 0.1.
 double default_scale(const std::vector<float>& coverage, std::size_t sites);
 
-/// The same by the sum of the shares and the pixels of the picture.
+/// Default scale by the sum of the shares and the pixels of the picture.
 double default_scale(double ink, std::size_t pixels, std::size_t sites);
 
 }  // namespace ccdt

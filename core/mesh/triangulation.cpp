@@ -151,7 +151,7 @@ bool Triangulation::wants_flip(std::uint32_t edge) const {
     return in_circle(a, b, c, beyond + distance(lift(edge) + shift(next(twin))));
 }
 
-/// Whether two edges are both Delaunay beyond doubt; what in_circle() computes first, for both at once.
+/// Tells whether two edges are both Delaunay beyond doubt; what in_circle() computes first, for both at once.
 bool Triangulation::is_certain(std::uint32_t edge, std::uint32_t other) const {
     if (twin(edge) == kNone || twin(other) == kNone) return false;
     if (is_torus() && (crosses_seam(triangle_of(edge)) || crosses_seam(triangle_of(other)) ||

@@ -42,7 +42,7 @@ public:
     /// @param border  triangulation of the border's vertices, its segments the border itself
     Triangulation(std::size_t sites, const ConstrainedDelaunay& border);
 
-    /// Of a torus.
+    /// Starts the triangulation of a torus.
     /// @param period  its sides, multiples of 2^-50, at most 1
     Triangulation(std::size_t sites, Point period);
 
@@ -67,22 +67,22 @@ public:
     std::uint32_t target(std::uint32_t edge) const { return origin(next(edge)); }
     std::uint32_t twin(std::uint32_t edge) const { return triangles_[edge / 4].twins[edge % 4]; }
 
-    /// Whether a corner of the triangle is shifted against the others; on a torus only.
+    /// Tells whether a corner of the triangle is shifted against the others; on a torus only.
     bool crosses_seam(std::uint32_t triangle) const { return (triangles_[triangle].flags & kSeam) != 0; }
 
-    /// How far the edge's far end is shifted if its near end is not.
+    /// Periods by which the edge's far end is shifted if its near end is not.
     Shift shift(std::uint32_t edge) const { return triangles_[edge / 4].shifts[edge % 4]; }
 
-    /// How far the edge's near end is shifted if the triangle's first corner is not.
+    /// Periods by which the edge's near end is shifted if the triangle's first corner is not.
     Shift lift(std::uint32_t edge) const {
         const auto& shifts = triangles_[edge / 4].shifts;
         return edge % 4 == 0 ? Shift{} : edge % 4 == 1 ? shifts[0] : Shift{} - shifts[2];
     }
 
-    /// So many periods.
+    /// Length of so many periods.
     Point distance(Shift shift) const { return {shift.x * period_.x, shift.y * period_.y}; }
 
-    /// From the edge's near end to its far end.
+    /// Vector from the edge's near end to its far end.
     Point along(std::uint32_t edge) const {
         return points_[target(edge)] + distance(shift(edge)) - points_[origin(edge)];
     }
@@ -124,7 +124,7 @@ public:
     /// Drops what lies outside the domain and renumbers the triangles in the order of the sites.
     void trim();
 
-    /// On a torus, stores sites that have left the box, by a quarter of a period or more, where they are within it.
+    /// Stores sites of a torus that have left the box, by a quarter of a period or more, where they are within it.
     void wrap();
 
     /// Flips edges until all but those on the border are locally Delaunay, by exact predicates.
@@ -133,7 +133,7 @@ public:
     /// @returns     the number of flips
     std::size_t restore_delaunay(const std::stop_token& stop = {});
 
-    /// Whether the last restore_delaunay() has changed anything around the vertex.
+    /// Tells whether the last restore_delaunay() has changed anything around the vertex.
     bool has_changed(std::uint32_t vertex) const { return changed_[vertex] != 0; }
 
 private:

@@ -9,8 +9,8 @@ namespace {
 /// Places in a cell from which on it has a grid of its own.
 constexpr std::uint32_t kCrowd = 32;
 
-/// Of grids in grids, unless rounding leaves their cells no width before; what is closer together than these is next to
-/// one place.
+/// Depth of grids in grids, unless rounding leaves their cells no width before. Places that are closer together than
+/// the deepest cells all but coincide.
 constexpr int kDeepest = 16;
 
 }  // namespace

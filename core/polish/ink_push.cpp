@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = 3.141592653589793;
 
-/// A way for each site that stands where another one does.
+/// Direction in which a site goes that stands where another one does: a different one for each.
 Point own_way(std::uint32_t site) {
     constexpr double kGolden = 0.6180339887498949;
     const double angle = 2 * kPi * kGolden * site;

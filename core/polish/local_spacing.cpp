@@ -26,7 +26,7 @@ LocalSpacing::LocalSpacing(Point sides, const Density& density, double sites)
     }
 }
 
-/// That a block of 2^level x 2^level cells wants.
+/// Number of sites that a block of 2^level x 2^level cells wants.
 double LocalSpacing::sites_of(std::size_t level, std::size_t column, std::size_t row) const {
     if (level == 0) return sites_per_value_ * density_.value(static_cast<int>(column), static_cast<int>(row));
     const Level& blocks = levels_[level - 1];

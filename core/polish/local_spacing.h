@@ -8,8 +8,8 @@
 
 namespace ccdt {
 
-/// How far apart sites are around a place, however much denser they are there than elsewhere: by the mean density of
-/// the smallest block of cells, of 1, 2 x 2, 4 x 4 and so on, that holds the place and wants a site.
+/// Spacing of sites around a place, however much denser they are there than elsewhere: by the mean density of the
+/// smallest block of cells, of 1, 2 x 2, 4 x 4 and so on, that holds the place and wants a site.
 class LocalSpacing {
 public:
     /// @param sides    of the box that the density is stretched over

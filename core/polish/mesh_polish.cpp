@@ -34,7 +34,7 @@ Point MeshPolish::inside(Point p) const {
             std::clamp(p.y, kInside * sides.y, (1 - kInside) * sides.y)};
 }
 
-/// Where a site may stand that wants to stand at p.
+/// Nearest place to p where a site may stand: in the domain's box, and with density if some is near.
 Point MeshPolish::allowed(Point p, double spacing) const {
     constexpr double kReach = 2;  // spacings
     p = inside(p);
@@ -133,7 +133,7 @@ void MeshPolish::apply(Triangulation& mesh) {
     if (mesh.is_torus()) mesh.wrap();
 }
 
-/// Whether a triangle has kept enough of its area, and is no needle unless it was one.
+/// Tells whether a triangle has kept enough of its area, and is no needle unless it was one.
 bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const {
     constexpr double kSmall = 0.05;       // of the mean area; larger triangles are no needles
     constexpr double kLeastShape = 1e-5;  // doubled area over the longest edge squared

@@ -19,8 +19,9 @@ namespace ccdt {
 /// waves of density error, most of it along the border and where the density is steep, is transported away.
 class MeshPolish {
 public:
-    /// Both must outlive this. Long waves are evened out in boxes and on tori only.
-    /// @param stop  asked now and then; leaves what is of no use
+    /// Prepares the transforms that even out long waves, which is done in boxes and on tori only.
+    /// @param domain, density  must outlive this
+    /// @param stop             asked now and then; leaves what is of no use
     MeshPolish(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {});
 
     const Density& density() const { return density_; }

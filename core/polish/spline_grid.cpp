@@ -31,7 +31,7 @@ inline Taps weights_at(Pair f) {
     return {outer(f), inner(f), middle(f), middle(g), inner(g), outer(g)};
 }
 
-/// Their slopes.
+/// Slopes of the six weights.
 inline Taps slopes_at(Pair f) {
     const auto outer = [](Pair d) {
         const Pair g = 1.0 - d, g2 = g * g;

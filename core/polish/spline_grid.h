@@ -28,16 +28,17 @@ public:
     int rows() const { return rows_; }
     Point cell() const { return {sides_.x / columns_, sides_.y / rows_}; }
 
-    /// To be called before the first spread().
+    /// Sets all values to 0; to be called before the first spread().
     void clear();
+    /// Adds a point of this value.
     /// @param p  inside the box; on a torus anywhere
     void spread(Point p, double value);
-    /// From what was spread to its coefficients.
+    /// Computes the coefficients of what was spread.
     void transform();
 
-    /// From coefficients to what gradient() reads.
+    /// Computes from coefficients the values that gradient() reads.
     void transform_back();
-    /// Of the function whose coefficients were those over window(), in its units per unit of length.
+    /// Gradient of the function whose coefficients were those over window(), in its units per unit of length.
     Point gradient(Point p) const;
 
     /// Values of the cells [rows * columns], for plain transforms: forward() and backward(), which multiply by cells()
@@ -83,7 +84,7 @@ public:
         return {waves * column / sides_.x, waves * row / sides_.y};
     }
 
-    /// What spreading multiplies a coefficient by.
+    /// Factor by which spreading multiplies a coefficient.
     double window(int column, int row) const {
         return column_windows_[static_cast<std::size_t>(column)] *
                row_windows_[static_cast<std::size_t>(std::abs(row))];

@@ -14,8 +14,8 @@ public:
     /// @param density  not uniform, or nearest() must not be called; must outlive this
     Support(const Domain& domain, const Density& density);
 
-    /// The point itself where there is density, else the nearest point with some, looked for so far; if there is none,
-    /// the point itself. O(cells so far).
+    /// Finds the nearest point with density, to a factor of sqrt(2) of its distance: p itself where there is some, or
+    /// where none is within reach. O(cells within reach).
     Point nearest(Point p, double reach) const;
 
 private:

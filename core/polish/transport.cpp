@@ -22,7 +22,7 @@ constexpr double kLevelSmoothing =
     2;                            ///< of the one that octaves are taken from: next to dark parts light ones are fine
 constexpr double kCaution = 0.7;  ///< octaves by which a site's limit lies above its spacing
 
-/// How much of a wave's error a round undoes; its frequency in cycles a spacing. Octaves of a varying density overlap
+/// Share of a wave's error that a round undoes; its frequency in cycles a spacing. Octaves of a varying density overlap
 /// and want a softer end.
 double share_undone(double frequency, bool uniform) {
     const double ratio = frequency / (uniform ? 0.52 : 0.57), squared = ratio * ratio;
@@ -136,7 +136,7 @@ std::array<std::vector<double>, 2> along_axes(const SplineGrid& grid, Function&&
     return values;
 }
 
-/// Blurred by a Gaussian, per unit of area.
+/// Masses blurred by a Gaussian, per unit of area.
 std::vector<double> Transport::smoothed(const std::vector<double>& masses, double sigma) {
     SplineGrid& grid = octaves_[0].grid;
     const Point cell = grid.cell();
@@ -176,7 +176,7 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
     for (float& level : levels_) level = std::min(level, last);
 }
 
-/// The density's coefficients, as sites spread by it would have them.
+/// Computes the density's coefficients, as sites spread by it would have them.
 void Transport::set_targets(const std::vector<double>& masses, const std::stop_token& stop) {
     SplineGrid& grid = octaves_[0].grid;
     const Point cell = grid.cell();
@@ -201,8 +201,8 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
     }
 }
 
-/// The same for a density that has more to it than the finest grid resolves: it is spread as sites are, in pieces no
-/// larger than the grid's cells.
+/// Computes the same for a density that has more detail than the finest grid resolves: it is spread as sites are, in
+/// pieces no larger than the grid's cells.
 void Transport::set_fine_targets(const Density& density, const CellBlock& block, const std::stop_token& stop) {
     const Point cell = octaves_[0].grid.cell();
     const auto pieces = [](double side, double longest) {
@@ -237,6 +237,7 @@ Point Transport::in_box(Point p) const {
     return {std::clamp(p.x - origin_.x, 0.0, sides_.x), std::clamp(p.y - origin_.y, 0.0, sides_.y)};
 }
 
+/// Number of the cell of octave 0 that a place lies in.
 /// @param p  in the grids' box
 std::size_t Transport::cell_of(Point p) const {
     const SplineGrid& grid = octaves_[0].grid;
@@ -266,6 +267,7 @@ void Transport::clear() {
     for (Octave& octave : octaves_) octave.grid.clear();
 }
 
+/// Spreads a site on the grids of its octaves.
 /// @param p  in the grids' box
 void Transport::spread(Point p, double weight) {
     if (levels_.empty()) return octaves_[0].grid.spread(p, weight);
@@ -277,6 +279,7 @@ void Transport::spread(Point p, double weight) {
     }
 }
 
+/// Transforms all octaves.
 /// @returns  false if it was stopped
 bool Transport::transform(const std::stop_token& stop) {
     for (Octave& octave : octaves_) {
@@ -286,6 +289,7 @@ bool Transport::transform(const std::stop_token& stop) {
     return true;
 }
 
+/// Spreads all sites and transforms them.
 /// @returns  false if it was stopped
 bool Transport::spread(std::span<const Point> sites, const std::stop_token& stop) {
     clear();
@@ -296,6 +300,7 @@ bool Transport::spread(std::span<const Point> sites, const std::stop_token& stop
     return transform(stop);
 }
 
+/// Adds up the long waves of all octaves, each up to its own limit.
 /// @param total  coefficients of octave 0; from its sites' to those of all sites' long waves
 template <class Coefficient>
 void Transport::join_octaves(std::span<Coefficient> total) {
@@ -313,6 +318,7 @@ void Transport::join_octaves(std::span<Coefficient> total) {
     }
 }
 
+/// Solves Laplace phi = error.
 /// @param total  coefficients of octave 0; from its sites' to the potential's
 template <class Coefficient>
 void Transport::solve(std::span<Coefficient> total) {

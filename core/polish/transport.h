@@ -37,6 +37,7 @@ public:
     /// O(density's cells + sites log sites).
     Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {});
 
+    /// Computes the moves of a round.
     /// @param sites  [sites] in the unit frame; inside, on a torus anywhere
     /// @param moves  out [sites], none longer than a quarter of the spacing there
     /// @param stop   asked now and then

@@ -42,7 +42,7 @@ std::uint64_t hilbert_key(Point p) {
     return key;
 }
 
-/// Moved and scaled into the unit square.
+/// Points moved and scaled into the unit square.
 std::vector<Point> normalised(std::span<const Point> points) {
     Box box{points.front(), points.front()};
     for (const Point& p : points) box.include(p);
