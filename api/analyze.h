@@ -30,6 +30,7 @@ std::span<const AnalysisFormat* const> analyze_formats();
 /// Names of the members of a request.
 std::vector<std::string_view> analyze_options();
 
+/// Request to /analyze, with its options.
 struct AnalyzeRequest {
     std::vector<std::vector<Point>> sets;
     bool single = false;  ///< came as `points`, not as `sets`

@@ -18,7 +18,7 @@ Cost cost(const Estimate& estimate) {
     return {static_cast<std::size_t>(estimate.bytes + kFixedBytes), estimate.seconds};
 }
 
-/// Bytes a pixel: luminance, alpha, coverage and a copy turned over.
+/// Bytes of a pixel: luminance, alpha, coverage and a copy turned over.
 constexpr double kGreyPlanes = 16;
 
 Estimate decoding(const ImageFile& file, double planes = kGreyPlanes) {

@@ -7,16 +7,16 @@
 
 namespace ccdt::api {
 
-/// What a run that is stopped, by a deadline, comes to.
+/// Outcome of a run that a deadline stops: an error, or what there is by then.
 enum class OnStop { Error, Partial };
 
-/// Errors: Stopped if it was asked for.
+/// Checks that nothing was asked to stop. Errors: Stopped.
 Result<void> check_stop(const std::stop_token& stop);
 
-/// Errors: Stopped for a distribution that was stopped, unless its part will do.
+/// Checks that a distribution is whole, or that its part will do. Errors: Stopped.
 Result<void> check_whole(const Distribution& distribution, OnStop on_stop);
 
-/// Gives what writing an answer listens to: nothing, where a part will do and is to be told in full.
+/// Makes the token that ends the writing of an answer: one that never does where a part is to be told in full.
 std::stop_token stop_of_writing(const Control& control, OnStop on_stop);
 
 }  // namespace ccdt::api

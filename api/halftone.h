@@ -19,6 +19,7 @@
 
 namespace ccdt::api {
 
+/// Request to /halftone, with its options.
 struct HalftoneRequest {
     ImageFile image;
     std::string image_field;           ///< for Error::field; empty if it is the body

@@ -29,7 +29,7 @@ public:
 
     Result<std::string> operator()(const ListWriter& writer) { return writer.write(inks_, report_, stop_); }
 
-    /// Of rasters only the radius is of use.
+    /// Draws shapes with the radius that rasters would have.
     Result<std::string> operator()(const VectorWriter& writer) {
         for (std::size_t ink = 0; ink < inks_.size(); ++ink)
             inks_[ink].radius = rasterise(ink, true).radius / plan_.canvas.scale;

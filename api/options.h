@@ -7,19 +7,19 @@
 
 namespace ccdt::api {
 
-/// What one request may ask for.
+/// Limits on what one request may ask for.
 struct Limits {
     std::size_t max_sites = 2'000'000;
     std::size_t max_pixels = 64'000'000;  ///< of a decoded picture, and of one that is drawn
 };
 
-/// What computing takes, by estimate.
+/// Estimate of what computing takes.
 struct Cost {
     std::size_t memory = 0;  ///< bytes at most, the answer among them; not those that the request holds itself
     double seconds = 0;      ///< about, on one core of 2020 or so
 };
 
-/// An option that came as text: a query parameter or a form field.
+/// Option that came as text: a query parameter or a form field.
 struct TextOption {
     std::string name;
     std::string value;
@@ -32,7 +32,7 @@ struct Timings {
     double encode = 0;
 };
 
-/// What goes back to the client.
+/// Answer to a request, as it goes back to the client.
 struct Answer {
     std::string media_type;
     std::string body;

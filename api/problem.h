@@ -7,7 +7,7 @@
 
 namespace ccdt::api {
 
-/// The body of an error answer, application/problem+json (RFC 9457).
+/// Writes the body of an error answer, application/problem+json (RFC 9457).
 ///
 /// @param status    HTTP status, repeated in the body
 /// @param title     the status' own phrase

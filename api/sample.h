@@ -32,6 +32,7 @@ struct DensityImage {
     ImageFile file;
 };
 
+/// Request to /sample, with its options.
 struct SampleRequest {
     std::variant<PolygonInput, Rectangle> domain;
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform

@@ -4,9 +4,10 @@
 
 namespace ccdt::api {
 
+/// Clock of the stages of a computation.
 class Stopwatch {
 public:
-    /// Milliseconds since the last lap, or since it was made.
+    /// Gives the milliseconds since the last lap, or since it was made.
     double lap() {
         const auto now = Clock::now();
         const std::chrono::duration<double, std::milli> elapsed = now - start_;

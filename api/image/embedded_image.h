@@ -15,7 +15,7 @@ namespace ccdt::api {
 /// Errors: Malformed, naming the first character that is wrong.
 Result<std::string> decode_base64(std::string_view text);
 
-/// An image file inside JSON: base64, or a `data:` URI (RFC 2397) in base64, whose media type is not looked at.
+/// Reads an image file inside JSON: base64, or a `data:` URI (RFC 2397) in base64, whose media type is not looked at.
 /// Errors: Malformed for the text; those of read_image_header for what it holds.
 Result<ImageFile> read_embedded_image(const Input& input, const Limits& limits);
 

@@ -51,7 +51,7 @@ tl::unexpected<Error> unusual(const char* what) {
     return failure(ErrorCode::Unusable, std::string("the image is of a kind that is not read: ") + what);
 }
 
-/// Where the pixels of the file's rows go in the upright picture.
+/// Places where the pixels of the file's rows go in the upright picture.
 struct Placement {
     Size size;                 ///< of the upright picture
     std::ptrdiff_t start = 0;  ///< index of the file's first pixel
@@ -75,7 +75,7 @@ Placement place(Size file, int orientation) {
     return turned ? Placement{size, start, across, along} : Placement{size, start, along, across};
 }
 
-/// What the numbers of the file stand for.
+/// Meaning of the numbers of the file.
 struct Encoding {
     enum class Curve { Srgb, Gamma, Linear };
 
@@ -140,7 +140,7 @@ public:
         }
     }
 
-    /// The sample before it was multiplied by alpha.
+    /// Divides a sample by the alpha that it was multiplied by.
     float linear(Sample sample, float alpha) const {
         if (!encoding_.premultiplied) return linear(sample);
         return alpha > 0 ? encoding_.to_linear(std::min(share(sample) / alpha, 1.0F)) : 0;
@@ -275,7 +275,7 @@ Result<PictureOf<AnyDraft>> read_pixels(OIIO::ImageInput& input, const OIIO::Ima
     return draft.picture();
 }
 
-/// What the reader makes of the header must be what was made of it before.
+/// Checks that the reader makes of the header what was made of it before.
 Result<void> check_spec(const OIIO::ImageSpec& spec, const ImageHeader& header) {
     constexpr int kMaxChannels = 5;  // CMYK and alpha
     if (spec.width < 1 || spec.height < 1) return broken();
@@ -287,7 +287,7 @@ Result<void> check_spec(const OIIO::ImageSpec& spec, const ImageHeader& header) 
     return {};
 }
 
-/// A TIFF whose rows the reader turns over by itself, though not as its orientation says.
+/// Tells a TIFF whose rows the reader turns over by itself, though not as its orientation says.
 bool is_converted_ycbcr(const OIIO::ImageSpec& spec) {
     constexpr int kYCbCr = 6;
     constexpr int kJpeg = 7;
@@ -295,8 +295,8 @@ bool is_converted_ycbcr(const OIIO::ImageSpec& spec) {
            spec.get_int_attribute("tiff:Compression") != kJpeg;
 }
 
-/// The library keeps what an input notes until it is fetched, or the thread ends. It may name files of the
-/// server, so nobody reads it.
+/// Fetches errors: the library keeps what an input notes until it is fetched, or the thread ends. It may name files of
+/// the server, so nobody reads it.
 struct NoteDropper {
     OIIO::ImageInput& input;
 
@@ -338,7 +338,7 @@ void configure_library() {
     });
 }
 
-/// The library's reader of TIFF has known faults with threads.
+/// Lock of the library's reader of TIFF, which has known faults with threads.
 std::mutex& tiff_mutex() {
     static std::mutex mutex;
     return mutex;

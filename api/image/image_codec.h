@@ -14,7 +14,7 @@ namespace ccdt::api {
 /// Gives memory for a plane of so many values, in the order of a picture's members; throws if it has none.
 using NewPlane = std::function<std::shared_ptr<float[]>(std::size_t size)>;
 
-/// Memory of this process.
+/// Takes memory of this process.
 std::shared_ptr<float[]> new_plane(std::size_t size);
 
 /// Decodes an image file to luminance in linear light.
@@ -31,12 +31,12 @@ std::shared_ptr<float[]> new_plane(std::size_t size);
 /// PNG, progressive JPEG.
 Result<Picture> decode_image(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane = new_plane);
 
-/// The same, to red, green and blue; of a grey file they are alike.
+/// Decodes to red, green and blue, which of a grey file are alike.
 Result<ColourPicture> decode_colour_image(std::string_view bytes, std::size_t max_pixels,
                                           const NewPlane& make_plane = new_plane);
 
-/// decode_image and decode_colour_image, or what does the same elsewhere. They may look at the token; told to stop they
-/// fail with Stopped.
+/// Decoders: decode_image and decode_colour_image, or what does the same elsewhere. They may look at the token; told to
+/// stop they fail with Stopped.
 struct Decode {
     template <class AnyPicture>
     using To =
@@ -46,7 +46,7 @@ struct Decode {
     To<ColourPicture> colour;
 };
 
-/// Both in this thread, which a stop does not end.
+/// Decodes in this thread, which a stop does not end.
 Decode decode_inline();
 
 }  // namespace ccdt::api

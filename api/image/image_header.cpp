@@ -8,7 +8,7 @@ namespace {
 
 using std::uint64_t;
 
-/// Unsigned integers inside a file.
+/// Reader of unsigned integers inside a file.
 class ByteReader {
 public:
     ByteReader(std::string_view bytes, bool big_endian) : bytes_(bytes), big_endian_(big_endian) {}
@@ -37,7 +37,7 @@ tl::unexpected<Error> broken() {
     return failure(ErrorCode::Unusable, "the image is broken or cut short");
 }
 
-/// All chunks are there, up to the last. Where they end early the reader leaks memory.
+/// Tells whether all chunks are there, up to the last. Where they end early the reader leaks memory.
 bool is_whole_png(const ByteReader& reader, std::string_view bytes) {
     constexpr std::size_t kSignature = 8;
     constexpr std::size_t kFrame = 12;  // a chunk's length, name and checksum
@@ -126,7 +126,7 @@ Result<ImageHeader> read_webp(std::string_view bytes) {
     return header;
 }
 
-/// The first directory of a TIFF file or EXIF block.
+/// Reader of the first directory of a TIFF file or EXIF block.
 class TiffDirectory {
 public:
     explicit TiffDirectory(std::string_view bytes) : reader_(bytes, bytes.starts_with("MM")) {
@@ -136,7 +136,7 @@ public:
         entries_ = reader_.read(begin_, 2).value_or(0);
     }
 
-    /// The first of an entry's numbers, of 16 or 32 bits.
+    /// Reads the first of an entry's numbers, of 16 or 32 bits.
     std::optional<std::uint32_t> number(std::uint32_t tag) const {
         constexpr std::uint32_t kShort = 3, kLong = 4;
         for (std::size_t i = 0; i < entries_; ++i) {

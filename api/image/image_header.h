@@ -13,8 +13,8 @@ namespace ccdt::api {
 
 enum class ImageFormat { Png, Jpeg, WebP, Tiff };
 
-/// What an image file says of itself before its pixels. Told without the image library, whose readers are better kept
-/// away from files that nobody has looked at.
+/// Header of an image file: what it says of itself before its pixels. Told without the image library, whose readers are
+/// better kept away from files that nobody has looked at.
 struct ImageHeader {
     ImageFormat format = ImageFormat::Png;
     std::uint64_t width = 0;   ///< >= 1, as stored: not turned upright
@@ -25,14 +25,14 @@ struct ImageHeader {
     std::uint64_t pixels() const { return width * height; }
 };
 
-/// A file whose header was read.
+/// Image file whose header was read.
 struct ImageFile {
     std::string_view bytes;  ///< of whoever gave it, who must outlive this, or of `decoded`
     ImageHeader header;
     std::shared_ptr<const std::string> decoded = {};  ///< from a text that held the file; null: it came as it is
 };
 
-/// Tiles of a TIFF may stand over its border, by so many pixels in all.
+/// Most pixels in all by which the tiles of a TIFF may stand over its border.
 inline constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 20;
 
 /// Tells by its first bytes whether an image file is of a format that is read: PNG, JPEG, WebP or TIFF.
@@ -46,7 +46,7 @@ Result<ImageFormat> recognise_image(std::string_view bytes);
 /// Sources: PNG (ISO/IEC 15948), 5 and 11.2.2; JPEG (ITU-T T.81), B.1 and B.2.2; WebP (RFC 9649), 2; TIFF 6.0, 2.
 Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels);
 
-/// The orientation that a WebP file's EXIF block gives, 1 to 8; 1 if it gives none.
+/// Reads the orientation that a WebP file's EXIF block gives, 1 to 8; 1 if it gives none.
 int webp_orientation(std::string_view bytes);
 
 }  // namespace ccdt::api

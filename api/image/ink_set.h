@@ -5,7 +5,7 @@
 
 namespace ccdt::api {
 
-/// Colours of inks and paper in linear light.
+/// Makes the colours of inks and paper in linear light.
 /// @param palette  its inks multiply or add
 InkSet ink_set(const Palette& palette);
 

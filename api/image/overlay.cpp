@@ -29,10 +29,10 @@ public:
     }
 
 private:
-    /// Fine enough that no more than a rounding differs from to_srgb.
+    /// Steps of light, so fine that no more than a rounding differs from to_srgb.
     static constexpr std::size_t kSteps = 1 << 16;
 
-    /// Made once: it takes as long as a small picture.
+    /// Table of to_srgb, made once: it takes as long as a small picture.
     static const std::vector<std::uint8_t>& table() {
         static const std::vector<std::uint8_t> values = [] {
             std::vector<std::uint8_t> stored(kSteps);
@@ -86,7 +86,7 @@ bool is_grey(const Colour& colour) {
     return !colour.transparent && colour.red == colour.green && colour.green == colour.blue;
 }
 
-/// The raster's coverage becomes the pixels: it takes no memory besides.
+/// Covers the paper. The raster's coverage becomes the pixels: it takes no memory besides.
 DotImage cover(Raster raster, const Palette& palette, bool antialias) {
     const Colour& ink = palette.inks.front().colour;
     DotImage picture{raster.width,

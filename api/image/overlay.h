@@ -27,7 +27,7 @@ struct DotImage {
     std::size_t row_size() const { return static_cast<std::size_t>(width) * channels(); }
     const std::uint8_t* row(int y) const { return pixels.data() + static_cast<std::size_t>(y) * row_size(); }
 
-    /// Whether there is nothing but black and white.
+    /// Tells whether there is nothing but black and white.
     bool is_bilevel() const;
 };
 

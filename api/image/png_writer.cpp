@@ -18,7 +18,7 @@
 namespace ccdt::api {
 namespace {
 
-/// How pixels are stored, settled before libpng runs.
+/// Layout of stored pixels, settled before libpng runs.
 struct Layout {
     int bit_depth = 8;
     int colour_type = PNG_COLOR_TYPE_GRAY;
@@ -120,7 +120,8 @@ void write_header(png_structp png, png_infop info, const DotImage& image, const 
     png_write_info(png, info);
 }
 
-/// libpng reports errors by a jump back into this function, so it owns nothing that would need destroying.
+/// Writes the file. libpng reports errors by a jump back into this function, so it owns nothing that would need
+/// destroying.
 /// @param row  room for one row of the file
 /// @returns    false on an error or a stop
 bool write_all(png_structp png, png_infop info, const DotImage& image, const Layout& layout, png_byte* row,

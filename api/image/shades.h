@@ -10,7 +10,7 @@ namespace ccdt::api {
 /// Colours of pixels by their value: red, green, blue, alpha.
 using Shades = std::array<std::array<std::uint8_t, 4>, 256>;
 
-/// Shades of pixels that an opaque ink covers in part, by its coverage.
+/// Mixes the shades of pixels that an opaque ink covers in part, by its coverage.
 ///
 /// Ink and paper are mixed in linear light, so that from afar pixels look as light as dots of that area; over a
 /// transparent paper they are the ink with the coverage as alpha.

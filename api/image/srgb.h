@@ -4,10 +4,10 @@
 
 namespace ccdt::api {
 
-/// The light, 0 to 1, that a value of sRGB (IEC 61966-2-1) stands for.
+/// Gives the light, 0 to 1, that a value of sRGB (IEC 61966-2-1) stands for.
 double to_linear(unsigned char value);
 
-/// The value of sRGB nearest to a light; of one beyond [0, 1] that of the nearer end.
+/// Gives the value of sRGB nearest to a light; of one beyond [0, 1] that of the nearer end.
 std::uint8_t to_srgb(double light);
 
 }  // namespace ccdt::api

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kMillimetresPerInch = 25.4;
 
-/// A file in memory.
+/// File in memory.
 struct MemoryFile {
     std::string bytes;
     std::size_t place = 0;
@@ -83,7 +83,7 @@ Tiff open(MemoryFile& file) {
     return Tiff(TIFFClientOpenExt("", "wl", &file, read, write, seek, close, size, nullptr, nullptr, options.get()));
 }
 
-/// How pixels are stored.
+/// Layout of stored pixels.
 struct Layout {
     bool bilevel = false;
     std::uint16_t channels = 1;

@@ -10,7 +10,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Of 0 to 9: at 4 soft rims take twice the time for a sixth less room, hard ones no less.
+/// Effort, of 0 to 9: at 4 soft rims take twice the time for a sixth less room, hard ones no less.
 constexpr int kEffort = 1;
 
 /// WebPPicture, freed in the end.

@@ -27,7 +27,7 @@ std::string hexadecimal(const Colour& colour);
 /// Errors: Malformed.
 Result<Colour> read_colour(const Input& input);
 
-/// The same, or `transparent`.
+/// Reads `#rgb`, `#rrggbb` or `transparent`.
 Result<Colour> read_colour_or_none(const Input& input);
 
 }  // namespace ccdt::api

@@ -6,7 +6,7 @@
 
 namespace ccdt::api {
 
-/// [0, width] x [0, height].
+/// Domain [0, width] x [0, height].
 struct Rectangle {
     double width = 0;
     double height = 0;
@@ -17,7 +17,7 @@ struct Rectangle {
 /// Errors: Malformed, with a JSON Pointer to what is wrong.
 Result<Rectangle> read_rectangle(const Input& input);
 
-/// Errors: those of Domain::rectangle and Domain::torus, with the field /domain.
+/// Makes the domain. Errors: those of Domain::rectangle and Domain::torus, with the field /domain.
 Result<Domain> make_domain(const Rectangle& rectangle);
 
 }  // namespace ccdt::api

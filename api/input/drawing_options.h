@@ -7,7 +7,7 @@
 
 namespace ccdt::api {
 
-/// How SVG draws a dot.
+/// Shape of a dot in SVG.
 enum class DotStyle {
     Fill,    ///< a disc
     Stroke,  ///< a stroke as wide as the dot and next to no length, for plotters: the pen goes down and up

@@ -36,7 +36,7 @@ struct Interval {
 /// Range of positive, finite numbers.
 inline constexpr Interval kPositive = {.min = 0, .above_min = true};
 
-/// Readers take the whole text, or a JSON value of the right kind, and nothing that would have to be rounded
+/// Reads a number: the whole text, or a JSON value of the right kind, and nothing that would have to be rounded
 /// or guessed at. Errors: Malformed, saying what the value must be, with the input's field.
 Result<std::uint64_t> read_integer(const Input& input, std::uint64_t min, std::uint64_t max);
 Result<double> read_number(const Input& input, const Interval& allowed);

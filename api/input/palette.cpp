@@ -26,7 +26,7 @@ Palette rgb() {
     return {{{"red", {255, 0, 0}}, {"green", {0, 255, 0}}, {"blue", {0, 0, 255}}}, kBlack, Mixing::Add};
 }
 
-/// The colours of a palette as inputs of their own; none if there are none or too many.
+/// Splits a palette into colours as inputs of their own; none if there are none or too many.
 Result<std::vector<Input>> split(const Input& input) {
     std::vector<Input> parts;
     const auto* json = std::get_if<JsonValue>(&input.value);

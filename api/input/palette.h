@@ -9,7 +9,7 @@
 
 namespace ccdt::api {
 
-/// How inks look where they lie on each other, and on their paper.
+/// Look of inks where they lie on each other, and on their paper.
 enum class Mixing {
     Cover,     ///< an ink hides what is below it; there is but one
     Multiply,  ///< each ink multiplies the light of what is below it, as print does

@@ -17,7 +17,7 @@ Input element_of(const Input& parent, std::size_t index, JsonValue value) {
     return {pointer, pointer, value};
 }
 
-/// The value of an input that came in a JSON body, as all polygons do.
+/// Gives the value of an input that came in a JSON body, as all polygons do.
 JsonValue json_of(const Input& input) {
     return std::get<JsonValue>(input.value);
 }
@@ -91,7 +91,7 @@ Result<std::vector<PolygonPart>> read_parts(const Input& input, PolygonInput::Ne
     });
 }
 
-/// A member that must be there.
+/// Finds a member that must be there.
 Result<Input> require(const Input& object, std::string_view name) {
     const std::string pointer = pointer_below(object.field, name);
     const auto value = json_of(object).find(name);

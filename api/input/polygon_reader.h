@@ -13,7 +13,7 @@ namespace ccdt::api {
 
 /// Polygons as a request gave them, and where in it they stood.
 struct PolygonInput {
-    /// How the request nests positions.
+    /// Nesting of positions in the request.
     enum class Nesting {
         Members,       ///< /polygon/vertex and /holes/ring/vertex
         Polygon,       ///< .../coordinates/ring/vertex
@@ -28,7 +28,7 @@ struct PolygonInput {
 
     std::size_t corner_count() const;
 
-    /// The JSON Pointer, in the request, to what Domain::create calls `field`.
+    /// Makes the JSON Pointer, in the request, to what Domain::create calls `field`.
     std::string locate(std::string_view field) const;
 };
 
@@ -44,7 +44,7 @@ Result<std::vector<Ring>> read_rings(const Input& input);
 /// Errors: Malformed, with a JSON Pointer to what is wrong; Unusable if it is empty.
 Result<PolygonInput> read_geometry(const Input& input);
 
-/// Errors: LimitExceeded for more than kMaxCorners corners.
+/// Checks the number of corners. Errors: LimitExceeded for more than kMaxCorners.
 Result<void> check_size(const PolygonInput& polygon);
 
 }  // namespace ccdt::api

@@ -6,7 +6,7 @@
 
 namespace ccdt::api {
 
-/// What a client is told of its job.
+/// State of a job, as its client is told.
 struct JobDocument {
     std::string_view id;
     std::string_view status;
@@ -19,7 +19,7 @@ struct JobDocument {
     std::string error;  ///< a problem as JSON; empty: none
 };
 
-/// Writes it as JSON, in one line without an end. What there is not yet is null.
+/// Writes the state of a job as JSON, in one line without an end. What there is not yet is null.
 std::string job_json(const JobDocument& document);
 
 }  // namespace ccdt::api

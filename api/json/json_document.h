@@ -13,18 +13,18 @@ namespace ccdt::api {
 
 class JsonValue;
 
-/// A JSON text, read. A flat list of values in the order they stand in the text: it costs 16 bytes a value, and
+/// JSON text that was read: a flat list of values in the order they stand in the text: it costs 16 bytes a value, and
 /// neither copying nor destroying it recurses, however deep the text nests.
 class JsonDocument {
 public:
     static constexpr std::size_t kMaxDepth = 32;
     static constexpr std::size_t kMaxValues = std::size_t{1} << 23;  ///< member names count as values
 
-    /// Errors: Malformed for what is not JSON (RFC 8259, UTF-8), deeper than kMaxDepth, or an object with two
-    /// members of one name; LimitExceeded for more than kMaxValues.
+    /// Parses a text. Errors: Malformed for what is not JSON (RFC 8259, UTF-8), deeper than kMaxDepth, or an object
+    /// with two members of one name; LimitExceeded for more than kMaxValues.
     static Result<JsonDocument> parse(std::string_view text);
 
-    /// The whole text's value; the document must outlive it and stay where it is.
+    /// Gives the whole text's value; the document must outlive it and stay where it is.
     JsonValue root() const;
 
 private:
@@ -43,7 +43,7 @@ private:
     std::vector<std::string> texts_;
 };
 
-/// A value inside a JsonDocument. Small; pass it by value. What is asked must fit the kind.
+/// Value inside a JsonDocument. Small; pass it by value. What is asked must fit the kind.
 class JsonValue {
 public:
     class Iterator;
@@ -59,17 +59,17 @@ public:
     double number() const;
     const std::string& text() const { return document_->texts_[node().payload]; }
 
-    /// Elements of an array, or members of an object.
+    /// Counts the elements of an array, or the members of an object.
     std::size_t size() const { return static_cast<std::size_t>(node().payload); }
 
-    /// Elements of an array.
+    /// Iterates over the elements of an array.
     Iterator begin() const;
     Iterator end() const;
 
-    /// Members of an object, in the order of the text.
+    /// Lists the members of an object, in the order of the text.
     std::vector<Member> members() const;
 
-    /// A member of an object by its name.
+    /// Finds a member of an object by its name.
     std::optional<JsonValue> find(std::string_view name) const;
 
 private:
@@ -104,7 +104,7 @@ struct JsonValue::Member {
     JsonValue value;
 };
 
-/// A JSON Pointer (RFC 6901) one step below another.
+/// Makes a JSON Pointer (RFC 6901) one step below another.
 std::string pointer_below(std::string_view pointer, std::string_view member);
 std::string pointer_below(std::string_view pointer, std::size_t element);
 

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kUsualPoint = 41;     ///< `[x,y],` with 17 digits each
 constexpr std::size_t kStopStride = 4'096;  ///< points between two looks at the stop token
 
-/// JSON has no word for what is not finite, and whoever reads a number was promised one.
+/// Appends a number. JSON has no word for what is not finite, and whoever reads a number was promised one.
 void append_number(std::string& out, double value) {
     if (!std::isfinite(value)) throw std::domain_error("a number of the answer is not finite");
     append_shortest(out, value);

@@ -50,7 +50,8 @@ struct PointFormat {
     /// Tells whether the same request gets the same bytes each time.
     bool repeats() const;
 
-    /// Errors: LimitExceeded for a canvas that is larger than what the format holds, which `option` makes smaller.
+    /// Checks the size of a canvas, which `option` makes smaller.
+    /// Errors: LimitExceeded for one that is larger than what the format holds.
     Result<void> check_side(const Canvas& canvas, const std::string& option, const std::string& field) const;
 };
 

@@ -16,7 +16,7 @@ struct InkDots {
     double radius = 0;  ///< of each dot, in the points' units; only drawings ask for it
 };
 
-/// Whether answers tell inks apart. Of the only ink, which has no name, they tell nothing but its points.
+/// Tells whether answers tell inks apart. Of the only ink, which has no name, they tell nothing but its points.
 inline bool are_named(std::span<const InkDots> inks) {
     return std::ranges::any_of(inks, [](const InkDots& each) { return !each.ink.name.empty(); });
 }

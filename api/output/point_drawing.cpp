@@ -23,7 +23,7 @@ constexpr int kMostDecimals = 300;
 constexpr std::string_view kLayers =
     R"( xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" style="isolation:isolate")";
 
-/// Place of points on the page, from its upper left corner, in units of it.
+/// Mapping of points to the page, from its upper left corner, in units of it.
 class Placing {
 public:
     Placing(const Page& page, double unit) : page_(page), unit_(unit) {}
@@ -59,7 +59,7 @@ public:
         write(R"(" viewBox="0 0 )", width_, " ", height_, "\">\n");
     }
 
-    /// User units per unit of the points.
+    /// Gives user units per unit of the points.
     double unit() const { return unit_; }
 
     void describe(std::size_t dots, double path, double original, std::string_view unit) {

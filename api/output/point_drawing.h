@@ -26,7 +26,7 @@ struct Page {
 /// @param scale  > 0
 Canvas canvas_of(const Box& box, double scale);
 
-/// Whether a canvas has that many pixels at most.
+/// Tells whether a canvas has that many pixels at most.
 bool fits(const Canvas& canvas, std::size_t max_pixels);
 
 /// Finds the largest scale, up to one that is wished for, at which a box has that many pixels at most.

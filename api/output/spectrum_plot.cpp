@@ -35,7 +35,7 @@ std::string decimal(double value) {
     return {digits, std::to_chars(digits, digits + sizeof digits, std::round(value * 1e6) / 1e6 + 0.0).ptr};
 }
 
-/// Thousands set off by commas.
+/// Writes a number, its thousands set off by commas.
 std::string grouped(std::size_t number) {
     std::string text = std::to_string(number);
     for (std::size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, 1, ',');
@@ -52,7 +52,7 @@ struct Axis {
     double max;
     double step;  ///< between ticks
 
-    /// From `min` to `max`, both moved outwards to ticks, of which there will be a handful.
+    /// Makes an axis from `min` to `max`, both moved outwards to ticks, of which there will be a handful.
     static Axis around(double min, double max) {
         const double raw = (max - min) / 4;
         const double decade = std::pow(10, std::floor(std::log10(raw)));
@@ -66,7 +66,7 @@ struct Axis {
     double share(double value) const { return (value - min) / (max - min); }
 };
 
-/// A box with axes along its left and lower sides.
+/// Box with axes along its left and lower sides.
 struct Chart {
     Box box;
     Axis x;
@@ -117,14 +117,14 @@ void draw_curve(SvgDrawing& svg, const Chart& chart, const std::vector<double>& 
     svg.end_clip();
 }
 
-/// A level to compare the curve with.
+/// Draws a level to compare the curve with.
 void draw_reference(SvgDrawing& svg, const Chart& chart, double level, std::string_view words) {
     const Point end = chart.at(chart.x.max, level);
     svg.line(chart.at(chart.x.min, level), end, kReference);
     svg.text(end + Point{7, 4}, Anchor::Start, kTick, words);
 }
 
-/// What of the domain is shown, and how large.
+/// Part of the domain that is shown, and how large it is.
 struct View {
     Box shown;
     Point centre;  ///< of the panel
@@ -139,7 +139,7 @@ struct View {
     }
 };
 
-/// The whole domain, or a part in its middle that would hold kMostShown points if they were spread evenly.
+/// Chooses the whole domain, or a part in its middle that would hold kMostShown points if they were spread evenly.
 View view_of(std::size_t points, const Box& domain) {
     const double share = std::min(1.0, kMostShown / static_cast<double>(points));
     const double side = std::sqrt(share * domain.width()) * std::sqrt(domain.height());
@@ -177,7 +177,7 @@ struct Periodogram {
     Point size;  ///< in frequencies, the last one perhaps beyond the spectrum
 };
 
-/// Mean power of the frequencies that share a pixel.
+/// Averages the power of the frequencies that share a pixel.
 /// @param column, row  of the pixel
 /// @param shrink       frequencies per pixel along each axis
 double block_mean(const Spectrum& spectrum, int column, int row, int shrink) {
@@ -191,7 +191,8 @@ double block_mean(const Spectrum& spectrum, int column, int row, int shrink) {
     return sum / count;
 }
 
-/// Many frequencies share pixels; few are given several each, since not every viewer enlarges without blurring.
+/// Draws the spectrum: many frequencies share pixels; few are given several each, since not every viewer enlarges
+/// without blurring.
 Periodogram draw_periodogram(const Spectrum& spectrum) {
     constexpr int kMostPixels = 640, kFewestPixels = 480;
     const int side = std::max(spectrum.width, spectrum.height);

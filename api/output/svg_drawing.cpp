@@ -21,7 +21,7 @@ std::string_view name_of(Anchor anchor) {
     return "end";
 }
 
-/// RFC 4648, section 4.
+/// Alphabet of base64 (RFC 4648, section 4).
 std::string base64(std::string_view bytes) {
     constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string text;
@@ -93,7 +93,7 @@ std::string SvgDrawing::finish() {
     return std::move(out_);
 }
 
-/// Two decimals at most, without trailing zeros.
+/// Appends two decimals at most, without trailing zeros.
 void SvgDrawing::append(double length) {
     append_rounded(out_, length, 2);
 }

@@ -10,11 +10,11 @@ namespace ccdt::api {
 
 enum class Anchor { Start, Middle, End };
 
-/// An SVG document in the making. Lengths are user units, y runs down. Coordinates are written with two decimals.
+/// SVG document in the making. Lengths are user units, y runs down. Coordinates are written with two decimals.
 /// Same calls, same bytes.
 class SvgDrawing {
 public:
-    /// White all over.
+    /// Begins a document, white all over.
     SvgDrawing(double width, double height);
 
     /// @param words  XML text: `<`, `&` are up to the caller
@@ -25,24 +25,24 @@ public:
     void line(Point from, Point to, std::string_view style);
     void rectangle(const Box& box, std::string_view style);
 
-    /// Black discs of equal size.
+    /// Draws black discs of equal size.
     void dots(std::span<const Point> centres, double radius);
 
     /// Stretches a picture over a box, its pixels left square and sharp.
     void picture(const Box& box, std::string_view png);
 
-    /// Until the matching end, what lies outside the box is not seen. Coordinates stay as they are.
+    /// Clips: until the matching end, what lies outside the box is not seen. Coordinates stay as they are.
     void begin_clip(const Box& box);
     void end_clip();
 
-    /// The document. Nothing can be drawn after it.
+    /// Gives the document. Nothing can be drawn after it.
     std::string finish();
 
 private:
     void append(std::string_view words) { out_ += words; }
     void append(double length);
 
-    /// Strings and numbers, one after the other.
+    /// Appends strings and numbers, one after the other.
     template <class... Parts>
     void write(const Parts&... parts) {
         (append(parts), ...);
