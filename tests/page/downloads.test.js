@@ -10,6 +10,14 @@ import { run, settled, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 
+/** In Python, as those below. */
+const picture = `
+with PIL.Image.open(name) as picture:
+    grey = numpy.asarray(picture.convert("L")) / 255
+    light = numpy.where(grey <= 0.04045, grey / 12.92, ((grey + 0.055) / 1.055) ** 2.4)
+    print(json.dumps({"format": picture.format, "width": picture.width, "height": picture.height,
+                      "light": light.mean(), "grey": grey.mean()}))`;
+
 /** In Python: each prints as JSON what is in the file that it is given. */
 const readers = {
   json: "print(json.dumps(json.load(open(name))))",
@@ -22,12 +30,9 @@ print(json.dumps({"head": head, "points": [[float(x), float(y)] for x, y in rows
 feature = json.load(open(name))
 shape = shapely.geometry.shape(feature["geometry"])
 print(json.dumps({"valid": shape.is_valid, "points": [[p.x, p.y] for p in shape.geoms], **feature["properties"]}))`,
-  png: `
-with PIL.Image.open(name) as picture:
-    grey = numpy.asarray(picture.convert("L")) / 255
-    light = numpy.where(grey <= 0.04045, grey / 12.92, ((grey + 0.055) / 1.055) ** 2.4)
-    print(json.dumps({"format": picture.format, "width": picture.width, "height": picture.height,
-                      "light": light.mean(), "grey": grey.mean()}))`,
+  png: picture,
+  webp: picture,
+  tiff: picture,
   svg: `
 circles = xml.etree.ElementTree.parse(name).findall(".//{http://www.w3.org/2000/svg}circle")
 print(json.dumps({"circles": len(circles)}))`,
@@ -82,10 +87,16 @@ test("the files of a halftone", async () => {
   await number.blur();
   await settled(world.page, "halftone");
   const [, width, height] = (await world.page.textContent("#halftone .status")).match(/(\d+) \u00d7 (\d+) pixels/).map(Number);
-  const files = await saveAll("halftone", ["PNG", "SVG", "CSV", "JSON"]);
-  assert.deepEqual(Object.keys(files), ["dots.png", "dots.svg", "dots.csv", "dots.json"]);
-  const { "dots.png": png, "dots.svg": svg, "dots.csv": csv, "dots.json": json } = files;
-  assert.deepEqual([png.format, png.width, png.height], ["PNG", width, height]);
+  const formats = (await (await fetch(`${world.url}/capabilities`)).json()).halftone.formats;
+  const files = await saveAll("halftone", formats.map(({ title }) => title));
+  assert.deepEqual(Object.keys(files), formats.map(({ extension }) => `dots.${extension}`));
+  const { "dots.png": png, "dots.svg": svg, "dots.csv": csv, "dots.json": json, "dots.npy": npy } = files;
+  for (const [name, format] of [["png", "PNG"], ["webp", "WEBP"], ["tiff", "TIFF"]]) {
+    const read = files[`dots.${name}`];
+    assert.deepEqual([read.format, read.width, read.height], [format, width, height]);
+    assert.equal(read.grey, png.grey);
+  }
+  assert.deepEqual(npy.points, json.points);
   assert.equal(json.points.length, 3000);
   assert.deepEqual(csv.head, ["x", "y"]);
   assert.deepEqual(csv.points, json.points);

@@ -43,6 +43,9 @@ export async function ask(method, path, { body, signal, keepalive, ...told } = {
   return response;
 }
 
+/** What the server offers: formats, options, methods, limits, as `/capabilities` tells it. */
+export const capabilities = await (await ask("GET", "/capabilities")).json();
+
 export const post = (path, body, options) => ask("POST", path, { body, ...options });
 
 export const postJson = async (path, body, signal) =>

@@ -1,5 +1,6 @@
 // A picture becomes dots.
 
+import { capabilities } from "./api.js";
 import { acceptDrops, count, seconds } from "./dom.js";
 import { Fields } from "./fields.js";
 import { postPatiently } from "./jobs.js";
@@ -37,7 +38,7 @@ export class Halftone extends Panel {
     this.#offerFields();
     this.snippets = new Snippets(this.find(".snippets"));
     this.divider.addEventListener("input", () => this.viewport.redraw());
-    this.addDownloads(["png", "svg", "csv", "json"], "dots", (format, signal) => this.ask(format, signal));
+    this.addDownloads(capabilities.halftone.formats, "dots", (format, signal) => this.ask(format, signal));
     this.#listenForPictures();
   }
 

@@ -1,11 +1,9 @@
 // Long requests, asked for as jobs: how far they are can be told.
 
-import { ask, post } from "./api.js";
+import { ask, capabilities, post } from "./api.js";
 
-/** About how many sites a core does in a second: by quality, and by method for those that know none. */
-const sitesInASecond = {
-  draft: 90000, standard: 50000, best: 25000, cvt: 20000, odt: 200000, ccvt: 2000, random: Infinity,
-};
+/** Seconds of placing dots, by the server's estimate, from which on progress is shown. */
+const patience = 0.6;
 
 /** Whoever has no room for a job, or lost it, may still answer at once. */
 const refusals = [404, 410, 413, 429, 503, 507];
@@ -16,8 +14,11 @@ const longestSilence = 40000;  // ms; the server says something every 15 s
 const begun = new Set();
 
 /** Drafts, of one iteration, are not. */
-const isLong = ({ sites, method, quality = "standard", iterations = 5 }) =>
-  iterations > 1 && sites > sitesInASecond[method ?? quality];
+function isLong({ sites, method: name, quality = "standard", iterations = 5 }) {
+  const { methods } = capabilities.sample;
+  const method = methods.find((one) => one.name === name) ?? methods[0];
+  return iterations > 1 && sites * method.seconds_per_site[quality] > patience;
+}
 
 /** Ends a job, or lets the server forget it; also while the page is being left. */
 function remove(job) {

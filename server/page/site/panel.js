@@ -56,13 +56,13 @@ export class Panel {
     this.newest.wish(work, draft);
   }
 
-  /** Buttons that save what `ask(format, signal)` answers. */
-  addDownloads(formats, name, ask) {
+  /** Buttons that save what `ask(format, signal)` answers, for each of the server's formats. */
+  addDownloads(formats, file, ask) {
     const place = this.find(".downloads");
-    for (const format of formats) {
-      const button = make("button", { type: "button", textContent: format === "geojson" ? "GeoJSON" : format.toUpperCase() });
+    for (const { name, title, extension } of formats) {
+      const button = make("button", { type: "button", textContent: title });
       button.addEventListener("click", () => this.wish(async (signal) => {
-        save(await (await ask(format, signal)).blob(), `${name}.${format}`);
+        save(await (await ask(name, signal)).blob(), `${file}.${extension}`);
       }));
       place.append(button);
     }

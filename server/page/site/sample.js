@@ -1,5 +1,6 @@
 // A shape becomes points.
 
+import { capabilities } from "./api.js";
 import { chart } from "./chart.js";
 import { acceptDrops, colour, count, seconds } from "./dom.js";
 import { Drawing } from "./drawing.js";
@@ -13,9 +14,13 @@ import { Viewport } from "./viewport.js";
 const mostFrames = 64;
 const dotShare = 0.3;  // a dot's radius over the mean spacing
 
+const { formats, methods } = capabilities.sample;
+const [standard] = methods;
+const methodNamed = (name = standard.name) => methods.find((method) => method.name === name);
+
 const fields = [
   { kind: "number", name: "sites", label: "Points", value: 1000, min: 10, max: 50000, step: 1, log: true },
-  { kind: "choice", name: "method", label: "Method", standard: "ccdt", choices: [["ccdt", "CCDT"], ["cvt", "CVT, Lloyd's method"], ["odt", "ODT"], ["ccvt", "CCVT"], ["random", "random"]] },
+  { kind: "choice", name: "method", label: "Method", standard: standard.name, choices: methods.map(({ name, title }) => [name, title]) },
   { kind: "choice", name: "quality", label: "Quality", standard: "standard", choices: [["standard", "standard"], ["draft", "draft: without polish"], ["best", "best"]] },
   { kind: "number", name: "seed", label: "Seed", value: 0, min: 0, max: 100, step: 1, standard: 0 },
 ];
@@ -41,7 +46,7 @@ export class Sample extends Panel {
     });
     this.fields = new Fields(this.find("form"), fields, (draft) => this.refresh(draft));
     this.snippets = new Snippets(this.find(".snippets"));
-    this.addDownloads(["json", "csv", "geojson", "npy", "svg", "png"], "points", (format, signal) => this.#ask({ ...this.body(), format }, signal));
+    this.addDownloads(formats, "points", (format, signal) => this.#ask({ ...this.body(), format }, signal));
     this.#listen();
     this.#shapeChosen();
   }
@@ -184,9 +189,10 @@ export class Sample extends Panel {
   /** The request of what is shown. Only the last frame is polished: the others are steps on the way there. */
   body(iteration = Number(this.iteration.value)) {
     const body = { ...this.fields.values(), ...this.shape };
-    if (body.method) delete body.quality;
+    const { options } = methodNamed(body.method);
+    if (!options.includes("quality")) delete body.quality;
     else if (iteration < this.#lastIteration) body.quality = "draft";
-    if (body.method !== "random") body.iterations = iteration;
+    if (options.includes("iterations")) body.iterations = iteration;
     if (this.mesh.checked) body.mesh = true;
     return body;
   }
@@ -210,7 +216,7 @@ export class Sample extends Panel {
   async fetch(signal, { draft = false, told } = {}) {
     const shape = structuredClone(this.shape);
     const body = this.body();
-    if (draft && !body.method && !this.#frames.has(JSON.stringify(body))) body.quality = "draft";
+    if (draft && methodNamed(body.method).options.includes("quality") && !this.#frames.has(JSON.stringify(body))) body.quality = "draft";
     return { ...(await this.#frame(body, signal, told)), shape };
   }
 
@@ -218,8 +224,9 @@ export class Sample extends Panel {
     this.find("output[for=iteration]").textContent = this.iteration.value;
     if (!this.shape || this.drawing.ring) return;
     const body = this.body();
-    this.iteration.disabled = body.method === "random";
-    this.fields.enable("quality", body.method === undefined);
+    const { options } = methodNamed(body.method);
+    this.iteration.disabled = !options.includes("iterations");
+    this.fields.enable("quality", options.includes("quality"));
     this.snippets.showSample({ body });
     this.wish(async (signal) => {
       const start = performance.now();
@@ -234,7 +241,7 @@ export class Sample extends Panel {
 
   async #showTrace(signal) {
     const place = this.find(".trace");
-    place.hidden = this.body().method === "random";
+    place.hidden = !methodNamed(this.body().method).options.includes("iterations");
     if (place.hidden) return;
     const { trace } = await this.#frame(this.body(this.#lastIteration), signal);
     const points = trace.map(({ iteration, variation }) => [iteration, variation]);
