@@ -130,6 +130,7 @@ Routes::Routes(const Config& config, Parts parts)
 
 Response Routes::answer(const Request& request, const HttpResult<void>& received, Connection& connection) {
     const auto found = find(request);
+    connection.name_client({}, {});  // as long as it is not known, it is not the last request's either
     const auto admitted = received.and_then([&] { return admit(found, request, connection); });
     Record record;
     record.request_id = request_id(request);
@@ -161,7 +162,8 @@ Routes::Found Routes::find(const Request& request) {
     }
     if (found.route == nullptr || found.route->handler == &Routes::page)
         found.target.file = find_page_file(request.path);
-    if (found.route == nullptr && found.target.file != nullptr) found.route = &Table::kFixed.front();
+    if (found.route == nullptr && found.target.file != nullptr)
+        found.route = std::ranges::find(Table::kRows, "/", &Route::path);
     if (found.route != nullptr) found.target.operation = found.route->operation;
     found.target.job = job_id(request.path);
     return found;
@@ -201,6 +203,8 @@ std::string Routes::allowed_methods(const Route& route) {
 
 HttpResult<Response> Routes::dispatch(const Route* route, const Incoming& incoming) {
     const Request& request = incoming.request;
+    static_assert(std::ranges::all_of(
+        Table::kRows, [](const Route& row) { return kAllMethods.find(row.method) != std::string_view::npos; }));
     if (request.method == "OPTIONS" && request.target == "*") return preflight(kAllMethods, request);
     if (route == nullptr) return problem(404, "there is nothing at this path");
     if (request.method == "OPTIONS") return preflight(allowed_methods(*route), request);

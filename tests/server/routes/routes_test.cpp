@@ -137,6 +137,11 @@ TEST_F(RoutesTest, AskForAKeyButForThePageAndHealthChecks) {
                              "POST /sample", "POST /analyze", "OPTIONS /halftone", "OPTIONS *", "GET /nothing"})
         EXPECT_EQ(status(line), 401) << line;
     EXPECT_EQ(status("GET /metrics", "Authorization: Bearer 0123456789abcdef\r\n"), 200);
+
+    Connection connection(socket());
+    const auto with_key = parse_head("GET /metrics HTTP/1.1\r\nAuthorization: Bearer 0123456789abcdef\r\n\r\n");
+    EXPECT_EQ(routes.answer(*with_key, {}, connection).record.key, "alice");
+    EXPECT_EQ(routes.answer({}, problem(400, "malformed"), connection).record.key, "") << "is not the last one's";
 }
 
 TEST_F(RoutesTest, TellWhichMethodsAPathTakes) {
