@@ -6,7 +6,7 @@
 namespace ccdt::server {
 namespace {
 
-/// What browsers ask before a request from another origin, always without a key.
+/// Whether a browser asks before a request from another origin, which it does without a key.
 bool is_preflight(const Request& request) {
     return request.method == "OPTIONS" && !request.header("Origin").empty() &&
            !request.header("Access-Control-Request-Method").empty();

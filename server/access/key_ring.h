@@ -21,7 +21,8 @@ public:
     /// Errors: as above; (Unusable) the file cannot be read.
     static Result<KeyRing> read(const std::string& file);
 
-    /// Whose key it is; none: nobody's. Takes the same time whatever keys there are and however much of one is right.
+    /// Finds whose key it is; none: nobody's. Takes the same time whatever keys there are and however much of one is
+    /// right.
     std::optional<std::string> find(std::string_view key) const;
 
 private:

@@ -6,7 +6,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Of an entry besides its texts: nodes of the list and the table, and what the allocator adds.
+/// Bytes of an entry besides its texts: nodes of the list and the table, and what the allocator adds.
 constexpr std::size_t kOverhead = 512;
 
 }  // namespace

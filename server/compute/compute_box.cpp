@@ -26,13 +26,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// How long to wait for a fork server that is being started again.
+/// Longest wait for a fork server that is being started again.
 constexpr std::chrono::seconds kPatience{2};
 
-/// Why there is no reply.
+/// Reasons why there is no reply.
 struct NoReply {
-    bool overdue = false;        ///< it did not stop when it was told to
-    std::optional<Death> death;  ///< none: it is not known how the process ended
+    bool overdue = false;           ///< it did not stop when it was told to
+    std::optional<ChildEnd> death;  ///< none: it is not known how the process ended
     bool is_killed() const { return death && WIFSIGNALED(death->status) && WTERMSIG(death->status) == SIGKILL; }
 };
 
@@ -83,7 +83,7 @@ private:
         return !wanted_.empty() || next_piece();
     }
 
-    /// A process that has gone mad must not take the server's memory.
+    /// Checks a reply's head: a process that was damaged must not take the server's memory.
     bool makes_sense() const {
         constexpr std::uint64_t kMost = std::uint64_t{4} << 30;
         return reply_.kind <= Reply::Kind::Failure && reply_.code <= static_cast<std::uint32_t>(ErrorCode::Internal) &&
@@ -112,7 +112,7 @@ struct ComputeBox::Process {
     }
 };
 
-/// One question and its answer.
+/// One request and its answer.
 class ComputeBox::Conversation {
 public:
     using Outcome = tl::expected<Result<api::Answer>, NoReply>;
@@ -120,9 +120,9 @@ public:
     Conversation(ComputeBox& box, const Process& process, const Control& control, api::Timings& timings)
         : box_(box), process_(process), control_(control), timings_(timings), stopped_(eventfd(0, EFD_CLOEXEC)) {}
 
-    Outcome hold(Call call, const Question& question) {
-        const std::array<std::string_view, Call::kTexts> texts = {question.path, question.query, question.content_type,
-                                                                  question.accept, question.body};
+    Outcome hold(Call call, const ComputeRequest& request) {
+        const std::array<std::string_view, Call::kTexts> texts = {request.path, request.query, request.content_type,
+                                                                  request.accept, request.body};
         for (std::size_t i = 0; i < texts.size(); ++i) call.sizes[i] = texts[i].size();
         if (!send_texts(process_.channel.get(), {text_of(call), texts[0], texts[1], texts[2], texts[3], texts[4]}))
             return lost();
@@ -177,13 +177,13 @@ private:
         give_up_ = Clock::now() + box_.options_.to_stop;
     }
 
-    /// An order to the decoder, or the end.
+    /// Takes an order to the decoder, or how the process ended.
     void take_event() {
         Order order;
         std::array<UniqueFd, 3> files;
         const std::size_t size = receive_message(process_.events.get(), writable_bytes_of(order.text), files);
-        if (size == sizeof(Death)) {
-            std::memcpy(static_cast<void*>(&death_.emplace()), &order.text, sizeof(Death));
+        if (size == sizeof(ChildEnd)) {
+            std::memcpy(static_cast<void*>(&death_.emplace()), &order.text, sizeof(ChildEnd));
         }
         if (size != sizeof(order.text)) return;
         order.file = std::move(files[0]);
@@ -210,21 +210,21 @@ private:
     const UniqueFd stopped_;  ///< readable once the stop has come
     ReplyReader reader_;
     std::optional<Clock::time_point> give_up_;
-    std::optional<Death> death_;
+    std::optional<ChildEnd> death_;
 };
 
-Result<std::unique_ptr<ComputeBox>> ComputeBox::start(KeptProgram::Launch launch, const Options& options, Relay relay,
-                                                      KeptProgram::Tell tell) {
+Result<std::unique_ptr<ComputeBox>> ComputeBox::start(SupervisedProgram::Launch launch, const Options& options,
+                                                      Relay relay, SupervisedProgram::Tell tell) {
     const auto greet = [](int socket) {
         std::byte ready{};
         return receive_message(socket, {&ready, 1}) == 1;
     };
-    auto fork_server = KeptProgram::start("worker", std::move(launch), greet, std::move(tell));
+    auto fork_server = SupervisedProgram::start("worker", std::move(launch), greet, std::move(tell));
     if (!fork_server) return tl::unexpected(std::move(fork_server.error()));
     return std::unique_ptr<ComputeBox>(new ComputeBox(*std::move(fork_server), options, std::move(relay)));
 }
 
-ComputeBox::ComputeBox(std::unique_ptr<KeptProgram> fork_server, const Options& options, Relay relay)
+ComputeBox::ComputeBox(std::unique_ptr<SupervisedProgram> fork_server, const Options& options, Relay relay)
     : options_(options), relay_(std::move(relay)), fork_server_(std::move(fork_server)) {}
 
 ComputeBox::~ComputeBox() = default;
@@ -233,15 +233,15 @@ ComputeBox::Counts ComputeBox::counts() const {
     return {crashes_, fork_server_->restarts(), decoder_deaths_};
 }
 
-Result<api::Answer> ComputeBox::compute(const Question& question, const Manner& manner, const Control& control,
+Result<api::Answer> ComputeBox::compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
                                         api::Timings& timings) {
     const Call call{
-        .compressed = manner.compressed ? 1U : 0U, .number = ++computations_, .limits = options_.limits, .sizes = {}};
+        .compressed = delivery.compressed ? 1U : 0U, .number = ++computations_, .limits = options_.limits, .sizes = {}};
     const int nice = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()));
     for (bool again = false;; again = true) {
         auto process = take_process(nice, control.stop);
         if (!process) return tl::unexpected(std::move(process.error()));
-        auto outcome = Conversation(*this, *process, control, timings).hold(call, question);
+        auto outcome = Conversation(*this, *process, control, timings).hold(call, request);
         if (outcome) {
             give_back(*std::move(process));
             return *std::move(outcome);
@@ -269,7 +269,7 @@ Result<ComputeBox::Process> ComputeBox::take_process(int nice, const std::stop_t
 
 Result<ComputeBox::Process> ComputeBox::make_process(int nice, const std::stop_token& stop) {
     const auto until = Clock::now() + kPatience;
-    for (KeptProgram::Socket lost;;) {
+    for (SupervisedProgram::Socket lost;;) {
         const auto fork_server = fork_server_->wait_for_socket(lost, until, stop);
         if (fork_server == nullptr)
             return failure(ErrorCode::Internal, "there is no process to compute it, nor what makes one");
@@ -279,9 +279,9 @@ Result<ComputeBox::Process> ComputeBox::make_process(int nice, const std::stop_t
             return failure(ErrorCode::Internal, std::string("no sockets to a process: ") + std::strerror(errno));
         const timeval longest{options_.to_stop.count(), 0};
         setsockopt(channel->ours.get(), SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof(longest));
-        const Birth birth{nice};
+        const ForkOrder order{nice};
         const std::array<int, 2> theirs = {channel->theirs.get(), events->theirs.get()};
-        if (send_message(fork_server->get(), bytes_of(birth), theirs))
+        if (send_message(fork_server->get(), bytes_of(order), theirs))
             return Process{std::move(channel->ours), std::move(events->ours), nice};
         lost = fork_server;
     }

@@ -15,7 +15,7 @@
 #include "api/options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
-#include "server/processes/kept_program.h"
+#include "server/processes/supervised_program.h"
 #include "server/processes/unique_fd.h"
 #include "server/work/computation.h"
 
@@ -39,17 +39,17 @@ public:
     };
 
     /// Starts the fork server and waits until it is ready. Errors: Internal.
-    static Result<std::unique_ptr<ComputeBox>> start(KeptProgram::Launch launch, const Options& options, Relay relay,
-                                                     KeptProgram::Tell tell);
+    static Result<std::unique_ptr<ComputeBox>> start(SupervisedProgram::Launch launch, const Options& options,
+                                                     Relay relay, SupervisedProgram::Tell tell);
 
     ~ComputeBox();
 
     ComputeBox(const ComputeBox&) = delete;
     ComputeBox& operator=(const ComputeBox&) = delete;
 
-    /// As Compute. The process gives way to others as much as the calling thread does. A computation that does not stop
-    /// in time is ended with its process.
-    Result<api::Answer> compute(const Question& question, const Manner& manner, const Control& control,
+    /// Computes an answer: see Compute. The process gives way to others as much as the calling thread does. A
+    /// computation that does not stop in time is ended with its process.
+    Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
                                 api::Timings& timings);
 
     /// Whether processes can be made.
@@ -66,7 +66,7 @@ private:
     struct Process;
     class Conversation;
 
-    ComputeBox(std::unique_ptr<KeptProgram> fork_server, const Options& options, Relay relay);
+    ComputeBox(std::unique_ptr<SupervisedProgram> fork_server, const Options& options, Relay relay);
 
     Result<Process> take_process(int nice, const std::stop_token& stop);
     Result<Process> make_process(int nice, const std::stop_token& stop);
@@ -81,7 +81,7 @@ private:
     std::mutex mutex_;
     std::map<int, std::vector<Process>> idle_;  ///< by how much they give way; guarded by the mutex
 
-    const std::unique_ptr<KeptProgram> fork_server_;
+    const std::unique_ptr<SupervisedProgram> fork_server_;
 };
 
 }  // namespace ccdt::server

@@ -27,10 +27,10 @@ namespace {
 /// and the answer has gone out.
 constexpr std::chrono::milliseconds kLong{50};
 
-/// A question that has come, and whether its answer is still wanted.
+/// A request that has come, and whether its answer is still wanted.
 struct Task {
     Call call;
-    Question question;
+    ComputeRequest request;
     std::stop_source stop;
 };
 
@@ -54,29 +54,28 @@ private:
             Call call;
             if (!receive_all(channel_, {reinterpret_cast<char*>(&call), sizeof(call)})) _exit(0);
             if (call.kind == Call::Kind::Ask) {
-                put(call, receive_question(call));
+                put(call, receive_request(call));
             } else {
                 stop(call.number);
             }
         }
     }
 
-    Question receive_question(const Call& call) const {
-        Question question;
-        const std::array texts = {&question.path, &question.query, &question.content_type, &question.accept,
-                                  &question.body};
+    ComputeRequest receive_request(const Call& call) const {
+        ComputeRequest request;
+        const std::array texts = {&request.path, &request.query, &request.content_type, &request.accept, &request.body};
         for (std::size_t i = 0; i < texts.size(); ++i) {
             texts[i]->resize(call.sizes[i]);
             if (!receive_all(channel_, *texts[i])) _exit(0);
         }
-        return question;
+        return request;
     }
 
-    void put(const Call& call, Question question) {
+    void put(const Call& call, ComputeRequest request) {
         const std::lock_guard lock(mutex_);
         last_number_ = call.number;
         last_stop_ = std::stop_source();
-        next_ = Task{call, std::move(question), last_stop_};
+        next_ = Task{call, std::move(request), last_stop_};
         came_.notify_one();
     }
 
@@ -105,9 +104,9 @@ void send_reply(int channel, Reply reply, const std::array<std::string_view, Rep
 /// Computes, whatever happens.
 Result<api::Answer> answer(const Task& task, const Computer& compute, const api::Decode& decode, const Control& control,
                            api::Timings& timings) {
-    const Manner manner{task.call.compressed != 0};
+    const Delivery delivery{task.call.compressed != 0};
     try {
-        return compute(task.question, manner, task.call.limits, decode, control, timings);
+        return compute(task.request, delivery, task.call.limits, decode, control, timings);
     } catch (const std::exception& exception) {
         return failure(ErrorCode::Internal, exception.what());
     }

@@ -12,25 +12,25 @@
 
 namespace ccdt::server {
 
-/// What the server, the fork server and the processes that compute say to each other. They are built together, so
+/// Messages between the server, the fork server and the processes that compute. They are built together, so
 /// structs travel as they are.
 ///
 /// A process has two sockets. Over its channel, a stream, come calls and go replies. Over the other one, which keeps
 /// messages apart, go its orders to the decoder, as decoder_protocol.h has them, and, when it has ended, comes from the
 /// fork server how.
 
-/// To the fork server, with the two sockets: another process is wanted.
-struct Birth {
+/// Order to the fork server, with the two sockets: another process is wanted.
+struct ForkOrder {
     std::int32_t nice = 0;  ///< how much it gives way to others
 };
 
-/// From the fork server: the process has ended, or there was none.
-struct Death {
+/// News from the fork server: the process has ended, or there was none.
+struct ChildEnd {
     std::int32_t fork_error = 0;  ///< errno for why there was none; 0: there was
     std::int32_t status = 0;      ///< as waitpid tells it
 };
 
-/// To a process that computes. Kind Ask is followed by the texts of the question.
+/// Message to a process that computes. Kind Ask is followed by the texts of the request.
 struct Call {
     enum class Kind : std::uint32_t { Ask, Stop };
     static constexpr std::size_t kTexts = 5;  ///< path, query, content type, accept, body
@@ -42,7 +42,7 @@ struct Call {
     std::array<std::uint64_t, kTexts> sizes{};
 };
 
-/// From a process that computes: any number of times Step, then one of the others, followed by texts.
+/// Message from a process that computes: any number of times Step, then one of the others, followed by texts.
 struct Reply {
     enum class Kind : std::uint32_t { Step, Answer, Failure };
     static constexpr std::size_t kTexts = 3;  ///< media type, coding, body; of a failure: message, field, nothing

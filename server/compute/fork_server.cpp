@@ -25,7 +25,7 @@ namespace {
 
 constexpr int kFailed = 1;
 
-/// If the machine runs out of memory, this process ends rather than the server.
+/// Has the kernel end this process rather than the server if the machine runs out of memory.
 void volunteer_for_out_of_memory() {
     const UniqueFd file(open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
     if (file) static_cast<void>(!write(file.get(), "500", 3));
@@ -36,7 +36,7 @@ public:
     ForkServer(UniqueFd orders, const ComputeProcess& compute)
         : orders_(std::move(orders)), compute_(compute), deaths_(watch_children()) {}
 
-    /// Until the server goes.
+    /// Forks and reaps until the server has ended.
     void run() {
         const std::byte ready{};
         if (!deaths_ || !send_message(orders_.get(), {&ready, 1})) return;
@@ -45,10 +45,10 @@ public:
             poll(polled.data(), polled.size(), -1);
             reap();
             if (polled[0].revents == 0) continue;
-            Birth birth;
+            ForkOrder order;
             std::array<UniqueFd, 2> sockets;
-            if (receive_message(orders_.get(), writable_bytes_of(birth), sockets) == 0) return;
-            start(birth, std::move(sockets));
+            if (receive_message(orders_.get(), writable_bytes_of(order), sockets) == 0) return;
+            start(order, std::move(sockets));
         }
     }
 
@@ -58,23 +58,23 @@ private:
         UniqueFd events;
     };
 
-    void start(const Birth& birth, std::array<UniqueFd, 2> sockets) {
+    void start(const ForkOrder& order, std::array<UniqueFd, 2> sockets) {
         auto& [channel, events] = sockets;
         if (!channel || !events) return;
         const pid_t process = fork();
-        if (process == 0) become(birth, std::move(channel), std::move(events));
+        if (process == 0) become(order, std::move(channel), std::move(events));
         if (process < 0) return tell(events, {errno, 0});
         children_.push_back({process, std::move(events)});
     }
 
-    /// In the child.
-    [[noreturn]] void become(const Birth& birth, UniqueFd channel, UniqueFd events) {
+    /// Becomes a process that computes; in the child.
+    [[noreturn]] void become(const ForkOrder& order, UniqueFd channel, UniqueFd events) {
         children_.clear();
         orders_.reset();
         sigset_t none;
         sigemptyset(&none);
         sigprocmask(SIG_SETMASK, &none, nullptr);
-        setpriority(PRIO_PROCESS, 0, birth.nice);
+        setpriority(PRIO_PROCESS, 0, order.nice);
         volunteer_for_out_of_memory();
         compute_(std::move(channel), std::move(events));
         _exit(kFailed);
@@ -93,7 +93,7 @@ private:
         }
     }
 
-    static void tell(const UniqueFd& events, const Death& death) {
+    static void tell(const UniqueFd& events, const ChildEnd& death) {
         // Nobody may be left to hear it.
         static_cast<void>(send_message(events.get(), bytes_of(death)));
     }

@@ -6,7 +6,7 @@
 
 namespace ccdt::server {
 
-/// What a process that computes does; it does not return.
+/// The work of a process that computes; it does not return.
 using ComputeProcess = std::function<void(UniqueFd channel, UniqueFd events)>;
 
 /// Says that it is ready, then forks a process for each order that comes, as compute_protocol.h has them, and tells how

@@ -25,7 +25,7 @@ constexpr std::size_t kConnectionsPerReserved = 4;
 /// Bytes that jobs may keep on disk.
 constexpr std::size_t kJobBytes = std::size_t{1} << 30;
 
-/// What a flag or variable sets; some defaults wait for the number of workers.
+/// Values that flags and variables set; some defaults wait for the number of workers.
 struct Draft {
     Config config;
     std::optional<std::size_t> queue;

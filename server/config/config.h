@@ -56,7 +56,7 @@ using Environment = std::function<const char*(const char* name)>;
 /// Errors (Malformed): an unknown flag, a flag without its value, a value out of range. The message names it.
 Result<CommandLine> parse_command_line(std::span<const char* const> arguments, const Environment& environment);
 
-/// What --help prints.
+/// The text that --help prints.
 std::string usage();
 
 }  // namespace ccdt::server

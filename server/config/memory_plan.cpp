@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 
-/// Of bodies and answers on their way, at least: a large answer alone must not put the server under pressure.
+/// Bytes of bodies and answers on their way, at least: a large answer alone must not put the server under pressure.
 constexpr std::size_t kTransfers = 256 * kMebibyte;
 constexpr std::size_t kBodiesAtOnce = 4;
 constexpr std::size_t kMemoryPerTransferred = 4;

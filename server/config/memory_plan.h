@@ -33,7 +33,7 @@ struct ComputeMemory {
     std::size_t requests = 0;  ///< a quarter: from their body on until they are done
 };
 
-/// What the shares above leave to compute with.
+/// Finds what the shares above leave to compute with.
 /// @param resident  bytes that the program takes at the start, its libraries and processes that decode included
 /// Errors (Malformed): less than 192 MiB.
 Result<ComputeMemory> memory_to_compute_with(const Config& config, std::size_t resident);

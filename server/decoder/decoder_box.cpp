@@ -9,7 +9,7 @@
 
 namespace ccdt::server {
 
-Result<std::unique_ptr<DecoderBox>> DecoderBox::start(KeptProgram::Launch launch, KeptProgram::Tell tell) {
+Result<std::unique_ptr<DecoderBox>> DecoderBox::start(SupervisedProgram::Launch launch, SupervisedProgram::Tell tell) {
     // Later helpers say the same.
     const auto confinement = std::make_shared<Confinement>();
     const auto greet = [confinement, once = std::make_shared<std::once_flag>()](int socket) {
@@ -18,14 +18,14 @@ Result<std::unique_ptr<DecoderBox>> DecoderBox::start(KeptProgram::Launch launch
         std::call_once(*once, [&] { *confinement = hello.confinement; });
         return true;
     };
-    auto helper = KeptProgram::start("decoder", std::move(launch), greet, std::move(tell));
+    auto helper = SupervisedProgram::start("decoder", std::move(launch), greet, std::move(tell));
     if (!helper) return tl::unexpected(std::move(helper.error()));
     return std::unique_ptr<DecoderBox>(new DecoderBox(*std::move(helper), *confinement));
 }
 
 bool DecoderBox::relay(const Order& order, const std::stop_token& stop) {
-    const auto until = KeptProgram::Clock::now() + kPatience;
-    for (KeptProgram::Socket lost;;) {
+    const auto until = SupervisedProgram::Clock::now() + kPatience;
+    for (SupervisedProgram::Socket lost;;) {
         const auto socket = helper_->wait_for_socket(lost, until, stop);
         if (socket == nullptr) return false;
         if (send_order(socket->get(), order)) return true;

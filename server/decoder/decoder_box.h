@@ -7,7 +7,7 @@
 
 #include "core/result.h"
 #include "server/decoder/decoder_confinement.h"
-#include "server/processes/kept_program.h"
+#include "server/processes/supervised_program.h"
 
 namespace ccdt::server {
 
@@ -23,7 +23,7 @@ public:
     /// Starts the helper and waits until it is ready; ends it, and with it what it still does, in the end.
     /// Errors: Internal.
     /// @param launch  starts a process that becomes the helper, by run_decoder_helper
-    static Result<std::unique_ptr<DecoderBox>> start(KeptProgram::Launch launch, KeptProgram::Tell tell);
+    static Result<std::unique_ptr<DecoderBox>> start(SupervisedProgram::Launch launch, SupervisedProgram::Tell tell);
 
     /// Hands an order on to the helper, waiting for one that is being started again.
     /// @returns  false if there was none for `kPatience`, or until the stop
@@ -35,16 +35,16 @@ public:
     /// Whether there is a helper now.
     bool is_ready() const { return helper_->is_ready(); }
 
-    /// What the first helper found in force.
+    /// Confinement that the first helper found in force.
     const Confinement& confinement() const { return confinement_; }
 
     static constexpr std::chrono::seconds kPatience{5};
 
 private:
-    DecoderBox(std::unique_ptr<KeptProgram> helper, const Confinement& confinement)
+    DecoderBox(std::unique_ptr<SupervisedProgram> helper, const Confinement& confinement)
         : helper_(std::move(helper)), confinement_(confinement) {}
 
-    const std::unique_ptr<KeptProgram> helper_;
+    const std::unique_ptr<SupervisedProgram> helper_;
     const Confinement confinement_;
 };
 

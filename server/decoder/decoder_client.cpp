@@ -23,10 +23,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// For how long an order that helpers took along is given again.
+/// Time for which an order that was lost with its helper is given again.
 constexpr std::chrono::seconds kPatience{5};
 
-/// Why there is no reply.
+/// Reasons why there is no reply.
 struct NoReply {
     enum class Reason { Died, TooSlow, Stopped, NotStarted, OrderLost, NoHelper };
     Reason reason = Reason::OrderLost;

@@ -16,7 +16,7 @@ namespace ccdt::server {
 
 struct Order;
 
-/// Of memory what a reader needs for a picture as the file's header tells it, of time what a slow machine takes.
+/// Limits for a file: the memory that a reader needs for a picture as its header tells it, the time of a slow machine.
 DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels);
 
 /// Has pictures decoded in the box, wherever that is. May be used from any thread.
@@ -24,21 +24,21 @@ class DecoderClient {
 public:
     using LimitsOf = std::function<DecoderLimits(std::string_view file, std::size_t max_pixels)>;
 
-    /// Hands an order on to a helper; false: there is none, and will not be in time.
+    /// Hands an order on to a helper; false: there is none, and none will be there in time.
     using Hand = std::function<bool(const Order& order, const std::stop_token& stop)>;
 
     explicit DecoderClient(Hand hand, LimitsOf limits = decoder_limits)
         : hand_(std::move(hand)), limits_(std::move(limits)) {}
 
-    /// What the decoder makes of a file, to the byte; a stop ends it at once. An order that a helper took along when it
-    /// ended is given again.
+    /// Decodes a file as the decoder does, to the byte; a stop ends it at once. An order that a helper took along when
+    /// it ended is given again.
     ///
     /// Errors: the decoder's own; Unusable if it crashed, passed a limit or gave nonsense; Stopped; Internal if the
     /// machine lacks processes or descriptors, or the helper was lost and there was no other in time.
     Result<Picture> decode(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop);
     Result<ColourPicture> decode_colour(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop);
 
-    /// Both, for api. The client must outlive them.
+    /// The two functions, as api takes them. The client must outlive them.
     api::Decode functions();
 
     /// Pictures so far whose child crashed, passed a limit or gave nonsense.

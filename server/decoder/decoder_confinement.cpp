@@ -21,7 +21,7 @@ namespace {
 /// nobody, on every distribution.
 constexpr unsigned kNobody = 65534;
 
-/// By Layer.
+/// Names of the layers, by Layer.
 constexpr std::array<std::string_view, Confinement::kLayers> kNames = {
     "no root",       "no capabilities", "network namespace", "mount namespace",   "pid namespace",
     "ipc namespace", "uts namespace",   "Landlock",          "system call filter"};
@@ -62,7 +62,7 @@ bool drop_capabilities() {
     return syscall(SYS_capset, &header, none) == 0;
 }
 
-/// An empty file system becomes the root, and what was it is let go.
+/// Makes an empty file system the root, and unmounts the one that was.
 bool empty_root() {
     constexpr unsigned long kFlags = MS_NOSUID | MS_NODEV | MS_NOEXEC | MS_RDONLY;
     constexpr const char* kPlace = "/proc";  // any folder that is there

@@ -7,7 +7,7 @@
 
 namespace ccdt::server {
 
-/// What keeps processes that decode from the machine. A machine, or a container around the server, may lack any.
+/// Layers that keep processes that decode from the machine. A machine, or a container around the server, may lack any.
 enum class Layer : std::uint8_t {
     User,          ///< it is not root's
     Capabilities,  ///< it has none
@@ -20,7 +20,7 @@ enum class Layer : std::uint8_t {
     Calls,     ///< the kernel filters its system calls
 };
 
-/// Which layers are in force, as found by trying.
+/// The layers that are in force, as found by trying.
 struct Confinement {
     static constexpr std::size_t kLayers = 9;
 

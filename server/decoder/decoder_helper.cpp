@@ -42,17 +42,17 @@ void follow(pid_t parent) {
     if (getppid() != parent) _exit(kFailed);
 }
 
-/// What helper and spare have open besides the standard streams: a socket for orders, and /proc, which they could not
+/// Files open in helper and spare besides the standard streams: a socket for orders, and /proc, which they could not
 /// open any more.
 constexpr int kOrders = STDERR_FILENO + 1;
 constexpr int kProc = kOrders + 1;
 
-/// Nothing else stays open.
+/// Closes all files but those two.
 bool leave_files(int orders) {
     return dup2(orders, kOrders) == kOrders && close_range(kProc + 1, ~0U, 0) == 0;
 }
 
-/// Nothing of the server stays open. Sanitizers keep their voice.
+/// Closes what was open in the server. Sanitizers keep the standard error to write to.
 bool leave_files_of_server(int orders) {
     if (dup2(orders, kOrders) != kOrders) return false;
     const int null = open("/dev/null", O_RDWR | O_CLOEXEC);
@@ -67,7 +67,7 @@ public:
     Helper(const Decoder& decoder, const Sandbox& sandbox)
         : decoder_(decoder), sandbox_(sandbox), deaths_(watch_children()) {}
 
-    /// Until the server goes.
+    /// Takes orders until the server has ended.
     void run() {
         while (true) {
             const bool quiet = !wait();
@@ -148,7 +148,7 @@ private:
         spare_ = {};
     }
 
-    /// In the child.
+    /// Waits for an order and carries it out; in the child.
     [[noreturn]] void do_order(int orders) const {
         prctl(PR_SET_NAME, "decoder");
         sigset_t none;
@@ -162,8 +162,8 @@ private:
         decode(*std::move(order), decoder_.grey);
     }
 
-    /// From here on the child has the two mapped files and a socket to whoever waits. That it is done it says itself,
-    /// as taking down a process with so many libraries takes milliseconds.
+    /// Decodes; from here on the child has the two mapped files and a socket to whoever waits. It says itself that it
+    /// is done, as ending a process with so many libraries takes milliseconds.
     template <class AnyPicture>
     [[noreturn]] void decode(Order order, const Decoder::To<AnyPicture>& decode_file) const {
         const auto max_pixels = static_cast<std::size_t>(order.text.max_pixels);
@@ -237,7 +237,7 @@ void pause_shortly() {
     nanosleep(&pause, nullptr);
 }
 
-/// Does once what decoding does but once. The libraries start threads for that and let go of them: a lock that one of
+/// Does once what decoding does but once. The libraries start threads for that and detach them: a lock that one of
 /// these holds while this process forks would be held in all its children for good, so they are waited for.
 void warm_up(const Decoder& decoder) {
     if (!decoder.warm_up) return;

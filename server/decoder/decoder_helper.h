@@ -9,7 +9,7 @@
 
 namespace ccdt::server {
 
-/// What runs in the helper and its children.
+/// Functions that run in the helper and its children.
 struct Decoder {
     template <class AnyPicture>
     using To = std::function<Result<AnyPicture>(std::string_view file, std::size_t max_pixels,

@@ -18,10 +18,10 @@ namespace {
 
 constexpr std::size_t kLongestMessage = 1000;
 
-/// Where the planes begin.
+/// Offset of the planes.
 constexpr std::size_t kHeadSize = 4096;
 
-/// What a reply begins with; for an error its text follows.
+/// The beginning of a reply; for an error its text follows.
 struct ReplyHead {
     std::uint32_t is_picture = 0;
     std::uint32_t code = 0;  ///< of the error
@@ -38,7 +38,7 @@ void populate(float* values, std::size_t count, int advice) {
     madvise(reinterpret_cast<std::byte*>(values) - excess, excess + count * sizeof(float), advice);
 }
 
-/// In the order of a picture's members.
+/// Planes of a picture, in the order of its members.
 template <class AnyPicture>
 auto planes_of(AnyPicture& picture) {
     if constexpr (std::is_same_v<std::remove_const_t<AnyPicture>, Picture>) {

@@ -14,15 +14,15 @@
 
 namespace ccdt::server {
 
-/// What server, helper and decoding children say to each other. They are built together, so structs travel as they are.
+/// Messages between server, helper and decoding children. They are built together, so structs travel as they are.
 /// The server trusts the helper; it takes from a child only what makes sense.
 
-/// From the helper, once: it is ready.
+/// Message from the helper, once: it is ready.
 struct Hello {
     Confinement confinement;  ///< of itself and its children
 };
 
-/// From the server to the helper: a file to decode.
+/// Message from the server to the helper: a file to decode.
 struct Order {
     struct Text {
         std::uint64_t bytes = 0;       ///< of the file
@@ -36,14 +36,14 @@ struct Order {
     UniqueFd outcome;  ///< socket for Outcomes; once its other end is closed nobody waits for the child
 };
 
-/// What became of the order, of which the first counts: from the child, that its reply is written, or from the helper,
+/// The end of an order, of which the first counts: from the child, that its reply is written, or from the helper,
 /// that the child has ended or there was none.
 struct Outcome {
     std::int32_t fork_error = 0;  ///< errno for why there was none; 0: there was
     std::int32_t ended = 0;       ///< it crashed, was killed or gave up, unless it has said that it is done
 };
 
-/// False if there is no helper any more.
+/// Sends an order; false if there is no helper any more.
 bool send_order(int socket, const Order& order);
 
 /// Waits for an order. One whose descriptors did not arrive has none.
@@ -64,14 +64,16 @@ public:
 
     static std::size_t size(std::size_t max_pixels);
 
-    /// For the child: room for the planes of the picture, as api::NewPlane.
+    /// Makes room for the planes of the picture, as api::NewPlane; in the child.
     std::shared_ptr<float[]> new_plane(std::size_t size);
 
-    /// For the child. Planes must come from `new_plane`, in the order of the picture's members; false if they do not.
+    /// Writes a result, in the child. Planes must come from `new_plane`, in the order of the picture's members; false
+    /// if they do not.
     bool write(const Result<AnyPicture>& result);
 
-    /// For the server, once the child is done. Whatever the child wrote, the picture is of the size that it says, not
-    /// over the limit. Its values may be anything, and a child that was taken over can still change them.
+    /// Reads the result, in the server, once the child is done. Whatever the child wrote, the picture is of the size
+    /// that it says, not over the limit. Its values may be anything, and a child that was taken over can still change
+    /// them.
     /// @returns  none for what no honest child writes
     std::optional<Result<AnyPicture>> read() const;
 

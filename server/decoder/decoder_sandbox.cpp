@@ -26,8 +26,8 @@
 namespace ccdt::server {
 namespace {
 
-/// What allocating, computing and ending take. Everything else fails with EPERM, which libraries can live with, as
-/// when they look for a file that is not there.
+/// Calls that allocating, computing and ending take. Everything else fails with EPERM, which libraries can live with,
+/// as when they look for a file that is not there.
 constexpr auto kAllowed = std::to_array<int>({
     SCMP_SYS(read),
     SCMP_SYS(brk),
@@ -46,7 +46,7 @@ constexpr auto kAllowed = std::to_array<int>({
     SCMP_SYS(restart_syscall),
 });
 
-/// Those that hand out memory, unless code is to run there.
+/// Calls that hand out memory, allowed unless code is to run there.
 constexpr auto kAllowedWithoutExec = std::to_array<int>({SCMP_SYS(mmap), SCMP_SYS(mprotect)});
 
 Sandbox::Memory own_memory() {
@@ -81,7 +81,7 @@ std::vector<sock_filter> compile(scmp_filter_ctx context) {
     return program;
 }
 
-/// A limit that is stricter already stays.
+/// Sets a limit; one that is stricter already stays.
 bool limit(__rlimit_resource resource, rlim_t most) {
     rlimit now{};
     if (getrlimit(resource, &now) != 0) return false;
@@ -89,7 +89,7 @@ bool limit(__rlimit_resource resource, rlim_t most) {
     return setrlimit(resource, &both) == 0;
 }
 
-/// All that Landlock can deny; none of it is granted. Its versions know more and more of it.
+/// Rights that Landlock can deny, none of which is granted. Its later versions know more of them.
 struct LandlockRules {
     std::uint64_t files = 0;
     std::uint64_t ports = 0;

@@ -6,13 +6,13 @@
 
 namespace ccdt::server {
 
-/// What decoding one file may use.
+/// Resources that decoding one file may use.
 struct DecoderLimits {
     std::size_t memory = 0;            ///< bytes, besides the program's own, the file and the picture
     std::chrono::milliseconds time{};  ///< from the order to the picture
 };
 
-/// Where a process that decodes is put: it can compute, take memory and write to its standard output.
+/// A sandbox for a process that decodes: it can compute, take memory and write to its standard output.
 ///
 /// Sanitizers reserve address space without end, open files and pipes and make system calls of their own: where they
 /// are built in, neither memory nor files are limited and system calls are not filtered.
@@ -43,7 +43,8 @@ public:
         return filter_error_;
     }
 
-    /// The same for Landlock, which denies access to all files, ports and processes outside.
+    /// errno for why there is no Landlock, in the same way, which denies access to all files, ports and processes
+    /// outside.
     int landlock_error() const {
         return landlock_error_;
     }

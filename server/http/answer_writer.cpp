@@ -10,7 +10,7 @@
 namespace ccdt::server {
 namespace {
 
-/// What cpp-httplib reads of a request, and where it writes to.
+/// A stream from which cpp-httplib reads one line, and to the client.
 class ClientStream : public httplib::Stream {
 public:
     ClientStream(Connection& connection, bool is_head)

@@ -64,7 +64,7 @@ bool Place::move_to(Room room) {
     return true;
 }
 
-void Held::resize(std::size_t bytes) {
+void HeldBytes::resize(std::size_t bytes) {
     if (capacity_ == nullptr) return;
     if (bytes > bytes_) capacity_->hold(bytes - bytes_);
     if (bytes < bytes_) capacity_->release(bytes_ - bytes);

@@ -10,14 +10,14 @@
 
 namespace ccdt::server {
 
-/// What a connection has its place for. Each kind has places of its own, so that none takes another's.
+/// Purposes that a connection has its place for. Each has places of its own, so that none takes another's.
 enum class Room {
     Common,   ///< whatever is asked
     Reserve,  ///< what takes next to nothing, health checks and figures, once the common places are taken
     Streams,  ///< streams of events, which last
 };
 
-/// How much of the server its clients hold: connections, and memory for what is on its way to or from them.
+/// Counts how much of the server its clients hold: connections, memory for what is on its way to or from them.
 ///
 /// Says no at its limits, and well before them that it is time to be less patient. May be used from any thread.
 class Capacity {
@@ -43,13 +43,13 @@ public:
     void hold(std::size_t bytes) { bytes_ += bytes; }
     void release(std::size_t bytes) { bytes_ -= bytes; }
 
-    /// No more bodies are to be read.
+    /// Whether no more bodies are to be read.
     bool is_out_of_memory() const { return bytes_ > limits_.bytes; }
 
-    /// Three quarters of the common places or half of the memory are taken: slow clients have to make room.
+    /// Whether slow clients have to make room: three quarters of the common places or half of the memory are taken.
     bool is_pressed() const { return taken_.front() > limits_.connections / 4 * 3 || bytes_ > limits_.bytes / 2; }
 
-    /// From now on slow clients have to make room whatever is taken: the server is about to end.
+    /// Has slow clients make room whatever is taken from now on: the server is about to end.
     void close() { closing_ = true; }
     bool is_closing() const { return closing_; }
 
@@ -86,13 +86,13 @@ public:
     Place(const Place&) = delete;
     Place& operator=(const Place&) = delete;
 
-    /// Only those admitted have a place.
+    /// Whether it is admitted: only then there is a place.
     Entry entry() const { return entry_; }
 
-    /// Where it is now. May be asked by the thread that moves it.
+    /// Room that the place is in now. May be asked by the thread that moves it.
     Room room() const { return room_; }
 
-    /// Has the place where the current request needs it; any will do for what the reserve is for.
+    /// Moves the place to where the current request needs it; any will do for what the reserve is for.
     /// @returns  false if that room is full; the place is then where it was
     bool move_to(Room room);
 
@@ -103,14 +103,14 @@ private:
     Room room_ = Room::Common;
 };
 
-/// Bytes that a connection holds, let go at the end.
-class Held {
+/// Bytes that a connection holds, released at the end.
+class HeldBytes {
 public:
     /// @param capacity  null: nobody counts
-    explicit Held(Capacity* capacity) : capacity_(capacity) {}
-    ~Held() { resize(0); }
-    Held(const Held&) = delete;
-    Held& operator=(const Held&) = delete;
+    explicit HeldBytes(Capacity* capacity) : capacity_(capacity) {}
+    ~HeldBytes() { resize(0); }
+    HeldBytes(const HeldBytes&) = delete;
+    HeldBytes& operator=(const HeldBytes&) = delete;
 
     void resize(std::size_t bytes);
 

@@ -108,7 +108,7 @@ bool Connection::client_gone() const {
 }
 
 bool Connection::write(std::string_view bytes) {
-    Held held(capacity_);
+    HeldBytes held(capacity_);
     held.resize(bytes.size());
     Transfer answer{Clock::now(), Clock::now(), 0};
     while (!bytes.empty() && !too_slow_) {
@@ -148,7 +148,7 @@ void Connection::Transfer::move_to(std::uint64_t total) {
     bytes = total;
 }
 
-/// When a transfer has taken too long: after a pause, or once its rate has been too low for as long.
+/// Finds when a transfer has taken too long: after a pause, or once its rate has been too low for as long.
 Connection::Clock::time_point Connection::deadline(const Transfer& transfer) const {
     const bool pressed = is_pressed();
     const auto pause = pressed ? std::min(patience_.body, kPauseUnderPressure) : patience_.body;
@@ -179,8 +179,8 @@ HttpResult<void> Connection::fill(const Deadline& deadline) {
     return {};
 }
 
-/// The same for a body of which so much is there.
-HttpResult<void> Connection::fill(const std::string& body, Held& held) {
+/// Receives more of a body, of which so much is there.
+HttpResult<void> Connection::fill(const std::string& body, HeldBytes& held) {
     body_.move_to(body.size());
     held.resize(body.size());
     if (body.size() > kFreeBytes && capacity_ != nullptr && capacity_->is_out_of_memory())
@@ -213,7 +213,7 @@ HttpResult<std::size_t> Connection::find_line_end(std::size_t begin, std::size_t
     }
 }
 
-/// A line of the body's framing, without its end; it lies in what was received until more is.
+/// Reads a line of the body's framing, without its end; it is valid until more is received.
 HttpResult<std::string_view> Connection::read_line(const Fill& fill_up) {
     const auto end = find_line_end(0, kLongestLine, fill_up);
     if (!end) return tl::unexpected(end.error());
@@ -236,15 +236,15 @@ HttpResult<void> Connection::append(std::string& body, std::uint64_t size, const
 
 HttpResult<std::string> Connection::read_plain(std::uint64_t size) {
     std::string body;
-    Held held(capacity_);
+    HeldBytes held(capacity_);
     if (auto read = append(body, size, [&] { return fill(body, held); }); !read) return tl::unexpected(read.error());
     return body;
 }
 
-/// What is received at once is taken apart without waiting, counting or looking at the clock: chunks may be small.
+/// Reads chunks; those received at once without waiting, counting or looking at the clock: they may be small.
 HttpResult<std::string> Connection::read_chunked(std::size_t limit) {
     std::string body;
-    Held held(capacity_);
+    HeldBytes held(capacity_);
     const Fill fill_up = [&] { return fill(body, held); };
     const auto before = bytes_in_;
     while (true) {
@@ -272,7 +272,7 @@ HttpResult<void> Connection::skip_chunk_end(const Fill& fill_up) {
     return {};
 }
 
-/// Nothing here uses trailers, and few of them are enough.
+/// Skips trailers, which nothing here uses; few of them are enough.
 HttpResult<void> Connection::skip_trailers(const Fill& fill_up) {
     for (std::size_t skipped = 0; skipped <= kLongestLine;) {
         const auto line = read_line(fill_up);

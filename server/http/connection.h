@@ -13,7 +13,7 @@
 
 namespace ccdt::server {
 
-/// How long a client may take for its part. Under pressure it has less: see Capacity.
+/// Times that a client may take for its part. Under pressure it has less: see Capacity.
 struct Patience {
     std::chrono::milliseconds header{10'000};  ///< for the whole head of a request
     /// Longest pause within a body or an answer, and what it may take over that at the least rate, 32 KiB/s.
@@ -48,13 +48,13 @@ public:
     /// bytes than the limit, at once if the head says so, 503 the clients' bodies take too much memory.
     HttpResult<std::string> read_body(const Request& request, std::size_t limit);
 
-    /// All of the last request was read: the next byte begins another.
+    /// Whether all of the last request was read: the next byte begins another.
     bool between_requests() const { return between_requests_; }
 
-    /// The client closed its side. Half-closed counts: browsers and proxies close both.
+    /// Whether the client closed its side. Half-closed counts: browsers and proxies close both.
     bool client_gone() const;
 
-    /// False if the client takes nothing any more, or too slowly.
+    /// Sends bytes; false if the client takes nothing any more, or too slowly.
     bool write(std::string_view bytes);
 
     /// Closes our side. If bytes of the client were left unread, the rest of them is thrown away for a while: closing
@@ -62,19 +62,19 @@ public:
     /// too slowly is reset, or the system would keep the rest for it.
     void close_gently();
 
-    /// Has the connection's place where the current request needs it; false if that room is full.
+    /// Moves the connection's place to where the current request needs it; false if that room is full.
     bool move_to(Room room) { return place_ == nullptr || place_->move_to(room); }
 
-    /// It is one of those that only their first request keeps.
+    /// Whether it is one of those that are closed after their first request.
     bool in_reserve() const { return place_ != nullptr && place_->room() == Room::Reserve; }
 
     /// Address and port of the client, for the log.
     const std::string& client() const { return peer_.name; }
 
-    /// What limits by address count by; empty: nothing.
+    /// Address by which limits count; empty: they do not.
     const std::string& address() const { return peer_.address; }
 
-    /// Who sent the current request, for taking turns: its address unless it is known better.
+    /// Name of who sent the current request, for taking turns: its address unless it is known better.
     const std::string& client_name() const { return client_name_.empty() ? peer_.address : client_name_; }
     void name_client(std::string name, std::string key) {
         client_name_ = std::move(name);
@@ -118,7 +118,7 @@ private:
     Clock::time_point deadline(const Transfer& transfer) const;
     bool wait(short events, const Deadline& deadline) const;
     HttpResult<void> fill(const Deadline& deadline);
-    HttpResult<void> fill(const std::string& body, Held& held);
+    HttpResult<void> fill(const std::string& body, HeldBytes& held);
     HttpResult<std::size_t> find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up);
     HttpResult<std::string_view> read_line(const Fill& fill_up);
     HttpResult<void> append(std::string& body, std::uint64_t size, const Fill& fill_up);

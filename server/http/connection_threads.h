@@ -10,9 +10,9 @@
 
 namespace ccdt::server {
 
-/// As many threads as there are tasks, made when none is idle: no task waits for another. The thread that was busy last
-/// takes the next task, so that those of a busy hour get their rest, after which they end.
-/// The destructor returns once all tasks are done.
+/// Threads, as many as there are tasks, made when none is idle: no task waits for another. The thread that was busy
+/// last takes the next task, so that those of a busy hour get their rest, after which they end. The destructor returns
+/// once all tasks are done.
 class ConnectionThreads {
 public:
     /// @param rest  how long an idle thread is kept

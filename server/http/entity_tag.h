@@ -12,7 +12,7 @@ namespace ccdt::server {
 /// @returns  the tag as it stands there
 std::optional<std::string_view> find_tag(std::string_view if_none_match, std::string_view name);
 
-/// What is answered to those who have the answer of that tag.
+/// Answers those who have the answer of that tag: 304.
 Response not_modified(std::string_view tag);
 
 }  // namespace ccdt::server

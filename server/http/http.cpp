@@ -27,7 +27,7 @@ bool is_token_character(char c) {
            std::string_view("!#$%&'*+-.^_`|~").find(c) != std::string_view::npos;
 }
 
-/// Of a name, an address or a port. Whatever else a host may hold, nobody's does.
+/// Whether a character may stand in a host: a name, an address or a port. Others are allowed, and used nowhere.
 bool is_host_character(char c) {
     return is_digit(c) || (to_lower(c) >= 'a' && to_lower(c) <= 'z') ||
            std::string_view("-._~%!$&'()*+;=:[]").find(c) != std::string_view::npos;

@@ -27,10 +27,10 @@ using std::chrono::milliseconds;
 
 constexpr std::size_t kRequestsPerConnection = 10'000;
 
-/// A connection without a request makes room after this long if there is little room left or the server drains.
+/// Time after which a connection without a request makes room if there is little left or the server drains.
 constexpr milliseconds kIdleUnderPressure{500};
 
-/// How long a refused client has to read why, and how many of them at once.
+/// Time that refused clients have to read why, and how many of them at once.
 constexpr milliseconds kTimeToRead{500};
 constexpr std::size_t kMostReading = 256;
 

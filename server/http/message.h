@@ -23,7 +23,7 @@ struct Request {
     std::string method;
     std::string target;           ///< as sent
     std::string path;             ///< percent-decoded
-    std::string query;            ///< as sent, without the question mark
+    std::string query;            ///< as sent, without the request mark
     std::vector<Header> headers;  ///< in order, values as sent
     std::optional<std::uint64_t> content_length;
     bool chunked = false;
@@ -38,19 +38,19 @@ struct Request {
     bool is_framed() const { return chunked || content_length.has_value(); }
 };
 
-/// Where a request's time went, in milliseconds.
+/// Time that a request took, in milliseconds.
 struct Stages {
     double queue = 0;
     api::Timings work;
 };
 
-/// How much was computed for an answer.
+/// Amounts that were computed for an answer.
 struct Computed {
     std::size_t sites = 0;
     std::size_t pixels = 0;
 };
 
-/// What log and figures are told of how a request was answered, besides the answer.
+/// Facts about how a request was answered, for log and figures.
 struct Record {
     std::string request_id;
     std::string_view route;  ///< the path of what answered; empty: nothing did

@@ -35,7 +35,7 @@ std::string part_name(std::string_view headers) {
     return {};
 }
 
-/// Where a part's content begins.
+/// Finds where a part's content begins.
 /// @param at  after the boundary before it
 HttpResult<std::size_t> skip_headers(std::string_view body, std::size_t at) {
     const auto window = body.substr(at, kLargestHeaders);

@@ -12,8 +12,8 @@
 
 namespace ccdt::server {
 
-/// Why a request, or a job, has no result: the one kind of error that clients are told. What comes from the floors
-/// below is an Error, which `problem` makes one of these.
+/// The reason why a request, or a job, has no result: the one kind of error that clients are told. The floors below
+/// have Errors, which `problem` makes one of these.
 struct Problem {
     int status = 500;
     Error error;                       ///< as the client is told it
@@ -21,7 +21,7 @@ struct Problem {
     std::string cause = {};            ///< of a failure of ours, for the log
 };
 
-/// What a function gives, or why the client gets no result.
+/// The value that a function gives, or why the client gets no result.
 template <class T>
 using HttpResult = tl::expected<T, Problem>;
 

@@ -10,7 +10,7 @@
 
 namespace ccdt::server {
 
-/// Who is at the other end of a connection.
+/// The other end of a connection.
 struct Peer {
     std::string name;  ///< address and port, for the log
     std::string
@@ -20,7 +20,7 @@ struct Peer {
 /// @param address  as `accept` fills it in
 Peer describe_peer(const sockaddr_storage& address);
 
-/// That of a connected socket.
+/// Peer of a connected socket.
 Peer peer_of(int socket);
 
 /// A socket that listens on an address or, after `unix:`, on a path. Closes it at the end, and removes the path.

@@ -5,7 +5,7 @@
 
 namespace ccdt::server {
 
-/// Which distributed trace a request belongs to, in hexadecimal.
+/// The distributed trace that a request belongs to, in hexadecimal.
 struct Trace {
     std::string_view id;
     std::string_view parent;

@@ -11,7 +11,7 @@
 namespace ccdt::server {
 namespace {
 
-/// As in RFC 3339, in UTC.
+/// Writes a time as RFC 3339 has it, in UTC.
 std::string text_of(Time time) {
     const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
     const std::time_t whole = seconds.time_since_epoch().count();

@@ -20,7 +20,7 @@ inline bool is_finished(JobStatus status) {
     return status != JobStatus::Queued && status != JobStatus::Running;
 }
 
-/// What clients and the store keep of a moment.
+/// A moment as clients and the store keep it.
 using Time = std::chrono::sys_time<std::chrono::milliseconds>;
 
 inline Time time_now() {
@@ -33,7 +33,7 @@ struct JobProgress {
     std::optional<double> variation;
 };
 
-/// A request that nobody waits for, but for what it holds.
+/// A request that nobody waits for: all but its body.
 struct Job {
     std::string id;
     std::string owner;   ///< name of the API key that it came with; empty: none

@@ -5,7 +5,7 @@
 
 namespace ccdt::server {
 
-/// What jobs may take.
+/// Limits of what jobs may take.
 struct JobLimits {
     std::size_t waiting = 1'000;                 ///< jobs that may wait to be run
     std::size_t bytes = std::size_t{1} << 30;    ///< that the store may hold

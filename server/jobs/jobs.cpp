@@ -16,17 +16,17 @@ namespace {
 
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-/// A job that the server did not survive so often is not begun again. Where computing cannot end the server, its end is
-/// hardly the fault of what it computed: this is for faults that nobody has thought of.
+/// Starts after which a job that the server did not survive is not begun again. Computing cannot end the server, so
+/// that this is for faults that nobody has thought of.
 constexpr int kMostStarts = 10;
 
-/// Forgotten in one go, lest others wait for long.
+/// Jobs that are forgotten in one go, lest others wait for long.
 constexpr std::size_t kForgottenAtOnce = 100;
 
-/// After which the keeper looks at the clock even so: it may have been set.
+/// Time after which the clock is looked at even so: it may have been set.
 constexpr std::chrono::seconds kLongestSleep{60};
 
-/// Jobs that have expired are not found even before they are forgotten.
+/// Least pause between two looks for jobs to forget; those that have expired are not found even before.
 constexpr Time::duration kShortestSleep{100};
 
 /// 128 bits that nobody can guess: whoever knows them may read the result.
@@ -42,7 +42,7 @@ std::string new_id() {
     return id;
 }
 
-/// That what is the client's is damaged concerns the client.
+/// Makes a problem of a failure of the store; that what is the client's is damaged, the client is told.
 tl::unexpected<Problem> store_problem(const Error& error) {
     auto failed = problem(error.code == ErrorCode::LimitExceeded ? 507 : 500, error.message);
     if (error.code == ErrorCode::Unusable) failed.value().error.message = error.message;
@@ -70,7 +70,7 @@ Jobs::Jobs(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& 
       compute_(std::move(compute)),
       logger_(std::move(logger)),
       at_once_(std::max<std::size_t>(2, pool.load().workers) - 1),
-      keeper_([this](const std::stop_token& closing) { keep(closing); }) {}
+      timekeeper_([this](const std::stop_token& closing) { keep_time(closing); }) {}
 
 Jobs::~Jobs() {
     drain();
@@ -88,7 +88,7 @@ Result<void> Jobs::start() {
     return {};
 }
 
-/// A job of a server that is no more.
+/// Takes up a job of a server that has ended.
 void Jobs::take_up(Job job) {
     std::optional<Problem> failure;
     if (job.starts >= kMostStarts)
@@ -114,13 +114,13 @@ bool Jobs::is_full(std::string_view client) const {
     return !has_room_locked(client);
 }
 
-/// As in the pool: a client that has nothing there is let in where others have filled the queue.
+/// Whether a client's job is let in: as in the pool, one that has nothing there is where others have filled the queue.
 bool Jobs::has_room_locked(std::string_view client) const {
     const std::size_t waiting = queue_.size() + arriving_;
     return waiting < limits_.waiting || (waiting < 2 * limits_.waiting && !queue_.has(client));
 }
 
-HttpResult<Job> Jobs::accept(Job job, const Question& question) {
+HttpResult<Job> Jobs::accept(Job job, const ComputeRequest& request) {
     {
         const std::lock_guard lock(mutex_);
         if (draining_) return busy(503, "the server is shutting down", pool_.backlog());
@@ -129,7 +129,7 @@ HttpResult<Job> Jobs::accept(Job job, const Question& question) {
     }
     job.id = new_id();
     job.created = time_now();
-    const auto stored = store_new(job, question);
+    const auto stored = store_new(job, request);
     LivePointer live;
     {
         const std::lock_guard lock(mutex_);
@@ -143,18 +143,18 @@ HttpResult<Job> Jobs::accept(Job job, const Question& question) {
     return job;
 }
 
-HttpResult<void> Jobs::store_new(const Job& job, const Question& question) {
-    const std::size_t bytes = JobStore::bytes_of_job(question.body.size() + question.query.size());
+HttpResult<void> Jobs::store_new(const Job& job, const ComputeRequest& request) {
+    const std::size_t bytes = JobStore::bytes_of_job(request.body.size() + request.query.size());
     if (bytes > limits_.bytes)
         return problem(413, "the request is larger than what jobs may take, " + std::to_string(limits_.bytes) +
                                 " bytes (job-bytes)");
     const std::lock_guard lock(room_);
     if (!make_room(bytes)) return busy(429, "jobs that wait take all the room (job-bytes)", pool_.backlog());
-    if (auto added = store_.add(job, question); !added) return store_problem(added.error());
+    if (auto added = store_.add(job, request); !added) return store_problem(added.error());
     return {};
 }
 
-/// Results that are oldest go first, and then, once there are none, what is left of the jobs that finished first.
+/// Drops the oldest results, and then, once there are none, what is left of the jobs that finished first.
 bool Jobs::make_room(std::size_t bytes) {
     const auto is_enough = [&] { return store_.bytes() + bytes <= limits_.bytes; };
     const auto drop = [&] {
@@ -183,8 +183,8 @@ void Jobs::feed_locked() {
     }
 }
 
-/// The pool has done with a job.
-void Jobs::let_go_locked() {
+/// Makes room for the next job once the pool has done one.
+void Jobs::hand_next_locked() {
     --handed_;
     feed_locked();
     idle_.notify_all();
@@ -197,7 +197,7 @@ void Jobs::run(const LivePointer& live, const std::stop_token& stop) {
         fail(live, problem(500, exception.what()).value());
     }
     const std::lock_guard lock(mutex_);
-    let_go_locked();
+    hand_next_locked();
 }
 
 /// @returns  none if the job is not to be run any more
@@ -210,8 +210,8 @@ std::optional<Job> Jobs::begin(const LivePointer& live) {
         live->job.started = time_now();
         ++live->job.starts;
         live->deadline = Clock::now() + limits_.timeout;
-        news_for_keeper_ = true;
-        kept_.notify_all();
+        news_ = true;
+        wake_timekeeper_.notify_all();
         job = live->job;
     }
     // If this fails the job runs all the same; it only starts once more than is known.
@@ -223,29 +223,29 @@ Jobs::Run Jobs::compute(const Job& job, const LivePointer& live, const std::stop
     Run run{failure(ErrorCode::Internal, ""), {}};
     run.stages.queue = Milliseconds(*job.started - job.created).count();
     try {
-        const auto question = load_question(job.id);
-        if (!question) {
-            run.answer = tl::unexpected(question.error());
+        const auto request = load_request(job.id);
+        if (!request) {
+            run.answer = tl::unexpected(request.error());
             return run;
         }
         const Control control{stop, [&](const Progress& progress) { note(live, progress); }};
-        run.answer = compute_(*question, {}, control, run.stages.work);
+        run.answer = compute_(*request, {}, control, run.stages.work);
     } catch (const std::exception& exception) {
         run.answer = failure(ErrorCode::Internal, exception.what());
     }
     return run;
 }
 
-Result<Question> Jobs::load_question(const std::string& id) const {
-    auto stored = store_.question(id);
+Result<ComputeRequest> Jobs::load_request(const std::string& id) const {
+    auto stored = store_.request(id);
     if (!stored) return failure(ErrorCode::Internal, std::move(stored.error().message));
-    if (!*stored) return failure(ErrorCode::Internal, "the question is lost");
-    Question question = **std::move(stored);
+    if (!*stored) return failure(ErrorCode::Internal, "the request is lost");
+    ComputeRequest request = **std::move(stored);
     // Earlier versions stored forms as they came.
-    const auto apart = find_fields(question).and_then(
-        [&](const std::vector<FormPart>& fields) { return take_apart(question, fields); });
+    const auto apart =
+        find_fields(request).and_then([&](const std::vector<FormPart>& fields) { return take_apart(request, fields); });
     if (!apart) return tl::unexpected(apart.error());
-    return question;
+    return request;
 }
 
 void Jobs::note(const LivePointer& live, const Progress& progress) {
@@ -296,7 +296,7 @@ void Jobs::finish_run(const LivePointer& live, Run run) {
     settle(live, std::move(job), std::move(answer->body), std::move(end));
 }
 
-/// Writes down how a job ends, whose end is nobody else's any more, and tells.
+/// Stores how a job ends, which its `settling` has left to the caller, and tells those who watch it and the log.
 void Jobs::settle(const LivePointer& live, Job job, std::string result, JobEnd end) {
     job.finished = time_now();
     if (job.status == JobStatus::Succeeded) job.progress.fraction = 1;
@@ -308,14 +308,14 @@ void Jobs::settle(const LivePointer& live, Job job, std::string result, JobEnd e
         live->job = job;
         if (stored) live_.erase(job.id);
         live->changed.notify_all();
-        news_for_keeper_ = true;
-        kept_.notify_all();
+        news_ = true;
+        wake_timekeeper_.notify_all();
     }
     end.job = std::move(job);
     logger_(end);
 }
 
-/// A result that cannot be stored makes a failure, which takes no room.
+/// Stores how a job ends; a result that cannot be stored makes a failure, which takes no room.
 Result<void> Jobs::store_end(Job& job, std::string_view result) {
     Result<void> stored;
     {
@@ -357,7 +357,7 @@ bool Jobs::withdraw_locked(Live& live) {
         return true;
     }
     if (pool_.cancel(*live.handed) != WorkerPool::Cancelled::Queued) return false;
-    let_go_locked();
+    hand_next_locked();
     return true;
 }
 
@@ -472,15 +472,15 @@ Jobs::Counts Jobs::counts() const {
     return counts;
 }
 
-void Jobs::keep(const std::stop_token& closing) {
+void Jobs::keep_time(const std::stop_token& closing) {
     while (!closing.stop_requested()) {
         const auto expiry = forget_expired();
         std::unique_lock lock(mutex_);
         auto until = Clock::now() + kLongestSleep;
         if (const auto deadline = stop_overdue_locked()) until = std::min(until, *deadline);
         if (expiry) until = std::min(until, Clock::now() + std::max(*expiry - time_now(), kShortestSleep));
-        kept_.wait_until(lock, closing, until, [this] { return news_for_keeper_; });
-        news_for_keeper_ = false;
+        wake_timekeeper_.wait_until(lock, closing, until, [this] { return news_; });
+        news_ = false;
     }
 }
 

@@ -64,7 +64,7 @@ public:
     /// Errors: those of the store.
     Result<void> start();
 
-    /// A job that the client submits now would be refused.
+    /// Whether a job that the client submits now would be refused.
     bool is_full(std::string_view client) const;
 
     /// Takes on a job; once this returns it will not be lost.
@@ -72,15 +72,16 @@ public:
     /// @param job  whose it is, and what it costs, which the pool has room for
     /// Problems: 413 larger than the store, 429 the queue is full, or the store of what waits, 503 the server shuts
     /// down, 507 and 500 the store fails.
-    HttpResult<Job> accept(Job job, const Question& question);
+    HttpResult<Job> accept(Job job, const ComputeRequest& request);
 
-    /// Problems, of the following too: 404 there is no such job, or it is somebody else's; 500 the store fails.
+    /// Finds a job. Problems, of the following too: 404 there is no such job, or it is somebody else's; 500 the store
+    /// fails.
     HttpResult<Job> find(const std::string& id, const std::string& owner) const;
 
-    /// Of a job that has succeeded. Problems: 410 it was dropped to make room, or the job is gone.
+    /// The result of a job that has succeeded. Problems: 410 it was dropped to make room, or the job is gone.
     HttpResult<std::string> result(const std::string& id);
 
-    /// A job that has not finished is cancelled, one that has is forgotten.
+    /// Cancels a job that has not finished, and forgets one that has.
     HttpResult<void> remove(const std::string& id, const std::string& owner);
 
     /// Follows a job.
@@ -114,7 +115,7 @@ public:
     std::size_t stored_bytes() const { return store_.bytes(); }
 
 private:
-    /// Why a run is told to stop.
+    /// Reasons to stop a run.
     enum class Stop { None, Deadline, Shutdown };
 
     /// A job that has not finished, or whose end could not be stored.
@@ -124,12 +125,12 @@ private:
         std::optional<WorkerPool::JobId> handed;  ///< to the pool
         std::optional<Clock::time_point> deadline;
         Stop stop = Stop::None;
-        bool settling = false;  ///< somebody writes down how it ends
+        bool settling = false;  ///< whoever has set it stores how the job ends; nobody else does
         std::condition_variable changed;
     };
     using LivePointer = std::shared_ptr<Live>;
 
-    /// How a run came out.
+    /// The outcome of a run.
     struct Run {
         Result<api::Answer> answer;
         Stages stages;
@@ -137,23 +138,23 @@ private:
 
     LivePointer find_live_locked(const std::string& id, const std::string& owner) const;
     bool has_room_locked(std::string_view client) const;
-    HttpResult<void> store_new(const Job& job, const Question& question);
+    HttpResult<void> store_new(const Job& job, const ComputeRequest& request);
     bool make_room(std::size_t bytes);
     void take_up(Job job);
     void admit_locked(Job job);
     void feed_locked();
-    void let_go_locked();
+    void hand_next_locked();
     void run(const LivePointer& live, const std::stop_token& stop);
     std::optional<Job> begin(const LivePointer& live);
     Run compute(const Job& job, const LivePointer& live, const std::stop_token& stop);
-    Result<Question> load_question(const std::string& id) const;
+    Result<ComputeRequest> load_request(const std::string& id) const;
     void note(const LivePointer& live, const Progress& progress);
     void finish_run(const LivePointer& live, Run run);
     bool withdraw_locked(Live& live);
     void settle(const LivePointer& live, Job job, std::string result, JobEnd end);
     Result<void> store_end(Job& job, std::string_view result);
     void fail(const LivePointer& live, Problem failure);
-    void keep(const std::stop_token& closing);
+    void keep_time(const std::stop_token& closing);
     std::optional<Clock::time_point> stop_overdue_locked();
     std::optional<Time> forget_expired();
 
@@ -169,8 +170,8 @@ private:
 
     mutable std::mutex mutex_;  ///< guards the members from here to `draining_`
     std::condition_variable idle_;
-    std::condition_variable_any kept_;  ///< something for the keeper to look at
-    bool news_for_keeper_ = false;
+    std::condition_variable_any wake_timekeeper_;
+    bool news_ = false;  ///< for the timekeeper: a deadline or an expiry
     std::map<std::string, LivePointer> live_;
     FairQueue<LivePointer> queue_;
     std::size_t arriving_ = 0;  ///< being stored
@@ -178,7 +179,7 @@ private:
     bool started_ = false;
     bool draining_ = false;
 
-    std::jthread keeper_;  ///< stops runs at their deadlines, forgets jobs; last: it uses all the rest
+    std::jthread timekeeper_;  ///< stops runs at their deadlines, forgets jobs; last: it uses all the rest
 };
 
 }  // namespace ccdt::server

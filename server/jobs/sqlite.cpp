@@ -24,7 +24,7 @@ void Database::check(int code) const {
     throw SqliteError(told, handle_ ? sqlite3_errmsg(handle_.get()) : sqlite3_errstr(code));
 }
 
-/// In whole chunks: the system is not asked for each page.
+/// Allocates in whole chunks: the system is not asked for each page.
 void Database::allocate(int which, std::size_t bytes) {
     sqlite3_file* file = nullptr;
     check(sqlite3_file_control(handle_.get(), "main", which, static_cast<void*>(&file)));

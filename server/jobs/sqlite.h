@@ -11,7 +11,7 @@
 
 namespace ccdt::server {
 
-/// What SQLite said no with.
+/// An error that SQLite returned.
 class SqliteError : public std::runtime_error {
 public:
     SqliteError(int code, const std::string& message) : std::runtime_error(message), code_(code) {}
@@ -29,14 +29,14 @@ public:
 
     void execute(const char* statements);
 
-    /// What a statement of one value yields.
+    /// Executes a statement that yields one value.
     std::int64_t value_of(const char* statement);
 
     /// Takes room on the disk for the first bytes of the file, which may then be written whatever others take. Nothing
     /// for a database in memory. No room: SQLITE_FULL.
     void allocate(std::size_t bytes);
 
-    /// The same for the log, which has to be there: the database has been read.
+    /// Takes room for the log, which has to be there: the database has been read.
     void allocate_log(std::size_t bytes);
 
     std::int64_t last_row() const { return sqlite3_last_insert_rowid(handle_.get()); }
@@ -68,7 +68,7 @@ private:
 /// A statement on its way through its rows.
 class Statement {
 public:
-    /// Binds the values to its question marks, in order. Texts must stay until its end.
+    /// Binds the values to its request marks, in order. Texts must stay until its end.
     template <class... Values>
     Statement(Database& database, const char* sql, const Values&... values) : database_(database) {
         prepare(sql);
@@ -80,7 +80,7 @@ public:
     /// @returns  false if there is none
     bool step();
 
-    /// To the end.
+    /// Goes to the end.
     void run() {
         while (step()) {
         }
@@ -113,7 +113,7 @@ private:
     std::unique_ptr<sqlite3_stmt, Finalize> handle_;
 };
 
-/// Undone at its end unless it was committed.
+/// A transaction, undone at its end unless it was committed.
 class Transaction {
 public:
     explicit Transaction(Database& database) : database_(database) { database_.execute("BEGIN IMMEDIATE"); }

@@ -23,7 +23,7 @@ constexpr std::int64_t kApplication = 0x63636474;
 /// 1: without digests.
 constexpr std::int64_t kVersion = 2;
 
-/// Of the disk, in bytes, that the log keeps, so that there is room to delete when the disk is full. To delete a result
+/// Bytes of the disk that the log keeps, so that there is room to delete when the disk is full. To delete a result
 /// of 36 MiB takes 0.1 MB of it, to give back `kGivenBack` pages 4.2 MB.
 constexpr std::size_t kReserve = std::size_t{16} << 20;
 
@@ -73,7 +73,7 @@ constexpr const char* kTables = R"(
     CREATE TABLE results (row INTEGER PRIMARY KEY, body BLOB NOT NULL);
 )";
 
-/// Of all that is kept, so that what the disk changed is not taken for it.
+/// Digests of all that is kept, so that what the disk changed is not taken for it.
 constexpr const char* kDigests = R"(
     ALTER TABLE jobs ADD COLUMN digest TEXT NOT NULL DEFAULT '';
     ALTER TABLE questions ADD COLUMN digest TEXT NOT NULL DEFAULT '';
@@ -106,7 +106,7 @@ constexpr int kRow = 20;
 constexpr int kBytes = 21;
 constexpr int kDigest = 22;
 
-/// For `job_at`, then the columns above: the last one is the digest of all others.
+/// Selects what `job_at` reads, then the columns above: the last one is the digest of all others.
 std::string select_jobs(const std::string& which) {
     return "SELECT id, owner, client, memory, seconds, status, starts, created, started, finished, fraction, "
            "iteration, variation, failure, message, field, media_type, result_bytes, partial, dropped, row, bytes, "
@@ -120,7 +120,7 @@ std::string digest_of(const Statement& row) {
     return digest.finish();
 }
 
-/// Whether it is what was written.
+/// Whether a row is what was written.
 bool is_sound(const Statement& row) {
     return row.text(kDigest) == digest_of(row);
 }
@@ -147,12 +147,12 @@ Job job_at(const Statement& row) {
     return job;
 }
 
-/// With the id of their job: they are that one's, and no other's.
-std::string digest_of(std::string_view id, const Question& question) {
+/// Digests with the id of their job: they are that one's, and no other's.
+std::string digest_of(std::string_view id, const ComputeRequest& request) {
     Digest digest;
     for (const std::string_view text :
-         {id, std::string_view(question.path), std::string_view(question.query),
-          std::string_view(question.content_type), std::string_view(question.accept), std::string_view(question.body)})
+         {id, std::string_view(request.path), std::string_view(request.query), std::string_view(request.content_type),
+          std::string_view(request.accept), std::string_view(request.body)})
         digest.add(text);
     return digest.finish();
 }
@@ -167,9 +167,9 @@ std::string digest_of(std::string_view id, std::string_view result) {
     throw SqliteError(SQLITE_CORRUPT, message);
 }
 
-std::size_t size_of(const Question& question) {
-    return question.path.size() + question.query.size() + question.content_type.size() + question.accept.size() +
-           question.body.size();
+std::size_t size_of(const ComputeRequest& request) {
+    return request.path.size() + request.query.size() + request.content_type.size() + request.accept.size() +
+           request.body.size();
 }
 
 ErrorCode code_of(const SqliteError& error) {
@@ -185,7 +185,7 @@ ErrorCode code_of(const SqliteError& error) {
     }
 }
 
-/// What it holds is for nobody else on the machine.
+/// Makes the file, which is for nobody else on the machine.
 Result<void> make_file(const std::string& folder, const std::string& path) {
     const auto failed = [](const std::string& name) {
         return failure(ErrorCode::Unusable, "the data folder cannot be used: " + name + ": " + std::strerror(errno));
@@ -210,7 +210,7 @@ struct SqliteJobStore::Kept {
     }
 };
 
-/// What is kept with a digest.
+/// A value that is kept with a digest.
 template <class T>
 struct SqliteJobStore::Sealed {
     T value;
@@ -251,7 +251,7 @@ SqliteJobStore::SqliteJobStore(const std::string& path) : database_(path) {
     cut_log();
 }
 
-/// Indices, which can be made again, need not be right.
+/// Checks the file; indices, which can be made again, need not be right.
 void SqliteJobStore::check_file() {
     const auto fault = [this](const char* check) {
         Statement found(database_, check);
@@ -274,8 +274,8 @@ void SqliteJobStore::prepare_tables(std::int64_t version) {
         seal(row);
         const Kept kept = *look_up("WHERE row = ?", row);
         const auto& id = kept.job.id;
-        if (const auto question = question_of(kept))
-            Statement(database_, "UPDATE questions SET digest = ? WHERE row = ?", digest_of(id, question->value), row)
+        if (const auto request = request_of(kept))
+            Statement(database_, "UPDATE questions SET digest = ? WHERE row = ?", digest_of(id, request->value), row)
                 .run();
         if (const auto result = result_of(kept))
             Statement(database_, "UPDATE results SET digest = ? WHERE row = ?", digest_of(id, result->value), row)
@@ -286,7 +286,7 @@ void SqliteJobStore::prepare_tables(std::int64_t version) {
     transaction.commit();
 }
 
-/// A job that is not what it was has failed of that.
+/// Fails the jobs that are not what they were.
 void SqliteJobStore::fail_damaged() {
     for (const auto row : rows_where([](const Statement& job) { return !is_sound(job); })) {
         Transaction transaction(database_);
@@ -344,7 +344,7 @@ auto SqliteJobStore::attempt(Do act) -> Result<decltype(act())> {
     }
 }
 
-/// For what makes room: the disk may be full.
+/// Does something that makes room, though the disk may be full.
 template <class Do>
 auto SqliteJobStore::free_room(Do act) -> Result<decltype(act())> {
     auto done = attempt(act);
@@ -386,9 +386,9 @@ void SqliteJobStore::give_back() {
     }
 }
 
-Result<void> SqliteJobStore::add(const Job& job, const Question& question) {
+Result<void> SqliteJobStore::add(const Job& job, const ComputeRequest& request) {
     return attempt([&] {
-        const std::size_t bytes = bytes_of_job(size_of(question));
+        const std::size_t bytes = bytes_of_job(size_of(request));
         take_room(bytes);
         Transaction transaction(database_);
         Statement(
@@ -403,10 +403,10 @@ Result<void> SqliteJobStore::add(const Job& job, const Question& question) {
         Statement(database_,
                   "INSERT INTO questions (row, path, query, content_type, accept, body, digest) "
                   "VALUES (?, ?, ?, ?, ?, zeroblob(?), ?)",
-                  row, question.path, question.query, question.content_type, question.accept,
-                  number_of(question.body.size()), digest_of(job.id, question))
+                  row, request.path, request.query, request.content_type, request.accept,
+                  number_of(request.body.size()), digest_of(job.id, request))
             .run();
-        database_.write_body("questions", row, question.body);
+        database_.write_body("questions", row, request.body);
         transaction.commit();
         bytes_ += bytes;
         if (bytes > kReserve / 2) cut_log();
@@ -421,20 +421,20 @@ std::optional<SqliteJobStore::Kept> SqliteJobStore::look_up(const char* which, c
     return Kept::at(query);
 }
 
-/// An index may lead to another job's row.
+/// Looks up a job by its id; a damaged index may lead to another job's row.
 std::optional<SqliteJobStore::Kept> SqliteJobStore::look_up(const std::string& id) {
     auto kept = look_up("WHERE id = ?", id);
     if (kept && kept->job.id != id) damaged("an index of the store is damaged");
     return kept;
 }
 
-std::optional<SqliteJobStore::Sealed<Question>> SqliteJobStore::question_of(const Kept& kept) {
+std::optional<SqliteJobStore::Sealed<ComputeRequest>> SqliteJobStore::request_of(const Kept& kept) {
     Statement query(database_, "SELECT path, query, content_type, accept, digest FROM questions WHERE row = ?",
                     kept.row);
     if (!query.step()) return std::nullopt;
-    return Sealed<Question>{{query.text(0), query.text(1), query.text(2), query.text(3),
-                             database_.read_body("questions", kept.row, kept.bytes)},
-                            query.text(4)};
+    return Sealed<ComputeRequest>{{query.text(0), query.text(1), query.text(2), query.text(3),
+                                   database_.read_body("questions", kept.row, kept.bytes)},
+                                  query.text(4)};
 }
 
 std::optional<SqliteJobStore::Sealed<std::string>> SqliteJobStore::result_of(const Kept& kept) {
@@ -460,13 +460,13 @@ Result<std::optional<Job>> SqliteJobStore::find(const std::string& id) {
     });
 }
 
-Result<std::optional<Question>> SqliteJobStore::question(const std::string& id) {
-    return attempt([&]() -> std::optional<Question> {
+Result<std::optional<ComputeRequest>> SqliteJobStore::request(const std::string& id) {
+    return attempt([&]() -> std::optional<ComputeRequest> {
         const auto kept = look_up(id);
-        auto question = kept ? question_of(*kept) : std::nullopt;
-        if (!question) return std::nullopt;
-        if (question->digest != digest_of(id, question->value)) damaged("the stored request is damaged");
-        return std::move(question->value);
+        auto request = kept ? request_of(*kept) : std::nullopt;
+        if (!request) return std::nullopt;
+        if (request->digest != digest_of(id, request->value)) damaged("the stored request is damaged");
+        return std::move(request->value);
     });
 }
 
@@ -529,13 +529,13 @@ Result<void> SqliteJobStore::finish(const Job& job, std::string_view result) {
         update(job, kept->row, after);
         transaction.commit();
         bytes_ += after;
-        let_go(kept->bytes);
+        release(kept->bytes);
         if (after > kReserve / 2) cut_log();
     });
 }
 
-/// What a damaged row says that it held may be more than it was.
-void SqliteJobStore::let_go(std::size_t bytes) {
+/// Counts bytes as free; a damaged row may say that it held more than it did.
+void SqliteJobStore::release(std::size_t bytes) {
     bytes_ -= std::min(bytes_.load(), bytes);
 }
 
@@ -544,7 +544,7 @@ void SqliteJobStore::remove_bodies(std::int64_t row) {
         Statement(database_, statement, row).run();
 }
 
-/// Of one row of jobs.
+/// Removes one row of jobs.
 /// @returns  bytes that it took
 std::size_t SqliteJobStore::remove_row(std::int64_t row) {
     remove_bodies(row);
@@ -562,7 +562,7 @@ Result<bool> SqliteJobStore::remove(const std::string& id) {
         if (!row) return false;
         const std::size_t bytes = remove_row(*row);
         transaction.commit();
-        let_go(bytes);
+        release(bytes);
         return true;
     });
 }
@@ -577,7 +577,7 @@ Result<std::size_t> SqliteJobStore::remove_finished(Time by, std::size_t most) {
         std::size_t bytes = 0;
         for (const auto row : rows) bytes += remove_row(row);
         transaction.commit();
-        let_go(bytes);
+        release(bytes);
         return rows.size();
     });
     const bool no_room = !removed && removed.error().code == ErrorCode::LimitExceeded;
@@ -612,7 +612,7 @@ Result<bool> SqliteJobStore::drop_oldest_result() {
         }
         transaction.commit();
         bytes_ += bytes_of_job(0);
-        let_go(before);
+        release(before);
         return true;
     });
 }

@@ -18,10 +18,9 @@ namespace ccdt::server {
 ///
 /// A file is written ahead (WAL) and synchronised with every commit, so that jobs survive the process and the machine.
 /// It belongs to one server at a time. All that is kept has a digest, with which it is compared when it is read: what
-/// the disk has changed is told, and never taken for what was written. The
-/// file has a reserve of the disk, so that jobs can be removed when the disk is full, and gives back what it does not
-/// need. One thread uses the database, the others wait:
-/// as long as a large result takes to be written.
+/// the disk has changed is told, and never taken for what was written. The file has a reserve of the disk, so that jobs
+/// can be removed when the disk is full, and gives back what it does not need. One thread uses the database, the others
+/// wait: as long as a large result takes to be written.
 class SqliteJobStore : public JobStore {
 public:
     /// @param folder  where the database's files are, made if it is missing; empty: in memory
@@ -30,10 +29,10 @@ public:
     /// are taken over; jobs that are damaged fail.
     static Result<std::unique_ptr<SqliteJobStore>> open(const std::string& folder);
 
-    Result<void> add(const Job& job, const Question& question) override;
+    Result<void> add(const Job& job, const ComputeRequest& request) override;
     Result<std::vector<Job>> unfinished() override;
     Result<std::optional<Job>> find(const std::string& id) override;
-    Result<std::optional<Question>> question(const std::string& id) override;
+    Result<std::optional<ComputeRequest>> request(const std::string& id) override;
     Result<std::optional<std::string>> result(const std::string& id) override;
     Result<void> save(const Job& job) override;
     Result<void> finish(const Job& job, std::string_view result) override;
@@ -43,7 +42,7 @@ public:
     Result<bool> drop_oldest_result() override;
     std::size_t bytes() const override { return bytes_; }
 
-    /// How often something was not as it had been written.
+    /// Times that something was not as it had been written.
     std::uint64_t damages() const { return damages_; }
 
 private:
@@ -75,13 +74,13 @@ private:
     template <class Value>
     std::optional<Kept> look_up(const char* which, const Value& value);
     std::optional<Kept> look_up(const std::string& id);
-    std::optional<Sealed<Question>> question_of(const Kept& kept);
+    std::optional<Sealed<ComputeRequest>> request_of(const Kept& kept);
     std::optional<Sealed<std::string>> result_of(const Kept& kept);
 
     void update(const Job& job, std::int64_t row, std::size_t bytes);
     void remove_bodies(std::int64_t row);
     std::size_t remove_row(std::int64_t row);
-    void let_go(std::size_t bytes);
+    void release(std::size_t bytes);
 
     std::mutex mutex_;  ///< guards the database
     Database database_;

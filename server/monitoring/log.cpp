@@ -14,10 +14,10 @@
 namespace ccdt::server {
 namespace {
 
-/// A request target may be long; its beginning tells which it was.
+/// Bytes of a request target that are logged: its beginning tells which it was.
 constexpr std::size_t kLongestTarget = 512;
 
-/// What stands for what clients sent and nobody should read.
+/// Stands for what clients sent and nobody should read.
 constexpr std::string_view kHidden = "***";
 
 std::string member(LogFormat format, std::string_view message) {
@@ -49,7 +49,7 @@ std::string target_of(const Request& request) {
     return fragment.empty() ? target : target + '#' + std::string(kHidden);
 }
 
-/// Unless there is nothing to tell.
+/// Adds a member unless there is nothing to tell.
 void add_member(std::string& line, const char* form, std::string_view value) {
     if (!value.empty()) line += fmt::format(fmt::runtime(form), escape(value));
 }

@@ -22,7 +22,7 @@ using prometheus::Family;
 using prometheus::Gauge;
 using prometheus::Histogram;
 
-/// From a small request's time to the longest timeout that makes sense.
+/// Bounds of durations: from a small request's to the longest timeout that makes sense.
 const Histogram::BucketBoundaries kSeconds = {0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25,
                                               0.5,   1,      2.5,   5,    10,    30,   60};
 
@@ -34,7 +34,7 @@ Counter& make_counter(prometheus::Registry& registry, const char* name, const ch
     return prometheus::BuildCounter().Name(name).Help(help).Register(registry).Add({});
 }
 
-/// To what is counted elsewhere; counters know no other way than up.
+/// Raises a counter to what is counted elsewhere; counters know no other way than up.
 void raise(Counter& counter, std::uint64_t count) {
     counter.Increment(std::max(0.0, static_cast<double>(count) - counter.Value()));
 }

@@ -25,7 +25,7 @@ public:
     Metrics(const Metrics&) = delete;
     Metrics& operator=(const Metrics&) = delete;
 
-    /// What is counted elsewhere.
+    /// Figures that are counted elsewhere.
     struct Watched {
         Capacity::Counts connections;
         std::size_t memory_budget = 0;    ///< bytes for requests and what is computed for them
@@ -42,13 +42,13 @@ public:
     /// Has these figures taken from there. To be called before any thread asks for figures.
     void watch(std::function<Watched()> figures);
 
-    /// A request that was answered, or whose client left.
+    /// Counts a request that was answered, or whose client left.
     void add(const Exchange& exchange);
 
-    /// A job that has ended.
+    /// Counts a job that has ended.
     void add(const JobEnd& end);
 
-    /// All figures in Prometheus' text format, the pool's as they are now.
+    /// Writes all figures in Prometheus' text format, the pool's as they are now.
     std::string text(const WorkerPool::Load& load) const;
 
 private:

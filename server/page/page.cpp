@@ -10,7 +10,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Nothing from other hosts, nothing inline, no frames around it.
+/// Policy of the page: nothing from other hosts, nothing inline, no frames around it.
 constexpr std::string_view kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";

@@ -6,7 +6,7 @@
 
 namespace ccdt::server {
 
-/// All files of the page. The source is written by the build; see embed.cmake.
+/// Files of the page, all of them. The source is written by the build; see embed.cmake.
 std::span<const PageFile> page_files();
 
 }  // namespace ccdt::server

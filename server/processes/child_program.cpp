@@ -19,7 +19,7 @@
 namespace ccdt::server {
 namespace {
 
-/// What posix_spawn does in the child before the program starts.
+/// Actions of posix_spawn in the child before the program starts.
 class SpawnActions {
 public:
     explicit SpawnActions(int socket) {

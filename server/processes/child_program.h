@@ -14,7 +14,7 @@ namespace ccdt::server {
 /// A child process of this one: ended and reaped with its handle.
 class ChildProgram {
 public:
-    /// Where a program that was spawned finds its socket.
+    /// Descriptor at which a program that was spawned finds its socket.
     static constexpr int kSocket = 3;
 
     /// Takes over a child that nobody else reaps.
@@ -40,10 +40,11 @@ private:
     UniqueFd pidfd_;
 };
 
-/// How a process ended, after its name, from what waitpid tells: "exited with 1", "was killed by signal 9 (Killed)".
+/// Describes how a process ended, after its name, from what waitpid tells: "exited with 1", "was killed by signal 9
+/// (Killed)".
 std::string describe_end(int status);
 
-/// For a process of one thread that forks: blocks SIGCHLD, and tells of it instead.
+/// Blocks SIGCHLD, and tells of it instead: for a process of one thread that forks.
 /// @returns  readable, without waiting, once a child has ended; none if the system has no more
 UniqueFd watch_children();
 
@@ -59,7 +60,7 @@ UniqueFd watch_children();
 /// Errors: Internal.
 Result<ChildProgram> spawn_sibling(const std::string& name, UniqueFd socket, std::vector<std::string> arguments = {});
 
-/// How long to wait before a program that ended is started again: no tight loop if each end comes soon.
+/// Pauses before a program that ended is started again: no tight loop if each end comes soon.
 class Backoff {
 public:
     using Milliseconds = std::chrono::milliseconds;

@@ -12,7 +12,7 @@
 
 namespace ccdt::server {
 
-/// What processes of this machine say to each other through sockets. Nothing here raises SIGPIPE, and interrupted calls
+/// Messages between processes of this machine, through sockets. Nothing here raises SIGPIPE, and interrupted calls
 /// are made again.
 
 /// The two ends of a connection.
@@ -43,7 +43,7 @@ bool send_texts(int socket, std::initializer_list<std::string_view> texts);
 /// @returns  false if the stream ends before
 bool receive_all(int socket, std::span<char> bytes);
 
-/// How long `poll` may wait.
+/// Time that `poll` may wait.
 /// @param time  none: for ever
 int milliseconds_until(std::optional<std::chrono::steady_clock::time_point> time);
 

@@ -29,7 +29,7 @@ std::size_t limit_in(const std::filesystem::path& file) {
     return std::ifstream(file) >> bytes ? bytes : kNoLimit;  // also for the word "max"
 }
 
-/// Where the control group is that limits this process' memory, below where groups are mounted; version 2's line of
+/// Path of the control group that limits this process' memory, below where groups are mounted; version 2's line of
 /// /proc/self/cgroup names no controllers.
 std::filesystem::path group(std::string_view controllers) {
     std::ifstream file("/proc/self/cgroup");

@@ -4,14 +4,14 @@
 
 namespace ccdt::server {
 
-/// What the system says of this process; 0 where it does not tell.
+/// Bytes of memory that this process holds now; 0 where the system does not tell.
 std::size_t resident_bytes();
 
 /// Bytes of memory that this process may use: the machine's, or less if its control group or one of those around it
 /// has less.
 std::size_t available_memory();
 
-/// Has what is freed in pieces of a megabyte at least be the system's again. Left to itself, glibc raises its bounds as
+/// Has the allocator give back freed pieces of a megabyte or more. Left to itself, glibc raises its bounds as
 /// large pieces come and go, up to 32 and 64 MiB in each of its arenas, and a process at rest keeps most of what its
 /// busiest moment took.
 void give_back_freed_memory();

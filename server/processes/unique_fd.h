@@ -21,7 +21,7 @@ public:
     int get() const { return fd_; }
     explicit operator bool() const { return fd_ >= 0; }
 
-    /// From now on somebody else closes it.
+    /// Hands the descriptor over: somebody else closes it from now on.
     int release() { return std::exchange(fd_, -1); }
 
     void reset() {

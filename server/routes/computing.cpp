@@ -20,13 +20,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-/// How often a connection looks whether its client still waits.
+/// Time after which a connection looks whether its client still waits.
 constexpr std::chrono::milliseconds kPeek{20};
 
-/// How long after its deadline a job may take to stop, and to write down what it has.
+/// Time after its deadline that a job may take to stop, and to write down what it has.
 constexpr std::chrono::seconds kGrace{2};
 
-/// Longer bodies are never for short jobs.
+/// Bytes of a body: longer ones are never for short jobs.
 constexpr std::size_t kLongBody = 65'536;
 
 /// Clients that take answers compressed have them kept so: compressing is work, too.
@@ -59,24 +59,24 @@ Response response_of(api::Answer answer, const std::string& name, Record& record
 
 }  // namespace
 
-/// A question, and its part of the memory for those that wait. Shared with the worker, which may still read it when the
+/// A request, and its part of the memory for those that wait. Shared with the worker, which may still read it when the
 /// connection has left.
-struct Computing::Asked {
+struct Computing::AcceptedRequest {
     const Operation& operation;
-    Question question;
+    ComputeRequest request;
     std::string name;  ///< of the answer
     MemoryBudget::Lease lease;
 };
 
 /// An answer, and its part of the memory that computing it had.
-struct Computing::Product {
+struct Computing::ComputedAnswer {
     api::Answer answer;
     MemoryBudget::Lease lease;
 };
 
 /// A result on its way from a worker to the connection that waits for it, which may leave before it comes.
 template <class T>
-class Computing::Ticket {
+class Computing::PendingResult {
 public:
     void begin() {
         const std::lock_guard lock(mutex_);
@@ -125,17 +125,17 @@ Computing::Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiti
 
 HttpResult<Response> Computing::answer(const Operation& operation, const Incoming& incoming) {
     const Request& request = incoming.request;
-    Question question{request.path,
-                      request.query,
-                      std::string(request.header("Content-Type")),
-                      std::string(request.header("Accept")),
-                      {}};
-    if (auto checked = check(operation, question); !checked) return problem(std::move(checked.error()));
+    ComputeRequest to_compute{request.path,
+                              request.query,
+                              std::string(request.header("Content-Type")),
+                              std::string(request.header("Accept")),
+                              {}};
+    if (auto checked = check(operation, to_compute); !checked) return problem(std::move(checked.error()));
     const bool deferred = prefers(request, "respond-async");
     auto body = read_body(incoming, deferred);
     if (!body) return tl::unexpected(std::move(body.error()));
-    question.body = *std::move(body);
-    const auto asked = take_in(operation, std::move(question));
+    to_compute.body = *std::move(body);
+    const auto asked = take_in(operation, std::move(to_compute));
     if (!asked) return tl::unexpected(asked.error());
     const std::string& name = (*asked)->name;
     if (const auto tag = find_tag(request.header("If-None-Match"), name)) return not_modified(*tag);
@@ -145,7 +145,7 @@ HttpResult<Response> Computing::answer(const Operation& operation, const Incomin
     return compute(*asked, compressed, incoming);
 }
 
-HttpResult<Response> Computing::compute(const AskedPointer& asked, bool compressed, const Incoming& incoming) {
+HttpResult<Response> Computing::compute(const AcceptedPointer& asked, bool compressed, const Incoming& incoming) {
     const auto deadline = Clock::now() + config_.timeout;
     const auto cost = find_cost(asked, incoming, deadline);
     if (!cost) return tl::unexpected(cost.error());
@@ -159,7 +159,7 @@ HttpResult<Response> Computing::compute(const AskedPointer& asked, bool compress
     return response;
 }
 
-/// What one key asked is no other's to find out, which the time of an answer would tell.
+/// Finds whose an answer in the cache is: by the time it takes one key could tell what another asked.
 std::string Computing::cache_owner(const Connection& connection) const {
     return config_.cache_shared ? "" : connection.key();
 }
@@ -192,20 +192,21 @@ HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool defe
 }
 
 /// Takes apart what was asked, and counts its memory from here on until nobody needs it any more.
-HttpResult<Computing::AskedPointer> Computing::take_in(const Operation& operation, Question question) {
-    const std::size_t size = question.body.size();
+HttpResult<Computing::AcceptedPointer> Computing::take_in(const Operation& operation, ComputeRequest request) {
+    const std::size_t size = request.body.size();
     if (size > waiting_memory_.total()) return too_large(size);
     auto lease = waiting_memory_.take(size);
     if (!lease) return busy(429, "too many large requests are waiting");
-    auto fields = find_fields(question);
+    auto fields = find_fields(request);
     if (!fields) return problem(std::move(fields.error()));
-    std::string name = name_of_answer(question, *fields, config_.limits);
-    if (auto apart = take_apart(question, *fields); !apart) return problem(std::move(apart.error()));
-    return std::make_shared<const Asked>(operation, std::move(question), std::move(name), *std::move(lease));
+    std::string name = name_of_answer(request, *fields, config_.limits);
+    if (auto apart = take_apart(request, *fields); !apart) return problem(std::move(apart.error()));
+    return std::make_shared<const AcceptedRequest>(
+        AcceptedRequest{operation, std::move(request), std::move(name), *std::move(lease)});
 }
 
 /// Makes a job of what is parsed now and computed when its turn comes.
-HttpResult<Response> Computing::defer(const AskedPointer& asked, const Incoming& incoming) {
+HttpResult<Response> Computing::defer(const AcceptedPointer& asked, const Incoming& incoming) {
     const auto cost = find_cost(asked, incoming, Clock::now() + config_.timeout);
     if (!cost) return tl::unexpected(cost.error());
     incoming.record.stages = {};  // the job has its own
@@ -213,21 +214,21 @@ HttpResult<Response> Computing::defer(const AskedPointer& asked, const Incoming&
     job.owner = incoming.connection.key();
     job.client = incoming.connection.client_name();
     job.cost = *cost;
-    job.cost.memory += asked->question.body.size();  // its run takes it from the store
+    job.cost.memory += asked->request.body.size();  // its run takes it from the store
     if (job.cost.memory > pool_.memory().total()) return too_large(job.cost.memory);
-    return jobs_.accept(std::move(job), asked->question).map(accepted);
+    return jobs_.accept(std::move(job), asked->request).map(accepted);
 }
 
 /// Finds what a request costs, which is known once it is parsed: a worker does that unless it is quick.
-HttpResult<api::Cost> Computing::find_cost(const AskedPointer& asked, const Incoming& incoming,
+HttpResult<api::Cost> Computing::find_cost(const AcceptedPointer& asked, const Incoming& incoming,
                                            Clock::time_point deadline) {
     Task<api::Cost> find = [asked, &limits = config_.limits](const Control&, api::Timings&) {
-        return asked->operation.parse(asked->question, limits).map([&](const ParsedPointer& parsed) {
-            return cost_of_answering(asked->operation, asked->question, *parsed);
+        return asked->operation.parse(asked->request, limits).map([&](const ParsedPointer& parsed) {
+            return cost_of_answering(asked->operation, asked->request, *parsed);
         });
     };
-    if (!is_quickly_parsed(asked->operation, asked->question))
-        return have_worker_do(std::move(find), cost_of_parsing(asked->operation, asked->question), incoming, deadline);
+    if (!is_quickly_parsed(asked->operation, asked->request))
+        return have_worker_do(std::move(find), cost_of_parsing(asked->operation, asked->request), incoming, deadline);
     auto cost = find({}, incoming.record.stages.work);
     if (!cost) return problem(std::move(cost.error()));
     return *cost;
@@ -238,24 +239,24 @@ template <class T>
 HttpResult<T> Computing::have_worker_do(Task<T> task, const api::Cost& cost, const Incoming& incoming,
                                         Clock::time_point deadline) {
     if (cost.memory > pool_.memory().total()) return too_large(cost.memory);
-    const auto ticket = std::make_shared<Ticket<T>>();
+    const auto pending = std::make_shared<PendingResult<T>>();
     const auto job = pool_.submit(
         incoming.connection.client_name(),
-        [ticket, task = std::move(task)](std::stop_token stop) {
-            ticket->begin();
+        [pending, task = std::move(task)](std::stop_token stop) {
+            pending->begin();
             api::Timings timings;
             try {
-                ticket->finish(task(Control{std::move(stop), {}}, timings), timings);
+                pending->finish(task(Control{std::move(stop), {}}, timings), timings);
             } catch (const std::exception& exception) {
-                ticket->finish(failure(ErrorCode::Internal, exception.what()), timings);
+                pending->finish(failure(ErrorCode::Internal, exception.what()), timings);
             }
         },
         cost);
     if (!job) return busy(429, "too many requests are waiting");
-    const auto waited = wait_for(*ticket, *job, incoming, deadline);
-    incoming.record.stages = ticket->stages();
+    const auto waited = wait_for(*pending, *job, incoming, deadline);
+    incoming.record.stages = pending->stages();
     if (!waited) return tl::unexpected(waited.error());
-    auto result = ticket->take_result();
+    auto result = pending->take_result();
     if (!result && result.error().code == ErrorCode::Stopped) return too_slow(incoming.record);
     if (!result) return problem(std::move(result.error()));
     return *std::move(result);
@@ -264,9 +265,9 @@ HttpResult<T> Computing::have_worker_do(Task<T> task, const api::Cost& cost, con
 /// Waits for a result until its client leaves, the server shuts down, or the deadline has passed and the job has had
 /// its time to stop.
 template <class T>
-HttpResult<void> Computing::wait_for(Ticket<T>& ticket, WorkerPool::JobId job, const Incoming& incoming,
+HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
                                      Clock::time_point deadline) {
-    while (!ticket.wait_until(std::min(Clock::now() + kPeek, deadline))) {
+    while (!pending.wait_until(std::min(Clock::now() + kPeek, deadline))) {
         if (incoming.connection.client_gone()) {
             pool_.cancel(job);
             return give_up(problem(kClientGone, "the client went away"), "client_gone", incoming.record);
@@ -278,18 +279,19 @@ HttpResult<void> Computing::wait_for(Ticket<T>& ticket, WorkerPool::JobId job, c
         if (Clock::now() < deadline) continue;
         if (pool_.cancel(job) == WorkerPool::Cancelled::Queued)
             return give_up(busy(503, "no worker was free in time"), "deadline", incoming.record);
-        if (!ticket.wait_until(deadline + kGrace)) return too_slow(incoming.record);
+        if (!pending.wait_until(deadline + kGrace)) return too_slow(incoming.record);
     }
     return {};
 }
 
-HttpResult<Computing::Product> Computing::run(const AskedPointer& asked, const api::Cost& cost, bool compressed,
-                                              const Incoming& incoming, Clock::time_point deadline) {
-    const Manner manner{compressed};
-    Task<Product> task = [this, asked, manner](const Control& control, api::Timings& timings) {
-        return compute_(asked->question, manner, control, timings).map([this](api::Answer answer) {
+HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& asked, const api::Cost& cost,
+                                                     bool compressed, const Incoming& incoming,
+                                                     Clock::time_point deadline) {
+    const Delivery delivery{compressed};
+    Task<ComputedAnswer> task = [this, asked, delivery](const Control& control, api::Timings& timings) {
+        return compute_(asked->request, delivery, control, timings).map([this](api::Answer answer) {
             const std::size_t size = answer.body.size();
-            return Product{std::move(answer), pool_.memory().hold(size)};
+            return ComputedAnswer{std::move(answer), pool_.memory().hold(size)};
         });
     };
     const double waited = incoming.record.stages.queue;

@@ -35,13 +35,13 @@ public:
 
     const ResultCache& cache() const { return cache_; }
 
-    /// From now on nothing new is computed.
+    /// Refuses to compute anything new from now on.
     void drain() { draining_ = true; }
 
-    /// From now on nothing is waited for: whoever waits for a result is told that the server shuts down.
+    /// Stops waiting: whoever waits for a result is told that the server shuts down, from now on.
     void abandon() { abandoned_ = true; }
 
-    /// A refusal that may end well a little later.
+    /// Refuses what may end well once the backlog is done.
     tl::unexpected<Problem> busy(int status, std::string message) const;
 
 private:
@@ -49,29 +49,29 @@ private:
     template <class T>
     using Task = std::function<Result<T>(const Control&, api::Timings&)>;  ///< what a worker does
 
-    struct Asked;
-    using AskedPointer = std::shared_ptr<const Asked>;
-    struct Product;
+    struct AcceptedRequest;
+    using AcceptedPointer = std::shared_ptr<const AcceptedRequest>;
+    struct ComputedAnswer;
     template <class T>
-    class Ticket;
+    class PendingResult;
 
     tl::unexpected<Problem> too_slow(Record& record) const;
     tl::unexpected<Problem> too_large(std::size_t bytes) const;
     HttpResult<std::string> read_body(const Incoming& incoming, bool deferred) const;
-    HttpResult<AskedPointer> take_in(const Operation& operation, Question question);
-    HttpResult<Response> defer(const AskedPointer& asked, const Incoming& incoming);
-    HttpResult<api::Cost> find_cost(const AskedPointer& asked, const Incoming& incoming, Clock::time_point deadline);
+    HttpResult<AcceptedPointer> take_in(const Operation& operation, ComputeRequest request);
+    HttpResult<Response> defer(const AcceptedPointer& asked, const Incoming& incoming);
+    HttpResult<api::Cost> find_cost(const AcceptedPointer& asked, const Incoming& incoming, Clock::time_point deadline);
     template <class T>
     HttpResult<T> have_worker_do(Task<T> task, const api::Cost& cost, const Incoming& incoming,
                                  Clock::time_point deadline);
     template <class T>
-    HttpResult<void> wait_for(Ticket<T>& ticket, WorkerPool::JobId job, const Incoming& incoming,
+    HttpResult<void> wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
                               Clock::time_point deadline);
     std::string cache_owner(const Connection& connection) const;
     std::optional<Response> recall(const std::string& name, bool compressed, const Incoming& incoming);
-    HttpResult<Response> compute(const AskedPointer& asked, bool compressed, const Incoming& incoming);
-    HttpResult<Product> run(const AskedPointer& asked, const api::Cost& cost, bool compressed, const Incoming& incoming,
-                            Clock::time_point deadline);
+    HttpResult<Response> compute(const AcceptedPointer& asked, bool compressed, const Incoming& incoming);
+    HttpResult<ComputedAnswer> run(const AcceptedPointer& asked, const api::Cost& cost, bool compressed,
+                                   const Incoming& incoming, Clock::time_point deadline);
 
     const Config config_;
     WorkerPool& pool_;

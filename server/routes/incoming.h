@@ -10,7 +10,7 @@ namespace ccdt::server {
 
 struct Operation;
 
-/// What the path of a request leads to, as far as it is not the route itself.
+/// Things that the path of a request names besides its route.
 struct Target {
     std::string_view job;                  ///< the id in the path of a job
     const PageFile* file = nullptr;        ///< of the page

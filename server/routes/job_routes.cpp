@@ -11,12 +11,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// How often a stream looks whether its client is still there.
+/// Time after which a stream looks whether its client is still there.
 constexpr std::chrono::milliseconds kPeek{200};
 
 constexpr std::chrono::seconds kSoon{1};
 
-/// What is told of a job holds for the moment only.
+/// An answer that holds for the moment only, as what is told of a job does.
 Response for_now(std::string media_type, std::string body) {
     Response response;
     response.media_type = std::move(media_type);
@@ -29,7 +29,7 @@ Response document(const Job& job) {
     return for_now("application/json", status_json(job) + '\n');
 }
 
-/// Why there is no result.
+/// Tells why there is no result.
 tl::unexpected<Problem> no_result(const Job& job) {
     if (job.status == JobStatus::Cancelled) return problem(410, "the job was cancelled");
     if (job.failure) {
@@ -61,7 +61,7 @@ HttpResult<Response> JobRoutes::status(const std::string& id, const Connection& 
     return document(*job);
 }
 
-/// A result stays what it is as long as it is there, so the job names it.
+/// Answers with a result; it stays what it is as long as it is there, so the job's id is its tag.
 HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view if_none_match,
                                        const Connection& connection) {
     const auto job = jobs_.find(id, connection.key());
@@ -99,7 +99,7 @@ HttpResult<Response> JobRoutes::events(const std::string& id, const Connection& 
     return response;
 }
 
-/// Until the job ends, the client leaves or the server shuts down.
+/// Sends events until the job ends, the client leaves or the server shuts down.
 void JobRoutes::send_events(Jobs::Watch watch, const Connection& connection, const Send& send) const {
     auto silent_since = Clock::now();
     while (!connection.client_gone()) {

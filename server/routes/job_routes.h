@@ -33,7 +33,7 @@ private:
     const std::chrono::milliseconds ping_;
 };
 
-/// What accepting a job is answered with.
+/// Answers that a job was accepted.
 Response accepted(const Job& job);
 
 }  // namespace ccdt::server

@@ -25,10 +25,10 @@ constexpr std::string_view kJson = "application/json";
 constexpr std::string_view kProblem = "application/problem+json";
 constexpr std::size_t kLongestId = 64;
 
-/// Longer texts are compressed by workers.
+/// Bytes of a text: longer ones are compressed by workers.
 constexpr std::size_t kQuickToCompress = 262'144;
 
-/// What `OPTIONS *` tells: the methods that some path takes.
+/// Methods that some path takes, for `OPTIONS *`.
 constexpr std::string_view kAllMethods = "GET, HEAD, POST, DELETE, OPTIONS";
 
 /// Seconds after which a worker that goes on though its job was cancelled counts as stuck.
@@ -47,7 +47,7 @@ std::string server_timing(const Stages& stages) {
     return text;
 }
 
-/// A strong tag names bytes, which differ between codings; a weak one what they mean.
+/// Adds the tag: a strong one names bytes, which differ between codings; a weak one what they mean.
 void add_entity_tag(Response& response) {
     if (response.tag.empty()) return;
     if (!response.coding.empty() && response.tag.front() == '"')
@@ -55,11 +55,11 @@ void add_entity_tag(Response& response) {
     response.headers.push_back({"ETag", response.tag});
 }
 
-/// Where an id stands in the paths of jobs.
+/// Pattern of the paths of jobs.
 constexpr std::string_view kJobs = "/jobs/";
 constexpr std::string_view kId = "{id}";
 
-/// What is a job's id if the path is one of its.
+/// Takes what is a job's id if the path is a job's.
 std::string_view job_id(std::string_view path) {
     path.remove_prefix(std::min(path.size(), kJobs.size()));
     return api::take_until(path, "/");
@@ -89,7 +89,7 @@ Response json_response(std::string body) {
 
 }  // namespace
 
-/// All that is answered. What is computed has its rows in kOperations.
+/// The rows of all that is answered; of what is computed kOperations has them.
 struct Routes::Table {
     static constexpr auto kFixed = std::to_array<Route>({
         {"/", "GET", Room::Common, Entrance::Read, &Routes::page, nullptr},
@@ -123,7 +123,7 @@ Routes::Routes(const Config& config, Parts parts)
       gate_(parts.gate),
       pool_(parts.pool),
       metrics_(parts.metrics),
-      lacking_(std::move(parts.lacking)),
+      missing_(std::move(parts.missing)),
       computing_(config, parts.pool, parts.waiting_memory, std::move(parts.compute), parts.jobs),
       job_routes_(parts.jobs, parts.pool.memory(), config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
@@ -169,7 +169,7 @@ Routes::Found Routes::find(const Request& request) {
     return found;
 }
 
-/// What lies below the health checks and is not there, is not there without a key either.
+/// Whether a request needs no key. That there is nothing below a health check is told without one, too.
 bool Routes::is_free(const Found& found, const Request& request) {
     if (found.route == nullptr) return request.path.starts_with("/health/");
     switch (found.route->entrance) {
@@ -237,7 +237,7 @@ HttpResult<Response> Routes::live(const Incoming& /*incoming*/) {
 
 HttpResult<Response> Routes::ready(const Incoming& /*incoming*/) {
     if (draining_) return computing_.busy(503, "the server is shutting down");
-    if (auto lacking = lacking_(); !lacking.empty()) return computing_.busy(503, std::move(lacking));
+    if (auto missing = missing_(); !missing.empty()) return computing_.busy(503, std::move(missing));
     const WorkerPool::Load load = pool_.load();
     if (load.overdue_seconds > kLongestOverdue)
         return computing_.busy(503, "a worker does not stop when it is told to");

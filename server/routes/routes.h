@@ -24,10 +24,10 @@ namespace ccdt::server {
 /// Maps paths and methods to what answers them. May be used from any thread.
 class Routes {
 public:
-    /// What computing takes and is not there now, in words; empty: all of it is there.
-    using Lacking = std::function<std::string()>;
+    /// Tells what is missing to compute now, in words; empty: nothing.
+    using Missing = std::function<std::string()>;
 
-    /// What answers requests. All of these must outlive the routes.
+    /// Parts that answer requests. All of them must outlive the routes.
     struct Parts {
         Gate& gate;
         WorkerPool& pool;
@@ -35,7 +35,7 @@ public:
         Compute compute;
         Jobs& jobs;
         const Metrics& metrics;
-        Lacking lacking;
+        Missing missing;
     };
 
     Routes(const Config& config, Parts parts);
@@ -45,19 +45,19 @@ public:
 
     const ResultCache& cache() const { return computing_.cache(); }
 
-    /// From now on nothing new is computed.
+    /// Refuses to compute anything new from now on.
     void drain() {
         draining_ = true;
         computing_.drain();
     }
 
-    /// From now on nothing is waited for: whoever waits for a result is told that the server shuts down.
+    /// Stops waiting: whoever waits for a result is told that the server shuts down, from now on.
     void abandon() { computing_.abandon(); }
 
 private:
     using Handler = HttpResult<Response> (Routes::*)(const Incoming&);
 
-    /// Who is answered though there are API keys.
+    /// Rule for who is answered although there are API keys.
     enum class Entrance {
         Key,    ///< who shows one, and asks no more often than the rate allows
         Read,   ///< who wants to GET, always: a browser that opens the page sends no key
@@ -75,7 +75,7 @@ private:
     };
     struct Table;
 
-    /// What a path leads to.
+    /// The row of a path, and what else it names.
     struct Found {
         const Route* route = nullptr;
         Target target;
@@ -108,7 +108,7 @@ private:
     Gate& gate_;
     WorkerPool& pool_;
     const Metrics& metrics_;
-    const Lacking lacking_;
+    const Missing missing_;
     Computing computing_;
     JobRoutes job_routes_;
     std::atomic<bool> draining_ = false;

@@ -10,7 +10,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Besides those of connections: the log, libraries, pictures.
+/// Files besides those of connections: the log, libraries, pictures.
 constexpr std::size_t kOtherFiles = 256;
 
 Result<std::unique_ptr<DecoderBox>> start_decoder(const Log& log) {
@@ -52,8 +52,8 @@ void allow_files(const Capacity::Limits& limits) {
 }
 
 Compute compute_in(ComputeBox& box) {
-    return [&box](const auto& question, const auto& manner, const auto& control, auto& timings) {
-        return box.compute(question, manner, control, timings);
+    return [&box](const auto& request, const auto& delivery, const auto& control, auto& timings) {
+        return box.compute(request, delivery, control, timings);
     };
 }
 
@@ -103,7 +103,7 @@ Service::Service(const Config& config, Parts parts, const Log& log)
                        .compute = compute_in(*parts_.computing),
                        .jobs = jobs_,
                        .metrics = metrics_,
-                       .lacking = [this] { return lacking(); }}),
+                       .missing = [this] { return missing(); }}),
       server_(
           std::move(parts_.listener), config.patience, config.capacity,
           [this](const auto& request, const auto& received, auto& connection) {
@@ -128,13 +128,13 @@ void Service::drain() {
     jobs_.drain();
 }
 
-/// What computing takes and is not there now; empty: nothing.
-std::string Service::lacking() const {
+/// Tells what is missing to compute now; empty: nothing.
+std::string Service::missing() const {
     if (!parts_.decoder->is_ready()) return "the decoder of pictures is being started again";
     return parts_.computing->is_ready() ? "" : "what makes the processes that compute is being started again";
 }
 
-/// What the parts count.
+/// Collects what the parts count.
 Metrics::Watched Service::figures() const {
     return {.connections = server_.connections(),
             .memory_budget = parts_.memory.total,

@@ -36,7 +36,7 @@ public:
     Service(const Service&) = delete;
     Service& operator=(const Service&) = delete;
 
-    /// Where it listens: a URL, or `unix:` and a path.
+    /// The place where it listens: a URL, or `unix:` and a path.
     std::string address() const;
 
     /// Reads the file of API keys again. After an error they are what they were.
@@ -56,7 +56,7 @@ public:
     void finish() { pool_.drain(); }
 
 private:
-    /// What may fail to start.
+    /// Parts that may fail to start.
     struct Parts {
         std::unique_ptr<DecoderBox> decoder;
         std::unique_ptr<Gate> gate;
@@ -69,7 +69,7 @@ private:
     static Result<Parts> start_parts(const Config& config, const Log& log);
     Service(const Config& config, Parts parts, const Log& log);
 
-    std::string lacking() const;
+    std::string missing() const;
     Metrics::Watched figures() const;
 
     const Config config_;

@@ -12,7 +12,7 @@
 namespace ccdt::server {
 namespace {
 
-/// For telling those who wait that nothing will come.
+/// Time for telling those who wait that nothing will come.
 constexpr std::chrono::milliseconds kLastWords{1'000};
 
 /// @returns  false if the time has passed

@@ -13,7 +13,7 @@ namespace ccdt::server {
 /// does when a terminal is closed.
 class EndSignals {
 public:
-    /// To be made before any thread: they inherit the mask, and only the one that waits takes the signals.
+    /// Blocks them; to be made before any thread: they inherit the mask, and only the one that waits takes the signals.
     explicit EndSignals(bool reload);
 
     /// Reloads on SIGHUP, and returns on any other signal. From then on another signal ends the program at once.

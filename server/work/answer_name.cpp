@@ -6,18 +6,19 @@
 #include "server/work/digest.h"
 
 namespace ccdt::server {
-std::string name_of_answer(const Question& question, const std::vector<FormPart>& fields, const api::Limits& limits) {
-    const std::string type = media_type(question.content_type);
+std::string name_of_answer(const ComputeRequest& request, const std::vector<FormPart>& fields,
+                           const api::Limits& limits) {
+    const std::string type = media_type(request.content_type);
     // What is not asked for is chosen within the limits.
     const std::string server =
         CCDT_VERSION " " + std::to_string(limits.max_sites) + ' ' + std::to_string(limits.max_pixels);
     Digest digest;
-    for (const std::string& text : {server, question.path, question.query, type, question.accept}) digest.add(text);
+    for (const std::string& text : {server, request.path, request.query, type, request.accept}) digest.add(text);
     for (const FormPart& field : fields) {
         digest.add(field.name);
-        digest.add(field.content(question.body));
+        digest.add(field.content(request.body));
     }
-    if (fields.empty()) digest.add(question.body);
+    if (fields.empty()) digest.add(request.body);
     return digest.finish();
 }
 

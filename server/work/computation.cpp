@@ -23,14 +23,14 @@ void compress(api::Answer& answer, const std::stop_token& stop, api::Timings& ti
 
 }  // namespace
 
-Result<api::Answer> compute_here(const Question& question, const Manner& manner, const api::Limits& limits,
+Result<api::Answer> compute_here(const ComputeRequest& request, const Delivery& delivery, const api::Limits& limits,
                                  const api::Decode& decode, const Control& control, api::Timings& timings) {
-    const Operation* const operation = find_operation(question.path);
-    if (operation == nullptr) return failure(ErrorCode::Internal, "nothing is computed at " + question.path);
-    const auto parsed = operation->parse(question, limits);
+    const Operation* const operation = find_operation(request.path);
+    if (operation == nullptr) return failure(ErrorCode::Internal, "nothing is computed at " + request.path);
+    const auto parsed = operation->parse(request, limits);
     if (!parsed) return tl::unexpected(parsed.error());
     auto answer = (*parsed)->run(decode, control, timings);
-    if (answer && manner.compressed) compress(*answer, control.stop, timings);
+    if (answer && delivery.compressed) compress(*answer, control.stop, timings);
     return answer;
 }
 

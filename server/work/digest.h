@@ -15,7 +15,7 @@ public:
 
     void add(std::string_view text);
 
-    /// To be called once, in the end.
+    /// Finishes; to be called once.
     /// @returns  the beginning of the digest in base64, 24 characters: as many as nobody finds two lists of one digest
     ///           with
     std::string finish();

@@ -12,7 +12,7 @@
 
 namespace ccdt::server {
 
-/// Where items of several clients wait, who take turns by what the items cost: next is always that of the client who
+/// A queue for items of several clients, who take turns by what the items cost: next is always that of the client who
 /// has had least. Having had nothing for a while gives no credit, and once nobody waits all that was had is forgotten.
 ///
 /// Not for several threads at once. O(items) an operation.
@@ -43,7 +43,7 @@ public:
         entries_.push_back({client, cost, turn, std::move(item)});
     }
 
-    /// Of those whose turn is first, the one that came first; there must be one.
+    /// The entry that came first of those whose turn is first; there must be one.
     const Entry& next() const { return *std::ranges::min_element(entries_, {}, &Entry::turn); }
 
     Item take_next() {

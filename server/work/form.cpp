@@ -8,8 +8,8 @@
 namespace ccdt::server {
 namespace {
 
-bool is_form(const Question& question) {
-    return media_type(question.content_type) == "multipart/form-data";
+bool is_form(const ComputeRequest& request) {
+    return media_type(request.content_type) == "multipart/form-data";
 }
 
 bool is_picture(const FormPart& field) {
@@ -29,25 +29,25 @@ Result<const FormPart*> find_picture(const std::vector<FormPart>& fields) {
 
 }  // namespace
 
-Result<std::vector<FormPart>> find_fields(const Question& question) {
-    if (!is_form(question)) return {};
-    return parse_multipart(question.body, question.content_type).map_error([](Problem problem) {
+Result<std::vector<FormPart>> find_fields(const ComputeRequest& request) {
+    if (!is_form(request)) return {};
+    return parse_multipart(request.body, request.content_type).map_error([](Problem problem) {
         return Error{ErrorCode::Malformed, std::move(problem.error.message), {}};
     });
 }
 
-Result<void> take_apart(Question& question, const std::vector<FormPart>& fields) {
-    if (!is_form(question)) return {};
+Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fields) {
+    if (!is_form(request)) return {};
     const auto picture = find_picture(fields);
     if (!picture) return tl::unexpected(picture.error());
     for (const FormPart& field : fields) {
         if (is_picture(field)) continue;
-        if (!question.query.empty()) question.query += '&';
-        question.query += encode_percent(field.name) + '=' + encode_percent(field.content(question.body));
+        if (!request.query.empty()) request.query += '&';
+        request.query += encode_percent(field.name) + '=' + encode_percent(field.content(request.body));
     }
-    question.body.resize((*picture)->begin + (*picture)->size);
-    question.body.erase(0, (*picture)->begin);
-    question.content_type.clear();
+    request.body.resize((*picture)->begin + (*picture)->size);
+    request.body.erase(0, (*picture)->begin);
+    request.content_type.clear();
     return {};
 }
 

@@ -4,20 +4,20 @@
 
 #include "core/result.h"
 #include "server/http/multipart.h"
-#include "server/work/question.h"
+#include "server/work/compute_request.h"
 
 namespace ccdt::server {
 
-/// Finds the fields of the form that a question's body is, by its content type.
+/// Finds the fields of the form that a request's body is, by its content type.
 /// @returns  none if it is no form
 /// Errors (Malformed): those of parse_multipart.
-Result<std::vector<FormPart>> find_fields(const Question& question);
+Result<std::vector<FormPart>> find_fields(const ComputeRequest& request);
 
-/// Makes of a question with a form the same question with a picture: the part `image` or `file` becomes the body, the
+/// Makes of a request with a form the same request with a picture: the part `image` or `file` becomes the body, the
 /// other fields are added to the query. What is no form stays as it is.
 ///
-/// @param fields  of that question
+/// @param fields  of that request
 /// Errors (Malformed): no picture, or several.
-Result<void> take_apart(Question& question, const std::vector<FormPart>& fields);
+Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fields);
 
 }  // namespace ccdt::server

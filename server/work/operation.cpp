@@ -13,7 +13,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Longer JSON is parsed by a worker.
+/// Bytes of JSON: longer ones are parsed by a worker.
 constexpr std::size_t kQuickToParse = 8'192;
 
 bool is_json(std::string_view type) {
@@ -27,8 +27,8 @@ bool may_hold_json(std::string_view type) {
     return is_json(type) || std::ranges::find(kUnspecific, type) != kUnspecific.end();
 }
 
-bool reads_json(const Operation& operation, const Question& question) {
-    return !operation.takes_pictures || is_json(media_type(question.content_type));
+bool reads_json(const Operation& operation, const ComputeRequest& request) {
+    return !operation.takes_pictures || is_json(media_type(request.content_type));
 }
 
 api::Cost cost_of(const api::AnalyzeRequest& request, const api::Limits& /*limits*/) {
@@ -79,19 +79,19 @@ Result<ParsedPointer> pack(Result<Request> request, const api::Limits& limits) {
 
 }  // namespace
 
-Result<ParsedPointer> parse_halftone(const Question& question, const api::Limits& limits) {
-    const auto options = parse_query(question.query);
-    if (is_json(media_type(question.content_type)))
-        return pack(api::parse_halftone_json(question.body, options, question.accept, limits), limits);
-    return pack(api::parse_halftone(question.body, options, question.accept, limits), limits);
+Result<ParsedPointer> parse_halftone(const ComputeRequest& request, const api::Limits& limits) {
+    const auto options = parse_query(request.query);
+    if (is_json(media_type(request.content_type)))
+        return pack(api::parse_halftone_json(request.body, options, request.accept, limits), limits);
+    return pack(api::parse_halftone(request.body, options, request.accept, limits), limits);
 }
 
-Result<ParsedPointer> parse_sample(const Question& question, const api::Limits& limits) {
-    return pack(api::parse_sample(question.body, question.accept, limits), limits);
+Result<ParsedPointer> parse_sample(const ComputeRequest& request, const api::Limits& limits) {
+    return pack(api::parse_sample(request.body, request.accept, limits), limits);
 }
 
-Result<ParsedPointer> parse_analyze(const Question& question, const api::Limits& limits) {
-    return pack(api::parse_analyze(question.body, question.accept, limits), limits);
+Result<ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Limits& limits) {
+    return pack(api::parse_analyze(request.body, request.accept, limits), limits);
 }
 
 const Operation* find_operation(std::string_view path) {
@@ -99,29 +99,29 @@ const Operation* find_operation(std::string_view path) {
     return found == kOperations.end() ? nullptr : found;
 }
 
-Result<void> check(const Operation& operation, const Question& question) {
+Result<void> check(const Operation& operation, const ComputeRequest& request) {
     if (operation.takes_pictures) return {};
-    const std::string type = media_type(question.content_type);
+    const std::string type = media_type(request.content_type);
     if (!may_hold_json(type)) return failure(ErrorCode::Unsupported, "the body must be application/json, not " + type);
-    if (!question.query.empty())
+    if (!request.query.empty())
         return failure(ErrorCode::Malformed, "the options of this path are members of the JSON body");
     return {};
 }
 
-bool is_quickly_parsed(const Operation& operation, const Question& question) {
-    return !reads_json(operation, question) || question.body.size() <= kQuickToParse;
+bool is_quickly_parsed(const Operation& operation, const ComputeRequest& request) {
+    return !reads_json(operation, request) || request.body.size() <= kQuickToParse;
 }
 
-api::Cost cost_of_parsing(const Operation& operation, const Question& question) {
-    if (reads_json(operation, question)) return api::cost_of_parsing(question.body);
+api::Cost cost_of_parsing(const Operation& operation, const ComputeRequest& request) {
+    if (reads_json(operation, request)) return api::cost_of_parsing(request.body);
     constexpr double kSecondsPerByte = 1e-9;
-    return {0, static_cast<double>(question.body.size()) * kSecondsPerByte};
+    return {0, static_cast<double>(request.body.size()) * kSecondsPerByte};
 }
 
-api::Cost cost_of_answering(const Operation& operation, const Question& question, const ParsedRequest& parsed) {
-    const auto parsing = cost_of_parsing(operation, question);
+api::Cost cost_of_answering(const Operation& operation, const ComputeRequest& request, const ParsedRequest& parsed) {
+    const auto parsing = cost_of_parsing(operation, request);
     const auto computing = parsed.cost();
-    return {question.body.size() + std::max(parsing.memory, computing.memory), parsing.seconds + computing.seconds};
+    return {request.body.size() + std::max(parsing.memory, computing.memory), parsing.seconds + computing.seconds};
 }
 
 }  // namespace ccdt::server

@@ -8,7 +8,7 @@
 #include "api/options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
-#include "server/work/question.h"
+#include "server/work/compute_request.h"
 
 namespace ccdt::server {
 
@@ -17,7 +17,7 @@ class ParsedRequest {
 public:
     virtual ~ParsedRequest() = default;
 
-    /// Of computing the answer, with what the request itself holds.
+    /// Cost of computing the answer, with what the request itself holds.
     virtual api::Cost cost() const = 0;
 
     /// Computes the answer: see Compute.
@@ -31,12 +31,12 @@ struct Operation {
     bool takes_pictures;    ///< as bodies and in forms, with options in the query; else the body is JSON
 
     /// Errors: those of the path's parser.
-    Result<ParsedPointer> (*parse)(const Question& question, const api::Limits& limits);
+    Result<ParsedPointer> (*parse)(const ComputeRequest& request, const api::Limits& limits);
 };
 
-Result<ParsedPointer> parse_halftone(const Question& question, const api::Limits& limits);
-Result<ParsedPointer> parse_sample(const Question& question, const api::Limits& limits);
-Result<ParsedPointer> parse_analyze(const Question& question, const api::Limits& limits);
+Result<ParsedPointer> parse_halftone(const ComputeRequest& request, const api::Limits& limits);
+Result<ParsedPointer> parse_sample(const ComputeRequest& request, const api::Limits& limits);
+Result<ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Limits& limits);
 
 inline constexpr auto kOperations = std::to_array<Operation>({
     {"/halftone", true, parse_halftone},
@@ -47,16 +47,16 @@ inline constexpr auto kOperations = std::to_array<Operation>({
 /// Finds the row of a path; null if there is none.
 const Operation* find_operation(std::string_view path);
 
-/// Errors: those that a request has whatever its body.
-Result<void> check(const Operation& operation, const Question& question);
+/// Checks all but the body. Errors: those that a request has whatever its body.
+Result<void> check(const Operation& operation, const ComputeRequest& request);
 
 /// Whether to parse it takes no longer than the thread of a connection should.
-bool is_quickly_parsed(const Operation& operation, const Question& question);
+bool is_quickly_parsed(const Operation& operation, const ComputeRequest& request);
 
-/// What parsing takes.
-api::Cost cost_of_parsing(const Operation& operation, const Question& question);
+/// Cost of parsing.
+api::Cost cost_of_parsing(const Operation& operation, const ComputeRequest& request);
 
-/// What computing the answer takes where there is nothing but a copy of the question, which is parsed again there.
-api::Cost cost_of_answering(const Operation& operation, const Question& question, const ParsedRequest& parsed);
+/// Cost of computing the answer where there is nothing but a copy of the request, which is parsed again there.
+api::Cost cost_of_answering(const Operation& operation, const ComputeRequest& request, const ParsedRequest& parsed);
 
 }  // namespace ccdt::server

@@ -16,7 +16,8 @@ constexpr double kNewestWeight = 0.2;
 
 constexpr double kLongestBacklog = 3600;
 
-/// An expectation may be wrong by so much; more says that the job failed early, or that its worker was held up.
+/// Bounds for how wrong an expectation is taken to be; more says that the job failed early, or that its worker was held
+/// up.
 constexpr double kLeastPace = 0.1, kMostPace = 10;
 
 double seconds_since(WorkerPool::Clock::time_point start) {
@@ -27,7 +28,7 @@ bool is_short(const api::Cost& cost) {
     return cost.seconds <= WorkerPool::kShort;
 }
 
-/// Has the calling thread give way to those that read requests, answer at once or do short jobs.
+/// Has the calling thread yield to those that read requests, answer at once or do short jobs.
 void yield_to_other_threads() {
     constexpr int kNice = 10;
     setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
@@ -190,7 +191,7 @@ void WorkerPool::finish_locked(JobId id) {
     if (is_idle_locked()) idle_.notify_all();
 }
 
-/// Until a job that came now would begin.
+/// Seconds until a job that came now would begin.
 double WorkerPool::waiting_seconds_locked() const {
     double expected = 0;
     for (const Queue* queue : {&long_, &short_}) {

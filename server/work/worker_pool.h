@@ -39,7 +39,7 @@ public:
     using JobId = std::uint64_t;
     using Clock = std::chrono::steady_clock;
 
-    /// What became of a job that was cancelled.
+    /// State that a job was in when it was cancelled.
     enum class Cancelled { Queued, Running, Unknown };
 
     struct Load {
@@ -71,17 +71,17 @@ public:
     /// @returns       none: the queue is full
     std::optional<JobId> submit(const std::string& client, Job job, const api::Cost& cost = {0, 1});
 
-    /// The same for jobs whose number is bounded elsewhere: there is room for them.
+    /// Submits a job that has room whatever waits: the number of such jobs is bounded elsewhere.
     JobId submit_always(const std::string& client, Job job, const api::Cost& cost);
 
-    /// A waiting job is forgotten, a running one has its stop token set; any other id does nothing.
+    /// Forgets a waiting job, and stops a running one by its token; does nothing for any other id.
     Cancelled cancel(JobId id);
 
-    /// A job that the client submits now would be refused, whatever it costs or, if so much is known, one that is not
-    /// short.
+    /// Whether a job that the client submits now would be refused, whatever it costs or, if so much is known, one that
+    /// is not short.
     bool is_full(std::string_view client, bool may_be_short = true) const;
 
-    /// Of which running jobs take their part.
+    /// Memory, of which running jobs take their part.
     MemoryBudget& memory() { return memory_; }
     const MemoryBudget& memory() const { return memory_; }
 
@@ -90,11 +90,11 @@ public:
 
     Load load() const;
 
-    /// How long the jobs now waiting will keep the workers busy, at the pace of late; at least a second.
+    /// Time for which the jobs now waiting will keep the workers busy, at the pace of late; at least a second.
     std::chrono::seconds backlog() const;
 
 private:
-    /// What a thread does.
+    /// Kinds of jobs that a thread does.
     enum class Lane { Any, Short };
 
     struct Waiting {

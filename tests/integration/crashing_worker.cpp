@@ -2,25 +2,25 @@
 #include <string_view>
 #include <utility>
 
-#include "server/processes/child_program.h"
 #include "server/compute/compute_process.h"
 #include "server/compute/fork_server.h"
+#include "server/processes/child_program.h"
 
 namespace ccdt::server {
 namespace {
 
-bool asks_for(const Question& question, std::string_view seed) {
-    return question.body.find(seed) != std::string::npos || question.query.find(seed) != std::string::npos;
+bool asks_for(const ComputeRequest& request, std::string_view seed) {
+    return request.body.find(seed) != std::string::npos || request.query.find(seed) != std::string::npos;
 }
 
 /// Computes as ccdt-worker does, but has faults that a seed brings about.
-Result<api::Answer> compute(const Question& question, const Manner& manner, const api::Limits& limits,
+Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const api::Limits& limits,
                             const api::Decode& decode, const Control& control, api::Timings& timings) {
-    if (asks_for(question, "1300000001")) raise(SIGSEGV);
-    volatile bool endless = asks_for(question, "1300000002");
+    if (asks_for(request, "1300000001")) raise(SIGSEGV);
+    volatile bool endless = asks_for(request, "1300000002");
     while (endless) {
     }
-    return compute_here(question, manner, limits, decode, control, timings);
+    return compute_here(request, delivery, limits, decode, control, timings);
 }
 
 }  // namespace

@@ -8,8 +8,9 @@ namespace ccdt::server::test {
 
 /// What the server's processes do, done here.
 inline Compute compute_in_process(const api::Limits& limits = {}) {
-    return [limits](const Question& question, const Manner& manner, const Control& control, api::Timings& timings) {
-        return compute_here(question, manner, limits, api::decode_inline(), control, timings);
+    return [limits](const ComputeRequest& request, const Delivery& delivery, const Control& control,
+                    api::Timings& timings) {
+        return compute_here(request, delivery, limits, api::decode_inline(), control, timings);
     };
 }
 

@@ -30,29 +30,29 @@ void wait_for_stop(const std::stop_token& stop) {
     never.wait(lock, stop, [] { return false; });
 }
 
-/// Does what the question's path says, in the process that computes.
-Result<api::Answer> obey(const Question& question, const Manner& manner, const api::Limits& limits, const api::Decode&,
-                         const Control& control, api::Timings& timings) {
+/// Does what the request's path says, in the process that computes.
+Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery, const api::Limits& limits,
+                         const api::Decode&, const Control& control, api::Timings& timings) {
     timings = {1, 2, 3};
-    if (question.path == "abort") std::abort();
-    if (question.path == "die" && !std::filesystem::exists(question.query)) {
-        std::ofstream(question.query) << getpid();
+    if (request.path == "abort") std::abort();
+    if (request.path == "die" && !std::filesystem::exists(request.query)) {
+        std::ofstream(request.query) << getpid();
         raise(SIGKILL);
     }
-    if (question.path == "die again") raise(SIGKILL);
-    if (question.path == "throw") throw std::runtime_error("thrown");
-    if (question.path == "refuse") return failure(ErrorCode::Unusable, "no", "/a field");
-    if (question.path == "endless") wait_for_stop({});
-    if (question.path == "wait") {
+    if (request.path == "die again") raise(SIGKILL);
+    if (request.path == "throw") throw std::runtime_error("thrown");
+    if (request.path == "refuse") return failure(ErrorCode::Unusable, "no", "/a field");
+    if (request.path == "endless") wait_for_stop({});
+    if (request.path == "wait") {
         control.progress({.iteration = 1});
         wait_for_stop(control.stop);
         return failure(ErrorCode::Stopped, "stopped");
     }
     for (int i = 1; i <= 3; ++i) control.progress({.iteration = i, .iterations = 3, .variation = 0.5});
     api::Answer answer;
-    answer.media_type = question.content_type + (manner.compressed ? " compressed" : "");
-    answer.coding = question.accept;
-    answer.body = question.body;
+    answer.media_type = request.content_type + (delivery.compressed ? " compressed" : "");
+    answer.coding = request.accept;
+    answer.body = request.body;
     answer.sites = limits.max_sites;
     answer.pixels = static_cast<std::size_t>(getpid());
     answer.partial = true;
@@ -74,8 +74,8 @@ Result<ChildProgram> launch(UniqueFd orders) {
 
 class ComputeBoxTest : public testing::Test {
 protected:
-    Result<api::Answer> ask(const Question& question, const Control& control = {}) {
-        return box_->compute(question, {}, control, timings_);
+    Result<api::Answer> ask(const ComputeRequest& request, const Control& control = {}) {
+        return box_->compute(request, {}, control, timings_);
     }
 
     pid_t process_of_next() { return static_cast<pid_t>(ask({"/", "", "", "", ""})->pixels); }

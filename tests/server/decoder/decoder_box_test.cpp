@@ -116,7 +116,7 @@ Result<ColourPicture> obey_in_colour(std::string_view file, std::size_t max_pixe
 }
 
 /// A process that becomes the helper, with a decoder of the tests'.
-KeptProgram::Launch forking(Decoder decoder) {
+SupervisedProgram::Launch forking(Decoder decoder) {
     return [decoder = std::move(decoder)](UniqueFd orders) -> Result<ChildProgram> {
         const pid_t process = fork();
         if (process == 0) run_decoder_helper(std::move(orders), decoder);
@@ -129,8 +129,8 @@ void ignore(const std::string&) {}
 /// A box, and a client that gives it orders.
 class BoxOfTests {
 public:
-    BoxOfTests(const KeptProgram::Launch& launch, const DecoderClient::LimitsOf& limits,
-               const KeptProgram::Tell& tell = ignore)
+    BoxOfTests(const SupervisedProgram::Launch& launch, const DecoderClient::LimitsOf& limits,
+               const SupervisedProgram::Tell& tell = ignore)
         : box_(DecoderBox::start(launch, tell).value()),
           client_([this](const Order& order, const std::stop_token& stop) { return box_->relay(order, stop); },
                   limits) {}
@@ -514,7 +514,7 @@ TEST(DecoderBox, EndsPicturesInWorkWithTheHelper) {
 }
 
 /// Starts a helper once; after that there is nothing to start.
-KeptProgram::Launch forking_once(std::atomic<int>& attempts) {
+SupervisedProgram::Launch forking_once(std::atomic<int>& attempts) {
     return [&attempts, launch = forking({obey, obey_in_colour, {}})](UniqueFd orders) -> Result<ChildProgram> {
         if (attempts++ == 0) return launch(std::move(orders));
         return failure(ErrorCode::Internal, "no such program");

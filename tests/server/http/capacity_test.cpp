@@ -95,7 +95,7 @@ TEST(Capacity, IsPressedBeforeItIsFull) {
 TEST(Capacity, CountsBytesUntilTheyAreLetGo) {
     Capacity capacity({.connections = 4, .per_address = 0, .bytes = 100});
     {
-        Held held(&capacity);
+        HeldBytes held(&capacity);
         held.resize(50);
         EXPECT_FALSE(capacity.is_pressed());
         held.resize(51);
@@ -110,8 +110,8 @@ TEST(Capacity, CountsBytesUntilTheyAreLetGo) {
     EXPECT_FALSE(capacity.is_pressed());
 }
 
-TEST(Held, NeedsNoCapacity) {
-    Held held(nullptr);
+TEST(HeldBytes, NeedsNoCapacity) {
+    HeldBytes held(nullptr);
     held.resize(10);
 }
 

@@ -242,7 +242,7 @@ TEST(Connection, GivesAnAnswerUpThatIsNotTaken) {
 
 TEST(Connection, RefusesABodyForWhichThereIsNoMemory) {
     Capacity capacity({.bytes = 100'000});
-    Held others(&capacity);
+    HeldBytes others(&capacity);
     others.resize(60'000);
     const std::string small(30'000, 'x');
     const std::string large(90'000, 'x');

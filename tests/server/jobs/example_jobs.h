@@ -8,7 +8,8 @@
 
 namespace ccdt::server::test {
 
-inline const Question kQuestion{"/sample", "a=b", "text/plain", "*/*", std::string("a body\0with all bytes\xff", 23)};
+inline const ComputeRequest kComputeRequest{"/sample", "a=b", "text/plain", "*/*",
+                                            std::string("a body\0with all bytes\xff", 23)};
 
 inline Job job_named(const std::string& id) {
     Job job;
@@ -23,7 +24,7 @@ inline Job job_named(const std::string& id) {
 /// Adds a job and finishes it.
 inline void add_finished(JobStore& store, const std::string& id, Time finished, const std::string& result) {
     Job job = job_named(id);
-    ASSERT_TRUE(store.add(job, kQuestion));
+    ASSERT_TRUE(store.add(job, kComputeRequest));
     job.status = JobStatus::Succeeded;
     job.finished = finished;
     job.media_type = "text/plain";

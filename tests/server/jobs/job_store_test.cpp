@@ -17,7 +17,7 @@ namespace {
 
 using test::add_finished;
 using test::job_named;
-using test::kQuestion;
+using test::kComputeRequest;
 
 /// Where a test keeps jobs: empty at first, gone at its end.
 class Place {
@@ -93,8 +93,8 @@ void expect_equal(const Job& found, const Job& job) {
 
 TEST_P(JobStoreTest, KeepsJobsAndQuestionsAsTheyAre) {
     Job job = job_named("a");
-    ASSERT_TRUE(store_->add(job, kQuestion));
-    ASSERT_TRUE(store_->add(job_named("b"), kQuestion));
+    ASSERT_TRUE(store_->add(job, kComputeRequest));
+    ASSERT_TRUE(store_->add(job_named("b"), kComputeRequest));
     job.status = JobStatus::Running;
     job.starts = 2;
     job.started = time_now();
@@ -107,21 +107,21 @@ TEST_P(JobStoreTest, KeepsJobsAndQuestionsAsTheyAre) {
     expect_equal(unfinished->front(), job);
     expect_equal(**store_->find("a"), job);
     EXPECT_EQ(unfinished->back().id, "b");
-    const auto question = store_->question("a");
-    ASSERT_TRUE(question && *question);
-    EXPECT_EQ((*question)->path, kQuestion.path);
-    EXPECT_EQ((*question)->query, kQuestion.query);
-    EXPECT_EQ((*question)->content_type, kQuestion.content_type);
-    EXPECT_EQ((*question)->accept, kQuestion.accept);
-    EXPECT_EQ((*question)->body, kQuestion.body);
-    EXPECT_EQ(store_->bytes(), 2 * JobStore::bytes_of_job(kQuestion.path.size() + kQuestion.query.size() +
-                                                          kQuestion.content_type.size() + kQuestion.accept.size() +
-                                                          kQuestion.body.size()));
+    const auto request = store_->request("a");
+    ASSERT_TRUE(request && *request);
+    EXPECT_EQ((*request)->path, kComputeRequest.path);
+    EXPECT_EQ((*request)->query, kComputeRequest.query);
+    EXPECT_EQ((*request)->content_type, kComputeRequest.content_type);
+    EXPECT_EQ((*request)->accept, kComputeRequest.accept);
+    EXPECT_EQ((*request)->body, kComputeRequest.body);
+    EXPECT_EQ(store_->bytes(), 2 * JobStore::bytes_of_job(kComputeRequest.path.size() + kComputeRequest.query.size() +
+                                                          kComputeRequest.content_type.size() +
+                                                          kComputeRequest.accept.size() + kComputeRequest.body.size()));
 }
 
 TEST_P(JobStoreTest, KnowsNothingOfOtherJobs) {
     EXPECT_EQ(*store_->find("a"), std::nullopt);
-    EXPECT_EQ(*store_->question("a"), std::nullopt);
+    EXPECT_EQ(*store_->request("a"), std::nullopt);
     EXPECT_EQ(*store_->result("a"), std::nullopt);
     EXPECT_TRUE(store_->save(job_named("a")));
     EXPECT_TRUE(store_->finish(job_named("a"), "result"));
@@ -136,7 +136,7 @@ TEST_P(JobStoreTest, ExchangesTheQuestionForTheResult) {
         "bytes",
         7);
     add_finished(*store_, "a", time_now(), result);
-    EXPECT_EQ(*store_->question("a"), std::nullopt);
+    EXPECT_EQ(*store_->request("a"), std::nullopt);
     EXPECT_EQ(**store_->result("a"), result);
     EXPECT_EQ((*store_->find("a"))->result_bytes, result.size());
     EXPECT_EQ((*store_->find("a"))->media_type, "text/plain");
@@ -151,7 +151,7 @@ TEST_P(JobStoreTest, ExchangesTheQuestionForTheResult) {
 
 TEST_P(JobStoreTest, KeepsFailures) {
     Job job = job_named("a");
-    ASSERT_TRUE(store_->add(job, kQuestion));
+    ASSERT_TRUE(store_->add(job, kComputeRequest));
     job.status = JobStatus::Failed;
     job.finished = time_now();
     job.progress = {0.5, 3, 0.25};
@@ -174,7 +174,7 @@ TEST_P(JobStoreTest, RemovesAndDropsTheOldestFirst) {
     add_finished(*store_, "newest", now, "result");
     add_finished(*store_, "oldest", now - 3 * second, "result");
     add_finished(*store_, "older", now - 2 * second, "result");
-    ASSERT_TRUE(store_->add(job_named("waits"), kQuestion));
+    ASSERT_TRUE(store_->add(job_named("waits"), kComputeRequest));
     EXPECT_EQ(*store_->first_finished(), now - 3 * second);
 
     EXPECT_TRUE(*store_->drop_oldest_result());

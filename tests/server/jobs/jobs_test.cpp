@@ -15,17 +15,17 @@ using std::chrono::milliseconds;
 const std::string kAlice = "alice";
 const std::string kBob = "bob";
 
-Question sample(const std::string& members) {
+ComputeRequest sample(const std::string& members) {
     return {"/sample", "", "", "", R"({"domain":{"type":"torus","width":1,"height":1},)" + members + "}"};
 }
 
-const Question kShort = sample(R"("sites":50)");
+const ComputeRequest kShort = sample(R"("sites":50)");
 
 /// Longer than any test; ended by stopping it.
-const Question kEndless = sample(R"("sites":2000,"iterations":1000,"passes":100)");
+const ComputeRequest kEndless = sample(R"("sites":2000,"iterations":1000,"passes":100)");
 
 /// Whose answer is the same on every run.
-const Question kAnalysis{"/analyze", "", "", "", R"({"points":[[0,0],[0.5,0.5],[0.2,0.7]]})"};
+const ComputeRequest kAnalysis{"/analyze", "", "", "", R"({"points":[[0,0],[0.5,0.5],[0.2,0.7]]})"};
 
 class JobsTest : public testing::Test {
 protected:
@@ -36,18 +36,18 @@ protected:
         return *jobs_;
     }
 
-    std::string submit(const Question& question, const std::string& owner = kAlice) {
-        const auto job = try_to_submit(question, owner);
+    std::string submit(const ComputeRequest& request, const std::string& owner = kAlice) {
+        const auto job = try_to_submit(request, owner);
         EXPECT_TRUE(job) << job.error().error.message;
         return job ? job->id : "";
     }
 
-    tl::expected<Job, Problem> try_to_submit(const Question& question, const std::string& owner = kAlice) {
+    tl::expected<Job, Problem> try_to_submit(const ComputeRequest& request, const std::string& owner = kAlice) {
         Job job;
         job.owner = owner;
         job.client = owner;
         job.cost = {1000, 1};
-        return jobs_->accept(std::move(job), question);
+        return jobs_->accept(std::move(job), request);
     }
 
     /// Follows a job until a test holds for it.
@@ -126,7 +126,7 @@ TEST_F(JobsTest, TellEveryStep) {
 
 TEST_F(JobsTest, FailAsTheAnswerWouldHave) {
     start();
-    const Question crossing{"/sample", "", "", "", R"({"sites":9,"polygon":[[0,0],[1,1],[1,0],[0,1]]})"};
+    const ComputeRequest crossing{"/sample", "", "", "", R"({"sites":9,"polygon":[[0,0],[1,1],[1,0],[0,1]]})"};
     const Job job = wait_for_end(submit(crossing));
     EXPECT_EQ(job.status, JobStatus::Failed);
     ASSERT_TRUE(job.failure);
@@ -193,13 +193,13 @@ TEST_F(JobsTest, AreRefusedWhereTooManyWait) {
 
 TEST_F(JobsTest, DropTheOldestResultsToMakeRoom) {
     start({.bytes = 13'000});
-    const Question question = sample(R"("sites":100)");  // an answer of some 4 kB
-    const std::string first = submit(question);
+    const ComputeRequest request = sample(R"("sites":100)");  // an answer of some 4 kB
+    const std::string first = submit(request);
     wait_for_end(first);
-    const std::string second = submit(question);
+    const std::string second = submit(request);
     wait_for_end(second);
     EXPECT_TRUE(jobs_->result(first));
-    const std::string third = submit(question);
+    const std::string third = submit(request);
     wait_for_end(third);
     EXPECT_EQ(jobs_->find(first, kAlice)->status, JobStatus::Succeeded);
     EXPECT_EQ(jobs_->result(first).error().status, 410);
@@ -214,6 +214,21 @@ TEST_F(JobsTest, FailWithResultsThatThereIsNoRoomFor) {
     EXPECT_EQ(job.status, JobStatus::Failed);
     EXPECT_EQ(job.failure->status, 507);
     EXPECT_EQ(jobs_->find(job.id, kAlice)->failure->status, 507);
+}
+
+TEST_F(JobsTest, RunFormsThatEarlierVersionsStored) {
+    Job job;
+    job.id = "0123456789abcdef0123456789abcdef";
+    job.owner = kAlice;
+    job.client = kAlice;
+    job.cost = {1000, 1};
+    job.created = time_now();
+    const std::string part = "--b\r\nContent-Disposition: form-data; name=";
+    const ComputeRequest form{"/halftone", "", "multipart/form-data; boundary=b", "",
+                              part + "sites\r\n\r\n0\r\n" + part + "image\r\n\r\nx\r\n--b--\r\n"};
+    ASSERT_TRUE(store_->add(job, form));
+    start();
+    EXPECT_EQ(wait_for_end(job.id).failure->error.field, "sites") << "was read as an option";
 }
 
 TEST_F(JobsTest, AreRefusedIfTheyAreLargerThanTheRoom) {

@@ -14,7 +14,7 @@ namespace {
 
 using test::add_finished;
 using test::job_named;
-using test::kQuestion;
+using test::kComputeRequest;
 
 /// Instructions that SQLite has carried out, in all databases opened since `install_counter`.
 std::size_t instructions = 0;
@@ -106,7 +106,7 @@ TEST_F(SqliteJobStoreTest, TakesNoOtherVersionsFile) {
 TEST_F(SqliteJobStoreTest, TakesNoDamagedFile) {
     {
         const auto store = open();
-        for (int i = 0; i < 100; ++i) ASSERT_TRUE(store->add(job_named(std::to_string(i)), kQuestion));
+        for (int i = 0; i < 100; ++i) ASSERT_TRUE(store->add(job_named(std::to_string(i)), kComputeRequest));
     }
     std::fstream damaged(file(), std::ios::in | std::ios::out | std::ios::binary);
     damaged.seekp(4096);
@@ -170,7 +170,7 @@ TEST_F(SqliteJobStoreTest, TakesOverTheFirstVersionsFile) {
         EXPECT_EQ(store->bytes(), 2074u);
         ASSERT_EQ(store->unfinished()->size(), 1u);
         EXPECT_EQ(store->unfinished()->front().owner, "alice");
-        EXPECT_EQ((**store->question("waits")).body, std::string("\0\xff", 2));
+        EXPECT_EQ((**store->request("waits")).body, std::string("\0\xff", 2));
         EXPECT_EQ((*store->find("done"))->media_type, "text/csv");
         EXPECT_EQ(**store->result("done"), std::string("\0\1\xff", 3));
         EXPECT_EQ(store->damages(), 0u);
@@ -211,12 +211,12 @@ TEST_F(SqliteJobStoreTest, TellsNoResultOfAnotherJob) {
 TEST_F(SqliteJobStoreTest, NeverAsksAQuestionThatTheDiskHasChanged) {
     for (const char* change : {"path = '/halftone'", "query = 'a=c'", "content_type = ''", "accept = ''",
                                "body = CAST('a body' AS BLOB)", "path = '/samplea', query = '=b'"}) {
-        ASSERT_TRUE(open()->add(job_named(change), kQuestion));
+        ASSERT_TRUE(open()->add(job_named(change), kComputeRequest));
         Database(file()).execute(("UPDATE questions SET " + std::string(change)).c_str());
         const auto store = open();
-        const auto question = store->question(change);
-        ASSERT_FALSE(question) << change;
-        EXPECT_EQ(question.error().code, ErrorCode::Unusable);
+        const auto request = store->request(change);
+        ASSERT_FALSE(request) << change;
+        EXPECT_EQ(request.error().code, ErrorCode::Unusable);
         EXPECT_TRUE(*store->remove(change));
     }
 }
@@ -243,7 +243,7 @@ TEST_F(SqliteJobStoreTest, FailsJobsThatTheDiskHasChanged) {
 }
 
 TEST_F(SqliteJobStoreTest, FailsWhatWaitsIfTheDiskHasChangedIt) {
-    ASSERT_TRUE(open()->add(job_named("a"), kQuestion));
+    ASSERT_TRUE(open()->add(job_named("a"), kComputeRequest));
     Database(file()).execute("UPDATE jobs SET memory = 1");
     const auto store = open();
     EXPECT_TRUE(store->unfinished()->empty());

@@ -37,11 +37,11 @@ protected:
     int socket() const { return sockets_[0]; }
 
     Routes make(const Config& config) {
-        return Routes(config, {gate_, pool_, waiting_memory_, compute_, jobs_, metrics_, [this] { return lacking_; }});
+        return Routes(config, {gate_, pool_, waiting_memory_, compute_, jobs_, metrics_, [this] { return missing_; }});
     }
 
     Config config_;
-    std::string lacking_;
+    std::string missing_;
     WorkerPool pool_{1, 1};
     Metrics metrics_{"1.2.3"};
     Compute compute_ = test::compute_in_process(config_.limits);
@@ -88,12 +88,12 @@ TEST_F(RoutesTest, AnswersFaultsAsProblems) {
 }
 
 TEST_F(RoutesTest, AreNotReadyWhileSomethingLacks) {
-    lacking_ = "the kettle";
+    missing_ = "the kettle";
     const Response refused = ask("GET /health/ready HTTP/1.1");
     EXPECT_EQ(refused.status, 503);
     EXPECT_NE(refused.body.find("the kettle"), std::string::npos);
     EXPECT_EQ(ask("GET /health/live HTTP/1.1").status, 200);
-    lacking_.clear();
+    missing_.clear();
     EXPECT_EQ(ask("GET /health/ready HTTP/1.1").status, 200);
 }
 

@@ -10,7 +10,7 @@
 namespace ccdt::server {
 namespace {
 
-Question form_with(const std::string& boundary) {
+ComputeRequest form_with(const std::string& boundary) {
     const std::string part = "--" + boundary + "\r\nContent-Disposition: form-data; name=\"";
     return {
         "/halftone", "", "multipart/form-data; boundary=" + boundary, "",
@@ -18,18 +18,18 @@ Question form_with(const std::string& boundary) {
 }
 
 TEST(AnswerName, NamesWhatAnAnswerDependsOn) {
-    const Question question{"/sample", "q", "application/json", "text/csv", "{}"};
-    std::set<std::string> names{name_of_answer(question, {}, {})};
-    EXPECT_EQ(*names.begin(), name_of_answer(question, {}, {}));
-    for (auto part : {&Question::path, &Question::query, &Question::accept, &Question::body}) {
-        Question other = question;
+    const ComputeRequest request{"/sample", "q", "application/json", "text/csv", "{}"};
+    std::set<std::string> names{name_of_answer(request, {}, {})};
+    EXPECT_EQ(*names.begin(), name_of_answer(request, {}, {}));
+    for (auto part : {&ComputeRequest::path, &ComputeRequest::query, &ComputeRequest::accept, &ComputeRequest::body}) {
+        ComputeRequest other = request;
         other.*part += 'x';
         names.insert(name_of_answer(other, {}, {}));
     }
-    Question other = question;
+    ComputeRequest other = request;
     other.content_type = "text/plain";
     names.insert(name_of_answer(other, {}, {}));
-    other = question;
+    other = request;
     std::swap(other.query, other.path);
     names.insert(name_of_answer(other, {}, {}));
     EXPECT_EQ(names.size(), 7U);
@@ -43,22 +43,22 @@ TEST(AnswerName, DoesNotRunTextsTogether) {
     EXPECT_NE(name_of_answer({"/a", "bc", "", "", ""}, {}, {}), name_of_answer({"/ab", "c", "", "", ""}, {}, {}));
 }
 
-std::string name_of_form(const Question& question) {
-    return name_of_answer(question, *find_fields(question), {});
+std::string name_of_form(const ComputeRequest& request) {
+    return name_of_answer(request, *find_fields(request), {});
 }
 
 TEST(AnswerName, LooksIntoForms) {
     const std::string name = name_of_form(form_with("one"));
     EXPECT_EQ(name, name_of_form(form_with("another-boundary")));
-    Question other = form_with("one");
+    ComputeRequest other = form_with("one");
     other.body.replace(other.body.find("100"), 3, "101");
     EXPECT_NE(name, name_of_form(other));
 }
 
 TEST(AnswerName, NamesTheServersLimits) {
-    const Question question{"/sample", "", "", "", "{}"};
-    EXPECT_NE(name_of_answer(question, {}, {}), name_of_answer(question, {}, {.max_sites = 7}));
-    EXPECT_NE(name_of_answer(question, {}, {}), name_of_answer(question, {}, {.max_pixels = 7}));
+    const ComputeRequest request{"/sample", "", "", "", "{}"};
+    EXPECT_NE(name_of_answer(request, {}, {}), name_of_answer(request, {}, {.max_sites = 7}));
+    EXPECT_NE(name_of_answer(request, {}, {}), name_of_answer(request, {}, {.max_pixels = 7}));
 }
 
 }  // namespace

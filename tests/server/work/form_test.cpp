@@ -13,19 +13,19 @@ namespace {
 
 using Fields = std::vector<std::pair<std::string, std::string>>;
 
-Question form_of(const Fields& fields, const std::string& query = "") {
-    Question question{"/halftone", query, "Multipart/Form-Data; boundary=b", "image/png", {}};
+ComputeRequest form_of(const Fields& fields, const std::string& query = "") {
+    ComputeRequest request{"/halftone", query, "Multipart/Form-Data; boundary=b", "image/png", {}};
     for (const auto& [name, content] : fields)
-        question.body += "--b\r\nContent-Disposition: form-data; name=\"" + name + "\"\r\n\r\n" + content + "\r\n";
-    question.body += "--b--\r\n";
-    return question;
+        request.body += "--b\r\nContent-Disposition: form-data; name=\"" + name + "\"\r\n\r\n" + content + "\r\n";
+    request.body += "--b--\r\n";
+    return request;
 }
 
-Result<Question> taken_apart(Question question) {
-    const auto fields = find_fields(question);
+Result<ComputeRequest> taken_apart(ComputeRequest request) {
+    const auto fields = find_fields(request);
     if (!fields) return tl::unexpected(fields.error());
-    if (auto apart = take_apart(question, *fields); !apart) return tl::unexpected(apart.error());
-    return question;
+    if (auto apart = take_apart(request, *fields); !apart) return tl::unexpected(apart.error());
+    return request;
 }
 
 TEST(Form, BecomesAPictureAndAQuery) {
@@ -65,7 +65,7 @@ TEST(Form, HoldsOnePicture) {
 }
 
 TEST(Form, LeavesOtherBodiesAlone) {
-    const Question picture{"/halftone", "a=b", "image/png", "", "--b"};
+    const ComputeRequest picture{"/halftone", "a=b", "image/png", "", "--b"};
     const auto apart = taken_apart(picture);
     ASSERT_TRUE(apart);
     EXPECT_EQ(apart->body, picture.body);
@@ -74,9 +74,9 @@ TEST(Form, LeavesOtherBodiesAlone) {
 }
 
 TEST(Form, TellsWhatIsWrongWithIt) {
-    Question question = form_of({{"image", "x"}});
-    question.body.resize(20);
-    EXPECT_EQ(taken_apart(question).error().code, ErrorCode::Malformed);
+    ComputeRequest request = form_of({{"image", "x"}});
+    request.body.resize(20);
+    EXPECT_EQ(taken_apart(request).error().code, ErrorCode::Malformed);
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 
 namespace ccdt::server {
 
-/// All of a request that its answer depends on.
-struct Question {
+/// Parts of an HTTP request that a computed answer depends on: all of them.
+struct ComputeRequest {
     std::string path;
     std::string query;         ///< as sent, but for what a form adds to it
     std::string content_type;  ///< as sent, like the next; empty once a form was taken apart

@@ -18,10 +18,10 @@
 
 namespace ccdt::server {
 
-/// A program of the server's that is always there: should it end, it is reaped and started again.
+/// A program that the server keeps running: should it end, it is reaped and started again.
 ///
 /// It has a socket that keeps messages apart, over which it first says that it is ready. May be used from any thread.
-class KeptProgram {
+class SupervisedProgram {
 public:
     using Clock = std::chrono::steady_clock;
     using Socket = std::shared_ptr<const UniqueFd>;
@@ -37,13 +37,13 @@ public:
 
     /// Starts the program and waits until it is ready. Errors: Internal.
     /// @param name  for people
-    static Result<std::unique_ptr<KeptProgram>> start(std::string name, Launch launch, Greet greet, Tell tell);
+    static Result<std::unique_ptr<SupervisedProgram>> start(std::string name, Launch launch, Greet greet, Tell tell);
 
     /// Ends the program.
-    ~KeptProgram();
+    ~SupervisedProgram();
 
-    KeptProgram(const KeptProgram&) = delete;
-    KeptProgram& operator=(const KeptProgram&) = delete;
+    SupervisedProgram(const SupervisedProgram&) = delete;
+    SupervisedProgram& operator=(const SupervisedProgram&) = delete;
 
     /// The socket to the program, waited for while it is being started again; another one than `lost`, whose program
     /// is known to have ended.
@@ -63,7 +63,7 @@ private:
         Clock::time_point started;
     };
 
-    KeptProgram(std::string name, Launch launch, Greet greet, Tell tell, UniqueFd closing);
+    SupervisedProgram(std::string name, Launch launch, Greet greet, Tell tell, UniqueFd closing);
 
     Result<Running> launch() const;
     void watch(Running running);

@@ -1,4 +1,4 @@
-#include "server/processes/kept_program.h"
+#include "server/processes/supervised_program.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -16,7 +16,7 @@
 namespace ccdt::server {
 namespace {
 
-using Clock = KeptProgram::Clock;
+using Clock = SupervisedProgram::Clock;
 
 tl::unexpected<Error> cannot_start(const std::string& name, const std::string& why) {
     return failure(ErrorCode::Internal, "cannot start the " + name + ": " + why);
@@ -35,30 +35,31 @@ int wait_for_any(std::initializer_list<int> descriptors, std::optional<Clock::ti
 
 }  // namespace
 
-Result<std::unique_ptr<KeptProgram>> KeptProgram::start(std::string name, Launch launch, Greet greet, Tell tell) {
+Result<std::unique_ptr<SupervisedProgram>> SupervisedProgram::start(std::string name, Launch launch, Greet greet,
+                                                                    Tell tell) {
     UniqueFd closing(eventfd(0, EFD_CLOEXEC));
     if (!closing) return cannot_start(name, std::strerror(errno));
-    std::unique_ptr<KeptProgram> kept(
-        new KeptProgram(std::move(name), std::move(launch), std::move(greet), std::move(tell), std::move(closing)));
+    std::unique_ptr<SupervisedProgram> kept(new SupervisedProgram(std::move(name), std::move(launch), std::move(greet),
+                                                                  std::move(tell), std::move(closing)));
     auto running = kept->launch();
     if (!running) return tl::unexpected(std::move(running.error()));
     kept->set_socket(running->socket);
-    kept->watcher_ = std::jthread(&KeptProgram::watch, kept.get(), *std::move(running));
+    kept->watcher_ = std::jthread(&SupervisedProgram::watch, kept.get(), *std::move(running));
     return kept;
 }
 
-KeptProgram::KeptProgram(std::string name, Launch launch, Greet greet, Tell tell, UniqueFd closing)
+SupervisedProgram::SupervisedProgram(std::string name, Launch launch, Greet greet, Tell tell, UniqueFd closing)
     : name_(std::move(name)),
       launch_(std::move(launch)),
       greet_(std::move(greet)),
       tell_(std::move(tell)),
       closing_(std::move(closing)) {}
 
-KeptProgram::~KeptProgram() {
+SupervisedProgram::~SupervisedProgram() {
     eventfd_write(closing_.get(), 1);
 }
 
-Result<KeptProgram::Running> KeptProgram::launch() const {
+Result<SupervisedProgram::Running> SupervisedProgram::launch() const {
     constexpr std::chrono::seconds kLongestStart{30};
     auto sockets = make_sockets(SOCK_SEQPACKET);
     if (!sockets) return cannot_start(name_, std::strerror(errno));
@@ -75,7 +76,8 @@ Result<KeptProgram::Running> KeptProgram::launch() const {
 }
 
 /// @returns  none once there is to be no program any more
-std::optional<KeptProgram::Running> KeptProgram::launch_again(Backoff& backoff, Clock::duration lived) const {
+std::optional<SupervisedProgram::Running> SupervisedProgram::launch_again(Backoff& backoff,
+                                                                          Clock::duration lived) const {
     while (true) {
         if (wait_for_any({closing_.get()}, Clock::now() + backoff.after(lived)) >= 0) return std::nullopt;
         auto running = launch();
@@ -85,7 +87,7 @@ std::optional<KeptProgram::Running> KeptProgram::launch_again(Backoff& backoff, 
     }
 }
 
-void KeptProgram::watch(Running running) {
+void SupervisedProgram::watch(Running running) {
     constexpr std::chrono::seconds kToEnd{1};
     Backoff backoff;
     while (wait_for_any({running.program.ended(), closing_.get()}) != closing_.get()) {
@@ -102,20 +104,20 @@ void KeptProgram::watch(Running running) {
     wait_for_any({running.program.ended()}, Clock::now() + kToEnd);  // by itself, as nobody talks to it any more
 }
 
-void KeptProgram::set_socket(Socket socket) {
+void SupervisedProgram::set_socket(Socket socket) {
     const std::lock_guard lock(mutex_);
     socket_ = std::move(socket);
     changed_.notify_all();
 }
 
-KeptProgram::Socket KeptProgram::wait_for_socket(const Socket& lost, Clock::time_point deadline,
-                                                 const std::stop_token& stop) {
+SupervisedProgram::Socket SupervisedProgram::wait_for_socket(const Socket& lost, Clock::time_point deadline,
+                                                             const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     changed_.wait_until(lock, stop, deadline, [&] { return socket_ != nullptr && socket_ != lost; });
     return socket_ == lost ? nullptr : socket_;
 }
 
-bool KeptProgram::is_ready() const {
+bool SupervisedProgram::is_ready() const {
     const std::lock_guard lock(mutex_);
     return socket_ != nullptr;
 }
