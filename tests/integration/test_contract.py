@@ -463,7 +463,7 @@ class Statuses(ContractCase):
         self.assertEqual({status for status in told if re.fullmatch(r"[45]\d\d", status)} - errors, set())
 
     def test_of_the_readme_are_told(self):
-        rows = re.findall(r"^\| (\d{3}(?:, \d{3})*) \| ", (ROOT / "README.md").read_text(), re.MULTILINE)
+        rows = re.findall(r"^\| (\d{3}(?:, \d{3})*) \| ", (ROOT / "api" / "README.md").read_text(), re.MULTILINE)
         listed = {status for row in rows for status in re.findall(r"\b[2345]\d\d\b", row)}
         self.assertGreater(len(listed), 15)
         text = json.dumps([operation["responses"] for _, _, operation in operations()])

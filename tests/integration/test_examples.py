@@ -23,6 +23,24 @@ def blocks(page, language):
     return [block for block in found if ADDRESS in block]
 
 
+def anchor(title):
+    """Of a heading, as Markdown's readers make it."""
+    return re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-")
+
+
+class Links(unittest.TestCase):
+    def test_lead_somewhere(self):
+        for page in PAGES:
+            for link in re.findall(r"\]\(([^)]+)\)", page.read_text()):
+                with self.subTest(page=page, link=link):
+                    name, _, place = link.partition("#")
+                    file = page.parent / name if name else page
+                    self.assertTrue(file.exists())
+                    if place:
+                        titles = re.findall(r"^#+ (.*)", file.read_text(), re.MULTILINE)
+                        self.assertIn(place, [anchor(title) for title in titles])
+
+
 class Examples(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
