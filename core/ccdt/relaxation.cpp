@@ -75,7 +75,18 @@ Relaxation::Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool unifor
       magic_(mesh.is_torus() ? kSnapping : 0) {}
 
 void Relaxation::prepare(std::span<const TriangleGoal> goals, const std::stop_token& stop) {
-    const bool first_time = kinds_.empty();
+    if (kinds_.empty()) small_ = kSmall * mean_doubled_area();
+    set_terms(goals);
+    old_batches_.swap(batches_);
+    clear_lists();
+    list_sites(stop);
+    const auto sites = static_cast<std::uint32_t>(mesh_.site_count());
+    for (std::uint32_t v = sites; v < mesh_.vertex_count(); ++v) {
+        if (!fixed_[v - sites]) add_fan(v, border_fans_);
+    }
+}
+
+void Relaxation::set_terms(std::span<const TriangleGoal> goals) {
     plain_weight_ = goals[0].weight;
     terms_.clear();
     for (const TriangleGoal& goal : goals) {
@@ -83,8 +94,9 @@ void Relaxation::prepare(std::span<const TriangleGoal> goals, const std::stop_to
         terms_.push_back({scale * goal.weight, scale * goal.target, goal.share * goal.weight, scale});
     }
     terms_.emplace_back();
-    if (first_time) small_ = kSmall * mean_doubled_area();
-    old_batches_.swap(batches_);
+}
+
+void Relaxation::clear_lists() {
     for (Batch& batch : batches_) batch.clear();
     for (auto& starts : block_starts_) starts.clear();
     site_fans_.clear();
@@ -92,8 +104,12 @@ void Relaxation::prepare(std::span<const TriangleGoal> goals, const std::stop_to
     fan_vertices_.clear();
     fan_lifts_.clear();
     fan_triangles_.clear();
+}
 
-    // Most sites have kept their neighbours: their records are taken over, in the same order.
+/// Adds each site to a batch or, for the general path, to the fans. Most have kept their neighbours: their records are
+/// taken over from the old batches, in the same order.
+void Relaxation::list_sites(const std::stop_token& stop) {
+    const bool first_time = kinds_.empty();
     const auto sites = static_cast<std::uint32_t>(mesh_.site_count());
     kinds_.resize(sites, kFanKind);
     std::array<std::size_t, kKinds> taken{};
@@ -117,9 +133,6 @@ void Relaxation::prepare(std::span<const TriangleGoal> goals, const std::stop_to
         }
     }
     for (std::size_t kind = 0; kind < kKinds; ++kind) block_starts_[kind].push_back(batches_[kind].size());
-    for (std::uint32_t v = sites; v < mesh_.vertex_count(); ++v) {
-        if (!fixed_[v - sites]) add_fan(v, border_fans_);
-    }
 }
 
 double Relaxation::mean_doubled_area() const {

@@ -110,6 +110,9 @@ private:
     Point place(const Ring& ring, std::size_t i) const;
     Ring ring_of(const Fan& fan) const;
     double mean_doubled_area() const;
+    void set_terms(std::span<const TriangleGoal> goals);
+    void clear_lists();
+    void list_sites(const std::stop_token& stop);
     bool add_to_batch(std::uint32_t site);
     void add_fan(std::uint32_t vertex, std::vector<Fan>& fans);
     template <bool kPlain, std::size_t kPairs>
