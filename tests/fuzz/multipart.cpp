@@ -1,5 +1,9 @@
 #include "server/http/multipart.h"
 
+#include <algorithm>
+
+#include "server/http/http.h"
+#include "server/work/form.h"
 #include "tests/fuzz/checks.h"
 
 namespace ccdt::fuzz {
@@ -33,6 +37,27 @@ void check_epilogue(const std::vector<server::FormPart>& parts, std::string_view
     }
 }
 
+/// A form with one picture becomes that picture, and a query that holds all its other fields.
+void check_apart(const std::vector<server::FormPart>& parts, std::string_view body, std::string_view content_type) {
+    if (server::media_type(content_type) != "multipart/form-data") return;
+    server::ComputeRequest request{"/halftone", "a=b", std::string(content_type), "", std::string(body)};
+    const auto is_picture = [](const server::FormPart& part) { return part.name == "image" || part.name == "file"; };
+    const auto picture = std::ranges::find_if(parts, is_picture);
+    const auto apart = server::take_apart(request, parts);
+    CCDT_CHECK(apart.has_value() == (std::ranges::count_if(parts, is_picture) == 1));
+    if (!apart) return;
+    CCDT_CHECK(request.body == picture->content(body));
+    const auto options = server::parse_query(request.query);
+    CCDT_CHECK(options.size() == parts.size());
+    CCDT_CHECK(options.front().name == "a" && options.front().value == "b");
+    auto next = options.begin() + 1;
+    for (const auto& part : parts) {
+        if (is_picture(part)) continue;
+        CCDT_CHECK(next->name == part.name && next->value == part.content(body));
+        ++next;
+    }
+}
+
 }  // namespace
 }  // namespace ccdt::fuzz
 
@@ -45,6 +70,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (parts) {
         fuzz::check_parts(*parts, body, content_type);
         fuzz::check_epilogue(*parts, body, content_type);
+        fuzz::check_apart(*parts, body, content_type);
     } else {
         fuzz::check_problem(parts.error());
         CCDT_CHECK(parts.error().status == 400);
