@@ -6,10 +6,10 @@
 
 #include "api/input/negotiation.h"
 #include "api/input/polygon_reader.h"
-#include "api/json/json_writer.h"
+#include "api/output/json_writer.h"
 #include "api/output/spectrum_plot.h"
 #include "api/output/svg_renderer.h"
-#include "api/stopwatch.h"
+#include "api/run/stopwatch.h"
 
 namespace ccdt::api {
 namespace {

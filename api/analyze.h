@@ -5,10 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#include "api/estimate.h"
 #include "api/input/domain_reader.h"
-#include "api/options.h"
-#include "api/output/file_formats.h"
+#include "api/input/file_formats.h"
+#include "api/run/estimate.h"
+#include "api/run/options.h"
 #include "core/analysis/analysis.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"

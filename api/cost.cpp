@@ -5,8 +5,8 @@
 #include <limits>
 #include <optional>
 
-#include "api/estimate.h"
 #include "api/json/json_document.h"
+#include "api/run/estimate.h"
 #include "core/halftone/tone.h"
 
 namespace ccdt::api {

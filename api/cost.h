@@ -5,7 +5,7 @@
 
 #include "api/analyze.h"
 #include "api/halftone.h"
-#include "api/options.h"
+#include "api/run/options.h"
 #include "api/sample.h"
 
 namespace ccdt::api {

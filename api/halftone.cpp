@@ -10,7 +10,7 @@
 #include "api/input/negotiation.h"
 #include "api/input/run_options.h"
 #include "api/output/formats.h"
-#include "api/stopwatch.h"
+#include "api/run/stopwatch.h"
 
 namespace ccdt::api {
 namespace {

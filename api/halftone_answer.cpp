@@ -5,11 +5,11 @@
 #include <variant>
 #include <vector>
 
-#include "api/deadline.h"
 #include "api/image/overlay.h"
-#include "api/json/json_writer.h"
 #include "api/output/formats.h"
+#include "api/output/json_writer.h"
 #include "api/output/point_drawing.h"
+#include "api/run/deadline.h"
 #include "core/halftone/dots.h"
 
 namespace ccdt::api {

@@ -5,9 +5,9 @@
 #include <string>
 #include <utility>
 
-#include "api/deadline.h"
 #include "api/image/ink_set.h"
 #include "api/output/point_drawing.h"
+#include "api/run/deadline.h"
 #include "core/halftone/separation.h"
 #include "core/halftone/tone.h"
 

@@ -5,7 +5,7 @@
 
 #include "api/halftone.h"
 #include "api/image/image_codec.h"
-#include "api/json/json_writer.h"
+#include "api/output/json_writer.h"
 #include "core/ccdt/ccdt.h"
 #include "core/density/density.h"
 #include "core/halftone/dots.h"

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "api/estimate.h"
 #include "api/input/option_reader.h"
+#include "api/run/estimate.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 

@@ -7,15 +7,15 @@
 #include <optional>
 #include <utility>
 
-#include "api/deadline.h"
 #include "api/image/embedded_image.h"
 #include "api/image/overlay.h"
 #include "api/input/negotiation.h"
 #include "api/input/run_options.h"
-#include "api/json/json_writer.h"
 #include "api/output/formats.h"
+#include "api/output/json_writer.h"
 #include "api/output/point_drawing.h"
-#include "api/stopwatch.h"
+#include "api/run/deadline.h"
+#include "api/run/stopwatch.h"
 #include "core/density/density.h"
 #include "core/halftone/tone.h"
 

@@ -13,8 +13,8 @@
 #include "api/input/polygon_reader.h"
 #include "api/input/run_options.h"
 #include "api/method.h"
-#include "api/options.h"
 #include "api/output/formats.h"
+#include "api/run/options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 

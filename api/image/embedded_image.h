@@ -5,7 +5,7 @@
 
 #include "api/image/image_header.h"
 #include "api/input/option_reader.h"
-#include "api/options.h"
+#include "api/run/options.h"
 #include "core/result.h"
 
 namespace ccdt::api {

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "api/input/file_formats.h"
 #include "api/input/option_reader.h"
-#include "api/output/file_formats.h"
 #include "core/result.h"
 
 namespace ccdt::api {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "api/json/json_document.h"
-#include "api/options.h"
+#include "api/run/options.h"
 #include "core/result.h"
 
 namespace ccdt::api {

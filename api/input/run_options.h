@@ -2,8 +2,8 @@
 
 #include <span>
 
-#include "api/deadline.h"
 #include "api/input/option_reader.h"
+#include "api/run/deadline.h"
 #include "core/ccdt/ccdt.h"
 
 namespace ccdt::api {

@@ -6,7 +6,7 @@
 #include "api/image/png_writer.h"
 #include "api/image/tiff_writer.h"
 #include "api/image/webp_writer.h"
-#include "api/output/file_formats.h"
+#include "api/input/file_formats.h"
 #include "api/output/point_table.h"
 
 namespace ccdt::api {

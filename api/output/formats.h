@@ -6,14 +6,14 @@
 #include <string>
 #include <variant>
 
-#include "api/estimate.h"
 #include "api/image/overlay.h"
 #include "api/input/drawing_options.h"
+#include "api/input/file_formats.h"
 #include "api/input/palette.h"
-#include "api/json/json_writer.h"
-#include "api/output/file_formats.h"
 #include "api/output/ink_dots.h"
+#include "api/output/json_writer.h"
 #include "api/output/point_drawing.h"
+#include "api/run/estimate.h"
 #include "core/result.h"
 
 namespace ccdt::api {

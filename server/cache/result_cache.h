@@ -10,7 +10,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "api/options.h"
+#include "api/run/options.h"
 
 namespace ccdt::server {
 

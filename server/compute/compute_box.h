@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "api/options.h"
+#include "api/run/options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 #include "server/processes/supervised_program.h"

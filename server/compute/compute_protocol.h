@@ -5,7 +5,7 @@
 #include <string>
 #include <type_traits>
 
-#include "api/options.h"
+#include "api/run/options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 #include "server/work/computation.h"

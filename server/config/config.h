@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "api/options.h"
+#include "api/run/options.h"
 #include "core/result.h"
 #include "server/access/rate_limiter.h"
 #include "server/http/capacity.h"

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "api/options.h"
+#include "api/run/options.h"
 #include "server/http/message.h"
 #include "server/http/problem.h"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "api/options.h"
+#include "api/run/options.h"
 
 namespace ccdt::server {
 

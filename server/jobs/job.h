@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/options.h"
+#include "api/run/options.h"
 #include "server/http/problem.h"
 
 namespace ccdt::server {

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/options.h"
+#include "api/run/options.h"
 #include "server/cache/result_cache.h"
 #include "server/config/config.h"
 #include "server/http/message.h"

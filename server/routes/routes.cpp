@@ -9,7 +9,7 @@
 #include <random>
 #include <utility>
 
-#include "api/json/capabilities.h"
+#include "api/capabilities.h"
 #include "api/problem.h"
 #include "api/text/text.h"
 #include "server/http/compression.h"

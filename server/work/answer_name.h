@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "api/options.h"
+#include "api/run/options.h"
 #include "server/http/multipart.h"
 #include "server/work/compute_request.h"
 

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "api/image/image_codec.h"
-#include "api/options.h"
+#include "api/run/options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 #include "server/work/compute_request.h"

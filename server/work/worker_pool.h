@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-#include "api/options.h"
+#include "api/run/options.h"
 #include "server/work/fair_queue.h"
 #include "server/work/memory_budget.h"
 

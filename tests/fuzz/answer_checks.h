@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "api/options.h"
+#include "api/run/options.h"
 #include "core/geometry/point.h"
 
 namespace ccdt::fuzz {

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/options.h"
+#include "api/run/options.h"
 #include "core/result.h"
 #include "server/http/http.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "api/image/image_codec.h"
-#include "api/options.h"
+#include "api/run/options.h"
 #include "server/work/computation.h"
 
 namespace ccdt::server::test {

@@ -1,4 +1,4 @@
-#include "api/json/capabilities.h"
+#include "api/capabilities.h"
 
 #include <gtest/gtest.h>
 
@@ -53,6 +53,11 @@ std::vector<std::string> all(const Json& list, const std::string& member) {
     std::vector<std::string> values;
     for (const Json& each : list) values.push_back(each.at(member));
     return values;
+}
+
+Json row_of(const Json& list, const std::string& name) {
+    const auto names = all(list, "name");
+    return list.at(static_cast<std::size_t>(std::ranges::find(names, name) - names.begin()));
 }
 
 struct Endpoint {
@@ -119,11 +124,8 @@ TEST(Capabilities, HaveTheWordsThatAreDocumented) {
 TEST(Capabilities, TellTheLimits) {
     const Json json = capabilities({.max_sites = 40'000, .max_pixels = 99});
     EXPECT_EQ(json.at("limits"), Json::parse(R"({"max_sites":40000,"max_pixels":99})"));
-    const auto method = [&](const std::string& name) {
-        const Json& list = json.at("sample").at("methods");
-        const auto names = all(list, "name");
-        return list.at(static_cast<std::size_t>(std::ranges::find(names, name) - names.begin()));
-    };
+    const Json methods = json.at("sample").at("methods");
+    const auto method = [&](const std::string& name) { return row_of(methods, name); };
     EXPECT_EQ(method("ccdt").at("max_sites"), 40'000);
     EXPECT_EQ(method("cvt").at("max_sites"), 40'000);
     EXPECT_EQ(method("ccvt").at("max_sites"), 20'000);
@@ -132,13 +134,12 @@ TEST(Capabilities, TellTheLimits) {
 }
 
 TEST(Capabilities, TellWhatIsDrawnAndHowLarge) {
-    const Json json = capabilities();
-    for (const Json& format : json.at("halftone").at("formats")) {
-        const std::string name = format.at("name");
-        const bool drawn = name != "json" && name != "csv" && name != "npy";
-        EXPECT_EQ(format.at("drawn"), drawn) << name;
-        EXPECT_EQ(format.at("max_side"), name == "webp" ? Json(16'383) : Json()) << name;
-    }
+    const Json formats = capabilities().at("halftone").at("formats");
+    const auto format = [&](const std::string& name) { return row_of(formats, name); };
+    for (const auto* name : {"png", "svg", "webp", "tiff"}) EXPECT_EQ(format(name).at("drawn"), true) << name;
+    for (const auto* name : {"json", "csv", "npy"}) EXPECT_EQ(format(name).at("drawn"), false) << name;
+    EXPECT_EQ(format("webp").at("max_side"), 16'383);
+    for (const auto* name : {"png", "svg", "json"}) EXPECT_EQ(format(name).at("max_side"), Json()) << name;
 }
 
 }  // namespace

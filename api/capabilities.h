@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "api/options.h"
+#include "api/run/options.h"
 
 namespace ccdt::api {
 

@@ -1,4 +1,4 @@
-#include "api/deadline.h"
+#include "api/run/deadline.h"
 
 namespace ccdt::api {
 namespace {

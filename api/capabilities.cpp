@@ -1,4 +1,4 @@
-#include "api/json/capabilities.h"
+#include "api/capabilities.h"
 
 #include <algorithm>
 #include <limits>
