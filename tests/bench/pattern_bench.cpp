@@ -1,0 +1,194 @@
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/analysis/analysis.h"
+#include "core/analysis/nonuniform_transform.h"
+#include "core/ccdt/ccdt.h"
+#include "core/geometry/hexagonal_spacing.h"
+#include "tests/support/pictures.h"
+
+namespace ccdt::bench {
+namespace {
+
+constexpr int kSeeds = 10;
+
+std::vector<Point> points_of(const Domain& domain, const Density& density, std::size_t sites, int seed,
+                             const benchmark::State& state) {
+    Options options;
+    options.sites = sites;
+    options.seed = static_cast<std::uint64_t>(seed);
+    options.quality = static_cast<Quality>(state.range(0));
+    return distribute(domain, density, options)->points;
+}
+
+/// Quality of uniform patterns around a torus, of 10 sets of 4,096 sites: distances over those of a hexagonal grid, and
+/// power of white noise. What more rounds of the polish, or a longer reach, gain in distance shows in the highest peak.
+/// Argument of all benchmarks here: quality (0 draft, 1 standard, 2 best).
+void TorusPattern(benchmark::State& state) {
+    const Domain domain = *Domain::torus(1, 1);
+    std::vector<std::vector<Point>> sets;
+    for (auto _ : state) {
+        for (int seed = 1; seed <= kSeeds; ++seed)
+            sets.push_back(points_of(domain, Density::uniform(), 4096, seed, state));
+    }
+    const Analysis analysis = *analyse(sets, domain, {});
+    state.counters["min_distance"] = analysis.min_distance;
+    state.counters["mean_distance"] = analysis.mean_distance;
+    state.counters["low_power"] = *analysis.low_frequency_power;
+    state.counters["peak"] = *std::ranges::max_element(analysis.power);
+}
+
+/// Number of sites within 1 and 1.5 mean spacings of the border of a square over the share of the area that lies there,
+/// of 10 sets of 4,096 sites.
+void BorderPattern(benchmark::State& state) {
+    constexpr std::size_t kSites = 4096;
+    const Domain domain = *Domain::rectangle(1, 1);
+    const double spacing = 1 / std::sqrt(static_cast<double>(kSites));
+    std::vector<double> depths;
+    for (auto _ : state) {
+        for (int seed = 1; seed <= kSeeds; ++seed) {
+            for (const Point p : points_of(domain, Density::uniform(), kSites, seed, state))
+                depths.push_back(std::min({p.x, 1 - p.x, p.y, 1 - p.y}));
+        }
+    }
+    const auto crowding = [&](double spacings) {
+        const double depth = spacings * spacing, area = 1 - std::pow(1 - 2 * depth, 2);
+        const auto within = std::ranges::count_if(depths, [&](double d) { return d < depth; });
+        return static_cast<double>(within) / (kSeeds * static_cast<double>(kSites) * area);
+    };
+    state.counters["within_1"] = crowding(1);
+    state.counters["within_1.5"] = crowding(1.5);
+}
+
+/// Errors of tone against one picture over the unit square.
+class ToneError {
+public:
+    explicit ToneError(const Density& picture) : wanted_(kHighest, kHighest) {
+        std::vector<WeightedPoint> cells;
+        for (int row = 0; row < picture.height(); ++row) {
+            for (int column = 0; column < picture.width(); ++column) {
+                const Point middle{(column + 0.5) / picture.width(), (row + 0.5) / picture.height()};
+                add_mirrored(middle, picture.value(column, row) / picture.total(), cells);
+            }
+        }
+        wanted_.run(cells, {});
+        for (int i = 0; i <= kHighest; ++i) {
+            column_factors_.push_back(sinc(0.5 * i / picture.width()));
+            row_factors_.push_back(sinc(0.5 * i / picture.height()));
+        }
+    }
+
+    /// Squared error of the dots' tone, blurred by so many of their mean spacings, over that of as many random dots, in
+    /// dB.
+    double of(const std::vector<Point>& sites, double blur) const {
+        const auto count = static_cast<double>(sites.size());
+        std::vector<WeightedPoint> dots;
+        for (const Point p : sites) add_mirrored(p, 1 / count, dots);
+        NonuniformTransform found(kHighest, kHighest);
+        found.run(dots, {});
+        double error = 0, random = 0;
+        for (int j = 0; j <= kHighest; ++j) {
+            for (int i = j == 0 ? 1 : 0; i <= kHighest; ++i) {
+                const double cycles = 0.5 * blur * std::hypot(i, j) / std::sqrt(count);
+                const double passed = std::exp(-4 * kPi * kPi * cycles * cycles);
+                const double off = found.value(i, j).real() - wanted_.value(i, j).real() *
+                                                                  column_factors_[static_cast<std::size_t>(i)] *
+                                                                  row_factors_[static_cast<std::size_t>(j)];
+                error += passed * off * off / ((i == 0 ? 2 : 1) * (j == 0 ? 2 : 1));
+                random += passed * 4 / count;
+            }
+        }
+        return 10 * std::log10(error / random);
+    }
+
+private:
+    static constexpr int kHighest = 96;  ///< half periods a side; a blur by one spacing of 4,096 dots leaves none above
+    static constexpr double kPi = 3.141592653589793;
+
+    static double sinc(double cycles) { return cycles == 0 ? 1 : std::sin(kPi * cycles) / (kPi * cycles); }
+
+    /// Mirrored at all sides: Fourier's sums are then cosine sums over the square.
+    static void add_mirrored(Point p, double weight, std::vector<WeightedPoint>& points) {
+        for (const double x : {p.x / 2, 1 - p.x / 2}) {
+            for (const double y : {p.y / 2, 1 - p.y / 2}) points.push_back({{x, y}, weight});
+        }
+    }
+
+    NonuniformTransform wanted_;
+    std::vector<double> column_factors_, row_factors_;  ///< of the picture's cells against points in their middles
+};
+
+/// Error of the tone of a shaded body on white ground, 10 sets of 4,096 dots, blurred by 1, 2 and 4 of their spacings.
+void PictureTone(benchmark::State& state) {
+    const Domain domain = *Domain::rectangle(1, 1);
+    const Density picture = test::pear();
+    const ToneError error(picture);
+    double sums[3] = {};
+    std::size_t on_white = 0;
+    for (auto _ : state) {
+        for (int seed = 1; seed <= kSeeds; ++seed) {
+            const auto sites = points_of(domain, picture, 4096, seed, state);
+            for (int k = 0; k < 3; ++k) sums[k] += error.of(sites, 1 << k) / kSeeds;
+            on_white += test::count_on_white(domain, picture, sites);
+        }
+    }
+    state.counters["1_spacing_db"] = sums[0];
+    state.counters["2_spacings_db"] = sums[1];
+    state.counters["4_spacings_db"] = sums[2];
+    state.counters["on_white"] = static_cast<double>(on_white);
+}
+
+/// Lowers each point's distance to that of the nearest other point of a set.
+void add_distances(const std::vector<Point>& from, const std::vector<Point>& to, std::vector<double>& distances) {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        for (const Point q : to) {
+            const Point apart = q - from[i];
+            if (apart == Point{}) continue;
+            distances[i] = std::min(distances[i], std::sqrt(dot(apart, apart)));
+        }
+    }
+}
+
+/// Distances in a flat tint of three inks, 10 sets of 1,500 dots: between inks the first percentile, over the
+/// hexagonal grid of all dots, and within the largest ink the mean, over its own.
+void InksPattern(benchmark::State& state) {
+    const Domain domain = *Domain::rectangle(1, 1);
+    const std::vector<Density> densities(3, Density::uniform());
+    const std::vector<std::size_t> counts{700, 500, 300};
+    Options options;
+    options.quality = static_cast<Quality>(state.range(0));
+    double between = 0, within = 0;
+    for (auto _ : state) {
+        for (int seed = 1; seed <= kSeeds; ++seed) {
+            options.seed = static_cast<std::uint64_t>(seed);
+            const auto inks = *distribute_inks(domain, densities, counts, options);
+            std::vector<double> others;
+            for (const Distribution& ink : inks) {
+                std::vector<double> distances(ink.points.size(), std::numeric_limits<double>::infinity());
+                for (const Distribution& other : inks) {
+                    if (&other != &ink) add_distances(ink.points, other.points, distances);
+                }
+                others.insert(others.end(), distances.begin(), distances.end());
+            }
+            std::ranges::sort(others);
+            between += others[others.size() / 100] / hexagonal_spacing(1500) / kSeeds;
+            std::vector<double> own(counts[0], std::numeric_limits<double>::infinity());
+            add_distances(inks[0].points, inks[0].points, own);
+            for (const double distance : own) within += distance / hexagonal_spacing(700) / (700.0 * kSeeds);
+        }
+    }
+    state.counters["between_inks"] = between;
+    state.counters["within_ink"] = within;
+}
+
+BENCHMARK(TorusPattern)->DenseRange(0, 2)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(BorderPattern)->DenseRange(0, 2)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(PictureTone)->DenseRange(0, 2)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(InksPattern)->DenseRange(0, 2)->Iterations(1)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace ccdt::bench
