@@ -86,7 +86,8 @@ double Construction::measure(const Triangulation& mesh) {
     return set_goals(mesh, capacity_, capacities_, goals_);
 }
 
-/// Exact passes cost more, and matter once the sites are near their places.
+/// Tells whether an iteration's passes are exact. These cost more, and matter once the sites are near their places:
+/// Distribute.DoesNotStallNextToWhite shows the variation before and after.
 bool Construction::is_exact(int iteration) const {
     constexpr int kFirst = 4;
     return !capacity_.is_uniform() && (iteration >= kFirst || iteration + 1 == options_.iterations);
@@ -99,7 +100,9 @@ bool Construction::goes_on() const {
 
 Relaxation& Construction::relaxation() {
     if (relaxation_) return *relaxation_;
-    constexpr double kPolishedSpring = 0.03;  // rounder triangles, whose areas may vary a little more
+    // Rounder triangles, whose areas may vary a little more: after the polish there is less power in long waves than
+    // with softer or stiffer springs, benchmark TorusPattern.
+    constexpr double kPolishedSpring = 0.03;
     RelaxationOptions settings;
     if (polish_ && capacity_.is_uniform()) settings.spring = kPolishedSpring;
     settings.least_height = std::max(settings.least_height, domain_.resolution());

@@ -35,8 +35,9 @@ double length(const Triangulation& mesh, std::uint32_t edge, double weight) {
 /// Sets the target of a triangle with a site, and its share of a triangle.
 /// @param faced  [sites] lengths of the edges of the border that each faces, together
 void aim(const Triangulation& mesh, std::uint32_t triangle, const std::vector<double>& faced, TriangleGoal& goal) {
-    constexpr double kEdgeShare = 0.5, kCornerShare = 0.61;
-    constexpr double kLeastShare = 1e-3;  // keeps the terms of one vertex comparable
+    constexpr double kEdgeShare = 0.5;     // of the strip; the other half goes to the corners
+    constexpr double kCornerShare = 0.61;  // benchmark BorderPattern: less crowds sites at the border, more shuns it
+    constexpr double kLeastShare = 1e-3;   // of a fan of a thousand triangles: keeps the terms of one vertex comparable
     const auto corners = mesh.corners(triangle);
     const bool touches_border = !std::ranges::all_of(corners, [&](std::uint32_t v) { return mesh.is_site(v); });
     const std::uint32_t edge = touches_border ? border_edge(mesh, triangle) : kNone;

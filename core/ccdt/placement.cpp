@@ -41,7 +41,7 @@ private:
 
 std::optional<Error> place_sites(Triangulation& mesh, std::span<const Point> first, const StartSites& start,
                                  std::uint64_t seed, double margin, const std::stop_token& stop) {
-    constexpr int kAttempts = 16;
+    constexpr int kAttempts = 16;  // where the domain covers half of a site's cell, one of 65,536 is still unplaced
     constexpr int kLastAttempts = 1000;
     constexpr std::size_t kStopStride = 4096;
     constexpr std::uint64_t kInteriorStream = 0x616e797768657265;  // keeps these draws apart from the start's

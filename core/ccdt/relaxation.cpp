@@ -12,10 +12,12 @@ namespace ccdt {
 
 namespace {
 
+// Any share > 0 keeps triangles counter-clockwise; any shape well above 1e-16, the rounding of an area, keeps their
+// areas' signs sure, and well below 1 leaves the pattern alone.
 constexpr double kKeptArea = 0.1;     ///< least share of its area that a move leaves a triangle
 constexpr double kLeastShape = 1e-5;  ///< least doubled area that a move leaves it, over its longest edge squared
-constexpr double kSmall = 1e-2;       ///< doubled area over the mean one below which a triangle is looked at closely
-constexpr double kSingular = 1e-12;   ///< least determinant over the product of the diagonal
+constexpr double kSmall = 1e-2;       ///< doubled area over the mean one below which a triangle takes the general path
+constexpr double kSingular = 1e-12;   ///< least determinant over the product of the diagonal, above its rounding
 
 /// Step to the minimum of the quadratic with this half Hessian and half gradient; none where it is singular.
 Point minimum(double xx, double xy, double yy, Point gradient) {

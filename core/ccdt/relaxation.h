@@ -22,6 +22,8 @@ struct TriangleGoal {
 };
 
 struct RelaxationOptions {
+    // Stiffer springs and longer moves gain distance between neighbours and lose tone: benchmarks TorusPattern and
+    // PictureTone. Without springs along the border more sites crowd there: benchmark BorderPattern.
     double spring = 0.01;        ///< stiffness of the edges against that of the areas
     double border_spring = 0.1;  ///< further stiffness of edges of the border, which keeps its vertices apart
     double relaxation = 1.2;     ///< length of a move over the one that minimises, in [1, 2)

@@ -11,6 +11,8 @@ namespace ccdt {
 
 namespace {
 
+/// With one site a cell the cells show: in the benchmark TorusPattern the peak of a draft's spectrum nearly doubles. 64
+/// let long waves arise: StartSites.FollowTheDensity.
 constexpr std::size_t kSitesPerCell = 4;
 
 /// Solves for the place on [x0, x1] where an increasing function, linear between neighbouring grid points, has passed

@@ -33,8 +33,8 @@ Light mapped(const Light& light, Tone tone) {
 ///
 /// Where there is room, dots of different inks lie side by side, and what each takes from the light adds up; where
 /// there is none they overlap as if they knew nothing of each other, and what each lets through multiplies (Demichel,
-/// Neugebauer). Measured on flat tints: two inks overlap by their product times T^4 / (T^4 + 0.8), T being the sum of
-/// all shares, within 0.12; two inks alone by a little more, those of three by a little less.
+/// Neugebauer). Two inks overlap by their product times T^4 / (T^4 + 0.8), T being the sum of all shares:
+/// Halftoned.IsWhatDotsShow compares the light with that of dots on flat tints.
 class NeugebauerModel {
 public:
     NeugebauerModel(const InkSet& inks, Tone tone);
@@ -110,7 +110,7 @@ Channels NeugebauerModel::change(const Numbers& cover, std::size_t ink) const {
 using Appearance = std::array<double, 4>;
 
 Appearance appearance(const Channels& light) {
-    constexpr double kColour = 0.5;
+    constexpr double kColour = 0.5;  // without it colours are lost: Separation.LooksLikeThePicture
     const double luminance = 0.2126 * light[0] + 0.7152 * light[1] + 0.0722 * light[2];
     return {luminance, kColour * (light[0] - luminance), kColour * (light[1] - luminance),
             kColour * (light[2] - luminance)};
@@ -129,6 +129,8 @@ public:
     Cover cover_of(const Light& light) const;
 
 private:
+    /// Decides between mixtures that look alike; with none greys are not black alone, and a hundredfold is seen:
+    /// Separation.MakesGreysOfBlackAlone and LooksLikeThePicture.
     static constexpr double kPriceOfCover = 1e-4;
 
     Appearance missing(const Numbers& cover, const Light& light) const;
@@ -152,7 +154,7 @@ double Separator::cost(const Numbers& cover, const Light& light) const {
 
 /// The best cover, were all changes as they are at this one.
 Numbers Separator::aim(const Numbers& cover, const Light& light) const {
-    constexpr double kRidge = 1e-7;
+    constexpr double kRidge = 1e-7;  // makes the products definite; far below kPriceOfCover, so that this decides
     BoundedLeastSquares problem;
     problem.count = model_.count();
     std::array<Appearance, kMostInks> changes{};
@@ -170,7 +172,7 @@ Numbers Separator::aim(const Numbers& cover, const Light& light) const {
 }
 
 Cover Separator::cover_of(const Light& light) const {
-    constexpr int kMostSteps = 12;
+    constexpr int kMostSteps = 12;  // one is too few: Separation.LooksLikeThePicture
     constexpr double kLeastStep = 1.0 / 64, kExact = 1e-9;
     Numbers cover = aim({}, light);
     double cost = this->cost(cover, light);

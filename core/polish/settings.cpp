@@ -11,16 +11,20 @@ struct Row {
     PolishSettings standard, best;
 };
 
-// More rounds, or a longer reach, make the spectrum of one ink oscillate more. Several inks stay nearly as even as each
-// is alone, while their dots lie about as far apart as those of a halftone made of all of them.
+// Benchmark TorusPattern: more rounds or a longer reach gain distance, and raise the spectrum's peak; fewer rounds that
+// even out, or a longer reach of the near ones, leave long waves; without near rounds the smallest distances are lost.
 constexpr Row kUniform{
     {.rounds = 5, .reach = 0.93, .push = 0.4, .even_rounds = 1, .near_rounds = 4, .nearest = 0.84},
     {.rounds = 40, .reach = 0.87, .push = 0.5, .even_rounds = 4, .near_rounds = 4, .nearest = 0.84},
 };
+// Benchmark PictureTone: without rounds that only even out, or with a longer reach of the near ones, the tone errs
+// more; twice as many rounds of the first kind gain next to nothing.
 constexpr Row kVarying{
     {.rounds = 4, .reach = 0.93, .push = 0.4, .even_rounds = 3, .near_rounds = 2, .nearest = 0.72},
     {.rounds = 20, .reach = 0.93, .push = 0.4, .even_rounds = 10, .near_rounds = 2, .nearest = 0.72},
 };
+// Benchmark InksPattern: shorter reaches between inks, or fewer rounds, lose distance between them. The last round
+// costs distance, too, but without it the tone of each ink is lost: DistributeInks.KeepsTheToneOfEachInk.
 constexpr Row kInks{
     {.rounds = 10,
      .even_every = 2,

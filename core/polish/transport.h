@@ -27,6 +27,8 @@ namespace ccdt {
 /// any count for nothing.
 ///
 /// Departs from a plain blur in that what is called an error ends sharply: no wave below is left, none above is harmed.
+/// Source: one step of Moser's flow (1965; Dacorogna and Moser 1990), which is steepest descent on the energy of long
+/// waves; core/README.md derives it.
 class Transport {
 public:
     /// @param domain   a box or a torus; its sides and the density's values are in the ranges that their headers name,
