@@ -3,31 +3,12 @@
 #include <algorithm>
 #include <string>
 
+#include "api/image/containers.h"
+
 namespace ccdt::api {
 namespace {
 
 using std::uint64_t;
-
-/// Reader of unsigned integers inside a file.
-class ByteReader {
-public:
-    ByteReader(std::string_view bytes, bool big_endian) : bytes_(bytes), big_endian_(big_endian) {}
-
-    /// @returns  none past the end
-    std::optional<std::uint32_t> read(std::size_t offset, std::size_t size) const {
-        if (offset > bytes_.size() || size > bytes_.size() - offset) return std::nullopt;
-        std::uint32_t value = 0;
-        for (std::size_t i = 0; i < size; ++i) {
-            const std::size_t at = offset + (big_endian_ ? i : size - 1 - i);
-            value = value << 8 | static_cast<unsigned char>(bytes_[at]);
-        }
-        return value;
-    }
-
-private:
-    std::string_view bytes_;
-    bool big_endian_;
-};
 
 constexpr uint64_t kReaderBytes = uint64_t{16} << 20;     ///< of any file
 constexpr uint64_t kConvertedBytes = uint64_t{64} << 20;  ///< asked for by the library if samples must be converted
@@ -38,15 +19,11 @@ tl::unexpected<Error> broken() {
 }
 
 /// Tells whether all chunks are there, up to the last. Where they end early the reader leaks memory.
-bool is_whole_png(const ByteReader& reader, std::string_view bytes) {
-    constexpr std::size_t kSignature = 8;
-    constexpr std::size_t kFrame = 12;  // a chunk's length, name and checksum
-    std::size_t chunk = kSignature;
-    while (const auto length = reader.read(chunk, 4)) {
-        const std::size_t end = chunk + kFrame + *length;
-        if (end > bytes.size()) return false;
-        if (bytes.substr(chunk + 4, 4) == "IEND") return true;
-        chunk = end;
+bool is_whole_png(std::string_view bytes) {
+    std::size_t at = kPngChunks;
+    while (const auto chunk = png_chunk(bytes, at)) {
+        if (chunk->name == "IEND") return true;
+        at = chunk->end;
     }
     return false;
 }
@@ -61,8 +38,7 @@ Result<ImageHeader> read_png(std::string_view bytes) {
     const auto depth = reader.read(24, 1);
     const auto colour = reader.read(25, 1);
     const auto interlaced = reader.read(28, 1);
-    if (reader.read(12, 4) != kHeaderChunk || !interlaced || *colour > 6 || !is_whole_png(reader, bytes))
-        return broken();
+    if (reader.read(12, 4) != kHeaderChunk || !interlaced || *colour > 6 || !is_whole_png(bytes)) return broken();
     ImageHeader header{ImageFormat::Png, *width, *height, 0};
     const uint64_t sample = *depth > 8 ? 2 : 1;
     // One more for the transparency that a chunk may give any of them.
@@ -72,23 +48,17 @@ Result<ImageHeader> read_png(std::string_view bytes) {
 
 /// Rows are read as they come, unless the picture is sent in several scans: then all coefficients are kept.
 Result<ImageHeader> read_jpeg(std::string_view bytes) {
-    const ByteReader reader(bytes, true);
-    std::size_t segment = 2;
-    while (const auto mark = reader.read(segment, 2)) {
-        const std::uint32_t name = *mark & 0xFF;
-        if (*mark >> 8 != 0xFF) return broken();
-        if (name == 0xFF) {  // a byte that only fills
-            ++segment;
-            continue;
-        }
-        const bool alone = name == 0x01 || (name >= 0xD0 && name <= 0xD8);
+    constexpr std::uint32_t kEnd = 0xD9, kScan = 0xDA;
+    std::size_t at = kJpegSegments;
+    while (const auto segment = jpeg_segment(bytes, at)) {
+        const std::uint32_t name = segment->marker;
         const bool frame = name >= 0xC0 && name <= 0xCF && name != 0xC4 && name != 0xC8 && name != 0xCC;
-        const auto length = alone ? std::optional<std::uint32_t>(0) : reader.read(segment + 2, 2);
-        if (!length || name == 0xD9 || name == 0xDA) return broken();
+        if (name == kEnd || name == kScan) return broken();
         if (frame) {
-            const auto height = reader.read(segment + 5, 2);
-            const auto width = reader.read(segment + 7, 2);
-            const auto channels = reader.read(segment + 9, 1);
+            const ByteReader reader(segment->data, true);
+            const auto height = reader.read(1, 2);
+            const auto width = reader.read(3, 2);
+            const auto channels = reader.read(5, 1);
             if (!channels) return broken();
             ImageHeader header{ImageFormat::Jpeg, *width, *height, 0};
             // A baseline picture may come in several scans too, which its frame does not say.
@@ -96,13 +66,12 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
             header.decoder_bytes = (header.width + kBlock) * (header.height + kBlock) * *channels * kCoefficient;
             return header;
         }
-        segment += 2 + *length;
+        at = segment->end;
     }
     return broken();
 }
 
-constexpr std::size_t kRiffChunks = 12;  ///< where the first chunk of a WebP file stands
-constexpr std::size_t kRiffHeader = 8;   ///< a chunk's name and size
+constexpr std::size_t kRiffHeader = 8;  ///< a chunk's name and size
 
 Result<ImageHeader> read_webp(std::string_view bytes) {
     constexpr uint64_t kDecoderBytes = 12;  // a pixel: two canvases of an animation, its frame, lossless references
@@ -125,42 +94,6 @@ Result<ImageHeader> read_webp(std::string_view bytes) {
     header.decoder_bytes = header.pixels() * kDecoderBytes;
     return header;
 }
-
-/// Reader of the first directory of a TIFF file or EXIF block.
-class TiffDirectory {
-public:
-    explicit TiffDirectory(std::string_view bytes) : reader_(bytes, bytes.starts_with("MM")) {
-        const auto begin = reader_.read(4, 4);
-        if (!begin) return;
-        begin_ = *begin;
-        entries_ = reader_.read(begin_, 2).value_or(0);
-    }
-
-    /// Reads the first of an entry's numbers, of 16 or 32 bits.
-    std::optional<std::uint32_t> number(std::uint32_t tag) const {
-        constexpr std::uint32_t kShort = 3, kLong = 4;
-        for (std::size_t i = 0; i < entries_; ++i) {
-            const std::size_t entry = begin_ + 2 + 12 * i;
-            const auto name = reader_.read(entry, 2);
-            if (!name) return std::nullopt;
-            if (*name != tag) continue;
-            const auto type = reader_.read(entry + 2, 2);
-            const std::size_t size = type == kShort ? 2 : 4;
-            if (type != kShort && type != kLong) return std::nullopt;
-            const auto count = reader_.read(entry + 4, 4);
-            if (!count) return std::nullopt;
-            if (uint64_t{*count} * size <= 4) return reader_.read(entry + 8, size);
-            const auto elsewhere = reader_.read(entry + 8, 4);
-            return elsewhere ? reader_.read(*elsewhere, size) : std::nullopt;
-        }
-        return std::nullopt;
-    }
-
-private:
-    ByteReader reader_;
-    std::size_t begin_ = 0;
-    std::size_t entries_ = 0;
-};
 
 namespace tiff {
 constexpr std::uint32_t kWidth = 256;
@@ -231,15 +164,14 @@ Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pi
 }
 
 int webp_orientation(std::string_view bytes) {
-    const ByteReader reader(bytes, false);
-    std::size_t chunk = kRiffChunks;
-    while (const auto size = reader.read(chunk + 4, 4)) {
-        if (bytes.substr(chunk, 4) == "EXIF") {
-            std::string_view exif = bytes.substr(chunk + kRiffHeader, *size);
+    std::size_t at = kRiffChunks;
+    while (const auto chunk = riff_chunk(bytes, at)) {
+        if (chunk->name == "EXIF") {
+            std::string_view exif = chunk->data;
             if (exif.starts_with("Exif")) exif.remove_prefix(std::min<std::size_t>(6, exif.size()));
             return static_cast<int>(TiffDirectory(exif).number(tiff::kOrientation).value_or(1));
         }
-        chunk += kRiffHeader + *size + *size % 2;
+        at = chunk->end;
     }
     return 1;
 }

@@ -1,0 +1,84 @@
+#include "api/image/containers.h"
+
+#include <algorithm>
+
+namespace ccdt::api {
+
+std::optional<std::uint32_t> ByteReader::read(std::size_t offset, std::size_t size) const {
+    if (offset > bytes_.size() || size > bytes_.size() - offset) return std::nullopt;
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+        const std::size_t at = offset + (big_endian_ ? i : size - 1 - i);
+        value = value << 8 | static_cast<unsigned char>(bytes_[at]);
+    }
+    return value;
+}
+
+std::optional<Chunk> png_chunk(std::string_view bytes, std::size_t at) {
+    constexpr std::size_t kHead = 8, kChecksum = 4;
+    const auto length = ByteReader(bytes, true).read(at, 4);
+    if (!length || at + kHead + *length + kChecksum > bytes.size()) return std::nullopt;
+    return Chunk{bytes.substr(at + 4, 4), bytes.substr(at + kHead, *length), at, at + kHead + *length + kChecksum};
+}
+
+std::optional<Chunk> riff_chunk(std::string_view bytes, std::size_t at) {
+    constexpr std::size_t kHead = 8;
+    const auto size = ByteReader(bytes, false).read(at + 4, 4);
+    if (!size) return std::nullopt;
+    return Chunk{bytes.substr(at, 4), bytes.substr(at + kHead, *size), at, at + kHead + *size + *size % 2};
+}
+
+std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at) {
+    const ByteReader reader(bytes, true);
+    while (reader.read(at, 2) == 0xFFFF) ++at;
+    const auto mark = reader.read(at, 2);
+    if (!mark || *mark >> 8 != 0xFF) return std::nullopt;
+    const std::uint32_t marker = *mark & 0xFF;
+    const bool stands_alone = marker == 0x01 || (marker >= 0xD0 && marker <= 0xD9);
+    if (stands_alone) return Segment{marker, {}, at + 2};
+    const auto length = reader.read(at + 2, 2);
+    if (!length || *length < 2) return std::nullopt;
+    return Segment{marker, bytes.substr(at + 4, *length - 2), at + 2 + *length};
+}
+
+TiffDirectory::TiffDirectory(std::string_view bytes) : bytes_(bytes), reader_(bytes, bytes.starts_with("MM")) {
+    const auto begin = reader_.read(4, 4);
+    if (!begin) return;
+    begin_ = *begin;
+    entries_ = reader_.read(begin_, 2).value_or(0);
+}
+
+std::optional<std::size_t> TiffDirectory::find(std::uint32_t tag) const {
+    for (std::size_t i = 0; i < entries_; ++i) {
+        const std::size_t entry = begin_ + 2 + kEntrySize * i;
+        const auto name = reader_.read(entry, 2);
+        if (!name) return std::nullopt;
+        if (*name == tag) return entry;
+    }
+    return std::nullopt;
+}
+
+std::optional<std::uint32_t> TiffDirectory::number(std::uint32_t tag) const {
+    constexpr std::uint32_t kShort = 3, kLong = 4;
+    const auto entry = find(tag);
+    if (!entry) return std::nullopt;
+    const auto type = reader_.read(*entry + 2, 2);
+    const std::size_t size = type == kShort ? 2 : 4;
+    if (type != kShort && type != kLong) return std::nullopt;
+    const auto count = reader_.read(*entry + 4, 4);
+    if (!count) return std::nullopt;
+    if (std::uint64_t{*count} * size <= 4) return reader_.read(*entry + 8, size);
+    const auto elsewhere = reader_.read(*entry + 8, 4);
+    return elsewhere ? reader_.read(*elsewhere, size) : std::nullopt;
+}
+
+std::optional<std::string_view> TiffDirectory::data(std::uint32_t tag) const {
+    const auto entry = find(tag);
+    if (!entry) return std::nullopt;
+    const auto size = reader_.read(*entry + 4, 4);
+    const auto begin = reader_.read(*entry + 8, 4);
+    if (!size || !begin || *begin > bytes_.size() || *size > bytes_.size() - *begin) return std::nullopt;
+    return bytes_.substr(*begin, *size);
+}
+
+}  // namespace ccdt::api
