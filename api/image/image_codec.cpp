@@ -1,8 +1,5 @@
 #include "api/image/image_codec.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,12 +7,18 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "api/image/colour_profile.h"
+#include "api/image/colour_tags.h"
 #include "api/image/image_header.h"
+#include "api/image/ink_jpeg.h"
+#include "api/image/library_reader.h"
+#include "api/image/row_source.h"
 
 namespace ccdt::api {
 namespace {
@@ -25,33 +28,11 @@ struct Size {
     std::uint64_t height = 0;
 };
 
-const char* plugin_name(ImageFormat format) {
-    switch (format) {
-        case ImageFormat::Png:
-            return "png";
-        case ImageFormat::Jpeg:
-            return "jpeg";
-        case ImageFormat::WebP:
-            return "webp";
-        case ImageFormat::Tiff:
-            return "tiff";
-    }
-    return "";
-}
-
 tl::unexpected<Error> broken() {
     return failure(ErrorCode::Unusable, "the image is broken or cut short");
 }
 
-std::uint64_t pixels_of(int width, int height) {
-    return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
-}
-
-tl::unexpected<Error> unusual(const char* what) {
-    return failure(ErrorCode::Unusable, std::string("the image is of a kind that is not read: ") + what);
-}
-
-/// Places where the pixels of the file's rows go in the upright picture.
+/// Where the pixels of the file's rows go in the upright picture.
 struct Placement {
     Size size;                 ///< of the upright picture
     std::ptrdiff_t start = 0;  ///< index of the file's first pixel
@@ -77,50 +58,33 @@ Placement place(Size file, int orientation) {
 
 /// Meaning of the numbers of the file.
 struct Encoding {
-    enum class Curve { Srgb, Gamma, Linear };
-
     std::ptrdiff_t channels = 1;
     bool colour = false;  ///< the first three are red, green, blue; else the first is grey
     int alpha = -1;       ///< its channel; -1: none
     bool premultiplied = false;
-    Curve curve = Curve::Srgb;
-    float gamma = 1;  ///< of Curve::Gamma
+    RowSource::Curve curve = RowSource::Curve::Srgb;
+    float gamma = 1;                    ///< of Curve::Gamma
+    std::vector<ToneCurve> curves;      ///< of grey or of three colours, instead of `curve`; may be empty
+    std::optional<LightMatrix> matrix;  ///< of the colours' light; none: its primaries are sRGB's
 
-    float to_linear(float value) const {
-        if (curve == Curve::Linear) return value;
-        if (curve == Curve::Gamma) return std::pow(value, gamma);
+    float to_linear(float value, std::size_t channel) const {
+        if (!curves.empty()) return curves[channel](value);
+        if (curve == RowSource::Curve::Linear) return value;
+        if (curve == RowSource::Curve::Gamma) return std::pow(value, gamma);
         return value <= 0.04045F ? value / 12.92F : std::pow((value + 0.055F) / 1.055F, 2.4F);
     }
 };
 
-Encoding encoding_of(const OIIO::ImageSpec& spec) {
-    Encoding encoding;
-    encoding.channels = spec.nchannels;
-    encoding.colour = spec.nchannels >= 3;
-    encoding.alpha = spec.alpha_channel;
-    encoding.premultiplied = spec.alpha_channel >= 0 && spec.get_int_attribute("oiio:UnassociatedAlpha", 0) == 0;
-    const bool floats = spec.format.is_floating_point();
-    const std::string space = spec.get_string_attribute("oiio:ColorSpace", floats ? "linear" : "sRGB");
-    const float gamma = spec.get_float_attribute("oiio:Gamma", 0);
-    if (OIIO::Strutil::iequals(space, "linear")) {
-        encoding.curve = Encoding::Curve::Linear;
-    } else if (gamma > 0) {
-        encoding.curve = Encoding::Curve::Gamma;
-        encoding.gamma = gamma;
-    }
-    return encoding;
-}
-
-/// Turns samples of one type into shares of the full range; integers to linear light by a table.
+/// Turns samples of one type into shares of the full range; integers to linear light by tables.
 template <class Sample>
 class SampleReader {
 public:
     explicit SampleReader(const Encoding& encoding) : encoding_(encoding) {
         if constexpr (std::is_integral_v<Sample>) {
-            table_.resize(std::size_t{kFull} + 1);
-            for (std::size_t i = 0; i < table_.size(); ++i) {
-                table_[i] = encoding.to_linear(static_cast<float>(i) / static_cast<float>(kFull));
-            }
+            tables_.resize(std::max<std::size_t>(encoding.curves.size(), 1));
+            for (std::size_t channel = 0; channel < tables_.size(); ++channel) tables_[channel] = make_table(channel);
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                values_[channel] = tables_[std::min(channel, tables_.size() - 1)].data();
         }
     }
 
@@ -132,25 +96,75 @@ public:
         }
     }
 
-    float linear(Sample sample) const {
+    float linear(Sample sample, std::size_t channel) const {
         if constexpr (std::is_integral_v<Sample>) {
-            return table_[sample];
+            return values_[channel][sample];
         } else {
-            return encoding_.to_linear(share(sample));
+            return encoding_.to_linear(share(sample), channel);
         }
     }
 
-    /// Divides a sample by the alpha that it was multiplied by.
-    float linear(Sample sample, float alpha) const {
-        if (!encoding_.premultiplied) return linear(sample);
-        return alpha > 0 ? encoding_.to_linear(std::min(share(sample) / alpha, 1.0F)) : 0;
+    /// The sample before it was multiplied by alpha.
+    float linear(Sample sample, std::size_t channel, float alpha) const {
+        return alpha > 0 ? encoding_.to_linear(std::min(share(sample) / alpha, 1.0F), channel) : 0;
     }
 
 private:
     static constexpr Sample kFull = std::numeric_limits<Sample>::max();
 
+    std::vector<float> make_table(std::size_t channel) const {
+        std::vector<float> table(std::size_t{kFull} + 1);
+        for (std::size_t i = 0; i < table.size(); ++i)
+            table[i] = encoding_.to_linear(static_cast<float>(i) / static_cast<float>(kFull), channel);
+        return table;
+    }
+
     const Encoding& encoding_;
-    std::vector<float> table_;
+    std::vector<std::vector<float>> tables_;
+    std::array<const float*, 3> values_{};
+};
+
+float luminance(float red, float green, float blue) {
+    return 0.2126F * red + 0.7152F * green + 0.0722F * blue;
+}
+
+/// Light of other primaries than those of sRGB.
+class ForeignLight {
+public:
+    explicit ForeignLight(const LightMatrix& matrix) : matrix_(matrix) {
+        for (std::size_t i = 0; i < 3; ++i) weights_[i] = luminance(matrix[0][i], matrix[1][i], matrix[2][i]);
+    }
+
+    float luminance_of(float red, float green, float blue) const {
+        return settle(weights_[0] * red + weights_[1] * green + weights_[2] * blue);
+    }
+
+    /// With the primaries of sRGB. What they cannot show is mixed with as much grey of its own luminance as brings it
+    /// in: cut off it would get darker or brighter.
+    std::array<float, 3> convert(float red, float green, float blue) const {
+        std::array<float, 3> light{};
+        for (std::size_t i = 0; i < 3; ++i)
+            light[i] = matrix_[i][0] * red + matrix_[i][1] * green + matrix_[i][2] * blue;
+        const float low = std::min(std::min(light[0], light[1]), light[2]);
+        const float high = std::max(std::max(light[0], light[1]), light[2]);
+        if (low >= 0 && high <= 1) return {settle(light[0]), settle(light[1]), settle(light[2])};
+        const float grey = luminance_of(red, green, blue);
+        float kept = 1;
+        if (low < 0) kept = std::min(kept, grey / (grey - low));
+        if (high > 1) kept = std::min(kept, (1 - grey) / (high - grey));
+        for (float& value : light) value = settle(grey + kept * (value - grey));
+        return light;
+    }
+
+private:
+    /// White stays white to the last bit, as it gets no dots.
+    static float settle(float light) {
+        constexpr float kWhite = 1 - 1e-6F;
+        return light >= kWhite ? 1.0F : std::max(light, 0.0F);
+    }
+
+    LightMatrix matrix_;
+    std::array<float, 3> weights_{};
 };
 
 /// Planes being filled.
@@ -192,7 +206,11 @@ public:
     void set_grey(std::ptrdiff_t pixel, float grey) const { set(0, pixel, grey); }
 
     void set_colour(std::ptrdiff_t pixel, float red, float green, float blue) const {
-        set(0, pixel, 0.2126F * red + 0.7152F * green + 0.0722F * blue);
+        set(0, pixel, luminance(red, green, blue));
+    }
+
+    void set_colour(std::ptrdiff_t pixel, float red, float green, float blue, const ForeignLight& primaries) const {
+        set(0, pixel, primaries.luminance_of(red, green, blue));
     }
 
     Picture picture() const { return {width(), height(), light(0), alpha()}; }
@@ -210,132 +228,125 @@ public:
         set(2, pixel, blue);
     }
 
+    void set_colour(std::ptrdiff_t pixel, float red, float green, float blue, const ForeignLight& primaries) const {
+        const auto light = primaries.convert(red, green, blue);
+        set_colour(pixel, light[0], light[1], light[2]);
+    }
+
     ColourPicture picture() const { return {width(), height(), light(0), light(1), light(2), alpha()}; }
 };
 
 template <class AnyDraft>
 using PictureOf = decltype(std::declval<AnyDraft>().picture());
 
-/// Puts one row of the file into the picture.
+/// Puts one row of the file into the picture. Each kind of row has a loop of its own, which is short.
 template <class Sample, class AnyDraft>
-void store_row(const Sample* sample, std::ptrdiff_t count, const SampleReader<Sample>& reader, const Encoding& encoding,
-               const Placement& placement, std::ptrdiff_t row, const AnyDraft& draft) {
-    std::ptrdiff_t to = placement.start + row * placement.down;
-    for (std::ptrdiff_t i = 0; i < count; ++i, sample += encoding.channels, to += placement.right) {
-        const float alpha = encoding.alpha < 0 ? 1.0F : reader.share(sample[encoding.alpha]);
-        if (encoding.alpha >= 0) draft.set_alpha(to, alpha);
-        const float first = reader.linear(sample[0], alpha);
-        if (encoding.colour) {
-            draft.set_colour(to, first, reader.linear(sample[1], alpha), reader.linear(sample[2], alpha));
+void store_row(const Sample* row, std::ptrdiff_t count, const SampleReader<Sample>& reader, const Encoding& encoding,
+               const Placement& placement, std::ptrdiff_t y, const AnyDraft& draft) {
+    const auto for_each = [&, step = encoding.channels, start = placement.start + y * placement.down,
+                           right = placement.right](const auto& store) {
+        for (std::ptrdiff_t i = 0; i < count; ++i) store(row + i * step, start + i * right);
+    };
+    const auto store_colours = [&](const auto& linear) {
+        if (!encoding.colour) {
+            for_each([&](const Sample* pixel, std::ptrdiff_t to) { draft.set_grey(to, linear(pixel, 0)); });
+        } else if (encoding.matrix) {
+            for_each([&, primaries = ForeignLight(*encoding.matrix)](const Sample* pixel, std::ptrdiff_t to) {
+                draft.set_colour(to, linear(pixel, 0), linear(pixel, 1), linear(pixel, 2), primaries);
+            });
         } else {
-            draft.set_grey(to, first);
+            for_each([&](const Sample* pixel, std::ptrdiff_t to) {
+                draft.set_colour(to, linear(pixel, 0), linear(pixel, 1), linear(pixel, 2));
+            });
         }
+    };
+    const auto alpha_of = [&](const Sample* pixel) { return reader.share(pixel[encoding.alpha]); };
+    if (encoding.alpha >= 0)
+        for_each([&](const Sample* pixel, std::ptrdiff_t to) { draft.set_alpha(to, alpha_of(pixel)); });
+    if (encoding.premultiplied) {
+        store_colours([&](const Sample* pixel, std::size_t channel) {
+            return reader.linear(pixel[channel], channel, alpha_of(pixel));
+        });
+    } else {
+        store_colours([&](const Sample* pixel, std::size_t channel) { return reader.linear(pixel[channel], channel); });
     }
 }
 
-/// Rows that are read at once: whole tiles, or about a megabyte.
-int rows_at_once(const OIIO::ImageSpec& spec) {
-    if (spec.tile_width > 0) return spec.tile_height;
-    const std::uint64_t row_bytes =
-        static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.nchannels) * 4;
-    return static_cast<int>(std::clamp<std::uint64_t>((1 << 20) / row_bytes, 1, 256));
-}
-
-bool read_rows(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, int begin, int end, const OIIO::TypeDesc& type,
-               void* rows) {
-    // Rows that need no conversion are read where they belong; else the library takes 64 MiB to convert them in.
-    const bool as_stored = spec.format == type && spec.channelformats.empty();
-    const OIIO::TypeDesc to = as_stored ? OIIO::TypeDesc::UNKNOWN : type;
-    if (spec.tile_width == 0) return input.read_scanlines(0, 0, begin, end, 0, 0, spec.nchannels, to, rows);
-    return input.read_tiles(0, 0, 0, spec.width, begin, end, 0, 1, 0, spec.nchannels, type, rows);
+/// The conversion must be for samples of the source's kind.
+Encoding encoding_of(const RowSource& source, const ColourConversion* conversion) {
+    Encoding encoding{source.channels, source.channels >= 3, source.alpha, source.premultiplied,
+                      source.curve,    source.gamma,         {},           {}};
+    if (conversion != nullptr) {
+        encoding.curves = conversion->curves;
+        encoding.matrix = conversion->matrix;
+    }
+    return encoding;
 }
 
 template <class AnyDraft, class Sample>
-Result<PictureOf<AnyDraft>> read_pixels(OIIO::ImageInput& input, const OIIO::ImageSpec& spec,
-                                        const Placement& placement, const NewPlane& make_plane) {
-    const Encoding encoding = encoding_of(spec);
+Result<PictureOf<AnyDraft>> read_pixels(const RowSource& source, const Encoding& encoding, const NewPlane& make_plane) {
     const SampleReader<Sample> reader(encoding);
-    const int step = rows_at_once(spec);
-    const auto width = static_cast<std::size_t>(spec.width);
-    const std::size_t row_size = width * static_cast<std::size_t>(spec.nchannels);
-    std::vector<Sample> rows(static_cast<std::size_t>(std::min(step, spec.height)) * row_size);
+    const Size size{static_cast<std::uint64_t>(source.width), static_cast<std::uint64_t>(source.height)};
+    const Placement placement = place(size, source.orientation);
+    const int step = std::min(source.step, source.height);
+    const std::size_t row_size = static_cast<std::size_t>(source.width) * static_cast<std::size_t>(source.channels);
+    std::vector<Sample> rows(static_cast<std::size_t>(step) * row_size);
 
     const AnyDraft draft(placement.size, encoding.alpha >= 0, make_plane);
-    for (int begin = 0; begin < spec.height; begin += std::min(step, spec.height - begin)) {
-        const int end = begin + std::min(step, spec.height - begin);
-        // A shortened file may read "well" and only leave a note.
-        if (!read_rows(input, spec, begin, end, OIIO::BaseTypeFromC<Sample>::value, rows.data()) || input.has_error()) {
-            return broken();
-        }
+    for (int begin = 0; begin < source.height; begin += std::min(step, source.height - begin)) {
+        const int end = begin + std::min(step, source.height - begin);
+        if (!source.read(begin, end, rows.data())) return broken();
         for (int y = begin; y < end; ++y) {
-            store_row(rows.data() + static_cast<std::size_t>(y - begin) * row_size, spec.width, reader, encoding,
+            store_row(rows.data() + static_cast<std::size_t>(y - begin) * row_size, source.width, reader, encoding,
                       placement, y, draft);
         }
     }
     return draft.picture();
 }
 
-/// Checks that the reader makes of the header what was made of it before.
-Result<void> check_spec(const OIIO::ImageSpec& spec, const ImageHeader& header) {
-    constexpr int kMaxChannels = 5;  // CMYK and alpha
-    if (spec.width < 1 || spec.height < 1) return broken();
-    if (pixels_of(spec.width, spec.height) != header.pixels()) return broken();
-    if (spec.depth > 1 || spec.deep) return unusual("more than two dimensions");
-    if (spec.nchannels < 1 || spec.nchannels > kMaxChannels) return unusual("an odd number of channels");
-    if (spec.tile_width > 0 && pixels_of(spec.tile_width, spec.tile_height) > header.pixels() + kMostTilePixels)
-        return unusual("tiles much larger than their picture");
-    return {};
+bool has_colours_of(const RowSource& source, const ColourConversion& conversion) {
+    switch (conversion.space) {
+        case ColourConversion::Space::Grey:
+            return source.channels < 3;
+        case ColourConversion::Space::Rgb:
+            return source.channels >= 3 && !source.has_inks;
+        case ColourConversion::Space::Inks:
+            return source.has_inks;
+    }
+    return false;
 }
 
-/// Tells a TIFF whose rows the reader turns over by itself, though not as its orientation says.
-bool is_converted_ycbcr(const OIIO::ImageSpec& spec) {
-    constexpr int kYCbCr = 6;
-    constexpr int kJpeg = 7;
-    return spec.get_int_attribute("tiff:PhotometricInterpretation") == kYCbCr &&
-           spec.get_int_attribute("tiff:Compression") != kJpeg;
+template <class AnyDraft>
+Result<PictureOf<AnyDraft>> read_picture(const RowSource& source, const ColourConversion* conversion,
+                                         const NewPlane& make_plane) {
+    const Encoding encoding = encoding_of(source, conversion);
+    switch (source.sample) {
+        case RowSource::Sample::Byte:
+            return read_pixels<AnyDraft, std::uint8_t>(source, encoding, make_plane);
+        case RowSource::Sample::Word:
+            return read_pixels<AnyDraft, std::uint16_t>(source, encoding, make_plane);
+        case RowSource::Sample::Float:
+            break;
+    }
+    return read_pixels<AnyDraft, float>(source, encoding, make_plane);
 }
 
-/// Fetches errors: the library keeps what an input notes until it is fetched, or the thread ends. It may name files of
-/// the server, so nobody reads it.
-struct NoteDropper {
-    OIIO::ImageInput& input;
-
-    ~NoteDropper() { static_cast<void>(input.geterror()); }
-};
+/// @param keep_inks  of a picture that has them; else they come as red, green and blue
+Result<RowSource> open(std::string_view bytes, const ImageHeader& header, bool keep_inks) {
+    if (keep_inks && header.is_ink_jpeg) return open_ink_jpeg(bytes);
+    return open_by_library(bytes, header, keep_inks);
+}
 
 template <class AnyDraft>
 Result<PictureOf<AnyDraft>> read_file(std::string_view bytes, const ImageHeader& header, const NewPlane& make_plane) {
-    OIIO::Filesystem::IOMemReader file(bytes.data(), bytes.size());
-    const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(plugin_name(header.format));
-    if (!input) return failure(ErrorCode::Internal, "the image reader is missing");
-    const NoteDropper dropper{*input};
-    input->threads(1);
-    input->set_ioproxy(&file);
-    OIIO::ImageSpec wishes;
-    OIIO::ImageSpec spec;
-    wishes.attribute("oiio:UnassociatedAlpha", 1);
-    if (!input->open("image", spec, wishes)) return broken();
-    if (auto checked = check_spec(spec, header); !checked) return tl::unexpected(checked.error());
-
-    const int orientation =
-        header.format == ImageFormat::WebP ? webp_orientation(bytes) : spec.get_int_attribute("Orientation", 1);
-    if (orientation != 1 && is_converted_ycbcr(spec)) return unusual("a TIFF of YCbCr that is stored turned");
-    const Size size{static_cast<std::uint64_t>(spec.width), static_cast<std::uint64_t>(spec.height)};
-    const Placement placement = place(size, orientation);
-    const auto read = [&]<class Sample>(Sample) {
-        return read_pixels<AnyDraft, Sample>(*input, spec, placement, make_plane);
-    };
-    if (spec.format == OIIO::TypeDesc::UINT8) return read(std::uint8_t{});
-    if (spec.format == OIIO::TypeDesc::UINT16) return read(std::uint16_t{});
-    return read(float{});
-}
-
-void configure_library() {
-    static std::once_flag once;
-    std::call_once(once, [] {
-        OIIO::attribute("threads", 1);          // a request has one core
-        OIIO::attribute("try_all_readers", 0);  // only those that are allowed
-    });
+    auto conversion = convert_colours(read_colour_tags(bytes, header.format));
+    const std::string copy = hide_profile(bytes, header.format);
+    if (!copy.empty()) bytes = copy;
+    auto source = open(bytes, header, conversion && conversion->space == ColourConversion::Space::Inks);
+    if (!source) return tl::unexpected(source.error());
+    if (conversion && !has_colours_of(*source, *conversion)) conversion.reset();
+    if (conversion && conversion->transform) source = transform_rows(*std::move(source), conversion->transform);
+    return read_picture<AnyDraft>(*source, conversion ? &*conversion : nullptr, make_plane);
 }
 
 /// Lock of the library's reader of TIFF, which has known faults with threads.
@@ -348,7 +359,6 @@ template <class AnyDraft>
 Result<PictureOf<AnyDraft>> decode(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane) {
     const auto header = read_image_header(bytes, max_pixels);
     if (!header) return tl::unexpected(header.error());
-    configure_library();
     std::unique_lock<std::mutex> lock;
     if (header->format == ImageFormat::Tiff) lock = std::unique_lock(tiff_mutex());
     try {

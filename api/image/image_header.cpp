@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "api/image/colour_tags.h"
 #include "api/image/containers.h"
 
 namespace ccdt::api {
@@ -12,6 +13,7 @@ using std::uint64_t;
 
 constexpr uint64_t kReaderBytes = uint64_t{16} << 20;     ///< of any file
 constexpr uint64_t kConvertedBytes = uint64_t{64} << 20;  ///< asked for by the library if samples must be converted
+constexpr uint64_t kProfileBytes = uint64_t{32} << 20;    ///< of a profile's tables, besides a copy of the file
 constexpr uint64_t kRowBytes = 48;                        ///< of rows that are read, a pixel of their width
 
 tl::unexpected<Error> broken() {
@@ -64,6 +66,7 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
             // A baseline picture may come in several scans too, which its frame does not say.
             constexpr uint64_t kCoefficient = 2, kBlock = 16;  // bytes; pixels that sides are rounded up to
             header.decoder_bytes = (header.width + kBlock) * (header.height + kBlock) * *channels * kCoefficient;
+            header.is_ink_jpeg = *channels == 4;
             return header;
         }
         at = segment->end;
@@ -156,6 +159,7 @@ Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pi
     if (header->width == 0 || header->height == 0) return broken();
     if (header->width <= max_pixels / header->height) {
         header->decoder_bytes += kReaderBytes + header->width * kRowBytes;
+        if (may_have_profile(bytes, *format)) header->decoder_bytes += kProfileBytes + bytes.size();
         return header;
     }
     return failure(ErrorCode::LimitExceeded,

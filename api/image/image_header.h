@@ -21,6 +21,7 @@ struct ImageHeader {
     std::uint64_t height = 0;  ///< >= 1
     /// Bytes a reader takes at most while it decodes the picture, besides the file and the planes that it makes.
     std::uint64_t decoder_bytes = 0;
+    bool is_ink_jpeg = false;  ///< of four channels: cyan, magenta, yellow, black
 
     std::uint64_t pixels() const { return width * height; }
 };

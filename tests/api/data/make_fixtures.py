@@ -1,14 +1,20 @@
 #!/usr/bin/env python3
 """Writes the image files beside it (Debian 12: python3-pil 9.4, python3-numpy).
 
-All but those for alpha and corruption show one picture, 24 x 16: four quadrants of sRGB grey, 0 and 85 above
+All but those for alpha, colours and corruption show one picture, 24 x 16: four quadrants of sRGB grey, 0 and 85 above
 170 and 255.
 """
+import io
+import pathlib
 import struct
+import sys
 import zlib
 
 import numpy as np
 from PIL import Image
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "integration"))
+import profiles  # pylint: disable=wrong-import-position
 
 GREY = np.repeat(np.repeat(np.array([[0, 85], [170, 255]], np.uint8), 8, axis=0), 12, axis=1)
 ORIENTATION = 0x0112
@@ -66,6 +72,46 @@ def tiff(name, blocks, order="<", **wanted):
         file.write(start + body + struct.pack(order + "H", len(tags)) + entries + b"\0" * 4 + extra)
 
 
+def tiff_with_profile(name, pixels, profile):
+    """One strip, with a profile that Pillow would not write."""
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "TIFF", icc_profile=b"#" * len(profile))
+    with open(name, "wb") as kept:
+        kept.write(file.getvalue().replace(b"#" * len(profile), profile))
+
+
+def profiled():
+    """Four colours of Display P3, 4 x 1, with a profile that says so."""
+    colours = Image.fromarray(np.array([[[255, 255, 255], [200, 100, 50], [40, 160, 90], [255, 0, 0]]], np.uint8))
+    p3 = profiles.rgb_profile(profiles.DISPLAY_P3, profiles.srgb_to_linear)
+    colours.save("p3.png", icc_profile=p3)
+    colours.save("p3.webp", icc_profile=p3, lossless=True)
+    colours.save("p3.tif", icc_profile=p3)
+    blocks = colours.resize((64, 16), Image.Resampling.NEAREST)
+    blocks.save("p3.jpg", icc_profile=p3 + bytes(70000), quality=100, subsampling=0)
+    rows = zlib.compress(b"\0" + colours.tobytes())
+    chromaticities = struct.pack(">8I", *(round(100000 * v) for xy in (profiles.D65, *profiles.DISPLAY_P3) for v in xy))
+    for name, tag in (("p3-chromaticities.png", (b"cHRM", chromaticities)), ("p3-code-points.png", (b"cICP", b"\x0c\x0d\0\1"))):
+        with open(name, "wb") as file:
+            file.write(header(4, 1, 8, 2) + chunk(*tag) + chunk(b"IDAT", rows) + chunk(b"IEND", b""))
+    colours.save("srgb.png", icc_profile=profiles.rgb_profile(profiles.SRGB, profiles.srgb_to_linear))
+
+    ramp = np.arange(65536, dtype=np.uint16).reshape(256, 256)
+    Image.fromarray(ramp).save("ramp.png")
+    Image.fromarray(ramp).save("ramp.tif", compression="tiff_adobe_deflate", tiffinfo={317: 2})
+    Image.fromarray(ramp).save("ramp-gamma.png", icc_profile=profiles.grey_profile(1.8))
+    inks = Image.fromarray(np.array([[[0, 0, 0, 0], [255, 0, 0, 0], [0, 128, 64, 32], [0, 0, 0, 255]]], np.uint8), "CMYK")
+    inks.save("inks.tif", icc_profile=profiles.ink_profile(5))
+    inks.resize((64, 16), Image.Resampling.NEAREST).save("inks.jpg", icc_profile=profiles.ink_profile(5), quality=100)
+
+    # A tag of the profile is said to lie 4 GiB behind where the profile is.
+    broken = bytearray(p3)
+    broken[132 + 4:132 + 12] = struct.pack(">II", 0xFFFFFFF0, 0x20)
+    tiff_with_profile("profile-beyond.tif", np.asarray(colours), bytes(broken))
+    colours.save("profile-beyond.png", icc_profile=bytes(broken))
+    blocks.save("profile-beyond.jpg", icc_profile=bytes(broken), quality=100, subsampling=0)
+
+
 def main():
     grey = Image.fromarray(GREY)
     rgb = grey.convert("RGB")
@@ -110,6 +156,8 @@ def main():
     seen = Image.fromarray(np.array([[0, 1, 2, 3]], np.uint8), "P")
     seen.putpalette([0, 0, 0, 255, 0, 0, 0, 255, 0, 255, 255, 255])
     seen.save("palette-transparent.png", transparency=1)
+
+    profiled()
 
     with open("bomb.png", "wb") as file:
         file.write(header(30000, 30000, 8, 2) + chunk(b"IDAT", zlib.compress(bytes(1000))) + chunk(b"IEND", b""))

@@ -127,6 +127,71 @@ TEST(ImageCodec, ReadsGreyWithAlphaAndTransparentPalettes) {
     EXPECT_NEAR(luminance_at(*palette, 2, 0), 0.7152, 1e-4);
 }
 
+TEST(ImageCodec, AppliesProfilesInEveryFormat) {
+    // White, two colours, and a red that sRGB does not hold: with grey of its luminance it fits.
+    const std::vector<std::vector<float>> expected = {
+        {1, 1, 1}, {0.67884F, 0.10851F, 0.01367F}, {0, 0.34667F, 0.11374F}, {1, 0.01914F, 0.03650F}};
+    for (const auto* name : {"p3.png", "p3.webp", "p3.tif", "p3.jpg", "p3-chromaticities.png", "p3-code-points.png"}) {
+        const auto picture = decode_colour_image(fixture(name), kMaxPixels);
+        const auto grey = decode_image(fixture(name), kMaxPixels);
+        ASSERT_TRUE(picture && grey) << name;
+        const bool is_jpeg = picture->width > 4;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const std::size_t at = is_jpeg ? 16 * i + 8 : i;
+            const float tolerance = is_jpeg ? 0.01F : 0.001F;
+            EXPECT_NEAR(picture->red[at], expected[i][0], tolerance) << name << ' ' << i;
+            EXPECT_NEAR(picture->green[at], expected[i][1], tolerance) << name << ' ' << i;
+            EXPECT_NEAR(picture->blue[at], expected[i][2], tolerance) << name << ' ' << i;
+            const float weighed =
+                0.2126F * picture->red[at] + 0.7152F * picture->green[at] + 0.0722F * picture->blue[at];
+            EXPECT_NEAR(grey->luminance[at], weighed, 1e-6F) << name << ' ' << i;
+        }
+        EXPECT_EQ(grey->luminance[0], 1) << name << ": white must get no dots";
+    }
+}
+
+TEST(ImageCodec, ReadsInksByTheirProfile) {
+    const std::vector<std::vector<float>> expected = {
+        {1, 1, 1}, {0.05F, 0.35F, 0.75F}, {0.66093F, 0.42940F, 0.41724F}, {0.01F, 0.01F, 0.01F}};
+    for (const auto* name : {"inks.tif", "inks.jpg"}) {
+        const auto picture = decode_colour_image(fixture(name), kMaxPixels);
+        ASSERT_TRUE(picture) << name;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const std::size_t at = picture->width > 4 ? 16 * i + 8 : i;
+            EXPECT_NEAR(picture->red[at], expected[i][0], 0.02) << name << ' ' << i;
+            EXPECT_NEAR(picture->green[at], expected[i][1], 0.02) << name << ' ' << i;
+            EXPECT_NEAR(picture->blue[at], expected[i][2], 0.02) << name << ' ' << i;
+        }
+        EXPECT_EQ(decode_image(fixture(name), kMaxPixels)->luminance[0], 1) << name;
+    }
+}
+
+TEST(ImageCodec, LeavesPicturesInSrgbAsTheyAre) {
+    const std::string file = fixture("srgb.png");
+    const auto picture = decode_colour_image(file, kMaxPixels);
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(picture->red[1], srgb_to_linear(200.0F / 255));
+    EXPECT_EQ(picture->green[1], srgb_to_linear(100.0F / 255));
+}
+
+TEST(ImageCodec, KeepsSixteenBits) {
+    for (const auto* name : {"ramp.png", "ramp.tif", "ramp-gamma.png"}) {
+        const auto picture = decode_image(fixture(name), kMaxPixels);
+        ASSERT_TRUE(picture) << name;
+        ASSERT_EQ(picture->luminance.size(), 65536U) << name;
+        for (std::size_t i = 1; i < 65536; ++i)
+            ASSERT_GT(picture->luminance[i], picture->luminance[i - 1]) << name << ' ' << i;
+    }
+    EXPECT_NEAR(decode_image(fixture("ramp-gamma.png"), kMaxPixels)->luminance[32768], std::pow(0.5, 461.0 / 256),
+                1e-4);
+}
+
+TEST(ImageCodec, KeepsProfilesThatLieFromTheirReader) {
+    for (const auto* name : {"profile-beyond.tif", "profile-beyond.png", "profile-beyond.jpg"}) {
+        EXPECT_TRUE(decode_image(fixture(name), kMaxPixels)) << name;
+    }
+}
+
 TEST(ImageCodec, ReadsPhotographs) {
     const auto picture = decode_image(photograph("chelsea.png"), kMaxPixels);
     ASSERT_TRUE(picture);

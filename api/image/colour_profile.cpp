@@ -1,0 +1,259 @@
+#include "api/image/colour_profile.h"
+
+#include <lcms2.h>
+#include <lcms2_plugin.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace ccdt::api {
+namespace {
+
+using Space = ColourConversion::Space;
+
+using Context = std::shared_ptr<std::remove_pointer_t<cmsContext>>;
+using Curve = std::unique_ptr<cmsToneCurve, decltype(&cmsFreeToneCurve)>;
+
+/// A profile, or a transform, which end before their context.
+using Handle = std::shared_ptr<void>;
+
+Context make_context() {
+    return {cmsCreateContext(nullptr, nullptr), cmsDeleteContext};
+}
+
+Handle own_profile(const Context& context, cmsHPROFILE profile) {
+    if (profile == nullptr) return nullptr;
+    return {profile, [context](cmsHPROFILE owned) { cmsCloseProfile(owned); }};
+}
+
+Handle own_transform(const Context& context, cmsHTRANSFORM transform) {
+    if (transform == nullptr) return nullptr;
+    return {transform, [context](cmsHTRANSFORM owned) { cmsDeleteTransform(owned); }};
+}
+
+/// The same for red, green and blue.
+Handle make_rgb(const Context& context, const cmsCIExyY& white, const cmsCIExyYTRIPLE& primaries, const Curve& curve) {
+    if (!curve) return nullptr;
+    const std::array<cmsToneCurve*, 3> curves = {curve.get(), curve.get(), curve.get()};
+    return own_profile(context, cmsCreateRGBProfileTHR(context.get(), &white, &primaries, curves.data()));
+}
+
+constexpr cmsCIExyY kD65{0.3127, 0.3290, 1};
+constexpr cmsCIExyYTRIPLE kSrgb{{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1}};
+constexpr cmsCIExyYTRIPLE kDisplayP3{{0.680, 0.320, 1}, {0.265, 0.690, 1}, {0.150, 0.060, 1}};
+constexpr cmsCIExyYTRIPLE kBt2020{{0.708, 0.292, 1}, {0.170, 0.797, 1}, {0.131, 0.046, 1}};
+
+/// sRGB's, and that of BT.709, with other numbers: a power with a straight line at its foot.
+Curve make_curve(const Context& context, double power, double offset, double slope, double foot) {
+    constexpr int kPowerWithFoot = 4;
+    const std::array<double, 5> values = {power, 1 / (1 + offset), offset / (1 + offset), 1 / slope, foot};
+    return {cmsBuildParametricToneCurve(context.get(), kPowerWithFoot, values.data()), cmsFreeToneCurve};
+}
+
+Curve make_srgb_curve(const Context& context) {
+    return make_curve(context, 2.4, 0.055, 12.92, 0.04045);
+}
+
+Curve make_power(const Context& context, double gamma) {
+    return {cmsBuildGamma(context.get(), gamma), cmsFreeToneCurve};
+}
+
+float srgb_light(float share) {
+    return share <= 0.04045F ? share / 12.92F : std::pow((share + 0.055F) / 1.055F, 2.4F);
+}
+
+/// What a broken profile may give is put right.
+float clamp_light(float light) {
+    return light > 0 ? std::min(light, 1.0F) : 0;  // not a number: 0
+}
+
+/// Profiles of sRGB have rounded numbers, and curves by points.
+constexpr float kRounding = 0.002F;
+
+bool is_srgb(const ToneCurve& curve) {
+    constexpr int kSteps = 255;
+    for (int i = 0; i <= kSteps; ++i) {
+        const float share = static_cast<float>(i) / kSteps;
+        if (std::abs(curve(share) - srgb_light(share)) > kRounding) return false;
+    }
+    return true;
+}
+
+bool is_identity(const LightMatrix& matrix) {
+    constexpr float kColourRounding = 0.005F;
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            if (std::abs(matrix[i][j] - (i == j ? 1.0F : 0.0F)) > kColourRounding) return false;
+        }
+    }
+    return true;
+}
+
+/// The colours of a profile's red, green and blue in its connection space, by column.
+std::optional<cmsMAT3> primaries_of(cmsHPROFILE profile) {
+    cmsMAT3 matrix;
+    constexpr std::array kTags = {cmsSigRedColorantTag, cmsSigGreenColorantTag, cmsSigBlueColorantTag};
+    for (std::size_t i = 0; i < kTags.size(); ++i) {
+        const auto* colour = static_cast<const cmsCIEXYZ*>(cmsReadTag(profile, kTags[i]));
+        if (colour == nullptr) return std::nullopt;
+        matrix.v[0].n[i] = colour->X;
+        matrix.v[1].n[i] = colour->Y;
+        matrix.v[2].n[i] = colour->Z;
+    }
+    return matrix;
+}
+
+std::optional<LightMatrix> light_matrix(const Context& context, cmsHPROFILE profile) {
+    const Handle srgb = make_rgb(context, kD65, kSrgb, make_srgb_curve(context));
+    const auto to = srgb ? primaries_of(srgb.get()) : std::nullopt;
+    const auto from = primaries_of(profile);
+    cmsMAT3 inverse, product;
+    if (!to || !from || !_cmsMAT3inverse(&*to, &inverse)) return std::nullopt;
+    _cmsMAT3per(&product, &inverse, &*from);
+    LightMatrix matrix{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto& row = product.v[i].n;
+        const double sum = row[0] + row[1] + row[2];
+        if (!(sum > 0.5 && sum < 2)) return std::nullopt;  // its white is none
+        for (std::size_t j = 0; j < 3; ++j) matrix[i][j] = static_cast<float>(row[j] / sum);
+        matrix[i][i] = 1 - matrix[i][(i + 1) % 3] - matrix[i][(i + 2) % 3];
+    }
+    return matrix;
+}
+
+ToneCurve read_curve(const Handle& profile, cmsTagSignature tag) {
+    const auto* curve = static_cast<const cmsToneCurve*>(cmsReadTag(profile.get(), tag));
+    if (curve == nullptr) return {};
+    return [profile, curve](float share) { return clamp_light(cmsEvalToneCurveFloat(curve, share)); };
+}
+
+/// Nothing is left of what says that all is sRGB's.
+std::optional<ColourConversion> simplify(ColourConversion conversion) {
+    if (conversion.matrix && is_identity(*conversion.matrix)) conversion.matrix.reset();
+    if (!conversion.matrix && std::ranges::all_of(conversion.curves, is_srgb)) return std::nullopt;
+    return conversion;
+}
+
+/// Of a profile with curves and a matrix.
+std::optional<ColourConversion> read_matrix_profile(const Context& context, const Handle& profile) {
+    ColourConversion conversion;
+    for (const auto tag : {cmsSigRedTRCTag, cmsSigGreenTRCTag, cmsSigBlueTRCTag}) {
+        conversion.curves.push_back(read_curve(profile, tag));
+        if (!conversion.curves.back()) return std::nullopt;
+    }
+    conversion.matrix = light_matrix(context, profile.get());
+    if (!conversion.matrix) return std::nullopt;
+    return simplify(std::move(conversion));
+}
+
+/// Of grey the curve alone counts, in whatever way the profile gives it.
+std::optional<ColourConversion> read_grey_profile(const Context& context, const Handle& profile) {
+    const Handle light = own_profile(context, cmsCreateXYZProfileTHR(context.get()));
+    if (!light) return std::nullopt;
+    const Handle transform = own_transform(
+        context, cmsCreateTransformTHR(context.get(), profile.get(), TYPE_GRAY_FLT, light.get(), TYPE_XYZ_FLT,
+                                       INTENT_RELATIVE_COLORIMETRIC, cmsFLAGS_NOOPTIMIZE | cmsFLAGS_NOCACHE));
+    if (!transform) return std::nullopt;
+    const ToneCurve curve = [transform](float share) {
+        std::array<float, 3> xyz{};
+        cmsDoTransform(transform.get(), &share, xyz.data(), 1);
+        return clamp_light(xyz[1]);
+    };
+    return simplify({Space::Grey, {}, {curve}, {}});
+}
+
+/// Of a profile with tables, into a space that holds all that is printed or shown, so that what sRGB lacks is not cut
+/// off before it is seen.
+std::optional<ColourConversion> read_table_profile(const Context& context, const Handle& profile, Space space) {
+    const Handle wide = make_rgb(context, kD65, kBt2020, make_srgb_curve(context));
+    const auto matrix = wide ? light_matrix(context, wide.get()) : std::nullopt;
+    if (!matrix) return std::nullopt;
+    const Handle transform = own_transform(
+        context,
+        cmsCreateTransformTHR(context.get(), profile.get(), space == Space::Inks ? TYPE_CMYK_16 : TYPE_RGB_16,
+                              wide.get(), TYPE_RGB_16, INTENT_RELATIVE_COLORIMETRIC, cmsFLAGS_BLACKPOINTCOMPENSATION));
+    if (!transform) return std::nullopt;
+    const auto convert = [transform](const std::uint16_t* from, std::uint16_t* to, std::size_t pixels) {
+        cmsDoTransform(transform.get(), from, to, static_cast<cmsUInt32Number>(pixels));
+    };
+    return ColourConversion{space, convert, {srgb_light, srgb_light, srgb_light}, matrix};
+}
+
+std::optional<ColourConversion> read_profile(const Context& context, const Handle& profile) {
+    constexpr std::array kClasses = {cmsSigInputClass, cmsSigDisplayClass, cmsSigOutputClass, cmsSigColorSpaceClass};
+    if (std::ranges::find(kClasses, cmsGetDeviceClass(profile.get())) == kClasses.end()) return std::nullopt;
+    switch (cmsGetColorSpace(profile.get())) {
+        case cmsSigGrayData:
+            return read_grey_profile(context, profile);
+        case cmsSigRgbData:
+            if (cmsIsTag(profile.get(), cmsSigAToB0Tag) != 0 || cmsIsTag(profile.get(), cmsSigAToB1Tag) != 0)
+                return read_table_profile(context, profile, Space::Rgb);
+            return read_matrix_profile(context, profile);
+        case cmsSigCmykData:
+            return read_table_profile(context, profile, Space::Inks);
+        default:
+            return std::nullopt;
+    }
+}
+
+/// Those with a narrow range of brightness.
+Handle make_profile(const Context& context, const ColourTags::CodePoints& code) {
+    const auto curve = [&]() -> Curve {
+        switch (code.transfer) {
+            case 1:
+            case 6:
+            case 14:
+            case 15:
+                return make_curve(context, 1 / 0.45, 0.099, 4.5, 0.081);
+            case 4:
+                return make_power(context, 2.2);
+            case 8:
+                return make_power(context, 1);
+            case 13:
+                return make_srgb_curve(context);
+            default:
+                return {nullptr, cmsFreeToneCurve};
+        }
+    }();
+    switch (code.primaries) {
+        case 1:
+            return make_rgb(context, kD65, kSrgb, curve);
+        case 9:
+            return make_rgb(context, kD65, kBt2020, curve);
+        case 12:
+            return make_rgb(context, kD65, kDisplayP3, curve);
+        default:
+            return nullptr;
+    }
+}
+
+/// The curve is as the file has it.
+std::optional<ColourConversion> read_primaries(const Context& context, const std::array<double, 8>& xy) {
+    const cmsCIExyYTRIPLE primaries{{xy[2], xy[3], 1}, {xy[4], xy[5], 1}, {xy[6], xy[7], 1}};
+    const Handle profile = make_rgb(context, {xy[0], xy[1], 1}, primaries, make_srgb_curve(context));
+    if (!profile) return std::nullopt;
+    return simplify({Space::Rgb, {}, {}, light_matrix(context, profile.get())});
+}
+
+}  // namespace
+
+std::optional<ColourConversion> convert_colours(const ColourTags& tags) {
+    if (!tags.code_points && tags.profile.empty() && !tags.primaries) return std::nullopt;
+    const Context context = make_context();
+    if (!context) return std::nullopt;
+    if (tags.code_points) {
+        if (const Handle profile = make_profile(context, *tags.code_points))
+            return read_matrix_profile(context, profile);
+    }
+    if (!tags.profile.empty()) {
+        const auto size = static_cast<cmsUInt32Number>(tags.profile.size());
+        const Handle profile = own_profile(context, cmsOpenProfileFromMemTHR(context.get(), tags.profile.data(), size));
+        if (profile) return read_profile(context, profile);
+    }
+    return tags.primaries ? read_primaries(context, *tags.primaries) : std::nullopt;
+}
+
+}  // namespace ccdt::api

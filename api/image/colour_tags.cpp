@@ -1,0 +1,190 @@
+#include "api/image/colour_tags.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "api/image/containers.h"
+
+namespace ccdt::api {
+namespace {
+
+using namespace std::string_view_literals;
+
+constexpr std::string_view kJpegMark = "ICC_PROFILE\0"sv;
+constexpr std::uint32_t kTiffTag = 34675;
+
+/// Its name, a byte for the way it is compressed, and the profile so compressed.
+std::string inflate_profile(std::string_view data) {
+    const std::size_t name = data.find('\0');
+    if (name == std::string_view::npos || name + 2 > data.size() || data[name + 1] != 0) return {};
+    data.remove_prefix(name + 2);
+    // Its own size comes first in a profile, but is not to be trusted.
+    std::string profile(std::min(kLongestProfile, data.size() * 1040 + 1024), '\0');
+    auto size = static_cast<uLongf>(profile.size());
+    const int end = uncompress(reinterpret_cast<Bytef*>(profile.data()), &size,
+                               reinterpret_cast<const Bytef*>(data.data()), static_cast<uLong>(data.size()));
+    if (end != Z_OK) return {};
+    profile.resize(size);
+    return profile;
+}
+
+std::optional<ColourTags::CodePoints> read_code_points(std::string_view data) {
+    if (data.size() != 4 || data[2] != 0 || data[3] != 1) return std::nullopt;  // RGB, of the full range
+    return ColourTags::CodePoints{static_cast<std::uint8_t>(data[0]), static_cast<std::uint8_t>(data[1])};
+}
+
+std::optional<std::array<double, 8>> read_primaries(std::string_view data) {
+    constexpr double kUnit = 100'000;
+    const ByteReader reader(data, true);
+    std::array<double, 8> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const auto value = reader.read(4 * i, 4);
+        if (!value) return std::nullopt;
+        values[i] = *value / kUnit;
+    }
+    return values;
+}
+
+/// Those before the picture, as PNG has it.
+ColourTags read_png(std::string_view bytes) {
+    ColourTags tags;
+    bool is_srgb = false;
+    std::size_t at = kPngChunks;
+    for (auto chunk = png_chunk(bytes, at); chunk && chunk->name != "IDAT"; chunk = png_chunk(bytes, chunk->end)) {
+        if (chunk->name == "iCCP" && tags.profile.empty()) tags.profile = inflate_profile(chunk->data);
+        if (chunk->name == "cICP") tags.code_points = read_code_points(chunk->data);
+        if (chunk->name == "cHRM") tags.primaries = read_primaries(chunk->data);
+        if (chunk->name == "sRGB") is_srgb = true;
+    }
+    if (is_srgb) tags.primaries.reset();
+    return tags;
+}
+
+/// Each segment has its number and how many there are, from 1 on.
+std::string read_jpeg(std::string_view bytes) {
+    constexpr std::uint32_t kApp2 = 0xE2, kScan = 0xDA;
+    std::vector<std::string_view> parts;
+    std::size_t missing = 0;
+    std::size_t at = kJpegSegments;
+    for (auto segment = jpeg_segment(bytes, at); segment && segment->marker != kScan;
+         segment = jpeg_segment(bytes, segment->end)) {
+        std::string_view data = segment->data;
+        if (segment->marker != kApp2 || !data.starts_with(kJpegMark) || data.size() <= kJpegMark.size() + 2) continue;
+        const auto number = static_cast<unsigned char>(data[kJpegMark.size()]);
+        const auto count = static_cast<unsigned char>(data[kJpegMark.size() + 1]);
+        if (parts.empty()) parts.resize(missing = count);
+        if (parts.size() != count || number < 1 || number > count || !parts[number - 1].empty()) return {};
+        parts[number - 1] = data.substr(kJpegMark.size() + 2);
+        --missing;
+    }
+    std::string profile;
+    if (missing > 0) return profile;
+    for (const auto part : parts) profile += part;
+    return profile;
+}
+
+std::string_view read_webp(std::string_view bytes) {
+    for (auto chunk = riff_chunk(bytes, kRiffChunks); chunk; chunk = riff_chunk(bytes, chunk->end)) {
+        if (chunk->name == "ICCP") return chunk->data;
+    }
+    return {};
+}
+
+/// Without the chunks of a name.
+std::string without_chunks(std::string_view bytes, std::string_view name) {
+    std::string kept(bytes.substr(0, kPngChunks));
+    kept.reserve(bytes.size());
+    for (auto chunk = png_chunk(bytes, kPngChunks); chunk; chunk = png_chunk(bytes, chunk->end)) {
+        if (chunk->name != name) kept += bytes.substr(chunk->begin, chunk->end - chunk->begin);
+    }
+    return kept;
+}
+
+/// Wherever it stands: the reader may find segments where there should be none.
+std::string without_marks(std::string_view bytes, std::string_view mark) {
+    std::string kept(bytes);
+    for (std::size_t at = kept.find(mark); at != std::string::npos; at = kept.find(mark, at)) kept[at] = '-';
+    return kept;
+}
+
+/// The entries behind those of a tag move up, and with them where the next directory stands.
+std::string without_entries(std::string_view bytes, std::uint32_t tag) {
+    constexpr std::size_t kSize = TiffDirectory::kEntrySize;
+    const TiffDirectory directory(bytes);
+    std::string kept(bytes);
+    std::size_t count = 0;
+    std::size_t from = directory.begin() + 2;
+    std::size_t to = from;
+    for (std::size_t i = 0; i < directory.entries() && from + kSize <= bytes.size(); ++i, from += kSize) {
+        if (directory.reader().read(from, 2) == tag) continue;
+        kept.replace(to, kSize, bytes.substr(from, kSize));
+        to += kSize;
+        ++count;
+    }
+    const std::string_view next = bytes.substr(from, 4);
+    kept.replace(to, next.size(), next);
+    const bool big_endian = bytes.starts_with("MM");
+    kept[directory.begin() + (big_endian ? 0 : 1)] = static_cast<char>(count >> 8);
+    kept[directory.begin() + (big_endian ? 1 : 0)] = static_cast<char>(count & 0xFF);
+    return kept;
+}
+
+}  // namespace
+
+ColourTags read_colour_tags(std::string_view bytes, ImageFormat format) {
+    ColourTags tags;
+    switch (format) {
+        case ImageFormat::Png:
+            tags = read_png(bytes);
+            break;
+        case ImageFormat::Jpeg:
+            tags.profile = read_jpeg(bytes);
+            break;
+        case ImageFormat::WebP:
+            tags.profile = read_webp(bytes);
+            break;
+        case ImageFormat::Tiff:
+            tags.profile = TiffDirectory(bytes).data(kTiffTag).value_or(std::string_view());
+            break;
+    }
+    if (tags.profile.size() > kLongestProfile) tags.profile.clear();
+    return tags;
+}
+
+bool may_have_profile(std::string_view bytes, ImageFormat format) {
+    const auto has_chunk = [&](auto chunk_at, std::size_t first, std::string_view name) {
+        auto chunk = chunk_at(bytes, first);
+        while (chunk && chunk->name != name) chunk = chunk_at(bytes, chunk->end);
+        return chunk.has_value();
+    };
+    switch (format) {
+        case ImageFormat::Png:
+            return has_chunk(png_chunk, kPngChunks, "iCCP");
+        case ImageFormat::Jpeg:
+            return bytes.find(kJpegMark) != std::string_view::npos;
+        case ImageFormat::WebP:
+            return has_chunk(riff_chunk, kRiffChunks, "ICCP");
+        case ImageFormat::Tiff:
+            return TiffDirectory(bytes).has(kTiffTag);
+    }
+    return false;
+}
+
+std::string hide_profile(std::string_view bytes, ImageFormat format) {
+    if (!may_have_profile(bytes, format)) return {};
+    switch (format) {
+        case ImageFormat::Png:
+            return without_chunks(bytes, "iCCP");
+        case ImageFormat::Jpeg:
+            return without_marks(bytes, kJpegMark);
+        case ImageFormat::Tiff:
+            return without_entries(bytes, kTiffTag);
+        case ImageFormat::WebP:
+            break;  // whose profile the reader leaves alone
+    }
+    return {};
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,164 @@
+#include "api/image/library_reader.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+
+namespace ccdt::api {
+namespace {
+
+const char* plugin_name(ImageFormat format) {
+    switch (format) {
+        case ImageFormat::Png:
+            return "png";
+        case ImageFormat::Jpeg:
+            return "jpeg";
+        case ImageFormat::WebP:
+            return "webp";
+        case ImageFormat::Tiff:
+            return "tiff";
+    }
+    return "";
+}
+
+tl::unexpected<Error> broken() {
+    return failure(ErrorCode::Unusable, "the image is broken or cut short");
+}
+
+tl::unexpected<Error> unusual(const char* what) {
+    return failure(ErrorCode::Unusable, std::string("the image is of a kind that is not read: ") + what);
+}
+
+std::uint64_t pixels_of(int width, int height) {
+    return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+}
+
+/// What the reader makes of the header must be what was made of it before.
+Result<void> check_spec(const OIIO::ImageSpec& spec, const ImageHeader& header) {
+    constexpr int kMaxChannels = 5;  // CMYK and alpha
+    if (spec.width < 1 || spec.height < 1) return broken();
+    if (pixels_of(spec.width, spec.height) != header.pixels()) return broken();
+    if (spec.depth > 1 || spec.deep) return unusual("more than two dimensions");
+    if (spec.nchannels < 1 || spec.nchannels > kMaxChannels) return unusual("an odd number of channels");
+    if (spec.tile_width > 0 && pixels_of(spec.tile_width, spec.tile_height) > header.pixels() + kMostTilePixels)
+        return unusual("tiles much larger than their picture");
+    return {};
+}
+
+/// A TIFF whose rows the reader turns over by itself, though not as its orientation says.
+bool is_converted_ycbcr(const OIIO::ImageSpec& spec) {
+    constexpr int kYCbCr = 6;
+    constexpr int kJpeg = 7;
+    return spec.get_int_attribute("tiff:PhotometricInterpretation") == kYCbCr &&
+           spec.get_int_attribute("tiff:Compression") != kJpeg;
+}
+
+OIIO::TypeDesc type_of(RowSource::Sample sample) {
+    switch (sample) {
+        case RowSource::Sample::Byte:
+            return OIIO::TypeDesc::UINT8;
+        case RowSource::Sample::Word:
+            return OIIO::TypeDesc::UINT16;
+        case RowSource::Sample::Float:
+            break;
+    }
+    return OIIO::TypeDesc::FLOAT;
+}
+
+RowSource::Sample sample_of(const OIIO::ImageSpec& spec) {
+    if (spec.format == OIIO::TypeDesc::UINT8) return RowSource::Sample::Byte;
+    if (spec.format == OIIO::TypeDesc::UINT16) return RowSource::Sample::Word;
+    return RowSource::Sample::Float;
+}
+
+/// Rows that are read at once: whole tiles, or about a megabyte.
+int rows_at_once(const OIIO::ImageSpec& spec) {
+    if (spec.tile_width > 0) return spec.tile_height;
+    const std::uint64_t row_bytes =
+        static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.nchannels) * 4;
+    return static_cast<int>(std::clamp<std::uint64_t>((1 << 20) / row_bytes, 1, 256));
+}
+
+RowSource describe(const OIIO::ImageSpec& spec) {
+    RowSource source;
+    source.width = spec.width;
+    source.height = spec.height;
+    source.channels = spec.nchannels;
+    source.sample = sample_of(spec);
+    const std::string space =
+        spec.get_string_attribute("oiio:ColorSpace", spec.format.is_floating_point() ? "linear" : "sRGB");
+    const float gamma = spec.get_float_attribute("oiio:Gamma", 0);
+    if (OIIO::Strutil::iequals(space, "linear")) {
+        source.curve = RowSource::Curve::Linear;
+    } else if (gamma > 0) {
+        source.curve = RowSource::Curve::Gamma;
+        source.gamma = gamma;
+    }
+    source.has_inks = OIIO::Strutil::iequals(space, "CMYK");
+    source.alpha = source.has_inks ? -1 : spec.alpha_channel;  // for which the library takes black
+    source.premultiplied = source.alpha >= 0 && spec.get_int_attribute("oiio:UnassociatedAlpha", 0) == 0;
+    source.orientation = spec.get_int_attribute("Orientation", 1);
+    source.step = rows_at_once(spec);
+    return source;
+}
+
+/// An open file. The library keeps what an input notes until it is fetched, or the thread ends. It may name files of
+/// the server, so nobody reads it.
+struct OpenFile {
+    OIIO::Filesystem::IOMemReader bytes;
+    std::unique_ptr<OIIO::ImageInput> input;
+    OIIO::ImageSpec spec = {};
+
+    ~OpenFile() {
+        if (input) static_cast<void>(input->geterror());
+    }
+
+    bool read_rows(int begin, int end, const OIIO::TypeDesc& type, void* rows) {
+        // Rows that need no conversion are read where they belong; else the library takes 64 MiB to convert them in.
+        const bool as_stored = spec.format == type && spec.channelformats.empty();
+        const OIIO::TypeDesc to = as_stored ? OIIO::TypeDesc::UNKNOWN : type;
+        if (spec.tile_width == 0) return input->read_scanlines(0, 0, begin, end, 0, 0, spec.nchannels, to, rows);
+        return input->read_tiles(0, 0, 0, spec.width, begin, end, 0, 1, 0, spec.nchannels, type, rows);
+    }
+};
+
+void configure_library() {
+    static std::once_flag once;
+    std::call_once(once, [] {
+        OIIO::attribute("threads", 1);          // a request has one core
+        OIIO::attribute("try_all_readers", 0);  // only those that are allowed
+    });
+}
+
+}  // namespace
+
+Result<RowSource> open_by_library(std::string_view bytes, const ImageHeader& header, bool keep_inks) {
+    configure_library();
+    const auto file = std::shared_ptr<OpenFile>(
+        new OpenFile{{bytes.data(), bytes.size()}, OIIO::ImageInput::create(plugin_name(header.format))});
+    if (!file->input) return failure(ErrorCode::Internal, "the image reader is missing");
+    file->input->threads(1);
+    file->input->set_ioproxy(&file->bytes);
+    OIIO::ImageSpec wishes;
+    wishes.attribute("oiio:UnassociatedAlpha", 1);
+    if (keep_inks) wishes.attribute("oiio:RawColor", 1);
+    if (!file->input->open("image", file->spec, wishes)) return broken();
+    if (auto checked = check_spec(file->spec, header); !checked) return tl::unexpected(checked.error());
+
+    RowSource source = describe(file->spec);
+    if (header.format == ImageFormat::WebP) source.orientation = webp_orientation(bytes);
+    if (source.orientation != 1 && is_converted_ycbcr(file->spec))
+        return unusual("a TIFF of YCbCr that is stored turned");
+    source.read = [file, type = type_of(source.sample)](int begin, int end, void* rows) {
+        // A shortened file may read "well" and only leave a note.
+        return file->read_rows(begin, end, type, rows) && !file->input->has_error();
+    };
+    return source;
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,98 @@
+#include "api/image/colour_profile.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "tests/api/files.h"
+
+namespace ccdt::api {
+namespace {
+
+std::string profile_in(const std::string& name) {
+    const std::string file = fixture(name);
+    return read_colour_tags(file, *recognise_image(file)).profile;
+}
+
+std::optional<ColourConversion> convert(std::string profile) {
+    return convert_colours({std::move(profile), {}, {}});
+}
+
+/// Linear light of the colours by hand: ITU-R BT.709's primaries from Display P3's.
+constexpr LightMatrix kP3ToSrgb = {
+    {{1.2249F, -0.2249F, 0.0F}, {-0.0420F, 1.0420F, 0.0F}, {-0.0196F, -0.0786F, 1.0983F}}};
+
+void expect_p3(const std::optional<ColourConversion>& conversion, const std::string& name) {
+    ASSERT_TRUE(conversion && conversion->matrix) << name;
+    EXPECT_FALSE(conversion->transform) << name;
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) EXPECT_NEAR((*conversion->matrix)[i][j], kP3ToSrgb[i][j], 0.001F) << name;
+    }
+}
+
+TEST(ColourProfile, ReadsPrimariesHoweverTheyAreSaid) {
+    expect_p3(convert(profile_in("p3.png")), "profile");
+    for (const auto* name : {"p3-chromaticities.png", "p3-code-points.png"}) {
+        const std::string file = fixture(name);
+        expect_p3(convert_colours(read_colour_tags(file, ImageFormat::Png)), name);
+    }
+}
+
+TEST(ColourProfile, HasNothingToDoForSrgb) {
+    EXPECT_FALSE(convert(profile_in("srgb.png")));
+    EXPECT_FALSE(convert_colours({{}, ColourTags::CodePoints{1, 13}, {}}));
+    EXPECT_FALSE(convert_colours({{}, {}, std::array{0.3127, 0.329, 0.64, 0.33, 0.3, 0.6, 0.15, 0.06}}));
+    EXPECT_FALSE(convert_colours({}));
+}
+
+TEST(ColourProfile, ReadsTheCurveOfGrey) {
+    const auto conversion = convert(profile_in("ramp-gamma.png"));
+    ASSERT_TRUE(conversion);
+    EXPECT_EQ(conversion->space, ColourConversion::Space::Grey);
+    ASSERT_EQ(conversion->curves.size(), 1U);
+    const float gamma = 461.0F / 256;  // as profiles store 1.8
+    for (const float share : {0.0F, 0.01F, 0.2F, 0.5F, 0.9F, 1.0F})
+        EXPECT_NEAR(conversion->curves[0](share), std::pow(share, gamma), 1e-4) << share;
+}
+
+TEST(ColourProfile, PassesOverCodePointsThatAreNotRead) {
+    const ColourTags tags{profile_in("p3.png"), ColourTags::CodePoints{9, 16}, {}};  // of a wide range of brightness
+    expect_p3(convert_colours(tags), "profile");
+}
+
+TEST(ColourProfile, IgnoresWhatIsBroken) {
+    EXPECT_FALSE(convert("acsp"));
+    EXPECT_FALSE(convert(std::string(5000, '\xff')));
+    for (const auto* name : {"p3.png", "inks.tif", "ramp-gamma.png"}) {
+        const std::string profile = profile_in(name);
+        for (std::size_t size = 1; size < profile.size(); size += 1 + profile.size() / 30)
+            static_cast<void>(convert(profile.substr(0, size)));
+    }
+}
+
+TEST(ColourProfile, GivesLightForDamagedProfiles) {
+    std::mt19937 random(7);
+    for (const auto* name : {"p3.png", "inks.tif", "ramp-gamma.png"}) {
+        const std::string profile = profile_in(name);
+        for (int round = 0; round < 40; ++round) {
+            std::string damaged = profile;
+            const std::size_t most = std::min<std::size_t>(damaged.size(), 600);
+            for (unsigned i = 0; i < 1 + random() % 4; ++i)
+                damaged[128 + random() % (most - 128)] = static_cast<char>(random() % 256);
+            const auto conversion = convert(damaged);
+            if (!conversion) continue;
+            for (const auto& curve : conversion->curves) {
+                for (const float share : {0.0F, 0.3F, 1.0F}) ASSERT_TRUE(curve(share) >= 0 && curve(share) <= 1);
+            }
+            if (conversion->matrix) {
+                for (const auto& row : *conversion->matrix) ASSERT_NEAR(row[0] + row[1] + row[2], 1, 1e-3);
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace ccdt::api
