@@ -148,6 +148,9 @@ ColourTags read_colour_tags(std::string_view bytes, ImageFormat format) {
         case ImageFormat::Tiff:
             tags.profile = TiffDirectory(bytes).data(kTiffTag).value_or(std::string_view());
             break;
+        case ImageFormat::Gif:
+        case ImageFormat::Bmp:
+            break;
     }
     if (tags.profile.size() > kLongestProfile) tags.profile.clear();
     return tags;
@@ -168,6 +171,9 @@ bool may_have_profile(std::string_view bytes, ImageFormat format) {
             return has_chunk(riff_chunk, kRiffChunks, "ICCP");
         case ImageFormat::Tiff:
             return TiffDirectory(bytes).has(kTiffTag);
+        case ImageFormat::Gif:
+        case ImageFormat::Bmp:
+            break;
     }
     return false;
 }
@@ -181,8 +187,10 @@ std::string hide_profile(std::string_view bytes, ImageFormat format) {
             return without_marks(bytes, kJpegMark);
         case ImageFormat::Tiff:
             return without_entries(bytes, kTiffTag);
-        case ImageFormat::WebP:
-            break;  // whose profile the reader leaves alone
+        case ImageFormat::WebP:  // whose profile the library leaves alone
+        case ImageFormat::Gif:
+        case ImageFormat::Bmp:
+            break;
     }
     return {};
 }

@@ -13,8 +13,10 @@
 #include <utility>
 #include <vector>
 
+#include "api/image/bmp_reader.h"
 #include "api/image/colour_profile.h"
 #include "api/image/colour_tags.h"
+#include "api/image/gif_reader.h"
 #include "api/image/image_header.h"
 #include "api/image/ink_jpeg.h"
 #include "api/image/library_reader.h"
@@ -333,6 +335,8 @@ Result<PictureOf<AnyDraft>> read_picture(const RowSource& source, const ColourCo
 
 /// @param keep_inks  of a picture that has them; else they come as red, green and blue
 Result<RowSource> open(std::string_view bytes, const ImageHeader& header, bool keep_inks) {
+    if (header.format == ImageFormat::Gif) return open_gif(bytes);
+    if (header.format == ImageFormat::Bmp) return open_bmp(bytes);
     if (keep_inks && header.is_ink_jpeg) return open_ink_jpeg(bytes);
     return open_by_library(bytes, header, keep_inks);
 }

@@ -1,6 +1,7 @@
 #include "api/image/image_header.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 
 #include "api/image/colour_tags.h"
@@ -125,6 +126,34 @@ Result<ImageHeader> read_tiff(std::string_view bytes) {
     return header;
 }
 
+/// The first frame is decoded as a whole, to a byte a pixel.
+Result<ImageHeader> read_gif(std::string_view bytes) {
+    const ByteReader reader(bytes, false);
+    const auto width = reader.read(6, 2);
+    const auto height = reader.read(8, 2);
+    if (!width || !height) return broken();
+    ImageHeader header{ImageFormat::Gif, *width, *height, 0};
+    header.decoder_bytes = header.pixels();
+    return header;
+}
+
+constexpr std::size_t kBmpInfo = 14;  ///< where the header of the picture stands, which begins with its size
+
+/// Rows are read as they come, unless they are packed by runs.
+Result<ImageHeader> read_bmp(std::string_view bytes) {
+    constexpr std::uint32_t kOldInfo = 12;
+    const ByteReader reader(bytes, false);
+    const bool is_old = reader.read(kBmpInfo, 4) == kOldInfo;
+    const auto width = reader.read(kBmpInfo + 4, is_old ? 2 : 4);
+    const auto height = reader.read(kBmpInfo + (is_old ? 6 : 8), is_old ? 2 : 4);
+    if (!width || !height) return broken();
+    // Below 0 where the rows stand from the top.
+    const std::int64_t rows = is_old ? std::int64_t{*height} : static_cast<std::int32_t>(*height);
+    ImageHeader header{ImageFormat::Bmp, *width, static_cast<uint64_t>(rows < 0 ? -rows : rows), 0};
+    header.decoder_bytes = header.pixels();
+    return header;
+}
+
 Result<ImageHeader> read(std::string_view bytes, ImageFormat format) {
     switch (format) {
         case ImageFormat::Png:
@@ -135,20 +164,76 @@ Result<ImageHeader> read(std::string_view bytes, ImageFormat format) {
             return read_webp(bytes);
         case ImageFormat::Tiff:
             return read_tiff(bytes);
+        case ImageFormat::Gif:
+            return read_gif(bytes);
+        case ImageFormat::Bmp:
+            return read_bmp(bytes);
     }
     return broken();
+}
+
+using namespace std::string_view_literals;
+
+/// "BM" alone begins many a text.
+bool is_bmp(std::string_view bytes) {
+    constexpr std::array<std::uint32_t, 7> kInfoSizes = {12, 40, 52, 56, 64, 108, 124};
+    const auto size = ByteReader(bytes, false).read(kBmpInfo, 4);
+    return bytes.starts_with("BM") && size && std::ranges::find(kInfoSizes, *size) != kInfoSizes.end();
+}
+
+/// What a format that is not read begins with, after so many bytes.
+struct OtherFormat {
+    std::size_t offset;
+    std::string_view mark;
+    const char* name;
+};
+
+constexpr auto kOtherFormats = std::to_array<OtherFormat>({
+    {4, "ftypavif"sv, "AVIF"},
+    {4, "ftypavis"sv, "AVIF"},
+    {4, "ftyphe"sv, "HEIC"},
+    {4, "ftypmif1"sv, "HEIF"},
+    {4, "ftypmsf1"sv, "HEIF"},
+    {4, "ftypcrx "sv, "a camera's raw file"},
+    {4, "ftyp"sv, "a film"},
+    {4, "JXL "sv, "JPEG XL"},
+    {0, "\xff\x0a"sv, "JPEG XL"},
+    {4, "jP  "sv, "JPEG 2000"},
+    {0, "\xff\x4f\xff\x51"sv, "JPEG 2000"},
+    {0, "II+\0"sv, "BigTIFF"},
+    {0, "MM\0+"sv, "BigTIFF"},
+    {0, "8BPS"sv, "a Photoshop file"},
+    {0, "%PDF"sv, "PDF"},
+    {0, "<svg"sv, "SVG"},
+    {0, "<?xml"sv, "XML"},
+    {0, "\0\0\1\0"sv, "an icon"},
+    {0, "\x76\x2f\x31\x01"sv, "OpenEXR"},
+    {0, "#?RADIANCE"sv, "Radiance HDR"},
+    {0, "DDS "sv, "DDS"},
+    {0, "qoif"sv, "QOI"},
+    {0, "PK\3\4"sv, "a ZIP archive"},
+    {0, "\x1f\x8b"sv, "gzip"},
+});
+
+std::string name_of_other(std::string_view bytes) {
+    for (const OtherFormat& format : kOtherFormats) {
+        if (bytes.size() > format.offset && bytes.substr(format.offset).starts_with(format.mark)) return format.name;
+    }
+    return "not an image that is known";
 }
 
 }  // namespace
 
 Result<ImageFormat> recognise_image(std::string_view bytes) {
-    using namespace std::string_view_literals;
     if (bytes.empty()) return failure(ErrorCode::Malformed, "there is no image: the request is empty");
     if (bytes.starts_with("\x89PNG\r\n\x1a\n"sv)) return ImageFormat::Png;
     if (bytes.starts_with("\xff\xd8\xff"sv)) return ImageFormat::Jpeg;
     if (bytes.starts_with("RIFF"sv) && bytes.substr(0, 12).ends_with("WEBP"sv)) return ImageFormat::WebP;
     if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv)) return ImageFormat::Tiff;
-    return failure(ErrorCode::Unsupported, "this is not an image that can be read; PNG, JPEG, WebP and TIFF can");
+    if (bytes.starts_with("GIF87a"sv) || bytes.starts_with("GIF89a"sv)) return ImageFormat::Gif;
+    if (is_bmp(bytes)) return ImageFormat::Bmp;
+    return failure(ErrorCode::Unsupported,
+                   "this is " + name_of_other(bytes) + "; PNG, JPEG, WebP, TIFF, GIF and BMP are read");
 }
 
 Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels) {

@@ -11,7 +11,7 @@
 
 namespace ccdt::api {
 
-enum class ImageFormat { Png, Jpeg, WebP, Tiff };
+enum class ImageFormat { Png, Jpeg, WebP, Tiff, Gif, Bmp };
 
 /// Header of an image file: what it says of itself before its pixels. Told without the image library, whose readers are
 /// better kept away from files that nobody has looked at.
@@ -36,15 +36,17 @@ struct ImageFile {
 /// Most pixels in all by which the tiles of a TIFF may stand over its border.
 inline constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 20;
 
-/// Tells by its first bytes whether an image file is of a format that is read: PNG, JPEG, WebP or TIFF.
-/// Errors: Malformed if there are no bytes; Unsupported for any other format, naming those that are read.
+/// Tells by its first bytes whether an image file is of a format that is read: PNG, JPEG, WebP, TIFF, GIF or BMP.
+/// Errors: Malformed if there are no bytes; Unsupported for any other format, naming it if it is known, and those that
+/// are read.
 Result<ImageFormat> recognise_image(std::string_view bytes);
 
 /// Reads the header of the file's first picture.
 ///
 /// Errors: those of recognise_image; Unusable for a header that is broken or cut short, and for a TIFF that leaves out
 /// its bits per sample; LimitExceeded for more pixels than the limit.
-/// Sources: PNG (ISO/IEC 15948), 5 and 11.2.2; JPEG (ITU-T T.81), B.1 and B.2.2; WebP (RFC 9649), 2; TIFF 6.0, 2.
+/// Sources: PNG (ISO/IEC 15948), 5 and 11.2.2; JPEG (ITU-T T.81), B.1 and B.2.2; WebP (RFC 9649), 2; TIFF 6.0, 2;
+/// GIF89a, 18; Microsoft's BITMAPINFOHEADER.
 Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels);
 
 /// Reads the orientation that a WebP file's EXIF block gives, 1 to 8; 1 if it gives none.

@@ -22,6 +22,9 @@ const char* plugin_name(ImageFormat format) {
             return "webp";
         case ImageFormat::Tiff:
             return "tiff";
+        case ImageFormat::Gif:
+        case ImageFormat::Bmp:
+            break;  // whose readers in the library have known faults
     }
     return "";
 }

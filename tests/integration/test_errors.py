@@ -150,7 +150,7 @@ class HalftoneOptions(ServerCase):
 
 class Pictures(ServerCase):
     def test_415_for_what_is_no_picture_that_is_read(self):
-        for body in (b"GIF89a" + b"\0" * 50, b"BM" + b"\0" * 50, b"plain text", b"{}", b"\0"):
+        for body in (b"8BPS" + b"\0" * 50, b"BM" + b"\0" * 50, b"plain text", b"{}", b"\0"):
             with self.subTest(body=body[:8]):
                 self.assert_problem(self.ask("/halftone", data=body), 415)
 

@@ -112,6 +112,56 @@ def profiled():
     blocks.save("profile-beyond.jpg", icc_profile=bytes(broken), quality=100, subsampling=0)
 
 
+def bmp(name, width, height, bits, pixels, extra=b"", compression=0, info=40, fields=b""):
+    """`extra`: palette; `fields`: what follows the first 40 bytes of the header."""
+    begin = 14 + max(info, 40 + len(fields)) + len(extra)
+    head = struct.pack("<IiiHHIIiiII", info, width, height, 1, bits, compression, len(pixels), 0, 0, len(extra) // 4, 0)
+    with open(name, "wb") as file:
+        file.write(b"BM" + struct.pack("<IHHI", begin + len(pixels), 0, 0, begin))
+        file.write((head + fields).ljust(begin - 14 - len(extra), b"\0") + extra + pixels)
+
+
+def bitmaps():
+    greys = b"".join(bytes([v, v, v, 0]) for v in (0, 85, 170, 255))
+    indices = GREY[::-1] // 85
+    Image.fromarray(GREY).convert("RGB").save("rgb.bmp")
+    bmp("indices.bmp", 24, 16, 8, indices.tobytes(), greys)
+    bmp("from-top.bmp", 24, -16, 8, indices[::-1].tobytes(), greys)
+    bmp("four-bits.bmp", 24, 16, 4, (indices[:, ::2] << 4 | indices[:, 1::2]).tobytes(), greys)
+    bmp("two-bits.bmp", 24, 16, 2, np.pad(sum(indices[:, i::4] << 6 - 2 * i for i in range(4)), ((0, 0), (0, 2))).tobytes(), greys)
+    runs = b"".join(bytes([12, row[0], 12, row[-1], 0, 0]) for row in indices)
+    bmp("runs-8.bmp", 24, 16, 8, runs + b"\0\1", greys, 1)
+    # Half as they are, half as a run; the first row is black, which is skipped.
+    halves = b"".join(bytes([0, 12]) + bytes([row[0] * 17]) * 6 + bytes([12, row[-1] * 17, 0, 0]) for row in indices)
+    bmp("runs-4.bmp", 24, 16, 4, halves + b"\0\1", greys, 2)
+    five, ten = GREY[::-1].astype(np.uint32) * 31 // 255, GREY[::-1].astype(np.uint32) * 1023 // 255
+    bmp("sixteen-bits.bmp", 24, 16, 16, (five << 10 | five << 5 | five).astype("<u2").tobytes())
+    bmp("fields.bmp", 24, 16, 32, (ten << 20 | ten << 10 | ten).astype("<u4").tobytes(), b"", 3,
+        fields=struct.pack("<III", 1023 << 20, 1023 << 10, 1023))
+    colours = np.array([[[0, 0, 255, 51 * i] for i in range(6)]], np.uint8)
+    masks = struct.pack("<IIII", 255 << 16, 255 << 8, 255, 255 << 24)
+    bmp("alpha.bmp", 6, 1, 32, colours.tobytes(), b"", 3, 108, masks)
+    colours[..., 3] = 0
+    bmp("no-alpha.bmp", 6, 1, 32, colours.tobytes(), b"", 3, 108, masks)
+    bmp("bomb.bmp", 30000, 30000, 8, b"\0\1", greys, 1)
+
+
+def films():
+    palette = Image.fromarray(GREY).convert("P")
+    palette.save("grey.gif", interlace=False)
+    Image.fromarray(GREY).save("interlaced.gif", interlace=True)
+    noise = np.random.default_rng(1).integers(0, 256, (96, 96), np.uint8)
+    Image.fromarray(noise).save("noise.gif")
+    Image.fromarray(noise).save("noise.png")
+    palette.save("film.gif", save_all=True, append_images=[Image.new("L", (24, 16))], duration=100)
+    # A frame of one of two colours over a part of the picture, of which the other is transparent.
+    with open("part.gif", "wb") as file:
+        file.write(b"GIF89a\4\0\3\0\x80\0\0" + b"\xff\0\0\xff\xff\xff" + b"!\xf9\4\1\0\0\1\0")
+        file.write(b",\1\0\1\0\2\0\1\0\0" + b"\2\2\x44\x0a\0;")
+    with open("bomb.gif", "wb") as file:
+        file.write(b"GIF89a" + struct.pack("<HH", 65535, 65535) + b"\x80\0\0" + bytes(6) + b",\0\0\0\0\1\0\1\0\0" + b"\2\2D\1\0;")
+
+
 def main():
     grey = Image.fromarray(GREY)
     rgb = grey.convert("RGB")
@@ -158,6 +208,8 @@ def main():
     seen.save("palette-transparent.png", transparency=1)
 
     profiled()
+    bitmaps()
+    films()
 
     with open("bomb.png", "wb") as file:
         file.write(header(30000, 30000, 8, 2) + chunk(b"IDAT", zlib.compress(bytes(1000))) + chunk(b"IEND", b""))
@@ -165,8 +217,8 @@ def main():
         picture = b"\x2f" + struct.pack("<I", 16383 | 16383 << 14) + bytes(11)
         file.write(b"RIFF" + struct.pack("<I", 12 + len(picture)) + b"WEBPVP8L" + struct.pack("<I", len(picture)))
         file.write(picture)
-    with open("pixel.gif", "wb") as file:
-        file.write(b"GIF89a\1\0\1\0\x80\0\0" + b"\0\0\0\xff\xff\xff" + b",\0\0\0\0\1\0\1\0\0" + b"\2\2D\1\0;")
+    with open("pixel.avif", "wb") as file:
+        file.write(struct.pack(">I", 28) + b"ftypavif" + bytes(4) + b"avifmif1miaf")
 
 
 main()

@@ -40,8 +40,11 @@ void expect_quadrants(const Picture& picture, float (*decode)(float), const std:
 }
 
 TEST(ImageCodec, DecodesEveryFormatAlike) {
-    for (const auto* name : {"grey.jpg", "progressive.jpg", "cmyk.jpg", "lossy.webp", "lossless.webp", "grey-16.png",
-                             "palette.png", "lzw.tif", "big-endian.tif", "tiled.tif"}) {
+    for (const auto* name :
+         {"grey.jpg",    "progressive.jpg", "cmyk.jpg",       "lossy.webp",   "lossless.webp", "grey-16.png",
+          "palette.png", "lzw.tif",         "big-endian.tif", "tiled.tif",    "grey.gif",      "interlaced.gif",
+          "film.gif",    "rgb.bmp",         "indices.bmp",    "from-top.bmp", "two-bits.bmp",  "four-bits.bmp",
+          "runs-4.bmp",  "runs-8.bmp",      "fields.bmp"}) {
         const auto picture = decode_image(fixture(name), kMaxPixels);
         ASSERT_TRUE(picture) << name << ": " << picture.error().message;
         expect_quadrants(*picture, srgb_to_linear, name);
@@ -192,6 +195,41 @@ TEST(ImageCodec, KeepsProfilesThatLieFromTheirReader) {
     }
 }
 
+TEST(ImageCodec, UnpacksGifs) {
+    EXPECT_EQ(decode_colour_image(fixture("noise.gif"), kMaxPixels)->red,
+              decode_colour_image(fixture("noise.png"), kMaxPixels)->red);
+}
+
+TEST(ImageCodec, PutsTheFirstFrameOfAGifOnTransparentGround) {
+    const auto picture = decode_image(fixture("part.gif"), kMaxPixels);
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(picture->width, 4);
+    EXPECT_EQ(picture->height, 3);
+    Plane expected{0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0};
+    EXPECT_EQ(picture->alpha, expected);
+    EXPECT_NEAR(luminance_at(*picture, 1, 1), 0.2126, 1e-4);
+}
+
+TEST(ImageCodec, RefusesFramesOverTheBorderOfAGif) {
+    for (const std::size_t at : {28U, 30U, 32U, 34U}) {  // left, top, width, height
+        std::string file = fixture("part.gif");
+        file[at] = 4;
+        EXPECT_EQ(decode_image(file, kMaxPixels).error().code, ErrorCode::Unusable) << at;
+    }
+}
+
+TEST(ImageCodec, ReadsFieldsOfBitmaps) {
+    const auto fifths = decode_image(fixture("sixteen-bits.bmp"), kMaxPixels);
+    ASSERT_TRUE(fifths);
+    EXPECT_NEAR(luminance_at(*fifths, 23, 0), srgb_to_linear(10.0F / 31), 1e-4);
+    const auto alpha = decode_image(fixture("alpha.bmp"), kMaxPixels);
+    ASSERT_TRUE(alpha);
+    ASSERT_EQ(alpha->alpha.size(), 6U);
+    for (std::size_t x = 0; x < 6; ++x) EXPECT_NEAR(alpha->alpha[x], static_cast<float>(x) / 5, 1e-6);
+    EXPECT_NEAR(luminance_at(*alpha, 3, 0), 0.2126, 1e-4);
+    EXPECT_TRUE(decode_image(fixture("no-alpha.bmp"), kMaxPixels)->alpha.empty());
+}
+
 TEST(ImageCodec, ReadsPhotographs) {
     const auto picture = decode_image(photograph("chelsea.png"), kMaxPixels);
     ASSERT_TRUE(picture);
@@ -200,7 +238,7 @@ TEST(ImageCodec, ReadsPhotographs) {
 }
 
 TEST(ImageCodec, ChecksTheSizeBeforeThePixels) {
-    for (const auto* name : {"bomb.png", "bomb.webp"}) {
+    for (const auto* name : {"bomb.png", "bomb.webp", "bomb.gif", "bomb.bmp"}) {
         const auto picture = decode_image(fixture(name), 64'000'000);
         ASSERT_FALSE(picture) << name;
         EXPECT_EQ(picture.error().code, ErrorCode::LimitExceeded) << name;
@@ -223,7 +261,8 @@ TEST(ImageCodec, RefusesTiffsTheReaderFallsOver) {
 TEST(ImageCodec, FindsShortenedFiles) {
     std::vector<std::string> files = {photograph("chelsea.png")};
     for (const auto* name :
-         {"lossless.webp", "lossy.webp", "tiled.tif", "orientation-1.jpg", "grey.jpg", "big-endian.tif"}) {
+         {"lossless.webp", "lossy.webp", "tiled.tif", "orientation-1.jpg", "grey.jpg", "big-endian.tif", "grey.gif",
+          "noise.gif", "rgb.bmp", "runs-8.bmp", "runs-4.bmp", "fields.bmp"}) {
         files.push_back(fixture(name));
     }
     for (const auto& file : files) {
@@ -239,9 +278,26 @@ TEST(ImageCodec, FindsShortenedFiles) {
 
 TEST(ImageCodec, SurvivesDamagedFiles) {
     std::mt19937 random(7);
-    for (const auto* name :
-         {"orientation-6.jpg", "progressive.jpg", "cmyk.jpg", "orientation-6.webp", "rgba.webp", "lossy.webp",
-          "palette-transparent.png", "grey-16.png", "lzw.tif", "tiled.tif", "premultiplied.tif", "orientation-6.tif"}) {
+    for (const auto* name : {"orientation-6.jpg",
+                             "progressive.jpg",
+                             "cmyk.jpg",
+                             "orientation-6.webp",
+                             "rgba.webp",
+                             "lossy.webp",
+                             "palette-transparent.png",
+                             "grey-16.png",
+                             "lzw.tif",
+                             "tiled.tif",
+                             "premultiplied.tif",
+                             "orientation-6.tif",
+                             "p3.png",
+                             "p3.jpg",
+                             "p3.tif",
+                             "interlaced.gif",
+                             "part.gif",
+                             "runs-4.bmp",
+                             "runs-8.bmp",
+                             "fields.bmp"}) {
         const std::string file = fixture(name);
         for (int round = 0; round < 200; ++round) {
             std::string damaged = file;
