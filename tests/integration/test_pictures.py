@@ -1,0 +1,144 @@
+"""POST /halftone: pictures as people have them, with colour profiles and in every format that is read."""
+
+import io
+import unittest
+
+import numpy
+from PIL import Image, ImageCms
+
+import profiles
+from harness import ROOT, ServerCase, file_of
+
+FIXTURES = ROOT / "tests" / "api" / "data"
+P3 = profiles.rgb_profile(profiles.DISPLAY_P3, profiles.srgb_to_linear)
+ADOBE_RGB = profiles.rgb_profile(profiles.ADOBE_RGB, 563 / 256)
+SRGB = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+QUERY = "?sites=2000&iterations=2&scale=4&antialias=true"
+
+
+def patch(mode, colour, size=64):
+    return Image.new(mode, (size, size), colour)
+
+
+def saved(picture, kind, profile=None, **options):
+    file = io.BytesIO()
+    picture.save(file, kind, icc_profile=profile, **options)
+    return file.getvalue()
+
+
+def luminance_by_oracle(picture, profile):
+    """Of Pillow's conversion to sRGB by the profile, relative to white."""
+    source = ImageCms.ImageCmsProfile(io.BytesIO(profile))
+    to = ImageCms.createProfile("sRGB")
+    seen = ImageCms.profileToProfile(picture, source, to, renderingIntent=1, outputMode="RGB")
+    light = profiles.srgb_to_linear(numpy.asarray(seen) / 255.0)
+    return float((light @ profiles.WEIGHTS).mean())
+
+
+class Profiles(ServerCase):
+    def paper(self, file):
+        """The share of paper between the dots, which is the mean luminance of the picture."""
+        return float(profiles.srgb_to_linear(self.halftone(file, QUERY).picture("L") / 255.0).mean())
+
+    def check(self, picture, profile, kinds):
+        expected = luminance_by_oracle(picture, profile)
+        for kind, options in kinds:
+            with self.subTest(kind=kind, mode=picture.mode):
+                self.assertAlmostEqual(self.paper(saved(picture, kind, profile, **options)), expected, delta=0.02)
+
+    def test_photographs_of_phones(self):
+        picture = patch("RGB", (90, 190, 70))
+        self.check(picture, P3, (("PNG", {}), ("JPEG", {"quality": 95}), ("WEBP", {"lossless": True}), ("TIFF", {})))
+
+    def test_adobe_rgb(self):
+        self.check(patch("RGB", (60, 160, 110)), ADOBE_RGB, (("PNG", {}), ("JPEG", {"quality": 95}), ("TIFF", {})))
+
+    def test_grey(self):
+        for gamma in (1.0, 1.8):
+            self.check(patch("L", 140), profiles.grey_profile(gamma), (("PNG", {}), ("JPEG", {}), ("TIFF", {})))
+
+    def test_inks(self):
+        profile = profiles.ink_profile(9)
+        for colour in ((120, 40, 10, 20), (0, 0, 0, 128), (20, 140, 180, 0)):
+            self.check(patch("CMYK", colour), profile, (("JPEG", {"quality": 95}), ("TIFF", {})))
+
+    def test_tables_of_red_green_and_blue(self):
+        profile = profiles.table_profile(lambda shares: shares ** 1.5)
+        self.check(patch("RGB", (120, 90, 60)), profile, (("PNG", {}), ("TIFF", {})))
+
+    def test_colours_that_srgb_does_not_hold_keep_their_luminance(self):
+        for colour in ((0, 255, 0), (255, 60, 0)):
+            with self.subTest(colour=colour):
+                light = profiles.to_srgb_light(profiles.srgb_to_linear(numpy.array(colour) / 255), profiles.DISPLAY_P3)
+                self.assertLess(light.min(), 0)
+                self.assertAlmostEqual(self.paper(saved(patch("RGB", colour), "PNG", P3)),
+                                       float(light @ profiles.WEIGHTS), delta=0.02)
+
+    def test_srgb_changes_no_byte(self):
+        picture = Image.open(ROOT / "tests" / "data" / "images" / "chelsea.png").convert("RGB")
+        for kind in ("PNG", "JPEG", "TIFF", "WEBP"):
+            for color in ("", "&color=cmyk"):
+                with self.subTest(kind=kind, color=color):
+                    query = "?sites=500&iterations=1" + color
+                    self.assertEqual(self.halftone(saved(picture, kind, SRGB), query).body,
+                                     self.halftone(saved(picture, kind), query).body)
+
+    def test_broken_profiles_are_ignored(self):
+        picture = patch("RGB", (90, 190, 70))
+        for kind in ("PNG", "JPEG", "TIFF", "WEBP"):
+            expected = self.halftone(saved(picture, kind), QUERY).body
+            for broken in (b"no profile", P3[:200], P3[:-1], P3.replace(b"rTRC", b"none"), bytes(3000)):
+                with self.subTest(kind=kind, size=len(broken)):
+                    self.assertEqual(self.halftone(saved(picture, kind, broken), QUERY).body, expected)
+
+    def test_profiles_that_lie_do_not_end_the_decoder(self):
+        for path in sorted(FIXTURES.glob("profile-beyond.*")):
+            with self.subTest(name=path.name):
+                self.assertEqual(self.ask("/halftone" + QUERY, data=path.read_bytes()).status, 200)
+        self.assertNotIn("crash", self.server.log())
+
+    def test_the_largest_profiles_fit_into_the_box(self):
+        profile = profiles.ink_profile(28)
+        self.assertGreater(len(profile), 3 << 20)
+        self.check(patch("CMYK", (120, 40, 10, 20)), profile, (("JPEG", {"quality": 95}), ("TIFF", {})))
+
+
+class Formats(ServerCase):
+    def test_all_without_loss_give_the_same_bytes(self):
+        picture = Image.open(ROOT / "tests" / "data" / "images" / "camera.png").convert("L").resize((200, 200))
+        colours = picture.convert("RGB")
+        expected = self.halftone(saved(colours, "PNG"), QUERY).body
+        for kind, same in (("GIF", picture), ("BMP", picture), ("BMP", colours), ("TIFF", colours)):
+            with self.subTest(kind=kind, mode=same.mode):
+                self.assertEqual(self.halftone(saved(same, kind), QUERY).body, expected)
+
+    def test_of_a_film_the_first_frame_is_read(self):
+        first, second = patch("L", 200), patch("L", 20)
+        expected = self.halftone(saved(first, "GIF"), QUERY).body
+        self.assertEqual(self.halftone(saved(first, "GIF", save_all=True, append_images=[second]), QUERY).body, expected)
+
+    def test_sixteen_bits_are_kept(self):
+        """Half a step of eight bits is told apart."""
+        ramp = numpy.linspace(128.0, 128.5, 64 * 64).reshape(64, 64)
+        fine = Image.fromarray(numpy.rint(ramp * 257).astype(numpy.uint16))
+        coarse = file_of(numpy.floor(ramp))
+        for kind in ("PNG", "TIFF"):
+            with self.subTest(kind=kind):
+                self.assertNotEqual(self.halftone(saved(fine, kind), "?sites=500&format=json").json()["points"],
+                                    self.halftone(coarse, "?sites=500&format=json").json()["points"])
+
+    def test_others_are_refused_by_name(self):
+        for file, name in (((FIXTURES / "pixel.avif").read_bytes(), "AVIF"),
+                           (b"\0\0\0\x18ftypheic\0\0\0\0mif1heic", "HEIC"), (b"%PDF-1.7\n", "PDF")):
+            with self.subTest(name=name):
+                self.assert_problem(self.ask("/halftone", data=file), 415, f"this is {name}",
+                                    "PNG, JPEG, WebP, TIFF, GIF and BMP are read")
+
+    def test_claims_of_size_are_refused_before_they_are_believed(self):
+        for name in ("bomb.gif", "bomb.bmp"):
+            with self.subTest(name=name):
+                self.assert_problem(self.ask("/halftone", data=(FIXTURES / name).read_bytes()), 413, "max-pixels")
+
+
+if __name__ == "__main__":
+    unittest.main()
