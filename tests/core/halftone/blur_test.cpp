@@ -1,0 +1,58 @@
+#include "core/halftone/blur.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+
+namespace ccdt {
+namespace {
+
+double sum(const std::vector<float>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+TEST(Blurred, SpreadsAPointByItsSigmaEachWay) {
+    constexpr int kSide = 101, kMiddle = 50;
+    std::vector<float> point(kSide * kSide);
+    point[kMiddle * kSide + kMiddle] = 1;
+    for (const double sigma : {0.0, 0.1, 0.4, 1.0, 2.5, 8.0}) {
+        const std::vector<float> spread = blurred(point, kSide, kSide, sigma);
+        double across = 0, down = 0;
+        for (int i = 0; i < kSide * kSide; ++i) {
+            const auto value = static_cast<double>(spread[static_cast<std::size_t>(i)]);
+            across += value * std::pow(i % kSide - kMiddle, 2);
+            down += value * std::pow(i / kSide - kMiddle, 2);
+        }
+        EXPECT_NEAR(sum(spread), 1, 1e-5) << sigma;
+        EXPECT_NEAR(std::sqrt(across), sigma, 1e-3) << sigma;
+        EXPECT_NEAR(std::sqrt(down), sigma, 1e-3) << sigma;
+    }
+}
+
+TEST(Blurred, MirrorsAtTheSides) {
+    Random random(3, 0);
+    std::vector<float> values(40 * 25);
+    for (float& value : values) value = static_cast<float>(random.uniform());
+    for (const double sigma : {0.3, 3.0, 11.0, 1000.0}) {
+        const std::vector<float> result = blurred(values, 40, 25, sigma);
+        EXPECT_NEAR(sum(result), sum(values), 1e-3) << "nothing is lost at sigma " << sigma;
+        const auto [least, most] = std::ranges::minmax(result);
+        EXPECT_GE(least, std::ranges::min(values) - 1e-5f);
+        EXPECT_LE(most, std::ranges::max(values) + 1e-5f);
+    }
+}
+
+TEST(Blurred, TakesPlanesOfAnySize) {
+    EXPECT_EQ(blurred({0.25f}, 1, 1, 7), (std::vector<float>{0.25f}));
+    for (const float value : blurred(std::vector<float>(300, 0.5f), 300, 1, 40)) EXPECT_NEAR(value, 0.5f, 1e-6);
+    for (const float value : blurred(std::vector<float>(300, 0.5f), 1, 300, 40)) EXPECT_NEAR(value, 0.5f, 1e-6);
+}
+
+}  // namespace
+}  // namespace ccdt
