@@ -5,12 +5,38 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
+
+#include "core/halftone/diffusion.h"
 
 namespace ccdt {
 
 namespace {
 
 constexpr double kPi = 3.141592653589793;
+
+/// Calls visit(pixel, squared distance) for the pixels whose centres lie within a reach of a point, and a few more.
+template <class Visit>
+void for_pixels_within(Point centre, const Canvas& canvas, double reach, const Visit& visit) {
+    const auto clip = [](double v, int size) {
+        return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(size)));
+    };
+    const int y0 = clip(std::floor(centre.y - reach), canvas.height);
+    const int y1 = clip(std::ceil(centre.y + reach), canvas.height);
+    for (int y = y0; y < y1; ++y) {
+        const double dy = y + 0.5 - centre.y;
+        const double half = std::sqrt(std::max(0.0, reach * reach - dy * dy));
+        const int x0 = clip(std::floor(centre.x - half), canvas.width);
+        const int x1 = clip(std::ceil(centre.x + half), canvas.width);
+        const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(canvas.width);
+        const auto dy2 = static_cast<float>(dy * dy);
+        const auto first = static_cast<float>(x0 + 0.5 - centre.x);
+        for (int x = x0; x < x1; ++x) {
+            const float dx = first + static_cast<float>(x - x0);
+            visit(row + static_cast<std::size_t>(x), dx * dx + dy2);
+        }
+    }
+}
 
 /// Squared distance from each pixel's centre to the nearest dot's, where that is within a reach.
 class DistanceMap {
@@ -39,24 +65,9 @@ private:
     static constexpr std::uint32_t kOther = ~std::uint32_t{0};
 
     void add(Point centre, const Canvas& canvas, double reach) {
-        const auto clip = [](double v, int size) {
-            return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(size)));
-        };
-        const int y0 = clip(std::floor(centre.y - reach), canvas.height);
-        const int y1 = clip(std::ceil(centre.y + reach), canvas.height);
-        for (int y = y0; y < y1; ++y) {
-            const double dy = y + 0.5 - centre.y;
-            const double half = std::sqrt(std::max(0.0, reach * reach - dy * dy));
-            const int x0 = clip(std::floor(centre.x - half), canvas.width);
-            const int x1 = clip(std::ceil(centre.x + half), canvas.width);
-            float* row = &squared_[static_cast<std::size_t>(y) * static_cast<std::size_t>(canvas.width)];
-            const auto dy2 = static_cast<float>(dy * dy);
-            const auto first = static_cast<float>(x0 + 0.5 - centre.x);
-            for (int x = x0; x < x1; ++x) {
-                const float dx = first + static_cast<float>(x - x0);
-                row[x] = std::min(row[x], dx * dx + dy2);
-            }
-        }
+        for_pixels_within(centre, canvas, reach, [&](std::size_t pixel, float squared) {
+            squared_[pixel] = std::min(squared_[pixel], squared);
+        });
     }
 
     /// The key of rank k, counted from 1, among those that are not kOther; k becomes the rank among equal keys.
@@ -129,7 +140,76 @@ Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOp
     }
 }
 
+/// Draws soft discs that cover, overlaps counted once, what discs do.
+///
+/// Rims that face each other in a pixel cover what each does, added up; rims that cross, what the one leaves bare of
+/// the other's share. Measured on flat greys: with seven parts of the first and three of the second, all together cover
+/// what discs do to 0.002 at a radius of 3 pixels, and to 0.005 at 1.5.
+Raster draw_soft(std::span<const Point> dots, const Canvas& canvas, double radius, const std::stop_token& stop) {
+    constexpr float kFacing = 0.7f;
+    // A rim a pixel wide adds pi / 12 to the area of a disc.
+    const double middle = std::sqrt(std::max(0.0, radius * radius - 1.0 / 12));
+    const auto core = static_cast<float>(middle > 0.5 ? (middle - 0.5) * (middle - 0.5) : -1);
+    std::vector<float> bare(static_cast<std::size_t>(canvas.width) * static_cast<std::size_t>(canvas.height), 1);
+    for (const Point& dot : dots) {
+        if (stop.stop_requested()) break;
+        for_pixels_within(canvas.scale * dot, canvas, middle + 0.5, [&](std::size_t pixel, float squared) {
+            float& left = bare[pixel];
+            if (squared <= core) {
+                left = 0;
+            } else if (left > 0) {
+                const auto share = static_cast<float>(pixel_coverage(middle - std::sqrt(static_cast<double>(squared))));
+                left = kFacing * std::max(0.0f, left - share) + (1 - kFacing) * left * (1 - share);
+            }
+        });
+    }
+    Raster raster{canvas.width, canvas.height, radius, {}};
+    raster.coverage.resize(bare.size());
+    std::ranges::transform(bare, raster.coverage.begin(),
+                           [](float left) { return static_cast<std::uint8_t>(std::lrint(255 * (1 - left))); });
+    return raster;
+}
+
+/// Appends the mean of blocks of samples.
+void append_reduced(const Raster& fine, int samples, std::vector<std::uint8_t>& coverage) {
+    const auto side = static_cast<std::size_t>(samples);
+    std::vector<unsigned> sums(static_cast<std::size_t>(fine.width) / side);
+    for (auto row = fine.coverage.begin(); row != fine.coverage.end();) {
+        std::ranges::fill(sums, 0U);
+        for (std::size_t y = 0; y < side; ++y) {
+            for (unsigned& sum : sums) sum = std::accumulate(row, row + samples, sum), row += samples;
+        }
+        const auto all = static_cast<unsigned>(side * side);
+        for (const unsigned sum : sums) coverage.push_back(static_cast<std::uint8_t>((sum + all / 2) / all));
+    }
+}
+
+/// Draws band by band, so that not all samples are there at once.
+Raster draw_samples(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
+                    const std::stop_token& stop) {
+    constexpr int kBand = 1 << 20;  // samples, about
+    const int samples = options.samples, a_row = canvas.width * samples * samples;
+    Raster raster{canvas.width, canvas.height, options.radius.value(), {}};
+    std::vector<Point> shifted(dots.begin(), dots.end());
+    for (int top = 0; top < canvas.height;) {
+        const int rows = std::min(canvas.height - top, std::max(1, kBand / a_row));
+        const Canvas band{samples * canvas.width, samples * rows, samples * canvas.scale};
+        append_reduced(draw_soft(shifted, band, samples * *options.radius, stop), samples, raster.coverage);
+        for (Point& dot : shifted) dot.y -= rows / canvas.scale;
+        top += rows;
+    }
+    if (!options.antialias) diffuse(raster.coverage, raster.width, raster.height);
+    return raster;
+}
+
 }  // namespace
+
+int samples_for(double radius, const Canvas& canvas, bool antialias) {
+    constexpr double kRadius = 3, kBinaryRadius = 1.5;
+    if (!antialias && radius >= kBinaryRadius) return 1;
+    const double most = std::sqrt(kMostSamples / canvas.width / canvas.height);
+    return static_cast<int>(std::max(1.0, std::min(std::ceil(kRadius / radius), std::floor(most))));
+}
 
 Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
                  const std::stop_token& stop) {
@@ -140,6 +220,8 @@ Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOpt
                 std::vector<std::uint8_t>(static_cast<std::size_t>(canvas.width) *
                                           static_cast<std::size_t>(canvas.height))};
     }
+    if (options.samples == 1 && options.antialias) return draw_soft(dots, canvas, options.radius.value(), stop);
+    if (options.samples > 1) return draw_samples(dots, canvas, options, stop);
     const Fitted fitted = options.radius ? Fitted{DistanceMap(dots, canvas, *options.radius + 1, stop), *options.radius}
                                          : fit_radius(dots, canvas, options, stop);
     Raster raster{canvas.width, canvas.height, std::max(0.0, fitted.radius), {}};

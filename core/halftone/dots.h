@@ -30,11 +30,22 @@ struct DotOptions {
     std::optional<double> radius;  ///< pixels, >= 0, finite; none: such that the mean coverage is `mean_coverage`
     double mean_coverage = 0;      ///< in [0, 1]
     bool antialias = false;        ///< false: a pixel is covered if its centre is
+    /// A side, of whose mean each pixel is made, such that dots cover what discs do: with a radius only. None:
+    /// antialiased pixels tell of their nearest dot alone.
+    int samples = 0;
 };
+
+inline constexpr double kMostSamples = 16e6;
+
+/// Samples a side with which dots of a radius, in pixels, cover what discs do: as many as bring the radius to three
+/// samples, as long as the whole canvas has kMostSamples at most; one for binary dots of 1.5 pixels or more.
+int samples_for(double radius, const Canvas& canvas, bool antialias);
 
 /// Draws equal discs; without dots the raster stays empty. Overlaps count once, also in the choice of the radius: the
 /// mean of the raster is `mean_coverage` to the pixel (binary; pixels exactly as far from their dots as the last one
 /// needed are covered with it) or to one part in 10,000 (antialiased).
+///
+/// Binary rasters of several samples are diffuse()d.
 ///
 /// @param dots    finite; may lie beyond the canvas
 /// @param canvas  at least 1 x 1, its scale positive

@@ -75,6 +75,31 @@ TEST(DrawDots, ScalesItsDots) {
               draw_dots(large, {80, 40, 1}, {.mean_coverage = 0.4}).coverage);
 }
 
+TEST(DrawDots, CoversLikeDiscsWithSeveralSamples) {
+    // Of dots smaller than a pixel, some of which overlap.
+    const Canvas canvas{150, 100, 1};
+    const auto dots = scattered(6000, 150, 100);
+    const Canvas large{1500, 1000, 10};
+    const double discs = ink_of(draw_dots(dots, large, {.radius = 7.0})) / 100;
+    EXPECT_EQ(samples_for(0.7, canvas, false), 5);
+    for (const bool antialias : {false, true}) {
+        const Raster raster = draw_dots(dots, canvas, {.radius = 0.7, .antialias = antialias, .samples = 5});
+        EXPECT_EQ(raster.coverage.size(), 15000u);
+        EXPECT_NEAR(raster.radius, 0.7, 1e-12);
+        EXPECT_NEAR(ink_of(raster), discs, 0.01 * discs) << antialias;
+    }
+}
+
+TEST(SamplesFor, DotsThatAreSmall) {
+    const Canvas canvas{1000, 1000, 1};
+    EXPECT_EQ(samples_for(3, canvas, true), 1);
+    EXPECT_EQ(samples_for(2.9, canvas, true), 2);
+    EXPECT_EQ(samples_for(2.9, canvas, false), 1);
+    EXPECT_EQ(samples_for(1, canvas, false), 3);
+    EXPECT_EQ(samples_for(0.01, canvas, false), 4) << "16 million samples in all";
+    EXPECT_EQ(samples_for(0.01, {8000, 8000, 1}, true), 1);
+}
+
 TEST(DrawDots, CountsOverlapsOnce) {
     const std::vector<Point> twice{{20.2, 20.1}, {20.2, 20.1}};
     const Canvas canvas{40, 40, 1};
