@@ -1,0 +1,62 @@
+#include "core/halftone/coverage_curve.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace ccdt {
+
+namespace {
+
+constexpr std::size_t kEntries = 1024;
+
+/// The share that an entry of the table stands for.
+double share_at(std::size_t entry) {
+    return static_cast<double>(entry) / kEntries;
+}
+
+/// Share of places whose nearest dot is within reach of them, by the number of dots in a disc of that reach.
+///
+/// Measured on ten flat greys of 16,384 dots, quality standard, to 0.0001; drafts cover up to 0.006 less, the best up
+/// to 0.003 more. Shown by CoverageCurve.IsThatOfPolishedDots.
+double within_reach(double dots) {
+    constexpr double kFirst = 0.6, kStep = 0.05;  // below the first, discs do not touch
+    constexpr std::array kShares = {0.6,     0.64968, 0.69899, 0.74649, 0.79030, 0.82966, 0.86439, 0.89447,
+                                    0.92009, 0.94145, 0.95856, 0.97187, 0.98162, 0.98839, 0.99291, 0.99582,
+                                    0.99763, 0.99872, 0.99934, 0.99965, 0.99979, 0.99987, 0.99991, 0.99993,
+                                    0.99995, 0.99996, 0.99997, 0.99998, 0.99999, 1.0};
+    if (dots <= kFirst) return dots;
+    const double place = (dots - kFirst) / kStep;
+    const auto below = static_cast<std::size_t>(place);
+    if (below + 1 >= kShares.size()) return 1;
+    // A cubic through four neighbours: a straight line would lie 0.0006 too low where the curve bends.
+    const double b = kShares[below], c = kShares[below + 1], t = place - static_cast<double>(below);
+    const double a = below == 0 ? kFirst - kStep : kShares[below - 1];
+    const double d = below + 2 < kShares.size() ? kShares[below + 2] : 1;
+    return b + t / 2 * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
+}
+
+}  // namespace
+
+CoverageCurve::CoverageCurve() : dots_{0} {
+    constexpr double kStep = 0.025;
+    for (double now = 0;; now += kStep) {
+        const double covered = within_reach(now + kStep);
+        if (covered - solid_ < kLeastGain * kStep) {
+            dots_.resize(kEntries + 1, now);
+            return;
+        }
+        for (double at = share_at(dots_.size()); at <= covered; at = share_at(dots_.size()))
+            dots_.push_back(std::lerp(now, now + kStep, (at - solid_) / (covered - solid_)));
+        solid_ = covered;
+    }
+}
+
+double CoverageCurve::dots(double share) const {
+    const double place = std::clamp(share, 0.0, 1.0) * kEntries;
+    const std::size_t below = std::min(static_cast<std::size_t>(place), kEntries - 1);
+    return std::lerp(dots_[below], dots_[below + 1], place - static_cast<double>(below));
+}
+
+}  // namespace ccdt
