@@ -128,6 +128,9 @@ void append_report(std::string& out, const Report& report) {
     if (!report.picture) return;
     append_member(out, "width", static_cast<std::uint64_t>(report.picture->width));
     append_member(out, "height", static_cast<std::uint64_t>(report.picture->height));
+    if (!report.dots) return;
+    append_member(out, "radius", report.dots->radius);
+    append_member(out, "tone", report.dots->tone);
 }
 
 /// Appends the members of an answer whose points are those of the only ink.

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "api/run/options.h"
 #include "api/output/ink_dots.h"
 #include "core/analysis/analysis.h"
 
@@ -24,6 +25,7 @@ struct Report {
     double elapsed_ms = 0;
     std::optional<PictureSize> picture;
     std::string_view method = "ccdt";
+    std::optional<DotSize> dots = {};
 };
 
 /// Writes the JSON answer of /sample and /halftone: of inks with names a list, else the points themselves, also the

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,15 +33,22 @@ struct Timings {
     double encode = 0;
 };
 
+/// Dots of a halftone, for whoever draws them himself.
+struct DotSize {
+    double radius = 0;  ///< pixels of the picture
+    double tone = 1;    ///< what they cover over what they should
+};
+
 /// Answer to a request, as it goes back to the client.
 struct Answer {
     std::string media_type;
     std::string body;
-    std::string coding = {};  ///< in which the body is compressed; empty: not
-    std::size_t sites = 0;    ///< placed for it
-    std::size_t pixels = 0;   ///< of a picture decoded for it
-    bool partial = false;     ///< of a run that was stopped, which the request allows
-    bool repeats = true;      ///< to the byte, however often it is computed
+    std::string coding = {};           ///< in which the body is compressed; empty: not
+    std::size_t sites = 0;             ///< placed for it
+    std::size_t pixels = 0;            ///< of a picture decoded for it
+    bool partial = false;              ///< of a run that was stopped, which the request allows
+    bool repeats = true;               ///< to the byte, however often it is computed
+    std::optional<DotSize> dots = {};  ///< of a halftone
 };
 
 }  // namespace ccdt::api

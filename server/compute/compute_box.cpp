@@ -168,6 +168,7 @@ private:
         answer.pixels = reply.pixels;
         answer.partial = reply.partial != 0;
         answer.repeats = reply.repeats != 0;
+        if (reply.radius > 0) answer.dots = api::DotSize{reply.radius, reply.tone};
         return answer;
     }
 

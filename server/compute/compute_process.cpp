@@ -132,6 +132,10 @@ void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder,
     reply.pixels = result->pixels;
     reply.partial = result->partial ? 1 : 0;
     reply.repeats = result->repeats ? 1 : 0;
+    if (result->dots) {
+        reply.radius = result->dots->radius;
+        reply.tone = result->dots->tone;
+    }
     send_reply(channel, reply, {result->media_type, result->coding, result->body});
 }
 

@@ -56,6 +56,8 @@ struct Reply {
     std::uint64_t pixels = 0;
     std::uint32_t partial = 0;
     std::uint32_t repeats = 0;
+    double radius = 0;  ///< of a halftone's dots; 0: none is told
+    double tone = 0;
     std::array<std::uint64_t, kTexts> sizes{};
 };
 
