@@ -7,6 +7,7 @@
 
 #include "api/json/json_document.h"
 #include "api/run/estimate.h"
+#include "core/halftone/dots.h"
 #include "core/halftone/tone.h"
 
 namespace ccdt::api {
@@ -83,9 +84,52 @@ Estimate rasterising(double sites, double pixels, std::optional<double> radius, 
     return {sites * 150 + pixels * 6, (pixels * (antialias ? 0.04 : 0.005) + covered * 0.001) * kMicrosecond};
 }
 
+double shorter_side(const HalftoneRequest& request) {
+    return static_cast<double>(std::min(request.image.header.width, request.image.header.height));
+}
+
+double longer_side(const HalftoneRequest& request) {
+    return static_cast<double>(std::max(request.image.header.width, request.image.header.height));
+}
+
+/// Counts dots at most, where their radius decides on it: a solid picture takes twice what it would without overlaps.
+double most_sites(const HalftoneRequest& request, const Limits& limits) {
+    constexpr double kPi = 3.141592653589793, kOverlaps = 2;
+    if (request.sites) return static_cast<double>(*request.sites);
+    const double ink = static_cast<double>(request.image.header.pixels()) * inks_of(request);
+    const auto usual = static_cast<double>(default_sites(ink, limits.max_sites));
+    if (!request.dot) return usual;
+    const double radius = request.dot->length, most = static_cast<double>(limits.max_sites);
+    if (request.dot->millimetres) {
+        const double pixel = *request.drawing.width_mm / shorter_side(request);
+        return std::clamp(kOverlaps * ink / (kPi * std::pow(radius / pixel, 2)), 1.0, most);
+    }
+    if (request.scale) return std::clamp(kOverlaps * ink / (kPi * std::pow(radius / *request.scale, 2)), 1.0, most);
+    // A chosen scale makes dots of the usual number less than twice as large as is wanted of them.
+    constexpr double kLargest = 6;
+    return std::clamp(kOverlaps * std::max(usual * kLargest * kLargest, ink / kPi) / (radius * radius), 1.0, most);
+}
+
+/// Radius that is asked for, in output pixels.
+std::optional<double> radius_of(const HalftoneRequest& request, double drawn_pixels) {
+    if (!request.dot || !request.dot->millimetres)
+        return request.dot ? std::optional(request.dot->length) : std::nullopt;
+    const double scale = std::sqrt(drawn_pixels / static_cast<double>(request.image.header.pixels()));
+    return request.dot->length / *request.drawing.width_mm * longer_side(request) * scale;
+}
+
+/// Draws the finer samples that small dots are made from, a band at a time. Dots of a chosen scale need none.
+Estimate sampling(const HalftoneRequest& request, double sites, double pixels) {
+    constexpr double kEach = 226;  // in a picture of which half is covered
+    const double samples = std::min(sites * kEach, kMostSamples);
+    if (!(request.scale || request.dot) || samples < pixels) return {};
+    return {sites * 16, samples * 0.02 * kMicrosecond};
+}
+
 /// Draws dots: the rasters of inks that mix stay until they are laid over each other.
 Estimate rasterising(const HalftoneRequest& request, double sites, double pixels, bool antialias) {
-    const Estimate one = rasterising(sites, pixels, request.dot, antialias);
+    const Estimate one =
+        rasterising(sites, pixels, radius_of(request, pixels), antialias) + sampling(request, sites, pixels);
     if (request.palette.mixing == Mixing::Cover) return one;
     const double inks = inks_of(request);
     return one + Estimate{pixels * inks, pixels * inks * (antialias ? 0.08 : 0.02) * kMicrosecond};
@@ -152,9 +196,8 @@ std::size_t bytes_of(const ImageFile& file) {
 }  // namespace
 
 Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
-    const auto pixels = static_cast<double>(request.image.header.pixels());
     Options options = request.run;
-    options.sites = request.sites.value_or(default_sites(pixels * inks_of(request), limits.max_sites));
+    options.sites = static_cast<std::size_t>(most_sites(request, limits));
     const Estimate placing = weighing(request) + methods().front().cost(options, false) + parting(request, options);
     const Estimate written = writing(request, static_cast<double>(options.sites), limits);
     return cost(then(then(decoding(request), placing), written));

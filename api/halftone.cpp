@@ -18,16 +18,26 @@ namespace {
 constexpr Interval kScales = {.min = 0.1, .max = 16};
 constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
 
-constexpr std::array<Choice<Tone>, 2> kTones = {{{"linear", Tone::Linear}, {"perceptual", Tone::Perceptual}}};
+constexpr std::array<Choice<Tone>, 3> kTones = {
+    {{"linear", Tone::Linear}, {"perceptual", Tone::Perceptual}, {"density", Tone::Density}}};
 
-Result<void> read_dot(const Input& input, std::optional<double>& dot) {
-    if (const auto text = read_text(input); text && *text == "auto") {
+Result<void> read_dot(const Input& input, std::optional<DotRadius>& dot) {
+    constexpr std::string_view kUnit = "mm";
+    Input number = input;
+    const auto text = read_text(input);
+    if (text && *text == "auto") {
         dot.reset();
         return {};
     }
-    auto radius = read_number(input, kRadii);
-    if (!radius) radius.error().message += ", or auto";
-    return assign(dot, std::move(radius));
+    const bool millimetres = text && text->ends_with(kUnit);
+    if (millimetres) number.value = text->substr(0, text->size() - kUnit.size());
+    auto radius = read_number(number, kRadii);
+    if (!radius) {
+        radius.error().message += ", with or without mm, or auto";
+        return tl::unexpected(radius.error());
+    }
+    dot = DotRadius{*radius, millimetres};
+    return {};
 }
 
 /// Request on its way; what depends on several options can only be settled when all are known.
@@ -99,6 +109,13 @@ Result<void> settle_palette(Draft& draft, const std::vector<Input>& inputs) {
     return check_colours(palette, draft.request.invert, inputs);
 }
 
+/// Millimetres need to know how many there are.
+Result<void> check_dot(const HalftoneRequest& request, const std::vector<Input>& inputs) {
+    if (!request.dot || !request.dot->millimetres || request.drawing.width_mm) return {};
+    const auto dot = std::ranges::find(inputs, "dot", &Input::name);
+    return malformed(*dot, "in mm needs width_mm, the width of the picture");
+}
+
 Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector<Input>& inputs,
                                       std::string_view accept, const Limits& limits) {
     Draft draft;
@@ -107,6 +124,7 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
     if (auto settled = settle_palette(draft, inputs); !settled) return tl::unexpected(settled.error());
     if (auto settled = settle_format(accept, halftone_formats(), draft.request.format); !settled)
         return tl::unexpected(settled.error());
+    if (auto checked = check_dot(draft.request, inputs); !checked) return tl::unexpected(checked.error());
     return std::move(draft.request);
 }
 
@@ -164,6 +182,7 @@ Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits
     Answer answer;
     answer.media_type = request.format->file.content_type();
     answer.body = *std::move(body);
+    answer.dots = plan->size();
     for (const Distribution& each : *dots) answer.sites += each.points.size();
     answer.pixels = static_cast<std::size_t>(plan->picture.width) * static_cast<std::size_t>(plan->picture.height);
     answer.partial = std::ranges::any_of(*dots, &Distribution::stopped);

@@ -19,6 +19,12 @@
 
 namespace ccdt::api {
 
+/// Radius of dots.
+struct DotRadius {
+    double length = 0;         ///< > 0
+    bool millimetres = false;  ///< as the drawing's width_mm has them; else pixels of the output
+};
+
 /// Request to /halftone, with its options.
 struct HalftoneRequest {
     ImageFile image;
@@ -26,7 +32,7 @@ struct HalftoneRequest {
     std::optional<std::size_t> sites;  ///< none: chosen from the image
     Options run;                       ///< seed, iterations, passes
     std::optional<double> scale;       ///< output pixels per input pixel; none: chosen
-    std::optional<double> dot;         ///< radius in output pixels; none: keeps the mean tone
+    std::optional<DotRadius> dot;      ///< none: such that the tone is right
     bool antialias = false;
     bool invert = false;  ///< dots where the picture is light; only of an ink that covers
     Tone tone = Tone::Linear;

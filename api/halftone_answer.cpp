@@ -1,6 +1,7 @@
 #include "api/halftone_answer.h"
 
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -29,10 +30,10 @@ public:
 
     Result<std::string> operator()(const ListWriter& writer) { return writer.write(inks_, report_, stop_); }
 
-    /// Draws shapes with the radius that rasters would have.
+    /// Draws shapes with the radius that rasters have.
     Result<std::string> operator()(const VectorWriter& writer) {
         for (std::size_t ink = 0; ink < inks_.size(); ++ink)
-            inks_[ink].radius = rasterise(ink, true).radius / plan_.canvas.scale;
+            inks_[ink].radius = plan_.radius ? *plan_.radius : rasterise(ink, true).radius / plan_.canvas.scale;
         const Page page{plan_.box(), false, false, plan_.canvas, request_.drawing.width_mm};
         return writer.write(inks_, request_.palette, page, request_.drawing.style, hurry_, stop_);
     }
@@ -46,7 +47,10 @@ public:
 
 private:
     Raster rasterise(std::size_t ink, bool antialias) const {
-        return draw_dots(inks_[ink].dots.points, plan_.canvas, {request_.dot, plan_.cover[ink], antialias}, stop_);
+        std::optional<double> radius;
+        if (plan_.radius) radius = *plan_.radius * plan_.canvas.scale;
+        const DotOptions options{radius, plan_.cover[ink], antialias, plan_.samples};
+        return draw_dots(inks_[ink].dots.points, plan_.canvas, options, stop_);
     }
 
     const HalftoneRequest& request_;
@@ -61,7 +65,7 @@ private:
 
 Result<std::string> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan,
                                    std::span<const Distribution> dots, double elapsed, const Control& control) {
-    const Report report{request.run.seed, elapsed, plan.picture};
+    const Report report{request.run.seed, elapsed, plan.picture, "ccdt", plan.size()};
     std::vector<InkDots> inks;
     for (std::size_t ink = 0; ink < dots.size(); ++ink) inks.push_back({request.palette.inks[ink], dots[ink]});
     auto body = std::visit(Writing(request, plan, report, std::move(inks), control), request.format->writer);

@@ -1,6 +1,8 @@
 #include "api/halftone_plan.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -8,6 +10,7 @@
 #include "api/image/ink_set.h"
 #include "api/output/point_drawing.h"
 #include "api/run/deadline.h"
+#include "core/halftone/dot_plan.h"
 #include "core/halftone/separation.h"
 #include "core/halftone/tone.h"
 
@@ -52,16 +55,65 @@ tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {
                    request.image_field);
 }
 
-/// Makes the canvas. A chosen scale gives way to the limit; one that was asked for does not.
+/// Makes the canvas. A chosen scale gives way to the limit; one that was asked for does not, unless nothing is drawn.
 Result<Canvas> plan_canvas(const HalftoneRequest& request, const Box& box, double preferred_scale,
                            const Limits& limits) {
     if (!request.scale) return canvas_of(box, fitting_scale(box, preferred_scale, limits.max_pixels));
     const Canvas canvas = canvas_of(box, *request.scale);
-    if (fits(canvas, limits.max_pixels)) return canvas;
+    if (!request.format->is_drawn() || fits(canvas, limits.max_pixels)) return canvas;
     return failure(ErrorCode::LimitExceeded,
                    "scale makes an output of " + std::to_string(canvas.width) + " x " + std::to_string(canvas.height) +
                        " pixels; this server's limit (max-pixels) is " + std::to_string(limits.max_pixels),
                    "scale");
+}
+
+/// Radius that is asked for, in pixels of the picture.
+std::optional<double> wished_radius(const HalftoneRequest& request, const HalftonePlan& plan) {
+    if (!request.dot) return std::nullopt;
+    if (request.dot->millimetres) return request.dot->length / *request.drawing.width_mm * plan.picture.width;
+    return request.dot->length / plan.canvas.scale;
+}
+
+/// Number of sites: a radius that is asked for decides on the number of sites, unless that is asked for, too.
+Result<std::size_t> sites_of(const HalftoneRequest& request, const DotPlan& dots, const Limits& limits) {
+    if (request.sites) return *request.sites;
+    const double sum = std::round(std::reduce(dots.dots.begin(), dots.dots.end()));
+    if (sum <= static_cast<double>(limits.max_sites)) return static_cast<std::size_t>(std::max(sum, 1.0));
+    return failure(ErrorCode::LimitExceeded,
+                   "dots of this radius would be more than this server's limit (max-sites), which is " +
+                       std::to_string(limits.max_sites),
+                   "dot");
+}
+
+/// Says whether dots are in proportion to what they are to cover, whatever overlaps. The start of a run has no pattern
+/// whose overlaps are known.
+bool is_proportional(const HalftoneRequest& request) {
+    return request.tone == Tone::Density || request.run.iterations == 0;
+}
+
+/// Settles how many dots each ink has, and how large they are; what is to be covered becomes what dots are wanted.
+/// @param usual  number of sites, unless their radius decides on it
+Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Separation& separation,
+                         std::span<const double> ink, std::size_t usual, const Limits& limits,
+                         const std::stop_token& stop) {
+    constexpr double kToneDigits = 1e4;
+    plan.radius = wished_radius(request, plan);
+    if (is_proportional(request)) {
+        plan.sites = share_sites(ink, usual);
+        return {};
+    }
+    DotWish wish{request.sites, plan.radius};
+    if (!plan.radius) wish.sites = usual;
+    DotPlan dots = plan_dots(std::move(separation.coverage), plan.picture.width, plan.picture.height, wish, stop);
+    if (auto going = check_stop(stop); !going) return going;
+    separation.coverage = std::move(dots.density);
+    plan.radius = dots.radius;
+    plan.tone = std::round(dots.tone * kToneDigits) / kToneDigits;
+    plan.samples = samples_for(dots.radius * plan.canvas.scale, plan.canvas, request.antialias);
+    auto sites = sites_of(request, dots, limits);
+    if (!sites) return tl::unexpected(sites.error());
+    plan.sites = share_sites(dots.dots, *sites);
+    return {};
 }
 
 /// Makes a density for each ink that has sites. Coverages go as they are taken.
@@ -91,15 +143,14 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     if (!(all_ink > 0)) return nothing_to_draw(request);
     const std::size_t pixels = separation->coverage.front().size();
     for (const double each : ink) plan.cover.push_back(each / static_cast<double>(pixels));
-    const std::size_t sites = request.sites ? *request.sites : default_sites(all_ink, limits.max_sites);
-    plan.sites = share_sites(ink, sites);
-    if (request.format->is_drawn()) {
-        auto canvas = plan_canvas(request, plan.box(), default_scale(all_ink, pixels, sites), limits);
-        if (!canvas) return tl::unexpected(canvas.error());
-        plan.canvas = *canvas;
-        if (auto checked = request.format->check_side(*canvas, "scale", "scale"); !checked)
-            return tl::unexpected(checked.error());
-    }
+    const std::size_t usual = request.sites ? *request.sites : default_sites(all_ink, limits.max_sites);
+    auto canvas = plan_canvas(request, plan.box(), default_scale(all_ink, pixels, usual), limits);
+    if (!canvas) return tl::unexpected(canvas.error());
+    plan.canvas = *canvas;
+    if (auto checked = request.format->check_side(*canvas, "scale", "scale"); !checked)
+        return tl::unexpected(checked.error());
+    auto settled = settle_dots(request, plan, *separation, ink, usual, limits, control.stop);
+    if (!settled) return tl::unexpected(settled.error());
     auto densities = make_densities(*separation, plan.sites);
     if (!densities) return about_image(densities.error(), request);
     plan.densities = *std::move(densities);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "api/halftone.h"
@@ -17,10 +18,15 @@ namespace ccdt::api {
 struct HalftonePlan {
     PictureSize picture;
     std::vector<double> cover;       ///< [inks] mean share that dots cover
+    std::optional<double> radius;    ///< of the dots, in pixels of the picture; none: such that they cover so much
+    std::optional<double> tone;      ///< what they cover over what they should; none: unknown, or 1 by their radius
+    int samples = 0;                 ///< as DotOptions
     std::vector<std::size_t> sites;  ///< [inks]
     std::vector<Density> densities;  ///< [inks]; uniform for inks without sites
     Canvas canvas;                   ///< of an answer that is drawn
 
+    /// What is told of the dots' size.
+    std::optional<DotSize> size() const { return tone ? std::optional(DotSize{*radius, *tone}) : std::nullopt; }
     Box box() const { return {{0, 0}, {static_cast<double>(picture.width), static_cast<double>(picture.height)}}; }
 };
 

@@ -62,9 +62,9 @@ public:
     /// Gives user units per unit of the points.
     double unit() const { return unit_; }
 
-    void describe(std::size_t dots, double path, double original, std::string_view unit) {
+    void describe(std::size_t dots, double radius, double path, double original, std::string_view unit) {
         write("<desc>", std::to_string(dots), " dots along a path of ", path, unit, "; in their original order it is ",
-              original, unit, "</desc>\n");
+              original, unit, "; their radius is ", radius, unit, "</desc>\n");
     }
 
     void paper(const Colour& colour) {
@@ -154,13 +154,13 @@ void add_copies(std::vector<Point>& dots, Point size, double radius) {
 }
 
 /// Orders dots along a short path, as they lie on the page, and has the document tell of it.
-std::vector<Point> order(std::span<const Point> points, const Page& page, DotDocument& document,
+std::vector<Point> order(std::span<const Point> points, double radius, const Page& page, DotDocument& document,
                          const std::stop_token& hurry) {
     const Placing place(page, document.unit());
     std::vector<Point> dots;
     dots.reserve(points.size());
     for (const std::uint32_t i : short_path(points, hurry)) dots.push_back(place(points[i]));
-    document.describe(points.size(), path_length(dots), document.unit() * path_length(points),
+    document.describe(points.size(), document.unit() * radius, path_length(dots), document.unit() * path_length(points),
                       page.width_mm ? " mm" : "");
     return dots;
 }
@@ -194,7 +194,7 @@ std::string write_svg(std::span<const InkDots> inks, const Palette& palette, con
     if (layered && has_paper) document.paper(palette.paper);
     for (const auto& [ink, distribution, radius] : inks) {
         if (layered) document.begin_layer(ink.name, palette.mixing == Mixing::Add ? "screen" : "multiply");
-        const std::vector<Point> dots = order(distribution.points, page, document, hurry);
+        const std::vector<Point> dots = order(distribution.points, radius, page, document, hurry);
         if (!layered && has_paper) document.paper(palette.paper);
         document.dots(dots, radius * document.unit(), style, ink.colour, stop);
         if (layered) document.end_layer();

@@ -25,7 +25,9 @@ Channels channels(const Light& light) {
 }
 
 Light mapped(const Light& light, Tone tone) {
-    const auto map = [&](float value) { return tone == Tone::Linear ? to_share(value) : lightness(to_share(value)); };
+    const auto map = [&](float value) {
+        return tone == Tone::Perceptual ? lightness(to_share(value)) : to_share(value);
+    };
     return {map(light.red), map(light.green), map(light.blue)};
 }
 

@@ -28,7 +28,7 @@ std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert) 
     std::vector<float> coverage(picture.luminance.size());
     for (std::size_t i = 0; i < coverage.size(); ++i) {
         const float luminance = to_share(picture.luminance[i]);
-        const float light = tone == Tone::Linear ? luminance : lightness(luminance);
+        const float light = tone == Tone::Perceptual ? lightness(luminance) : luminance;
         coverage[i] = std::clamp(invert ? light : 1 - light, 0.0f, 1.0f);
         if (!picture.alpha.empty()) coverage[i] *= to_share(picture.alpha[i]);
     }

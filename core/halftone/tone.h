@@ -11,6 +11,7 @@ namespace ccdt {
 enum class Tone {
     Linear,      ///< relative luminance: what a densitometer or a far eye averages
     Perceptual,  ///< CIE L*: lighter, as the picture's own pixel values read
+    Density,     ///< as Linear, but by the number of dots, whatever they cover: for measures of point density
 };
 
 /// CIE 1976 lightness of a relative luminance in [0, 1], in [0, 1].

@@ -16,7 +16,7 @@ inline void check_request(const api::HalftoneRequest& request) {
     CCDT_CHECK(request.run.iterations >= 0 && request.run.iterations <= 1000);
     CCDT_CHECK(request.run.passes >= 1 && request.run.passes <= 100);
     CCDT_CHECK(!request.scale || (*request.scale >= 0.1 && *request.scale <= 16));
-    CCDT_CHECK(!request.dot || (*request.dot > 0 && *request.dot <= 65536));
+    CCDT_CHECK(!request.dot || (request.dot->length > 0 && request.dot->length <= 65536));
     const api::Palette& palette = request.palette;
     CCDT_CHECK(!palette.inks.empty() && palette.inks.size() <= kMostInks);
     CCDT_CHECK(palette.mixing != api::Mixing::Cover || palette.inks.size() == 1);

@@ -29,7 +29,7 @@ void check_size(const AnyPicture& picture, const Plane& light) {
 /// Every value can be read, and whatever it is becomes a tone.
 void check_picture(const Picture& picture) {
     check_size(picture, picture.luminance);
-    for (const Tone tone : {Tone::Linear, Tone::Perceptual}) {
+    for (const Tone tone : {Tone::Linear, Tone::Perceptual, Tone::Density}) {
         for (const bool invert : {false, true})
             CCDT_CHECK(std::ranges::all_of(ink_coverage(picture, tone, invert), is_share));
     }

@@ -26,7 +26,7 @@ test("has all routes, options, defaults and statuses", async () => {
   assert.deepEqual(options.map(([name]) => name), [...Object.keys(components.schemas.HalftoneOptions.properties), "image"]);
   const told = Object.fromEntries(options.map(([name, ...cells]) => [name, cells.slice(0, 2)]));
   assert.deepEqual(told.scale, ["number 0.1 to 16", ""]);
-  assert.deepEqual(told.dot, ["number above 0, up to 65536 or auto", "auto"]);
+  assert.deepEqual(told.dot, ["number above 0, up to 65536 or auto or string ^[0-9.eE+-]+mm$", "auto"]);
   assert.deepEqual(told.quality, ["draft, standard, best", "standard"]);
   assert.deepEqual(told.image, ["string", "required"]);
   const statuses = await rows("Answers of POST /sample");

@@ -46,7 +46,7 @@ double mean(const Raster& raster) {
 TEST(Svg, DrawsDiscsFromTheUpperLeftCorner) {
     EXPECT_EQ(svg_of(kPoints, page(), 0.5, DotStyle::Fill),
               R"(<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20" viewBox="0 0 10 5">
-<desc>3 dots along a path of 10.5873; in their original order it is 15.29931</desc>
+<desc>3 dots along a path of 10.5873; in their original order it is 15.29931; their radius is 0.5</desc>
 <rect width="10" height="5" fill="#ffffff"/>
 <g fill="#000000">
 <circle cx="1" cy="4" r="0.5"/>
@@ -84,7 +84,7 @@ TEST(Svg, HasALayerForEachInk) {
         R"(<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" style="isolation:isolate" width="40" height="20" viewBox="0 0 10 5">
 <rect width="10" height="5" fill="#ffffff"/>
 <g inkscape:groupmode="layer" inkscape:label="cyan" style="mix-blend-mode:multiply">
-<desc>3 dots along a path of 10.5873; in their original order it is 15.29931</desc>
+<desc>3 dots along a path of 10.5873; in their original order it is 15.29931; their radius is 0.5</desc>
 <g fill="#00ffff">
 <circle cx="1" cy="4" r="0.5"/>
 <circle cx="2.34568" cy="1" r="0.5"/>
@@ -92,7 +92,7 @@ TEST(Svg, HasALayerForEachInk) {
 </g>
 </g>
 <g inkscape:groupmode="layer" inkscape:label="black" style="mix-blend-mode:multiply">
-<desc>1 dots along a path of 0; in their original order it is 0</desc>
+<desc>1 dots along a path of 0; in their original order it is 0; their radius is 0.25</desc>
 <g fill="#000000">
 <circle cx="0" cy="5" r="0.25"/>
 </g>

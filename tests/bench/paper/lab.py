@@ -80,7 +80,8 @@ class Lab:
         return _checked(post_json(self.server, "/analyze", {"sets": sets, **more}))
 
     def halftone(self, halftone, method, seed=1, **more):
-        options = {"sites": halftone.sites, "seed": seed, **method.options, **more}
+        # The paper's dots follow the density alone, whatever overlaps.
+        options = {"sites": halftone.sites, "seed": seed, "tone": "density", **method.options, **more}
         query = "&".join(f"{name}={value}" for name, value in options.items())
         return _checked(ask(self.server, f"/halftone?{query}", data=halftone.file().read_bytes()))
 

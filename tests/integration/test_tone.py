@@ -1,0 +1,185 @@
+"""The tone of halftones: what a far eye sees of them, level by level."""
+
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+import numpy
+
+from harness import PICTURES, ServerCase, file_of, flat, linear, pixels
+
+LIGHT = numpy.vectorize(linear)(numpy.arange(256))
+CHANNELS = numpy.array([0.2126, 0.7152, 0.0722])
+PHOTOGRAPHS = ("astronaut.png", "camera.png", "chelsea.png")
+
+
+def luminance(file):
+    """Of each pixel; what is transparent shows white."""
+    rgba = pixels(file, "RGBA")
+    alpha = rgba[..., 3] / 255
+    return LIGHT[rgba[..., :3]] @ CHANNELS * alpha + 1 - alpha
+
+
+def lightness(light):
+    """CIE L*, 0 to 100."""
+    light = numpy.clip(light, 0, 1)
+    return numpy.where(light > 216 / 24389, 116 * numpy.cbrt(light) - 16, light * 24389 / 27)
+
+
+def blurred(plane, sigma):
+    """By a Gaussian, mirrored at the sides."""
+    for axis in (0, 1):
+        plane = numpy.moveaxis(plane, axis, -1)
+        side = plane.shape[-1]
+        wave = numpy.fft.rfftfreq(2 * side)
+        both = numpy.concatenate([plane, plane[..., ::-1]], -1)
+        spectrum = numpy.fft.rfft(both, axis=-1) * numpy.exp(-2 * (numpy.pi * sigma * wave) ** 2)
+        plane = numpy.moveaxis(numpy.fft.irfft(spectrum, 2 * side, axis=-1)[..., :side], -1, axis)
+    return plane
+
+
+def enlarged(plane, shape):
+    """By whole numbers, or reduced by them."""
+    if shape[0] >= plane.shape[0]:
+        times = shape[0] // plane.shape[0]
+        return plane.repeat(times, 0).repeat(times, 1)
+    times = plane.shape[0] // shape[0]
+    rows, columns = (side // times for side in plane.shape)
+    return plane[:rows * times, :columns * times].reshape(rows, times, columns, times).mean((1, 3))
+
+
+def errors(wanted, seen, dots):
+    """Mean error of L* where the picture is dark, and the largest of the levels, blurred over two pitches."""
+    sigma = 2 * (seen.size / dots) ** 0.5
+    wanted = enlarged(wanted, seen.shape)
+    seen = seen[:wanted.shape[0], :wanted.shape[1]]
+    level = lightness(blurred(wanted, sigma))
+    error = lightness(blurred(seen, sigma)) - level
+    dark = level < 20
+    parts = [(level >= low) & (level < low + 5) for low in range(0, 100, 5)]
+    worst = max(abs(error[part].mean()) for part in parts if part.mean() >= 0.005)
+    return error[dark].mean() if dark.mean() > 0.005 else 0, worst
+
+
+class Levels(ServerCase):
+    def check(self, wanted, answer, dots, worst=1.5, dark=1):
+        seen = errors(wanted, luminance(answer), dots)
+        self.assertLess(abs(seen[0]), dark)
+        self.assertLess(seen[1], worst)
+
+    def dots_of(self, data, query):
+        return self.halftone(data, f"?format=json&quality=draft&{query}").json()["sites"]
+
+    def test_photographs(self):
+        for name in PHOTOGRAPHS:
+            data = (PICTURES / name).read_bytes()
+            dots = self.dots_of(data, "")
+            for query in ("", "antialias=true", "scale=1", "scale=0.5", "scale=0.5&antialias=true", "quality=draft",
+                          "quality=best", "format=tiff", "format=webp&antialias=true", "background=transparent"):
+                with self.subTest(name=name, query=query):
+                    small = "scale=0.5" in query  # where levels are of few pixels
+                    self.check(luminance(data), self.halftone(data, "?" + query).body, dots,
+                               worst=2.5 if small else 1.5, dark=2 if small else 1)
+
+    def test_photographs_in_few_dots_and_in_many(self):
+        data = (PICTURES / "camera.png").read_bytes()
+        for sites in (4000, 100_000):
+            with self.subTest(sites=sites):
+                self.check(luminance(data), self.halftone(data, f"?sites={sites}&scale=2").body, sites)
+
+    def test_light_on_black(self):
+        data = (PICTURES / "astronaut.png").read_bytes()
+        dots = self.dots_of(data, "invert=true")
+        self.check(luminance(data), self.halftone(data, "?invert=true").body, dots)
+
+    def test_lightness_as_luminance(self):
+        data = (PICTURES / "camera.png").read_bytes()
+        dots = self.dots_of(data, "tone=perceptual")
+        self.check(lightness(luminance(data)) / 100, self.halftone(data, "?tone=perceptual").body, dots)
+
+    def test_coloured_paper(self):
+        data = (PICTURES / "camera.png").read_bytes()
+        ink, paper = (numpy.array([LIGHT[int(part * 2, 16)] for part in colour]) @ CHANNELS
+                      for colour in ("024", "fda"))
+        wanted = ink + luminance(data) * (paper - ink)
+        seen = self.halftone(data, "?foreground=%23024&background=%23fda").body
+        self.check(wanted, seen, self.dots_of(data, ""))
+
+    def test_drawings(self):
+        """Large enough that the renderer's own rims do not count."""
+        data = (PICTURES / "camera.png").read_bytes()
+        with tempfile.TemporaryDirectory() as folder:
+            source, target = pathlib.Path(folder, "dots.svg"), pathlib.Path(folder, "dots.png")
+            source.write_bytes(self.halftone(data, "?format=svg&sites=6000").body)
+            subprocess.run(["rsvg-convert", "--width", "4096", "--output", str(target), str(source)], check=True)
+            seen = (pixels(target.read_bytes(), "L") > 127).reshape(2048, 2, 2048, 2).mean((1, 3))
+        dark, worst = errors(luminance(data), seen, 6000)
+        self.assertLess(worst, 1.5)
+        self.assertLess(abs(dark), 1)
+
+    def test_density_does_not_count_overlaps(self):
+        data = (PICTURES / "camera.png").read_bytes()
+        dots = self.dots_of(data, "")
+        dark, worst = errors(luminance(data), luminance(self.halftone(data, "?tone=density").body), dots)
+        self.assertGreater(dark, 15)
+        self.assertGreater(worst, 15)
+
+
+class Wedge(ServerCase):
+    def test_flat_greys(self):
+        for share in (0.005, 0.02, 0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.995):
+            level = int(numpy.argmin(abs(1 - LIGHT - share)))
+            for query in ("", "antialias=true", "scale=1", "scale=0.5", "scale=0.1", "scale=0.1&antialias=true"):
+                with self.subTest(share=share, query=query):
+                    seen = luminance(self.halftone(file_of(flat(level, 300, 300)), "?" + query).body)
+                    self.assertAlmostEqual(seen.mean(), LIGHT[level], delta=0.005)
+
+
+class Pen(ServerCase):
+    def test_number_of_dots_follows_from_the_pen(self):
+        data = (PICTURES / "camera.png").read_bytes()
+        answer = self.halftone(data, "?dot=5&scale=2")
+        dots = self.dots(data, "dot=5&scale=2")
+        self.assertEqual(float(answer.headers["x-radius"]), 2.5)
+        self.assertAlmostEqual(float(answer.headers["x-tone"]), 1, delta=0.001)
+        dark, worst = errors(luminance(data), luminance(answer.body), dots["sites"])
+        self.assertLess(worst, 1.5)
+        self.assertLess(abs(dark), 1)
+
+    def dots(self, data, query):
+        return self.halftone(data, f"?format=json&{query}").json()
+
+    def test_millimetres_are_those_of_the_picture(self):
+        data = (PICTURES / "camera.png").read_bytes()
+        dots = self.dots(data, "dot=0.5mm&width_mm=100&quality=draft")
+        self.assertAlmostEqual(dots["radius"], 0.5 / 100 * 512, delta=1e-9)
+        drawing = self.halftone(data, "?dot=0.5mm&width_mm=100&format=svg&style=stroke&quality=draft").body.decode()
+        self.assertIn('stroke-width="1"', drawing)
+        self.assertIn("; their radius is 0.5 mm</desc>", drawing)
+        self.assertIn(f"<desc>{dots['sites']} dots along", drawing)
+        self.assert_problem(self.ask("/halftone?dot=0.5mm", data=data), 400, "width_mm")
+
+    def test_both_make_one_factor_which_is_told(self):
+        data = (PICTURES / "chelsea.png").read_bytes()
+        wanted = 1 - luminance(data)
+        answer = self.halftone(data, "?dot=2&scale=2&sites=9000")
+        seen = 1 - luminance(answer.body)
+        tone = float(answer.headers["x-tone"])
+        self.assertLess(tone, 0.5)
+        self.assertAlmostEqual(seen.mean() / wanted.mean(), tone, delta=0.01 * tone)
+        dark, worst = errors(1 - tone * wanted, 1 - seen, 9000)
+        self.assertLess(worst, 1.5)
+
+    def test_radius_is_that_of_the_drawn_dots(self):
+        data = (PICTURES / "camera.png").read_bytes()
+        dots = self.dots(data, "sites=3000&scale=4")
+        drawn = self.halftone(data, "?sites=3000&scale=4")
+        self.assertAlmostEqual(float(drawn.headers["x-radius"]), dots["radius"], delta=1e-9)
+        y, x = numpy.mgrid[:512 * 4, :512 * 4] / 4 + 0.125
+        for px, py in dots["points"][:20]:
+            self.assertFalse(drawn.picture()[(x - px) ** 2 + (y - py) ** 2 < dots["radius"] ** 2].any())
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
