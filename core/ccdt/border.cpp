@@ -77,7 +77,13 @@ tl::expected<ConstrainedDelaunay, SegmentConflict> triangulate(const Border& bor
         for (std::uint32_t i = 0; i < size; ++i) segments.push_back({first + i, first + (i + 1) % size});
         points.insert(points.end(), loop.begin(), loop.end());
     }
-    return constrained_delaunay(points, segments, stop);
+    auto scaffold = constrained_delaunay(points, segments, stop);
+    if (!scaffold) return scaffold;
+    for (std::uint32_t i = 0; i < scaffold->vertex_of.size(); ++i) {
+        const std::uint32_t vertex = scaffold->vertex_of[i];
+        if (vertex != i && !(border.corner[i] && border.corner[vertex])) return tl::unexpected(SegmentConflict{i});
+    }
+    return scaffold;
 }
 
 }  // namespace ccdt

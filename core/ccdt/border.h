@@ -14,7 +14,7 @@ namespace ccdt {
 
 /// Closed chains of vertices on the border, which the triangulation needs and the result does not hold.
 struct Border {
-    std::vector<std::vector<Point>> loops;  ///< outer rings counter-clockwise, holes clockwise
+    std::vector<std::vector<Point>> loops;  ///< the inside on their left; corners of several may be in one place
     std::vector<bool> corner;               ///< [vertices of all loops in turn]: a corner of the domain
 };
 
@@ -27,7 +27,8 @@ Border bare_border(const Domain& domain);
 
 /// Constrained Delaunay triangulation of a border, without sites.
 /// @param stop  asked now and then; what is returned is of no use, then
-/// Fails where vertices set on edges round off them, and the edges, almost touching, cross; never for a bare border.
+/// Fails where vertices set on edges round off them, and the edges, almost touching, cross or touch; never for a bare
+/// border.
 tl::expected<ConstrainedDelaunay, SegmentConflict> triangulate(const Border& border, const std::stop_token& stop = {});
 
 }  // namespace ccdt

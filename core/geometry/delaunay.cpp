@@ -2,6 +2,7 @@
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Constrained_triangulation_face_base_2.h>
+#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Spatial_sort_traits_adapter_2.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
@@ -9,6 +10,10 @@
 #include <CGAL/property_map.h>
 #include <CGAL/spatial_sort.h>
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <unordered_map>
 #include <utility>
 
 namespace ccdt {
@@ -24,15 +29,20 @@ using Triangulation =
     CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure,
                                                CGAL::No_constraint_intersection_requiring_constructions_tag>;
 
+using Vertex = Triangulation::Vertex_handle;
+using Face = Triangulation::Face_handle;
+using Kind = Arrangement::Meeting::Kind;
+
 constexpr std::size_t kStopStride = 256;  ///< points, or segments, between two looks at the stop token
 
 Kernel::Point_2 to_cgal(Point p) {
     return {p.x, p.y};
 }
 
-/// @returns  [points] or, once a stop is asked for, none; of points that coincide only one has a vertex
-std::vector<Triangulation::Vertex_handle> insert_points(Triangulation& triangulation, std::span<const Point> points,
-                                                        const std::stop_token& stop) {
+/// @returns  [points] the vertex of each, those that coincide having one, numbered as one of them; none once a stop is
+///           asked for
+std::vector<Vertex> insert_points(Triangulation& triangulation, std::span<const Point> points,
+                                  const std::stop_token& stop) {
     using Numbered = std::pair<Kernel::Point_2, std::uint32_t>;
     using Order = CGAL::Spatial_sort_traits_adapter_2<Kernel, CGAL::First_of_pair_property_map<Numbered>>;
     std::vector<Numbered> numbered;
@@ -40,30 +50,324 @@ std::vector<Triangulation::Vertex_handle> insert_points(Triangulation& triangula
     for (const Point& p : points) numbered.emplace_back(to_cgal(p), static_cast<std::uint32_t>(numbered.size()));
     CGAL::spatial_sort(numbered.begin(), numbered.end(), Order());
 
-    Triangulation::Face_handle nearby;
+    std::vector<Vertex> vertices(points.size());
+    Face nearby;
     for (std::size_t i = 0; i < numbered.size(); ++i) {
         if (i % kStopStride == 0 && stop.stop_requested()) return {};
         const auto vertex = triangulation.insert(numbered[i].first, nearby);
         vertex->info() = numbered[i].second;
+        vertices[numbered[i].second] = vertex;
         nearby = vertex->face();
     }
-    std::vector<Triangulation::Vertex_handle> handles(points.size());
-    for (auto v : triangulation.finite_vertex_handles()) handles[v->info()] = v;
-    return handles;
+    return vertices;
 }
 
-ConstrainedDelaunay::Triangle copy_face(const Triangulation& triangulation, Triangulation::Face_handle face) {
-    ConstrainedDelaunay::Triangle copy{};
-    for (int i = 0; i < 3; ++i) {
-        const auto edge = static_cast<std::size_t>(i);
-        const int opposite = Triangulation::cw(i);  // CGAL names an edge by the corner that faces it
-        copy.corners[edge] = face->vertex(i)->info();
-        const auto neighbour = face->neighbor(opposite);
-        copy.neighbours[edge] = triangulation.is_infinite(neighbour) ? ConstrainedDelaunay::kNone : neighbour->info();
-        copy.constrained[edge] = face->is_constrained(opposite);
-    }
-    return copy;
+std::vector<Point> with_box(std::span<const Point> points) {
+    std::vector<Point> all(points.begin(), points.end());
+    for (const Point corner : {Point{-1, -1}, Point{2, -1}, Point{2, 2}, Point{-1, 2}}) all.push_back(corner);
+    return all;
 }
+
+/// @returns  the vertex of each of the first few points, by one of the points there
+std::vector<std::uint32_t> numbers_of(std::span<const Vertex> vertices, std::size_t count) {
+    std::vector<std::uint32_t> numbers(count);
+    for (std::size_t i = 0; i < count; ++i) numbers[i] = vertices[i]->info();
+    return numbers;
+}
+
+/// Copies all faces, in CGAL's order.
+///
+/// @param set_edge  (face, the corner that faces the edge, triangle, number of the edge): what is known of the edge
+template <class Triangle, class SetEdge>
+std::vector<Triangle> copy_faces(const Triangulation& triangulation, SetEdge set_edge) {
+    std::uint32_t count = 0;
+    for (auto face : triangulation.finite_face_handles()) face->info() = count++;
+    std::vector<Triangle> triangles;
+    triangles.reserve(count);
+    for (auto face : triangulation.finite_face_handles()) {
+        Triangle& copy = triangles.emplace_back();
+        for (int i = 0; i < 3; ++i) {
+            const auto edge = static_cast<std::size_t>(i);
+            const int opposite = Triangulation::cw(i);  // CGAL names an edge by the corner that faces it
+            copy.corners[edge] = face->vertex(i)->info();
+            const auto neighbour = face->neighbor(opposite);
+            copy.neighbours[edge] =
+                triangulation.is_infinite(neighbour) ? ConstrainedDelaunay::kNone : neighbour->info();
+            set_edge(face, opposite, copy, edge);
+        }
+    }
+    return triangles;
+}
+
+/// In the order of their vertices.
+std::vector<ConstrainedDelaunay::Branch> find_branches(std::span<const std::uint32_t> vertex_of,
+                                                       std::span<const Segment> segments) {
+    std::vector<bool> is_shared(vertex_of.size(), false);
+    bool any = false;
+    for (std::uint32_t i = 0; i < vertex_of.size(); ++i) {
+        if (vertex_of[i] == i) continue;
+        is_shared[i] = is_shared[vertex_of[i]] = any = true;
+    }
+    std::vector<ConstrainedDelaunay::Branch> branches;
+    if (!any) return branches;
+    for (const auto& [from, to] : segments) {
+        if (is_shared[from]) branches.push_back({{vertex_of[from], vertex_of[to]}, from});
+    }
+    std::ranges::sort(branches, {}, &ConstrainedDelaunay::Branch::vertices);
+    return branches;
+}
+
+/// Where two segments cross, rounded: within the box of each.
+Point crossing(Point a, Point b, Point c, Point d) {
+    using Exact = CGAL::Exact_predicates_exact_constructions_kernel;
+    const auto exact = [](Point p) { return Exact::Point_2(p.x, p.y); };
+    const auto found = CGAL::intersection(Exact::Segment_2(exact(a), exact(b)), Exact::Segment_2(exact(c), exact(d)));
+    const auto* place = boost::get<Exact::Point_2>(&*found);
+    const auto rounded = [](const Exact::FT& value) {
+        const double coordinate = CGAL::to_double(CGAL::exact(value));
+        return coordinate < kLeastCoordinate ? 0 : coordinate;
+    };
+    return {rounded(place->x()), rounded(place->y())};
+}
+
+double distance_to_line(Point p, Point a, Point b) {
+    return std::abs(cross(b - a, p - a)) / std::sqrt(dot(b - a, b - a));
+}
+
+/// Inserts the segments of chains one after the other, cutting them and the edges that they cross.
+class Arranger {
+public:
+    Arranger(const Chains& chains, double tolerance, std::size_t most)
+        : chains_(chains), tolerance_(tolerance), left_(most) {
+        result_.points = with_box(chains.points);
+    }
+
+    /// @returns  what there was too much of; nothing if all went well, or a stop was asked for
+    std::optional<TooManyCrossings> insert_all(const std::stop_token& stop) {
+        vertices_ = insert_points(triangulation_, result_.points, stop);
+        if (vertices_.empty()) return std::nullopt;
+        result_.vertex_of = numbers_of(vertices_, chains_.points.size());
+        for (std::uint32_t i = 0; i < chains_.points.size(); ++i) {
+            pending_.push_back({vertices_[i], vertices_[chains_.next[i]], i, {chains_.group[i]}});
+            while (!pending_.empty()) {
+                if (++steps_ % kStopStride == 0 && stop.stop_requested()) return std::nullopt;
+                Piece piece = std::move(pending_.back());
+                pending_.pop_back();
+                if (auto error = insert(std::move(piece))) return error;
+            }
+        }
+        return std::nullopt;
+    }
+
+    Arrangement finish() {
+        for (std::uint32_t g = 0; g <= chains_.groups; ++g) result_.begins.push_back(g);
+        for (std::uint32_t g = 0; g < chains_.groups; ++g) result_.members.push_back(g);
+        result_.triangles = copy_faces<Arrangement::Triangle>(
+            triangulation_, [this](Face face, int i, Arrangement::Triangle& copy, std::size_t edge) {
+                copy.sets[edge] = face->is_constrained(i) ? number_of_set(ends_of(face, i)) : kNone;
+            });
+        return std::move(result_);
+    }
+
+private:
+    static constexpr std::uint32_t kNone = Arrangement::kNone;
+    using Ends = std::pair<Vertex, Vertex>;
+    using Groups = std::vector<std::uint32_t>;
+
+    /// A part of a segment, or of several that run along an edge.
+    struct Piece {
+        Vertex from;
+        Vertex to;
+        std::uint32_t segment;  ///< kNone: it was inserted already, and is told of no more
+        Groups groups;
+    };
+    struct Edge {
+        Groups groups;
+        std::uint32_t set = kNone;  ///< its number, once it has one
+    };
+
+    static Ends ends_of(Face face, int i) {
+        return {face->vertex(Triangulation::cw(i)), face->vertex(Triangulation::ccw(i))};
+    }
+    static std::uint64_t key(const Ends& ends) {
+        const auto [less, more] = std::minmax(ends.first->info(), ends.second->info());
+        return std::uint64_t{less} << 32 | more;
+    }
+    Point place(Vertex vertex) const { return result_.points[vertex->info()]; }
+
+    /// The segment that is this edge, whichever way, by the point that it begins at; kNone if these do not tell.
+    std::uint32_t segment_along(const Ends& ends) const {
+        const auto runs = [&](Vertex from, Vertex to) {
+            const std::uint32_t point = from->info();
+            return point < chains_.points.size() && vertices_[chains_.next[point]] == to;
+        };
+        const auto [less, more] = ends.first->info() < ends.second->info() ? ends : Ends{ends.second, ends.first};
+        return runs(less, more) ? less->info() : runs(more, less) ? more->info() : kNone;
+    }
+
+    /// What runs along an edge, which is kept for those that are not simply one segment.
+    Groups& groups_along(const Ends& ends, bool is_constrained) {
+        const auto [found, is_new] = edges_.try_emplace(key(ends));
+        Groups& groups = found->second.groups;
+        if (is_new && is_constrained) groups.push_back(chains_.group[segment_along(ends)]);
+        return groups;
+    }
+
+    std::uint32_t number_of_set(const Ends& ends) {
+        const auto found = edges_.find(key(ends));
+        if (found == edges_.end()) return chains_.group[segment_along(ends)];
+        auto& [groups, set] = found->second;
+        if (groups.size() == 1) return groups.front();
+        if (set == kNone) {
+            set = static_cast<std::uint32_t>(result_.begins.size() - 1);
+            result_.members.insert(result_.members.end(), groups.begin(), groups.end());
+            result_.begins.push_back(static_cast<std::uint32_t>(result_.members.size()));
+        }
+        return set;
+    }
+
+    std::optional<TooManyCrossings> insert(Piece piece) {
+        while (piece.from != piece.to) {
+            Vertex end;
+            Face face;
+            int i = 0;
+            bool is_constrained = false;
+            if (triangulation_.includes_edge(piece.from, piece.to, end, face, i)) {
+                is_constrained = face->is_constrained(i);
+            } else {
+                const auto [vertex, edge] = look_along(piece.from, piece.to);
+                if (vertex == nullptr) return cross(std::move(piece), edge);
+                end = vertex;
+            }
+            if (!is_constrained) triangulation_.insert_constraint(piece.from, end);
+            lay(piece, {piece.from, end}, is_constrained);
+            if (end != piece.to) meet(Kind::Touch, piece, end->info(), kNone, place(end));
+            piece.from = end;
+        }
+        return std::nullopt;
+    }
+
+    /// What a segment comes to first, seen from its beginning, where no edge runs along it: a vertex, or else a
+    /// constrained edge.
+    std::pair<Vertex, Triangulation::Edge> look_along(Vertex from, Vertex to) const {
+        const auto side = [&](Vertex v) { return triangulation_.orientation(from->point(), to->point(), v->point()); };
+        auto face = triangulation_.incident_faces(from);
+        while (triangulation_.is_infinite(face) ||
+               side(face->vertex(Triangulation::ccw(face->index(from)))) != CGAL::RIGHT_TURN ||
+               side(face->vertex(Triangulation::cw(face->index(from)))) != CGAL::LEFT_TURN) {
+            ++face;
+        }
+        Triangulation::Edge ahead{face, face->index(from)};
+        while (true) {
+            if (ahead.first->is_constrained(ahead.second)) return {nullptr, ahead};
+            const auto [left, right] = std::pair(ahead.first->vertex(Triangulation::cw(ahead.second)),
+                                                 ahead.first->vertex(Triangulation::ccw(ahead.second)));
+            const Face next = ahead.first->neighbor(ahead.second);
+            const Vertex apex = next->vertex(3 - next->index(left) - next->index(right));
+            const auto turn = apex == to ? CGAL::COLLINEAR : side(apex);
+            if (turn == CGAL::COLLINEAR) return {apex, {}};
+            ahead = {next, next->index(turn == CGAL::LEFT_TURN ? left : right)};
+        }
+    }
+
+    /// Adds a piece to what runs along an edge.
+    void lay(const Piece& piece, const Ends& ends, bool was_constrained) {
+        const bool is_whole = !was_constrained && piece.segment != kNone && piece.segment == segment_along(ends);
+        if (is_whole && (edges_.empty() || !edges_.contains(key(ends)))) return;
+        Groups& groups = groups_along(ends, was_constrained);
+        const Point a = place(ends.first), along = place(ends.second) - a;
+        const bool is_told = !groups.empty() && dot(along, along) > tolerance_ * tolerance_;
+        if (is_told) meet_edge(Kind::Overlap, piece, groups, a + 0.5 * along);
+        for (const std::uint32_t group : piece.groups) {
+            const auto at = std::lower_bound(groups.begin(), groups.end(), group);
+            if (at != groups.end() && *at == group) {
+                groups.erase(at);
+            } else {
+                groups.insert(at, group);
+            }
+        }
+    }
+
+    /// Cuts a piece and an edge where they cross.
+    std::optional<TooManyCrossings> cross(Piece piece, const Triangulation::Edge& edge) {
+        const Ends ends = ends_of(edge.first, edge.second);
+        const Groups groups = std::exchange(groups_along(ends, true), {});
+        if (groups.empty()) {
+            triangulation_.remove_constrained_edge(edge.first, edge.second);
+            pending_.push_back(std::move(piece));
+            return std::nullopt;
+        }
+        const Point at = crossing(place(piece.from), place(piece.to), place(ends.first), place(ends.second));
+        tell_crossing(piece, ends, groups, at);
+        const std::size_t made = 2 * (piece.groups.size() + groups.size());
+        if (made > left_) return TooManyCrossings{piece.segment == kNone ? 0 : piece.segment, at};
+        left_ -= made;
+        triangulation_.remove_constrained_edge(edge.first, edge.second);
+        const Vertex middle = vertex_at(at, ends.first->face());
+        pending_.push_back({middle, piece.to, piece.segment, piece.groups});
+        pending_.push_back({piece.from, middle, piece.segment, std::move(piece.groups)});
+        pending_.push_back({middle, ends.second, kNone, groups});
+        pending_.push_back({ends.first, middle, kNone, groups});
+        return std::nullopt;
+    }
+
+    /// The vertex in that place, a new one if there is none. Lines that cross in one point do so in several that
+    /// rounding sets next to it: the first is taken for all.
+    Vertex vertex_at(Point at, Face nearby) {
+        Triangulation::Locate_type where{};
+        int i = 0;
+        const Face face = triangulation_.locate(to_cgal(at), where, i, nearby);
+        if (where == Triangulation::VERTEX) return face->vertex(i);
+        for (int corner = 0; corner < 3; ++corner) {
+            for (const Vertex vertex : {face->vertex(corner), triangulation_.mirror_vertex(face, corner)}) {
+                const Point away = place(vertex) - at;
+                if (dot(away, away) <= tolerance_ * tolerance_ / 16) return vertex;
+            }
+        }
+        const bool on_constrained = where == Triangulation::EDGE && face->is_constrained(i);
+        const Ends ends = on_constrained ? ends_of(face, i) : Ends{};
+        const Vertex vertex = triangulation_.insert(to_cgal(at), where, face, i);
+        vertex->info() = static_cast<std::uint32_t>(result_.points.size());
+        result_.points.push_back(at);
+        if (on_constrained) {
+            const Groups groups = std::exchange(groups_along(ends, true), {});
+            edges_[key({ends.first, vertex})].groups = groups;
+            edges_[key({vertex, ends.second})].groups = groups;
+        }
+        return vertex;
+    }
+
+    void tell_crossing(const Piece& piece, const Ends& ends, const Groups& groups, Point at) {
+        const Point a = place(piece.from), b = place(piece.to), c = place(ends.first), d = place(ends.second);
+        for (const Vertex end : {ends.first, ends.second}) {
+            if (distance_to_line(place(end), a, b) <= tolerance_) {
+                return meet(Kind::Touch, piece, end->info(), kNone, place(end));
+            }
+        }
+        const bool ends_there = std::min(distance_to_line(a, c, d), distance_to_line(b, c, d)) <= tolerance_;
+        meet_edge(ends_there ? Kind::Touch : Kind::Cross, piece, groups, at);
+    }
+
+    void meet_edge(Kind kind, const Piece& piece, const Groups& groups, Point at) {
+        if (piece.segment == kNone) return;
+        const bool is_own = std::ranges::binary_search(groups, chains_.group[piece.segment]);
+        meet(kind, piece, kNone, is_own ? chains_.group[piece.segment] : groups.front(), at);
+    }
+
+    void meet(Kind kind, const Piece& piece, std::uint32_t vertex, std::uint32_t group, Point at) {
+        if (piece.segment != kNone) result_.meetings.push_back({kind, piece.segment, vertex, group, at});
+    }
+
+    const Chains& chains_;
+    const double tolerance_;
+    std::size_t left_;  ///< pieces that may be made yet
+    std::size_t steps_ = 0;
+    Triangulation triangulation_;
+    std::vector<Vertex> vertices_;  ///< [points]
+    std::unordered_map<std::uint64_t, Edge> edges_;
+    std::vector<Piece> pending_;
+    Arrangement result_;
+};
 
 }  // namespace
 
@@ -71,18 +375,15 @@ tl::expected<ConstrainedDelaunay, SegmentConflict> constrained_delaunay(std::spa
                                                                         std::span<const Segment> segments,
                                                                         const std::stop_token& stop) {
     ConstrainedDelaunay result;
-    result.points.assign(points.begin(), points.end());
-    for (const Point corner : {Point{-1, -1}, Point{2, -1}, Point{2, 2}, Point{-1, 2}}) result.points.push_back(corner);
-
+    result.points = with_box(points);
     Triangulation triangulation;
-    const auto handles = insert_points(triangulation, result.points, stop);
-    if (handles.empty()) return result;
+    const auto vertices = insert_points(triangulation, result.points, stop);
+    if (vertices.empty()) return result;
     for (std::size_t i = 0; i < segments.size(); ++i) {
         if (i % kStopStride == 0 && stop.stop_requested()) return result;
-        const auto a = handles[segments[i][0]];
-        const auto b = handles[segments[i][1]];
-        // Of points that coincide only one has become a vertex.
-        if (a == nullptr || b == nullptr) return tl::unexpected(SegmentConflict{i});
+        const auto a = vertices[segments[i][0]];
+        const auto b = vertices[segments[i][1]];
+        if (a == b) return tl::unexpected(SegmentConflict{i});
         try {
             triangulation.insert_constraint(a, b);
         } catch (const Triangulation::Intersection_of_constraints_exception&) {
@@ -91,12 +392,21 @@ tl::expected<ConstrainedDelaunay, SegmentConflict> constrained_delaunay(std::spa
         // A point on the segment splits it silently.
         if (!triangulation.is_edge(a, b)) return tl::unexpected(SegmentConflict{i});
     }
-
-    std::uint32_t count = 0;
-    for (auto face : triangulation.finite_face_handles()) face->info() = count++;
-    result.triangles.reserve(count);
-    for (auto face : triangulation.finite_face_handles()) result.triangles.push_back(copy_face(triangulation, face));
+    result.vertex_of = numbers_of(vertices, points.size());
+    result.branches = find_branches(result.vertex_of, segments);
+    result.triangles = copy_faces<ConstrainedDelaunay::Triangle>(
+        triangulation, [](Face face, int i, ConstrainedDelaunay::Triangle& copy, std::size_t edge) {
+            copy.constrained[edge] = face->is_constrained(i);
+        });
     return result;
+}
+
+tl::expected<Arrangement, TooManyCrossings> arrange(const Chains& chains, double tolerance, std::size_t most,
+                                                    const std::stop_token& stop) {
+    Arranger arranger(chains, tolerance, most);
+    if (auto error = arranger.insert_all(stop)) return tl::unexpected(*error);
+    if (stop.stop_requested()) return Arrangement{};
+    return arranger.finish();
 }
 
 int exact_orientation(Point a, Point b, Point c) {

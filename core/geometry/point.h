@@ -22,6 +22,9 @@ inline double dot(Point a, Point b) {
     return a.x * b.x + a.y * b.y;
 }
 
+/// Coordinates of corners below it are taken for 0: far less than points are told apart by.
+inline constexpr double kLeastCoordinate = 0x1p-100;
+
 /// Added and taken away again, it rounds numbers in [-2, 2) to multiples of 2^-50; their sums are then exact.
 inline constexpr double kSnapping = 6;
 

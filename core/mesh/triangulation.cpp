@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/geometry/pair.h"
 #include "core/geometry/predicates.h"
@@ -26,6 +27,7 @@ Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& borde
         }
     }
     mark_inside();
+    separate(border.branches);
 }
 
 Triangulation::Triangulation(std::size_t sites, Point period) : sites_(sites), period_(period), points_(sites) {
@@ -52,6 +54,29 @@ void Triangulation::mark_inside() {
             seen[other] = true;
             if (triangle.is_inside() == triangle.is_constrained(i)) triangles_[other].flags |= kOutside;
             stack.push_back(other);
+        }
+    }
+}
+
+/// Where several segments begin in one place, so do several fans of triangles inside: each gets the point that its own
+/// segment, the one that has it on its left, begins at.
+void Triangulation::separate(std::span<const ConstrainedDelaunay::Branch> branches) {
+    if (branches.empty()) return;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> fans;  // first edge, vertex
+    for (std::uint32_t t = 0; t < triangle_count(); ++t) {
+        const Triangle& triangle = triangles_[t];
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            if (!triangle.is_inside() || !triangle.is_constrained(i)) continue;
+            const auto first = static_cast<std::uint32_t>(sites_);
+            const Segment vertices{triangle.corners[i] - first, triangle.corners[(i + 1) % 3] - first};
+            const auto at = std::ranges::lower_bound(branches, vertices, {}, &ConstrainedDelaunay::Branch::vertices);
+            if (at != branches.end() && at->vertices == vertices) fans.emplace_back(edge(t, i), first + at->point);
+        }
+    }
+    for (const auto& [begin, vertex] : fans) {
+        for (std::uint32_t h = begin;; h = twin(previous(h))) {
+            triangles_[triangle_of(h)].corners[h % 4] = vertex;
+            if (is_constrained(previous(h))) break;
         }
     }
 }

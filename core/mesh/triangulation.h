@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -39,7 +40,8 @@ public:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
     /// @param sites   how many will be inserted; they are numbered first, the points of the border after them
-    /// @param border  triangulation of the border's vertices, its segments the border itself
+    /// @param border  triangulation of the border's vertices, its segments the border itself, the inside on their left.
+    ///                Where several vertices are in one place, each fan of triangles inside has one of its own.
     Triangulation(std::size_t sites, const ConstrainedDelaunay& border);
 
     /// Starts the triangulation of a torus.
@@ -180,6 +182,7 @@ private:
     void flip(std::uint32_t edge);
     std::size_t legalise();
     void mark_inside();
+    void separate(std::span<const ConstrainedDelaunay::Branch> branches);
     void number_along_sites();
     void find_edges();
 
