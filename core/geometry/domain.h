@@ -4,25 +4,24 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/geometry/faults.h"
 #include "core/geometry/point.h"
+#include "core/geometry/polygon.h"
+#include "core/geometry/unit_frame.h"
 #include "core/result.h"
 
 namespace ccdt {
 
-/// Corners of a closed chain of segments; the last one is joined to the first.
-using Ring = std::vector<Point>;
+struct RepairedDomain;
 
-/// A part of a domain as callers give it: rings open or closed (first corner repeated), any orientation.
-struct PolygonPart {
-    Ring outer;
-    std::vector<Ring> holes;
-};
-
-/// A bounded region of the plane, disjoint simple polygons with holes, or a torus. Valid by construction.
+/// A bounded region of the plane, polygons with holes, or a torus. Valid by construction.
 ///
-/// Kept normalised: `rings()` are in the unit frame, where the longer side of the bounding box is 1 and its
-/// lower left corner the origin; repeated corners are dropped, outer rings run counter-clockwise, holes
-/// clockwise. `to_user` takes a point of the unit frame back to the caller's coordinates.
+/// Kept normalised: `rings()` are in the unit frame, where the longer side of the bounding box is 1 and its lower left
+/// corner the origin; no corner repeats the one before, and the inside is on the left, so that outer rings run
+/// counter-clockwise and holes clockwise. Rings do not cross; they may touch, themselves and each other, but at corners
+/// only, and edges do not. Where the inside has several fans of triangles in one place, each has a corner there of its
+/// own, whose two edges are the sides of the fan. `to_user` takes a point of the unit frame back to the caller's
+/// coordinates.
 ///
 /// Whoever computes with a domain may rely on it: in the caller's coordinates the longer side is 1e-140 to 1e140 and no
 /// coordinate more than 1e9 times that; the shorter side is at least 1e-12 times the longer, the area 1e-12 times its
@@ -32,15 +31,22 @@ class Domain {
 public:
     /// Distance in the unit frame below which a corner counts as on the lower or the left side of the bounding box: far
     /// less than points are told apart by.
-    static constexpr double kLeast = 0x1p-100;
+    static constexpr double kLeast = kLeastCoordinate;
 
-    /// @param parts  at least one; a part may lie inside a hole of another
+    /// @param parts  at least one; a part may lie inside a hole of another. Rings and parts may touch at points.
     /// @param stop   asked now and then: Error Stopped
-    /// Errors (Unusable): fewer than three distinct corners, a coordinate that is not finite, an extent out of range,
-    /// zero area, crossing, touching or overlapping rings, a hole outside its part, a hole in a hole. The message names
-    /// the ring and the vertex; `field` is their JSON Pointer below the polygon, as GeoJSON's MultiPolygon nests them:
-    /// /part/ring/vertex, ring 0 being the outer one and vertices as the caller counts them.
+    /// Errors (Unusable): a coordinate that is not finite, an extent out of range, no area; what is not valid by OGC
+    /// Simple Features: rings without area, that cross or touch themselves, that cross, overlap or run along others; a
+    /// hole outside its part, a hole in a hole, an inside that is cut into pieces. The message names the ring and the
+    /// place; `field` is the JSON Pointer below the polygon, as GeoJSON's MultiPolygon nests them: /part/ring/vertex,
+    /// ring 0 being the outer one and vertices as the caller counts them.
     static Result<Domain> create(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
+
+    /// The same, but what is not valid is put right: of each ring what is inside by the even-odd rule, of each part the
+    /// outer ring's area without the holes', and all parts together.
+    /// Errors (Unusable): a coordinate that is not finite, an extent out of range, no area in all, rings that cross too
+    /// often.
+    static Result<RepairedDomain> repair(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
 
     /// Rectangle [0, width] x [0, height].
     static Result<Domain> rectangle(double width, double height);
@@ -56,7 +62,7 @@ public:
     Box unit_bounds() const { return {{0, 0}, unit_size_}; }
 
     /// Bounding box in the caller's coordinates.
-    const Box& bounds() const { return bounds_; }
+    const Box& bounds() const { return frame_.bounds; }
 
     /// Area in the caller's coordinates.
     double area() const;
@@ -77,18 +83,23 @@ public:
     Point to_user(Point unit) const;
 
     /// Distance by which to_user() may move a point by rounding, in the unit frame.
-    double resolution() const;
+    double resolution() const { return frame_.resolution(); }
 
 private:
     Domain() = default;
 
     std::vector<Ring> rings_;
-    Box bounds_;
+    UnitFrame frame_;
     Point unit_size_;
-    double scale_ = 1;  ///< caller's units per unit of the unit frame
     double unit_area_ = 0;
     bool is_box_ = false;
     bool is_torus_ = false;
+};
+
+/// A domain, and what was wrong with the polygon that it was made of.
+struct RepairedDomain {
+    Domain domain;
+    std::vector<Repair> repairs;  ///< in the order of the rings
 };
 
 }  // namespace ccdt

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -106,14 +107,31 @@ Parts moved(Parts parts, Point by) {
 
 bool contains(const Parts& parts, Point p) {
     if (!std::isfinite(p.x) || !std::isfinite(p.y)) return false;
-    bool inside = false;
-    for (const PolygonPart& part : parts) {
-        if (cross_ring(part.outer, p, inside)) return false;
-        for (const Ring& hole : part.holes) {
-            if (cross_ring(hole, p, inside)) return false;
+    const auto is_in = [p](const Ring& ring, bool with_border) {
+        bool inside = false;
+        return cross_ring(ring, p, inside) ? with_border : inside;
+    };
+    return std::ranges::any_of(parts, [&](const PolygonPart& part) {
+        return is_in(part.outer, false) &&
+               std::ranges::none_of(part.holes, [&](const Ring& hole) { return is_in(hole, true); });
+    });
+}
+
+double distance_to_border(const Parts& parts, Point p) {
+    double least = std::numeric_limits<double>::infinity();
+    const auto look_at = [&](const Ring& ring) {
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+            const Point a = ring[i], ab = ring[(i + 1) % ring.size()] - a;
+            const double share = dot(ab, ab) > 0 ? std::clamp(dot(p - a, ab) / dot(ab, ab), 0.0, 1.0) : 0;
+            const Point away = p - (a + share * ab);
+            least = std::min(least, std::sqrt(dot(away, away)));
         }
+    };
+    for (const PolygonPart& part : parts) {
+        look_at(part.outer);
+        for (const Ring& hole : part.holes) look_at(hole);
     }
-    return inside;
+    return least;
 }
 
 std::size_t count_outside(const Parts& parts, const std::vector<Point>& points) {

@@ -28,8 +28,12 @@ Parts read_geojson(const std::string& name);
 Parts scaled(Parts parts, double factor);
 Parts moved(Parts parts, Point by);
 
-/// Strictly inside, by exact predicates. Rings as callers give them, any orientation.
+/// Strictly inside a part, by exact predicates: inside its outer ring and no hole, by the even-odd rule, which is as
+/// good for rings that cross.
 bool contains(const Parts& parts, Point p);
+
+/// Distance to the nearest edge.
+double distance_to_border(const Parts& parts, Point p);
 
 /// How many of the points lie outside or on the border.
 std::size_t count_outside(const Parts& parts, const std::vector<Point>& points);

@@ -1,0 +1,78 @@
+#include "core/geometry/faults.h"
+
+#include <charconv>
+#include <utility>
+
+namespace ccdt {
+
+namespace {
+
+/// Ten digits: rounding in the unit frame does not show.
+std::string written(double value) {
+    char digits[32];
+    return {digits, std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 10).ptr};
+}
+
+std::string words_of(Fault fault, const RingInput& ring, const RingInput& other) {
+    const std::string with = &ring == &other ? "itself" : other.name();
+    switch (fault) {
+        case Fault::Touches:
+            return "touches " + with;
+        case Fault::IsCut:
+            return "is cut into pieces where holes touch";
+        case Fault::Overlaps:
+            return "overlaps " + with;
+        case Fault::LiesOutside:
+            return "lies outside its polygon";
+        case Fault::RunsAlong:
+            return "runs along " + with;
+        case Fault::Crosses:
+            return "crosses " + with;
+        case Fault::HasNoArea:
+            return "has no area";
+    }
+    return {};
+}
+
+}  // namespace
+
+void Faults::add(Fault fault, std::size_t ring, std::size_t other, std::size_t corner, Point place) {
+    if (other > ring) {
+        std::swap(ring, other);
+        corner = kNoCorner;
+    }
+    concerned_.insert({ring, other});
+    Found& found = found_[{ring, other}];
+    if (fault < found.fault) return;
+    if (found.places == 0 || fault > found.fault) found = {fault, corner, place, 0};
+    ++found.places;
+}
+
+std::vector<Repair> Faults::describe(std::span<const RingInput> rings, const UnitFrame& frame) const {
+    constexpr std::size_t kMost = 100;
+    const auto is_flat = [&](std::size_t ring) {
+        const auto own = found_.find({ring, ring});
+        return own != found_.end() && own->second.fault == Fault::HasNoArea;
+    };
+    std::vector<Repair> repairs;
+    std::size_t others = 0;
+    for (const auto& [pair, found] : found_) {
+        if (found.fault != Fault::HasNoArea && (is_flat(pair.first) || is_flat(pair.second))) continue;
+        if (repairs.size() == kMost) {
+            ++others;
+            continue;
+        }
+        const RingInput& ring = rings[pair.first];
+        const Point place = frame.to_user(found.place);
+        std::string detail = ring.name() + ' ' + words_of(found.fault, ring, rings[pair.second]) + " at (" +
+                             written(place.x) + ", " + written(place.y) + ')';
+        const bool is_at_points = found.fault == Fault::Touches || found.fault >= Fault::RunsAlong;
+        if (found.places == 2 && is_at_points) detail += " and in another place";
+        if (found.places > 2 && is_at_points) detail += " and in " + std::to_string(found.places - 1) + " other places";
+        repairs.push_back({found.corner == kNoCorner ? ring.pointer() : ring.pointer(found.corner), std::move(detail)});
+    }
+    if (others > 0) repairs.push_back({{}, std::to_string(others) + " more such faults"});
+    return repairs;
+}
+
+}  // namespace ccdt

@@ -1,0 +1,82 @@
+#include "core/geometry/repair.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include "core/geometry/cover.h"
+#include "core/geometry/delaunay.h"
+
+namespace ccdt {
+
+namespace {
+
+/// What crossings may make besides as many pieces as there are corners: enough for a scribble, too little to fill the
+/// memory.
+constexpr std::size_t kSparePieces = 200'000;
+
+void append_chain(const Ring& corners, std::uint32_t group, Chains& chains) {
+    const auto first = static_cast<std::uint32_t>(chains.points.size());
+    const auto size = static_cast<std::uint32_t>(corners.size());
+    for (std::uint32_t i = 0; i < size; ++i) {
+        chains.points.push_back(corners[i]);
+        chains.next.push_back(first + (i + 1) % size);
+        chains.group.push_back(group);
+    }
+}
+
+tl::expected<Arrangement, TooManyCrossings> arrange(const Chains& chains, double resolution,
+                                                    const std::stop_token& stop) {
+    return arrange(chains, resolution, chains.points.size() + kSparePieces, stop);
+}
+
+tl::unexpected<Error> stopped() {
+    return failure(ErrorCode::Stopped, "stopped before the polygon was validated");
+}
+
+}  // namespace
+
+Result<Enclosed> enclosed_area(const std::vector<RingInput>& rings, const UnitFrame& frame,
+                               const std::stop_token& stop) {
+    Chains chains;
+    std::vector<Cover::Kind> kinds;
+    for (const RingInput& ring : rings) {
+        append_chain(ring.corners, static_cast<std::uint32_t>(kinds.size()), chains);
+        kinds.push_back({ring.part, ring.is_hole()});
+    }
+    chains.groups = static_cast<std::uint32_t>(kinds.size());
+    const auto map = arrange(chains, frame.resolution(), stop);
+    if (!map) {
+        const std::uint32_t group = chains.group[map.error().segment];
+        const auto first = std::ranges::find(chains.group, group) - chains.group.begin();
+        Faults faults;
+        faults.add(Fault::Crosses, group, group, map.error().segment - static_cast<std::size_t>(first),
+                   map.error().place);
+        const Repair fault = faults.describe(rings, frame).front();
+        return failure(ErrorCode::Unusable, fault.detail + " and too often to be repaired", fault.field);
+    }
+    if (stop.stop_requested()) return stopped();
+    const Cover cover(chains, *map, kinds, frame.resolution());
+    Enclosed result{{}, cover.faults().describe(rings, frame)};
+    if (result.repairs.empty() && !cover.has_contacts()) {
+        for (const RingInput& ring : rings) result.rings.push_back(ring.corners);
+    } else {
+        result.rings = cover.trace();
+    }
+    return result;
+}
+
+Result<std::vector<Ring>> enclosed_together(const std::vector<Ring>& rings, const UnitFrame& frame,
+                                            const std::stop_token& stop) {
+    Chains chains;
+    for (const Ring& ring : rings) append_chain(ring, 0, chains);
+    chains.groups = 1;
+    const auto map = arrange(chains, frame.resolution(), stop);
+    if (!map) return failure(ErrorCode::Unusable, "the polygon crosses itself too often to be repaired");
+    if (stop.stop_requested()) return stopped();
+    const std::vector<Cover::Kind> kinds(1);
+    return Cover(chains, *map, kinds, frame.resolution()).trace();
+}
+
+}  // namespace ccdt
