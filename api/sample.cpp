@@ -26,6 +26,9 @@ constexpr std::uint64_t kMaxSide = std::numeric_limits<int>::max();
 
 constexpr std::uint64_t kMaxWidth = 65'535;
 
+/// Repairs that a header tells of: some 150 characters each.
+constexpr std::size_t kMostInHeader = 8;
+
 const Palette kBlackOnWhite;
 
 struct DensityDraft {
@@ -54,6 +57,11 @@ Result<void> read_given(const Input& input, const Limits&, Draft& draft) {
 
 Result<void> read_tolerance(const Input& input, Options& options) {
     return assign(options.tolerance, read_number(input, kPositive));
+}
+
+Result<OnInvalid> read_invalid(const Input& input) {
+    static constexpr Choice<OnInvalid> kWords[] = {{"repair", OnInvalid::Repair}, {"reject", OnInvalid::Reject}};
+    return read_choice<OnInvalid>(input, kWords);
 }
 
 Result<std::vector<double>> read_values(const Input& input) {
@@ -109,12 +117,13 @@ Result<void> read_density(const Input& input, const Limits& limits, Draft& draft
     return settle_density(input, std::move(density), draft.request);
 }
 
-constexpr std::array<OptionRule<Draft>, 19> kRules = {{
+constexpr std::array<OptionRule<Draft>, 20> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.run.sites, read_sites(i, l)); }},
     {"polygon", [](const Input& i, const Limits&, Draft& d) { return assign(d.polygon, read_ring(i)); }},
     {"holes", [](const Input& i, const Limits&, Draft& d) { return assign(d.holes, read_rings(i)); }},
     {"geometry", [](const Input& i, const Limits&, Draft& d) { return assign(d.geometry, read_geometry(i)); }},
     {"domain", [](const Input& i, const Limits&, Draft& d) { return assign(d.rectangle, read_rectangle(i)); }},
+    {"invalid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_invalid, read_invalid(i)); }},
     {"density", read_density},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", read_given<read_iterations, &MethodOptions::iterations>},
@@ -153,11 +162,18 @@ Result<void> settle_domain(Draft& draft) {
     return {};
 }
 
-Result<Domain> make_domain(const SampleRequest& request, const std::stop_token& stop) {
-    if (const auto* rectangle = std::get_if<Rectangle>(&request.domain)) return make_domain(*rectangle);
+/// Builds the domain. Fields of the repairs are JSON Pointers in the request.
+Result<RepairedDomain> make_domain(const SampleRequest& request, const std::stop_token& stop) {
+    const auto valid = [](Domain&& domain) { return RepairedDomain{std::move(domain), {}}; };
+    if (const auto* rectangle = std::get_if<Rectangle>(&request.domain)) return make_domain(*rectangle).map(valid);
     const auto& polygon = std::get<PolygonInput>(request.domain);
-    auto domain = Domain::create(polygon.parts, stop);
-    if (!domain) domain.error().field = polygon.locate(domain.error().field);
+    auto domain = request.on_invalid == OnInvalid::Repair ? Domain::repair(polygon.parts, stop)
+                                                          : Domain::create(polygon.parts, stop).map(valid);
+    if (!domain) {
+        domain.error().field = polygon.locate(domain.error().field);
+        return domain;
+    }
+    for (Repair& repair : domain->repairs) repair.field = polygon.locate(repair.field);
     return domain;
 }
 
@@ -269,8 +285,9 @@ private:
 };
 
 Result<std::string> encode(const SampleRequest& request, const Domain& domain, const Page& page,
-                           const Distribution& distribution, double elapsed, const Control& control) {
-    const Report report{request.run.seed, elapsed, {}, request.method->name};
+                           const Distribution& distribution, std::span<const Repair> repairs, double elapsed,
+                           const Control& control) {
+    const Report report{request.run.seed, elapsed, {}, request.method->name, repairs};
     const InkDots ink{kBlackOnWhite.inks.front(), distribution, radius_of(request, domain)};
     auto body = std::visit(Writing(request, page, report, ink, control), request.format->writer);
     if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going)
@@ -300,20 +317,21 @@ Result<SampleRequest> parse_sample(std::string_view body, std::string_view accep
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
                           const Control& control, Timings& timings) {
     Stopwatch watch;
-    const auto domain = make_domain(request, control.stop);
-    if (!domain) return tl::unexpected(domain.error());
-    const auto page = plan_page(request, *domain, limits);
+    const auto made = make_domain(request, control.stop);
+    if (!made) return tl::unexpected(made.error());
+    const auto& [domain, repairs] = *made;
+    const auto page = plan_page(request, domain, limits);
     if (!page) return tl::unexpected(page.error());
     const auto density = make_density(request, limits, decode, control);
     timings.decode = watch.lap();
     if (!density) return tl::unexpected(density.error());
 
-    const auto distribution = place_points(request, *domain, *density, control);
+    const auto distribution = place_points(request, domain, *density, control);
     timings.optimise = watch.lap();
     if (!distribution) return tl::unexpected(distribution.error());
 
     const double elapsed = timings.decode + timings.optimise;
-    auto body = encode(request, *domain, *page, *distribution, elapsed, control);
+    auto body = encode(request, domain, *page, *distribution, repairs, elapsed, control);
     timings.encode = watch.lap();
     if (!body) return tl::unexpected(body.error());
     Answer answer;
@@ -321,6 +339,9 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     answer.body = *std::move(body);
     answer.sites = request.run.sites;
     answer.partial = distribution->stopped;
+    if (!repairs.empty() && request.format->file.name != "json") {
+        answer.repaired = write_repairs(std::span(repairs).first(std::min(repairs.size(), kMostInHeader)));
+    }
     // A stop may have made the path of a drawing longer.
     answer.repeats = request.format->repeats() && !control.stop.stop_requested();
     return answer;

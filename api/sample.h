@@ -32,9 +32,13 @@ struct DensityImage {
     ImageFile file;
 };
 
+/// What becomes of a polygon that is not valid.
+enum class OnInvalid { Repair, Reject };
+
 /// Request to /sample, with its options.
 struct SampleRequest {
     std::variant<PolygonInput, Rectangle> domain;
+    OnInvalid on_invalid = OnInvalid::Repair;
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
     Options run;
     const Method* method = &methods().front();
@@ -59,7 +63,7 @@ std::vector<std::string_view> sample_options();
 /// Errors: Malformed for what is not JSON, an unknown or repeated member, a value of the wrong kind or out of
 /// range, not exactly one domain; Unsupported for a density image of a format that is not read; LimitExceeded for
 /// too many sites, corners or density cells; NotAcceptable. The field is a JSON Pointer.
-/// Cheap: whether polygons are simple is left to run_sample, and so is decoding.
+/// Cheap: whether polygons are valid is left to run_sample, and so is decoding.
 Result<SampleRequest> parse_sample(std::string_view body, std::string_view accept, const Limits& limits);
 
 /// Builds the domain and the density, distributes, writes the points as the request wants them.
@@ -67,9 +71,9 @@ Result<SampleRequest> parse_sample(std::string_view body, std::string_view accep
 /// @param decode   reads a density image
 /// @param control  a stop ends it within a pass, with nothing to show for it unless its part is asked for
 /// @param timings  filled as far as it came
-/// Errors: Unusable for a polygon that is not simple or a density of zero; those of `decode`; LimitExceeded if a
-/// drawing would have more than limits.max_pixels; Stopped. The field is a JSON Pointer. Same request, same bytes, but
-/// for `elapsed_ms` in JSON.
+/// Errors: Unusable for a polygon without area, or not valid if such are to be rejected, or a density of zero; those
+/// of `decode`; LimitExceeded if a drawing would have more than limits.max_pixels; Stopped. The field is a JSON
+/// Pointer. Same request, same bytes, but for `elapsed_ms` in JSON.
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
                           const Control& control, Timings& timings);
 

@@ -116,6 +116,7 @@ void append_run(std::string& out, const Distribution& distribution, const Report
     append_member(out, "iterations", static_cast<std::uint64_t>(distribution.iterations));
     append_member(out, "variation", distribution.variation());
     if (distribution.stopped) out += ",\"partial\":true";
+    if (!report.repairs.empty()) out.append(",\"repaired\":").append(write_repairs(report.repairs));
 }
 
 double rounded_to_microseconds(double milliseconds) {
@@ -170,6 +171,19 @@ void append_inks(std::string& out, std::span<const InkDots> inks, const Report& 
 }
 
 }  // namespace
+
+std::string write_repairs(std::span<const Repair> repairs) {
+    std::string out;
+    append_array(out, repairs, [](std::string& to, const Repair& repair) {
+        // Both are our own words and numbers: nothing needs to be escaped.
+        to.append("{\"pointer\":\"")
+            .append(repair.field)
+            .append("\",\"detail\":\"")
+            .append(repair.detail)
+            .append("\"}");
+    });
+    return out;
+}
 
 std::string write_json(std::span<const InkDots> inks, const Report& report, const std::stop_token& stop) {
     std::string out = "{";

@@ -7,9 +7,10 @@
 #include <string>
 #include <string_view>
 
-#include "api/run/options.h"
 #include "api/output/ink_dots.h"
+#include "api/run/options.h"
 #include "core/analysis/analysis.h"
+#include "core/geometry/faults.h"
 
 namespace ccdt::api {
 
@@ -25,13 +26,18 @@ struct Report {
     double elapsed_ms = 0;
     std::optional<PictureSize> picture;
     std::string_view method = "ccdt";
-    std::optional<DotSize> dots = {};
+    std::span<const Repair> repairs = {};  ///< of a polygon; fields are JSON Pointers
+    std::optional<DotSize> dots = {};      ///< of a halftone
 };
 
+/// Writes repairs as an array: `[{"pointer":"/polygon/2","detail":"..."}]`.
+std::string write_repairs(std::span<const Repair> repairs);
+
 /// Writes the JSON answer of /sample and /halftone: of inks with names a list, else the points themselves, also the
-/// mesh, if there is one. Tells if a run was stopped. Numbers are the shortest that read back to the same double. Same
-/// input, same bytes. About 0.1 microseconds a number. Stopped, it ends early, with nothing of use. Like all writers of
-/// JSON it throws std::domain_error for a number that is not finite, which would be our own fault.
+/// mesh, if there is one. Tells if a run was stopped, and what was repaired. Numbers are the shortest that read back to
+/// the same double. Same input, same bytes. About 0.1 microseconds a number. Stopped, it ends early, with nothing of
+/// use. Like all writers of JSON it throws std::domain_error for a number that is not finite, which would be our own
+/// fault.
 std::string write_json(std::span<const InkDots> inks, const Report& report, const std::stop_token& stop = {});
 
 /// Writes the points of the only ink as GeoJSON (RFC 7946): a Feature whose geometry is a MultiPoint, with what the

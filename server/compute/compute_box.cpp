@@ -164,6 +164,7 @@ private:
         answer.media_type = reader_.take_text(0);
         answer.coding = reader_.take_text(1);
         answer.body = reader_.take_text(2);
+        answer.repaired = reader_.take_text(3);
         answer.sites = reply.sites;
         answer.pixels = reply.pixels;
         answer.partial = reply.partial != 0;

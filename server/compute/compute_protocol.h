@@ -45,7 +45,8 @@ struct Call {
 /// Message from a process that computes: any number of times Step, then one of the others, followed by texts.
 struct Reply {
     enum class Kind : std::uint32_t { Step, Answer, Failure };
-    static constexpr std::size_t kTexts = 3;  ///< media type, coding, body; of a failure: message, field, nothing
+    /// Media type, coding, body, what was repaired; of a failure: message, field, nothing.
+    static constexpr std::size_t kTexts = 4;
 
     Kind kind = Kind::Step;
     std::uint32_t code = 0;  ///< ErrorCode of a failure

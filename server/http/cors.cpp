@@ -8,7 +8,8 @@ std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::s
     if (allowed.empty()) return {};
     const Header exposed{
         "Access-Control-Expose-Headers",
-        "ETag, Location, Preference-Applied, Retry-After, Server-Timing, X-Partial, X-Radius, X-Request-ID, X-Tone"};
+        "ETag, Location, Preference-Applied, Retry-After, Server-Timing, X-Partial, X-Radius, X-Repaired, X-Request-ID, "
+        "X-Tone"};
     if (std::ranges::find(allowed, "*") != allowed.end()) return {{"Access-Control-Allow-Origin", "*"}, exposed};
     // Caches must not give one origin's answer to another, not even one without permission.
     std::vector<Header> headers{{"Vary", "Origin"}};

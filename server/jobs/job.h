@@ -51,6 +51,7 @@ struct Job {
     std::string media_type;
     std::size_t result_bytes = 0;
     bool partial = false;  ///< what there was by its deadline
+    std::string repaired;  ///< what was wrong with a polygon, as api::Answer has it
     bool dropped = false;  ///< the result had to make room
 };
 

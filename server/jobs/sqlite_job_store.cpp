@@ -140,6 +140,7 @@ Job job_at(const Statement& row) {
     if (!row.is_null(12)) job.progress.variation = row.real(12);
     if (!row.is_null(13))
         job.failure = Problem{static_cast<int>(row.integer(13)), {ErrorCode::Internal, row.text(14), row.text(15)}};
+    if (row.is_null(13) && !row.is_null(14)) job.repaired = row.text(14);
     job.media_type = row.text(16);
     job.result_bytes = static_cast<std::size_t>(row.integer(17));
     job.partial = row.integer(18) != 0;
@@ -489,6 +490,8 @@ void SqliteJobStore::update(const Job& job, std::int64_t row, std::size_t bytes)
         failure = job.failure->status;
         message = job.failure->error.message;
         field = job.failure->error.field;
+    } else if (!job.repaired.empty()) {
+        message = job.repaired;  // a job that has not failed has no other
     }
     Statement(database_,
               "UPDATE jobs SET status = ?, starts = ?, started = ?, finished = ?, fraction = ?, iteration = ?, "

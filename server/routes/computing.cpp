@@ -59,6 +59,7 @@ Response response_of(api::Answer answer, const std::string& name, Record& record
         response.headers.push_back(number_header("X-Radius", answer.dots->radius));
         response.headers.push_back(number_header("X-Tone", answer.dots->tone));
     }
+    if (!answer.repaired.empty()) response.headers.push_back({"X-Repaired", std::move(answer.repaired)});
     if (answer.partial) {
         response.headers.push_back({"X-Partial", "deadline"});
         record.cancelled = "deadline";

@@ -78,6 +78,7 @@ HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view i
     response.body = *std::move(result);
     response.lease = std::make_shared<MemoryBudget::Lease>(*std::move(lease));
     if (job->partial) response.headers.push_back({"X-Partial", "deadline"});
+    if (!job->repaired.empty()) response.headers.push_back({"X-Repaired", job->repaired});
     return response;
 }
 

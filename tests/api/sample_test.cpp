@@ -247,7 +247,7 @@ TEST(Sample, PutsTheFirstRowOfAnImageAtTheTop) {
     EXPECT_GT(share_above(json, 2), 0.95);
 }
 
-TEST(Sample, PointsIntoTheRequestWhenThePolygonIsNotSimple) {
+TEST(Sample, PointsIntoTheRequestWhenThePolygonIsNotValid) {
     const std::string bow = "[[0,0],[4,4],[4,0],[0,4]]";
     const std::string good = "[[0,0],[4,0],[4,4],[0,4]]";
     const std::string far = "[[9,9],[10,9],[10,10]]";
@@ -262,11 +262,29 @@ TEST(Sample, PointsIntoTheRequestWhenThePolygonIsNotSimple) {
         {R"("polygon":[[0,0],[1,1]])", "/polygon"},
     };
     for (const auto& [members, field] : wrong) {
-        const auto result = answer('{' + members + R"(,"sites":10})");
+        const auto result = answer('{' + members + R"(,"sites":10,"invalid":"reject"})");
         ASSERT_FALSE(result) << members;
         EXPECT_EQ(result.error().code, ErrorCode::Unusable) << members;
         EXPECT_TRUE(result.error().field.starts_with(field)) << result.error().field << " for " << members;
     }
+}
+
+TEST(Sample, RepairsPolygonsAndTellsOfIt) {
+    const std::string bow = R"({"geometry":{"type":"Polygon","coordinates":[[[0,0],[4,4],[4,0],[0,4]]]},"sites":20)";
+    const nlohmann::json fault = {{"pointer", "/geometry/coordinates/0/2"},
+                                  {"detail", "the outer ring of part 0 crosses itself at (2, 2)"}};
+    const auto expected = nlohmann::json::array({fault});
+    const auto json = sample(bow + '}');
+    EXPECT_EQ(json.at("points").size(), 20u);
+    EXPECT_EQ(json.at("repaired"), expected);
+    EXPECT_EQ(sample(bow + R"(,"invalid":"repair"})").at("points"), json.at("points"));
+    for (const char* format : {"csv", "geojson", "npy", "svg", "png"}) {
+        const auto result = answer(bow + R"(,"format":")" + format + "\"}");
+        ASSERT_TRUE(result) << format;
+        EXPECT_EQ(nlohmann::json::parse(result->repaired), expected) << format;
+    }
+    EXPECT_TRUE(answer(bow + '}')->repaired.empty()) << "the body tells";
+    EXPECT_FALSE(sample('{' + kSquare + R"(,"sites":3})").contains("repaired"));
 }
 
 TEST(Sample, PolishesUnlessItIsADraft) {

@@ -10,7 +10,7 @@ from harness import Server, ServerCase, ask, file_of, flat, post_json
 
 PICTURE = file_of(flat(100))
 SAMPLE = {"sites": 100, "domain": {"type": "torus", "width": 1, "height": 1}}
-CROSSING = {"sites": 9, "polygon": [[0, 0], [1, 1], [1, 0], [0, 1]]}
+CROSSING = {"sites": 9, "polygon": [[0, 0], [1, 1], [1, 0], [0, 1]], "invalid": "reject"}
 POINTS = {"points": [[0, 0], [0.5, 0.5], [0.2, 0.7]]}
 QUESTIONS = (("/halftone?sites=50", PICTURE), ("/sample", SAMPLE), ("/analyze", POINTS))
 

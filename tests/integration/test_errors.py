@@ -204,10 +204,10 @@ class SampleRequests(ServerCase):
     def test_422_for_polygons_that_are_none(self):
         bow_tie = [[0, 0], [1, 1], [1, 0], [0, 1]]
         outside = [[2, 2], [3, 2], [3, 3]]
-        self.refuse({"sites": 10, "polygon": bow_tie}, 422)
+        self.refuse({"sites": 10, "polygon": bow_tie, "invalid": "reject"}, 422, "crosses itself at (0.5, 0.5)")
         self.refuse({"sites": 10, "polygon": [[0, 0], [1, 1], [2, 2]]}, 422)
         self.refuse({"sites": 10, "polygon": [[0, 0], [1, 1]]}, 422)
-        self.refuse({"sites": 10, "polygon": SQUARE, "holes": [outside]}, 422)
+        self.refuse({"sites": 10, "polygon": SQUARE, "holes": [outside], "invalid": "reject"}, 422, "outside")
         self.refuse({"sites": 10, "polygon": SQUARE, "density": {"width": 1, "height": 1, "values": [0]}}, 422)
 
     def test_malformed_json(self):

@@ -151,7 +151,7 @@ class Jobs(ServerCase):
             self.assert_problem(ask(self.server, path, *LATER, data=data), code)
 
     def test_a_failure_is_told_as_it_would_have_been(self):
-        crossing = json.dumps({"sites": 9, "polygon": [[0, 0], [1, 1], [1, 0], [0, 1]]})
+        crossing = json.dumps({"sites": 9, "polygon": [[0, 0], [1, 1], [1, 0], [0, 1]], "invalid": "reject"})
         now = self.assert_problem(ask(self.server, "/sample", data=crossing), 422)
         job = submit(self.server, crossing.encode())
         found = wait_for_end(self.server, job)
@@ -160,6 +160,13 @@ class Jobs(ServerCase):
         for problem in (found["error"], later):
             self.assertEqual((problem["status"], problem["detail"], problem["errors"]),
                              (422, now["detail"], now["errors"]))
+
+    def test_a_result_tells_what_was_repaired(self):
+        crossing = json.dumps({"sites": 9, "polygon": [[0, 0], [1, 1], [1, 0], [0, 1]], "format": "csv"}).encode()
+        job = submit(self.server, crossing)
+        self.assertEqual(wait_for_end(self.server, job)["status"], "succeeded")
+        now, later = ask(self.server, "/sample", data=crossing), ask(self.server, job + "/result")
+        self.assertEqual((now.body, now.headers["x-repaired"]), (later.body, later.headers["x-repaired"]))
 
     def test_events_tell_each_step_and_the_end(self):
         before = [self.submit_endless(), self.submit_endless()]

@@ -47,6 +47,27 @@ class Domains(ServerCase):
                 with self.subTest(name=name, form=form["type"]):
                     self.check(rings_of(geometry), 2000, geometry=form)
 
+    def test_what_is_not_valid_is_repaired_and_told(self):
+        bow_tie = [[0, 0], [2, 2], [2, 0], [0, 2]]
+        told = [{"pointer": "/polygon/2", "detail": "the outer ring of part 0 crosses itself at (1, 1)"}]
+        self.assertEqual(self.check([bow_tie], 100, polygon=bow_tie)["repaired"], told)
+        body = {"sites": 100, "polygon": bow_tie}
+        for form in ("csv", "geojson", "npy", "svg", "png"):
+            with self.subTest(format=form):
+                answer = post_json(self.server, "/sample", {**body, "format": form})
+                self.assertEqual((answer.status, json.loads(answer.headers["x-repaired"])), (200, told))
+        self.assertNotIn("x-repaired", post_json(self.server, "/sample", body).headers)
+        parts = [[[[x, 0], [x + 1, 0], [x + 1, 1], [x, 1]]] for x in (0, 1)]
+        result = self.check([[[0, 0], [2, 0], [2, 1], [0, 1]]], 100,
+                            geometry={"type": "MultiPolygon", "coordinates": parts})
+        self.assertEqual([each["pointer"] for each in result["repaired"]], ["/geometry/coordinates/1/0/3"])
+
+    def test_rings_may_touch(self):
+        square = [[0, 0], [4, 0], [4, 4], [0, 4]]
+        holes = [[[0, 0], [2, 1], [1, 2]], [[2, 4], [3, 3], [1, 3]], [[3, 3], [3.5, 2], [3, 1]]]
+        result = self.check([square, *holes], 500, polygon=square, holes=holes, mesh=True)
+        self.assertNotIn("repaired", result)
+
     def test_one_site(self):
         self.check([SQUARE], 1, polygon=SQUARE)
         self.check(rings_of(polygon("Switzerland-10m.geojson")), 1, geometry=polygon("Switzerland-10m.geojson"))

@@ -168,6 +168,17 @@ TEST_P(JobStoreTest, KeepsFailures) {
     EXPECT_EQ(found.failure->error.field, "/polygon/2");
 }
 
+TEST_P(JobStoreTest, KeepsWhatWasRepaired) {
+    Job job = job_named("a");
+    ASSERT_TRUE(store_->add(job, kComputeRequest));
+    job.status = JobStatus::Succeeded;
+    job.finished = time_now();
+    job.repaired = R"([{"pointer":"/polygon","detail":"crosses itself"}])";
+    ASSERT_TRUE(store_->finish(job, "result"));
+    EXPECT_EQ((*store_->find("a"))->repaired, job.repaired);
+    EXPECT_FALSE((*store_->find("a"))->failure);
+}
+
 TEST_P(JobStoreTest, RemovesAndDropsTheOldestFirst) {
     const Time now = time_now();
     const std::chrono::milliseconds second(1000);

@@ -126,7 +126,7 @@ TEST_F(JobsTest, TellEveryStep) {
 
 TEST_F(JobsTest, FailAsTheAnswerWouldHave) {
     start();
-    const ComputeRequest crossing{"/sample", "", "", "", R"({"sites":9,"polygon":[[0,0],[1,1],[1,0],[0,1]]})"};
+    const ComputeRequest crossing{"/sample", "", "", "", R"({"sites":9,"polygon":[[0,0],[1,1],[1,0],[0,1]],"invalid":"reject"})"};
     const Job job = wait_for_end(submit(crossing));
     EXPECT_EQ(job.status, JobStatus::Failed);
     ASSERT_TRUE(job.failure);
