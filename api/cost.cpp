@@ -7,6 +7,7 @@
 
 #include "api/json/json_document.h"
 #include "api/run/estimate.h"
+#include "core/geometry/repair.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/tone.h"
 
@@ -43,12 +44,14 @@ Estimate decoding(const HalftoneRequest& request) {
 }
 
 Estimate bounding(const std::variant<PolygonInput, Rectangle>& domain) {
-    constexpr double kBytes = 420;
+    constexpr double kBytes = 420, kPieceBytes = 160;
     constexpr double kTime = 2.5 * kMicrosecond;
     const auto* polygon = std::get_if<PolygonInput>(&domain);
     if (polygon == nullptr) return {};
     const auto corners = static_cast<double>(polygon->corner_count());
-    return {corners * kBytes, corners * kTime};
+    // Each edge may cross all others, which is not known yet.
+    const double pieces = std::min(2 * corners * corners, static_cast<double>(most_pieces(polygon->corner_count())));
+    return {corners * kBytes + pieces * kPieceBytes, corners * kTime};
 }
 
 /// Makes a grid's integrals, over whose cells the passes walk.

@@ -12,10 +12,6 @@ namespace ccdt {
 
 namespace {
 
-/// What crossings may make besides as many pieces as there are corners: enough for a scribble, too little to fill the
-/// memory.
-constexpr std::size_t kSparePieces = 200'000;
-
 void append_chain(const Ring& corners, std::uint32_t group, Chains& chains) {
     const auto first = static_cast<std::uint32_t>(chains.points.size());
     const auto size = static_cast<std::uint32_t>(corners.size());
@@ -28,7 +24,7 @@ void append_chain(const Ring& corners, std::uint32_t group, Chains& chains) {
 
 tl::expected<Arrangement, TooManyCrossings> arrange(const Chains& chains, double resolution,
                                                     const std::stop_token& stop) {
-    return arrange(chains, resolution, chains.points.size() + kSparePieces, stop);
+    return arrange(chains, resolution, most_pieces(chains.points.size()), stop);
 }
 
 tl::unexpected<Error> stopped() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -11,6 +12,11 @@
 #include "core/result.h"
 
 namespace ccdt {
+
+/// Pieces that crossings of so many corners may make: four each, enough for scribbles, too little to fill the memory.
+constexpr std::size_t most_pieces(std::size_t corners) {
+    return corners / 4 + 200'000;
+}
 
 /// What rings enclose: its border, and what was wrong with the rings.
 struct Enclosed {
@@ -30,7 +36,7 @@ struct Enclosed {
 /// Simple Features: they, and parts, may touch at points. All others are cut where they meet, as arrange() has it: that
 /// moves edges by rounding errors at the places where they cross and nothing else. What is no thicker than such an
 /// error is told from nothing by no sampling, and is not kept: slivers inside, and gaps between parts.
-/// Errors (Unusable): rings that cross too often.
+/// Errors (Unusable): crossings that make more than most_pieces().
 ///
 /// Same as GEOS' MakeValid by the structure method, which is the better known. Why not GEOS itself: it works in the
 /// caller's coordinates, so that going over to the unit frame would break again what it mended; its overlays snap

@@ -78,6 +78,18 @@ std::string circle(int corners) {
     return text + ']';
 }
 
+/// A ring that crosses itself as often as it can, by corners that go round in steps of nearly a half.
+std::string scribble(int corners) {
+    std::string text = R"("polygon":[)";
+    for (int i = 0; i < corners; ++i) {
+        const double angle = 2 * 3.141592653589793 * i * (corners / 2) / corners;
+        const double radius = 1 + 0.1 * std::sin(7.0 * i);  // no two crossings in one place
+        text += (i > 0 ? ",[" : "[") + std::to_string(radius * std::cos(angle)) + ',' +
+                std::to_string(radius * std::sin(angle)) + ']';
+    }
+    return text + ']';
+}
+
 std::string grid(int side) {
     std::string text =
         R"("density":{"width":)" + std::to_string(side) + R"(,"height":)" + std::to_string(side) + R"(,"values":[)";
@@ -111,6 +123,7 @@ INSTANTIATE_TEST_SUITE_P(
                     SampleCase{"start", R"("sites":100000,"iterations":0,)" + kSquare},
                     SampleCase{"polygon", R"("sites":100000,)" + circle(100)},
                     SampleCase{"corners", R"("sites":1000,)" + circle(60'000), 6},
+                    SampleCase{"crossings", R"("sites":1000,)" + scribble(301), 6},
                     SampleCase{"coarse", R"("sites":60000,)" + grid(64) + ',' + kSquare},
                     SampleCase{"fine", R"("sites":2000,)" + grid(1000) + ',' + kSquare},
                     SampleCase{"cvt", R"("sites":10000,"method":"cvt","iterations":3,)" + kTorus},
