@@ -29,6 +29,7 @@ enum class Given : std::uint16_t {
     Width = 128,
     Dot = 256,
     Partial = 512,
+    Reject = 1024,
 };
 
 /// A JSON object of the members that are told one after the other.
@@ -123,26 +124,31 @@ std::string take_request(Bytes& input) {
     if (given(Given::Width)) members.add("width", std::floor(take_number(input)));
     if (given(Given::Dot)) members.add("dot", take_number(input));
     if (given(Given::Partial)) members.add_word("on_deadline", "partial");
+    if (given(Given::Reject)) members.add_word("invalid", "reject");
     take_domain(input, members);
     take_density(input, members);
     return members.finish();
 }
 
-std::vector<PolygonPart> parts_of(const api::SampleRequest& request) {
-    const auto* polygon = std::get_if<api::PolygonInput>(&request.domain);
-    return polygon == nullptr ? std::vector<PolygonPart>() : polygon->parts;
-}
+/// What points are checked against: a domain and, if it was valid, what it was made of.
+struct Made {
+    Domain domain;
+    std::vector<PolygonPart> parts;
+};
 
-Domain domain_of(const api::SampleRequest& request) {
+Made make(const api::SampleRequest& request) {
     if (const auto* rectangle = std::get_if<api::Rectangle>(&request.domain))
-        return api::make_domain(*rectangle).value();
-    return Domain::create(parts_of(request)).value();
+        return {api::make_domain(*rectangle).value(), {}};
+    const auto& parts = std::get<api::PolygonInput>(request.domain).parts;
+    auto repaired = Domain::repair(parts).value();
+    return {std::move(repaired.domain), repaired.repairs.empty() ? parts : std::vector<PolygonPart>()};
 }
 
 void check_answer(const api::SampleRequest& request, const api::Answer& answer) {
     CCDT_CHECK(answer.sites == request.run.sites && !answer.partial && !answer.media_type.empty());
     const auto check = [&](const std::vector<Point>& points) {
-        check_points(points, request.run.sites, domain_of(request), parts_of(request));
+        const auto made = make(request);
+        check_points(points, request.run.sites, made.domain, made.parts);
     };
     const std::string_view format = request.format->file.name;
     if (format == "svg") return check_svg(answer.body);

@@ -24,13 +24,15 @@ Result<Density> density_of(const api::SampleRequest& request) {
     return Density::grid(grid->width, grid->height, std::span<const double>(grid->values));
 }
 
-Result<Domain> domain_of(const api::SampleRequest& request, std::string_view body) {
+Result<RepairedDomain> domain_of(const api::SampleRequest& request, std::string_view body) {
+    const auto valid = [](Domain&& domain) { return RepairedDomain{std::move(domain), {}}; };
     if (const auto* rectangle = std::get_if<api::Rectangle>(&request.domain)) {
         CCDT_CHECK(rectangle->width > 0 && rectangle->height > 0);
-        return api::make_domain(*rectangle);
+        return api::make_domain(*rectangle).map(valid);
     }
     const auto& polygon = std::get<api::PolygonInput>(request.domain);
-    auto domain = Domain::create(polygon.parts);
+    auto domain = request.on_invalid == api::OnInvalid::Repair ? Domain::repair(polygon.parts)
+                                                               : Domain::create(polygon.parts).map(valid);
     if (!domain) {
         check_location(domain.error(), polygon.parts);
         domain.error().field = polygon.locate(domain.error().field);
@@ -49,14 +51,15 @@ void check_options(const api::SampleRequest& request) {
 }
 
 /// The same for less: requests that take long say nothing that small ones do not.
-void run(const api::SampleRequest& request, const Domain& domain, const Density& density) {
+void run(const api::SampleRequest& request, const RepairedDomain& made, const Density& density) {
+    const auto& [domain, repairs] = made;
     Options options = request.run;
     options.sites = std::min(options.sites, kMostSites);
     options.iterations = std::min(options.iterations, 1);
     options.passes = std::min(options.passes, 2);
     const auto* polygon = std::get_if<api::PolygonInput>(&request.domain);
     if (polygon != nullptr && polygon->corner_count() > kMostCorners) return;
-    const auto parts = polygon == nullptr ? std::vector<PolygonPart>() : polygon->parts;
+    const auto parts = polygon == nullptr || !repairs.empty() ? std::vector<PolygonPart>() : polygon->parts;
     if (request.method == &api::methods().front()) return check_distribution(domain, parts, density, options);
     const auto placed = request.method->run(domain, density, options, {});
     if (placed) {
@@ -70,7 +73,7 @@ void check_request(const api::SampleRequest& request, std::string_view body) {
     check_options(request);
     const auto domain = domain_of(request, body);
     if (!domain) return check_error(domain.error(), body);
-    check_domain(*domain);
+    check_domain(domain->domain);
     const auto density = density_of(request);
     if (!density) return check_error(density.error());
     run(request, *domain, *density);

@@ -86,11 +86,31 @@ void check_domain(const Domain& domain) {
     CCDT_CHECK(domain.is_torus() || std::abs(doubled / 2 - domain.unit_area()) < 1e-9);
 }
 
+void check_cover(const Domain& domain, const std::vector<PolygonPart>& parts) {
+    constexpr int kProbes = 12;
+    constexpr double kNear = 1e-9;
+    const Box& box = domain.bounds();
+    const double scale = std::max(box.width(), box.height());
+    for (int i = 0; i < kProbes * kProbes; ++i) {
+        const Point unit{(i % kProbes + 0.37) / kProbes * box.width() / scale,
+                         (i / kProbes + 0.61) / kProbes * box.height() / scale};
+        if (test::distance_to_border(parts, domain.to_user(unit)) < kNear * scale) continue;
+        bool is_inside = false;
+        for (const Ring& ring : domain.rings()) is_inside ^= test::contains({{ring, {}}}, unit);
+        CCDT_CHECK(is_inside == test::contains(parts, domain.to_user(unit)));
+    }
+}
+
 void check_location(const Error& error, const std::vector<PolygonPart>& parts) {
     check_error(error);
     CCDT_CHECK(error.code == ErrorCode::Unusable);
+    check_location(Repair{error.field, error.message}, parts);
+}
+
+void check_location(const Repair& repair, const std::vector<PolygonPart>& parts) {
+    CCDT_CHECK(!repair.detail.empty());
     std::vector<std::size_t> indices;
-    for (std::string_view rest = error.field; !rest.empty();) {
+    for (std::string_view rest = repair.field; !rest.empty();) {
         CCDT_CHECK(rest.front() == '/');
         std::size_t index = 0;
         const auto [end, wrong] = std::from_chars(rest.data() + 1, rest.data() + rest.size(), index);

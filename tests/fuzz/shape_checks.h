@@ -11,8 +11,12 @@ namespace ccdt::fuzz {
 /// What Domain promises of its rings, areas and bounds.
 void check_domain(const Domain& domain);
 
+/// A domain covers what of its parts any of many probes is in, and nothing else, as far as rounding lets one tell.
+void check_cover(const Domain& domain, const std::vector<PolygonPart>& parts);
+
 /// The ring and vertex that an error of Domain::create points to are among those it was given.
 void check_location(const Error& error, const std::vector<PolygonPart>& parts);
+void check_location(const Repair& repair, const std::vector<PolygonPart>& parts);
 
 /// So many points, all different, strictly inside the domain.
 ///

@@ -1,0 +1,69 @@
+#include <cmath>
+#include <limits>
+
+#include "tests/fuzz/checks.h"
+#include "tests/fuzz/shape_checks.h"
+#include "tests/support/shapes.h"
+
+namespace ccdt::fuzz {
+namespace {
+
+using Parts = std::vector<PolygonPart>;
+
+/// What a byte says that is no vertex on the grid.
+enum class Tag : std::uint8_t { NextPart = 255, NextHole = 254, Nudge = 253, Anywhere = 252 };
+
+constexpr std::size_t kMostVertices = 48;  ///< crossings are as many as their square
+
+/// Vertices on a grid of 15 by 16, where they meet in every way, some a rounding error off it, some anywhere.
+Parts read_parts(Bytes& input) {
+    const double spacing = input.take<std::uint8_t>() % 2U == 0 ? 1 : 0.1;  // 0.1 is no double
+    Parts parts(1);
+    for (std::size_t count = 0; !input.empty() && count < kMostVertices;) {
+        const auto byte = input.take<std::uint8_t>();
+        Ring& ring = parts.back().holes.empty() ? parts.back().outer : parts.back().holes.back();
+        if (byte == static_cast<std::uint8_t>(Tag::NextPart)) {
+            parts.emplace_back();
+        } else if (byte == static_cast<std::uint8_t>(Tag::NextHole)) {
+            parts.back().holes.emplace_back();
+        } else if (byte == static_cast<std::uint8_t>(Tag::Nudge)) {
+            const double far = input.take<std::int8_t>();
+            if (!ring.empty()) ring.back().x = std::nextafter(ring.back().x, std::copysign(100.0, far));
+        } else if (byte == static_cast<std::uint8_t>(Tag::Anywhere)) {
+            ring.push_back({input.take<std::int16_t>() / 1024.0, input.take<std::int16_t>() / 1024.0});
+            ++count;
+        } else {
+            ring.push_back({spacing * (byte % 16U), spacing * (byte / 16U)});
+            ++count;
+        }
+    }
+    return parts;
+}
+
+void check_repair(const Parts& parts) {
+    const auto repaired = Domain::repair(parts);
+    const auto valid = Domain::create(parts);
+    CCDT_CHECK(valid.has_value() == (repaired && repaired->repairs.empty()));
+    if (!repaired) return check_location(repaired.error(), parts);
+    for (const Repair& repair : repaired->repairs) check_location(repair, parts);
+    check_domain(repaired->domain);
+    check_cover(repaired->domain, parts);
+
+    if (valid) CCDT_CHECK(valid->rings() == repaired->domain.rings());
+    Options options;
+    options.sites = 12;
+    options.iterations = 1;
+    options.passes = 2;
+    check_distribution(repaired->domain, {}, Density::uniform(), options);
+}
+
+}  // namespace
+}  // namespace ccdt::fuzz
+
+/// Rings that cross, touch and overlap: what they cover, and points in it.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace ccdt::fuzz;
+    Bytes input(text_of(data, size));
+    check_repair(read_parts(input));
+    return 0;
+}
