@@ -43,6 +43,8 @@ def submit(server, **body):
 def wait_for_end(server, job):
     while (document := json.loads(exchange(server, "GET", job)[2]))["status"] in ("queued", "running"):
         pass
+    if not isinstance(document["status"], str):
+        raise AssertionError(f"a problem in place of {job}: {document}")
     return document["status"]
 
 
@@ -166,7 +168,8 @@ class FullDisk(unittest.TestCase):
         done = []
         while wait_for_end(self.server, job := submit(self.server, **self.LARGE)) == "succeeded":
             done.append(job)
-        self.assertEqual(json.loads(exchange(self.server, "GET", job)[2])["error"]["status"], 507)
+        failed = json.loads(exchange(self.server, "GET", job)[2])
+        self.assertEqual((failed.get("error") or {}).get("status"), 507, failed)
         self.assertEqual(exchange(self.server, "DELETE", job)[0], 204)
         with (self.disk / "others").open("wb", buffering=0) as file, contextlib.suppress(OSError):
             while file.write(bytes(4096)):
