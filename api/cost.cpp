@@ -49,9 +49,11 @@ Estimate bounding(const std::variant<PolygonInput, Rectangle>& domain) {
     const auto* polygon = std::get_if<PolygonInput>(&domain);
     if (polygon == nullptr) return {};
     const auto corners = static_cast<double>(polygon->corner_count());
-    // Each edge may cross all others, which is not known yet.
+    // Each edge may cross all others, which is not known yet. Few do: of the time it counts as much as keeps a polygon
+    // that may be a tangle from passing for a short request.
+    constexpr double kPieceTime = 6 * kMicrosecond, kMostTime = 25'000 * kMicrosecond;
     const double pieces = std::min(2 * corners * corners, static_cast<double>(most_pieces(polygon->corner_count())));
-    return {corners * kBytes + pieces * kPieceBytes, corners * kTime};
+    return {corners * kBytes + pieces * kPieceBytes, corners * kTime + std::min(pieces * kPieceTime, kMostTime)};
 }
 
 /// Makes a grid's integrals, over whose cells the passes walk.
