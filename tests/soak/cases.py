@@ -67,7 +67,8 @@ def swift():
             Case("analyze-64", "/analyze", json.dumps({"points": points, "domain": TORUS, "max_frequency": 1}).encode(),
                  JSON),
             sample("start-64", sites=64, domain=TORUS, iterations=0, mesh=True),
-            sample("bow-tie", 422, sites=9, polygon=[[0, 0], [1, 1], [1, 0], [0, 1]]),
+            sample("bow-tie", sites=9, polygon=[[0, 0], [1, 1], [1, 0], [0, 1]]),
+            sample("flat", 422, sites=9, polygon=[[0, 0], [1, 1], [2, 2]]),
             Case("no-json", "/sample", b'{"sites":', JSON, 400)]
 
 

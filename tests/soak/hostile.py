@@ -234,9 +234,12 @@ def send_bombs(me):
 
 
 def send_bad_polygons(me):
-    for ring in ([[0, 0], [1, 1], [1, 0], [0, 1]], [[0, 0], [1, 0], [2, 0]], [[0, 0], [1, 0]],
-                 [[me.random.random(), me.random.random()] for _ in range(200)]):
+    tangle = [[me.random.random(), me.random.random()] for _ in range(200)]
+    for ring in ([[0, 0], [1, 1], [1, 0], [0, 1]], tangle):
+        me.ask("/sample", json.dumps({"sites": 9, "polygon": ring, "invalid": "reject"}).encode(), 422)
+    for ring in ([[0, 0], [1, 0], [2, 0]], [[0, 0], [1, 0]]):
         me.ask("/sample", json.dumps({"sites": 9, "polygon": ring}).encode(), 400, 422)
+    me.ask("/sample", json.dumps({"sites": 9, "polygon": tangle}).encode(), 200)
 
 
 def send_deep_json(me):
