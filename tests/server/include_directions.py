@@ -14,7 +14,7 @@ FOLDERS = ("core", "api", "server")
 FLOORS_WITHOUT_CIRCLES = ("core", "api", "server")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
-#What a header may be included by, for all that not every folder may include : the first match decides.
+# What a header may be included by, for all that not every folder may include: the first match decides.
 RULES = (
     (re.compile(r"^server/"), ("server/",)),
     (re.compile(r"^api/"), ("api/", "server/")),
