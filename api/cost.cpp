@@ -99,20 +99,26 @@ double longer_side(const HalftoneRequest& request) {
 
 /// Counts dots at most, where their radius decides on it: a solid picture takes twice what it would without overlaps.
 double most_sites(const HalftoneRequest& request, const Limits& limits) {
-    constexpr double kPi = 3.141592653589793, kOverlaps = 2;
+    constexpr double kPi = 3.141592653589793, kOverlaps = 2, kLeastArea = 1e-12;
     if (request.sites) return static_cast<double>(*request.sites);
     const double ink = static_cast<double>(request.image.header.pixels()) * inks_of(request);
     const auto usual = static_cast<double>(default_sites(ink, limits.max_sites));
     if (!request.dot) return usual;
+    const auto filling = [&](double disc_radius) {
+        return std::clamp(kOverlaps * ink / std::max(kPi * disc_radius * disc_radius, kLeastArea), 1.0,
+                          static_cast<double>(limits.max_sites));
+    };
     const double radius = request.dot->length, most = static_cast<double>(limits.max_sites);
     if (request.dot->millimetres) {
         const double pixel = *request.drawing.width_mm / shorter_side(request);
-        return std::clamp(kOverlaps * ink / (kPi * std::pow(radius / pixel, 2)), 1.0, most);
+        return filling(radius / pixel);
     }
-    if (request.scale) return std::clamp(kOverlaps * ink / (kPi * std::pow(radius / *request.scale, 2)), 1.0, most);
+    if (request.scale) return filling(radius / *request.scale);
     // A chosen scale makes dots of the usual number less than twice as large as is wanted of them.
     constexpr double kLargest = 6;
-    return std::clamp(kOverlaps * std::max(usual * kLargest * kLargest, ink / kPi) / (radius * radius), 1.0, most);
+    return std::clamp(
+        kOverlaps * std::max(usual * kLargest * kLargest, ink / kPi) / std::max(radius * radius, kLeastArea), 1.0,
+        most);
 }
 
 /// Radius that is asked for, in output pixels.

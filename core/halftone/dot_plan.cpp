@@ -113,7 +113,9 @@ DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, 
 
     DotPlan plan;
     plan.radius = radius(demand);
-    const double area = kPi * plan.radius * plan.radius;
+    // Numbers of dots are floats, and their sums finite, however small the radius that is asked for.
+    constexpr double kLeastArea = 1e-12;
+    const double area = std::max(kPi * plan.radius * plan.radius, kLeastArea);
     const double factor = wish.sites && wish.radius ? find_factor(demand, discs, sites * area) : 1;
     plan.tone = discs.tone(demand, factor);
     for (std::size_t ink = 0; ink < cover.size(); ++ink) {
