@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 #include "api/json/json_document.h"
 #include "api/run/estimate.h"
 #include "core/geometry/repair.h"
+#include "core/halftone/dot_plan.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/tone.h"
 
@@ -99,26 +101,21 @@ double longer_side(const HalftoneRequest& request) {
 
 /// Counts dots at most, where their radius decides on it: a solid picture takes twice what it would without overlaps.
 double most_sites(const HalftoneRequest& request, const Limits& limits) {
-    constexpr double kPi = 3.141592653589793, kOverlaps = 2, kLeastArea = 1e-12;
     if (request.sites) return static_cast<double>(*request.sites);
     const double ink = static_cast<double>(request.image.header.pixels()) * inks_of(request);
     const auto usual = static_cast<double>(default_sites(ink, limits.max_sites));
     if (!request.dot) return usual;
-    const auto filling = [&](double disc_radius) {
-        return std::clamp(kOverlaps * ink / std::max(kPi * disc_radius * disc_radius, kLeastArea), 1.0,
-                          static_cast<double>(limits.max_sites));
+    const auto filling = [&](double pixels, double radius) {
+        constexpr double kOverlaps = 2;
+        const double area = std::max(std::numbers::pi * radius * radius, kLeastDotArea);
+        return std::clamp(kOverlaps * pixels / area, 1.0, static_cast<double>(limits.max_sites));
     };
-    const double radius = request.dot->length, most = static_cast<double>(limits.max_sites);
-    if (request.dot->millimetres) {
-        const double pixel = *request.drawing.width_mm / shorter_side(request);
-        return filling(radius / pixel);
-    }
-    if (request.scale) return filling(radius / *request.scale);
+    const double radius = request.dot->length;
+    if (request.dot->millimetres) return filling(ink, radius / *request.drawing.width_mm * shorter_side(request));
+    if (request.scale) return filling(ink, radius / *request.scale);
     // A chosen scale makes dots of the usual number less than twice as large as is wanted of them.
     constexpr double kLargest = 6;
-    return std::clamp(
-        kOverlaps * std::max(usual * kLargest * kLargest, ink / kPi) / std::max(radius * radius, kLeastArea), 1.0,
-        most);
+    return filling(std::max(usual * kLargest * kLargest * std::numbers::pi, ink), radius);
 }
 
 /// Radius that is asked for, in output pixels.

@@ -11,14 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include "api/image/broken_image.h"
 #include "api/image/containers.h"
 
 namespace ccdt::api {
 namespace {
-
-tl::unexpected<Error> broken() {
-    return failure(ErrorCode::Unusable, "the image is broken or cut short");
-}
 
 enum Compression : std::uint32_t { kNone = 0, kRuns8 = 1, kRuns4 = 2, kFields = 3, kAlphaFields = 6 };
 
@@ -279,14 +276,14 @@ private:
 
 Result<RowSource> open_bmp(std::string_view bytes) {
     const auto layout = read_layout(bytes);
-    if (!layout) return broken();
+    if (!layout) return broken_image();
     if (!is_known(*layout)) {
         return failure(ErrorCode::Unusable, "the image is of a kind that is not read: a BMP of " +
                                                 std::to_string(layout->bits) + " bits a pixel, compressed in way " +
                                                 std::to_string(layout->compression));
     }
     const auto pixels = std::make_shared<Pixels>(bytes, *layout);
-    if (!pixels->open()) return broken();
+    if (!pixels->open()) return broken_image();
     RowSource source;
     source.width = static_cast<int>(layout->width);
     source.height = static_cast<int>(layout->height);

@@ -9,14 +9,11 @@
 #include <span>
 #include <vector>
 
+#include "api/image/broken_image.h"
 #include "api/image/containers.h"
 
 namespace ccdt::api {
 namespace {
-
-tl::unexpected<Error> broken() {
-    return failure(ErrorCode::Unusable, "the image is broken or cut short");
-}
 
 /// Numbers of a file, one after the other; past its end they are 0, and it is no longer whole.
 class Cursor {
@@ -258,7 +255,7 @@ Result<RowSource> open_gif(std::string_view bytes) {
     file.take(2);  // the colour of the ground, which nobody shows, and the shape of pixels
     const auto frame = std::make_shared<Frame>();
     frame->palette = read_palette(file, flags);
-    if (!find_frame(file, source.width, source.height, *frame)) return broken();
+    if (!find_frame(file, source.width, source.height, *frame)) return broken_image();
 
     const bool covers = frame->place.width == source.width && frame->place.height == source.height;
     source.channels = covers && !frame->transparent ? 3 : 4;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "api/image/bmp_reader.h"
+#include "api/image/broken_image.h"
 #include "api/image/colour_profile.h"
 #include "api/image/colour_tags.h"
 #include "api/image/gif_reader.h"
@@ -29,10 +30,6 @@ struct Size {
     std::uint64_t width = 0;
     std::uint64_t height = 0;
 };
-
-tl::unexpected<Error> broken() {
-    return failure(ErrorCode::Unusable, "the image is broken or cut short");
-}
 
 /// Where the pixels of the file's rows go in the upright picture.
 struct Placement {
@@ -297,7 +294,7 @@ Result<PictureOf<AnyDraft>> read_pixels(const RowSource& source, const Encoding&
     const AnyDraft draft(placement.size, encoding.alpha >= 0, make_plane);
     for (int begin = 0; begin < source.height; begin += std::min(step, source.height - begin)) {
         const int end = begin + std::min(step, source.height - begin);
-        if (!source.read(begin, end, rows.data())) return broken();
+        if (!source.read(begin, end, rows.data())) return broken_image();
         for (int y = begin; y < end; ++y) {
             store_row(rows.data() + static_cast<std::size_t>(y - begin) * row_size, source.width, reader, encoding,
                       placement, y, draft);
@@ -368,7 +365,7 @@ Result<PictureOf<AnyDraft>> decode(std::string_view bytes, std::size_t max_pixel
     try {
         return read_file<AnyDraft>(bytes, *header, make_plane);
     } catch (...) {
-        return broken();
+        return broken_image();
     }
 }
 

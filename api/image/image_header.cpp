@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "api/image/broken_image.h"
 #include "api/image/colour_tags.h"
 #include "api/image/containers.h"
 
@@ -16,10 +17,6 @@ constexpr uint64_t kReaderBytes = uint64_t{16} << 20;     ///< of any file
 constexpr uint64_t kConvertedBytes = uint64_t{64} << 20;  ///< asked for by the library if samples must be converted
 constexpr uint64_t kProfileBytes = uint64_t{32} << 20;    ///< of a profile's tables, besides a copy of the file
 constexpr uint64_t kRowBytes = 48;                        ///< of rows that are read, a pixel of their width
-
-tl::unexpected<Error> broken() {
-    return failure(ErrorCode::Unusable, "the image is broken or cut short");
-}
 
 /// Tells whether all chunks are there, up to the last. Where they end early the reader leaks memory.
 bool is_whole_png(std::string_view bytes) {
@@ -41,7 +38,7 @@ Result<ImageHeader> read_png(std::string_view bytes) {
     const auto depth = reader.read(24, 1);
     const auto colour = reader.read(25, 1);
     const auto interlaced = reader.read(28, 1);
-    if (reader.read(12, 4) != kHeaderChunk || !interlaced || *colour > 6 || !is_whole_png(bytes)) return broken();
+    if (reader.read(12, 4) != kHeaderChunk || !interlaced || *colour > 6 || !is_whole_png(bytes)) return broken_image();
     ImageHeader header{ImageFormat::Png, *width, *height, 0};
     const uint64_t sample = *depth > 8 ? 2 : 1;
     // One more for the transparency that a chunk may give any of them.
@@ -56,13 +53,13 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
     while (const auto segment = jpeg_segment(bytes, at)) {
         const std::uint32_t name = segment->marker;
         const bool frame = name >= 0xC0 && name <= 0xCF && name != 0xC4 && name != 0xC8 && name != 0xCC;
-        if (name == kEnd || name == kScan) return broken();
+        if (name == kEnd || name == kScan) return broken_image();
         if (frame) {
             const ByteReader reader(segment->data, true);
             const auto height = reader.read(1, 2);
             const auto width = reader.read(3, 2);
             const auto channels = reader.read(5, 1);
-            if (!channels) return broken();
+            if (!channels) return broken_image();
             ImageHeader header{ImageFormat::Jpeg, *width, *height, 0};
             // A baseline picture may come in several scans too, which its frame does not say.
             constexpr uint64_t kCoefficient = 2, kBlock = 16;  // bytes; pixels that sides are rounded up to
@@ -72,7 +69,7 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
         }
         at = segment->end;
     }
-    return broken();
+    return broken_image();
 }
 
 constexpr std::size_t kRiffHeader = 8;  ///< a chunk's name and size
@@ -111,7 +108,7 @@ Result<ImageHeader> read_tiff(std::string_view bytes) {
     const TiffDirectory directory(bytes);
     const auto width = directory.number(tiff::kWidth);
     const auto height = directory.number(tiff::kHeight);
-    if (!width || !height) return broken();
+    if (!width || !height) return broken_image();
     const auto bits = directory.number(tiff::kBitsPerSample);
     // The reader takes what is missing for 8 where the format says 1, and returns memory that it never wrote.
     if (!bits) {
@@ -131,7 +128,7 @@ Result<ImageHeader> read_gif(std::string_view bytes) {
     const ByteReader reader(bytes, false);
     const auto width = reader.read(6, 2);
     const auto height = reader.read(8, 2);
-    if (!width || !height) return broken();
+    if (!width || !height) return broken_image();
     ImageHeader header{ImageFormat::Gif, *width, *height, 0};
     header.decoder_bytes = header.pixels();
     return header;
@@ -146,7 +143,7 @@ Result<ImageHeader> read_bmp(std::string_view bytes) {
     const bool is_old = reader.read(kBmpInfo, 4) == kOldInfo;
     const auto width = reader.read(kBmpInfo + 4, is_old ? 2 : 4);
     const auto height = reader.read(kBmpInfo + (is_old ? 6 : 8), is_old ? 2 : 4);
-    if (!width || !height) return broken();
+    if (!width || !height) return broken_image();
     // Below 0 where the rows stand from the top.
     const std::int64_t rows = is_old ? std::int64_t{*height} : static_cast<std::int32_t>(*height);
     ImageHeader header{ImageFormat::Bmp, *width, static_cast<uint64_t>(rows < 0 ? -rows : rows), 0};
@@ -169,7 +166,7 @@ Result<ImageHeader> read(std::string_view bytes, ImageFormat format) {
         case ImageFormat::Bmp:
             return read_bmp(bytes);
     }
-    return broken();
+    return broken_image();
 }
 
 using namespace std::string_view_literals;
@@ -241,7 +238,7 @@ Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pi
     if (!format) return tl::unexpected(format.error());
     auto header = read(bytes, *format);
     if (!header) return header;
-    if (header->width == 0 || header->height == 0) return broken();
+    if (header->width == 0 || header->height == 0) return broken_image();
     if (header->width <= max_pixels / header->height) {
         header->decoder_bytes += kReaderBytes + header->width * kRowBytes;
         if (may_have_profile(bytes, *format)) header->decoder_bytes += kProfileBytes + bytes.size();

@@ -8,14 +8,12 @@
 
 #include <jpeglib.h>
 
+#include "api/image/broken_image.h"
+
 namespace ccdt::api {
 namespace {
 
 constexpr int kInks = 4;
-
-tl::unexpected<Error> broken() {
-    return failure(ErrorCode::Unusable, "the image is broken or cut short");
-}
 
 /// libjpeg leaves it by a jump wherever it fails, so members have nothing that would need to be destroyed.
 class InkJpeg {
@@ -76,7 +74,7 @@ private:
 Result<RowSource> open_ink_jpeg(std::string_view bytes) {
     constexpr int kRows = 16;
     const auto file = std::make_shared<InkJpeg>(bytes);
-    if (!file->open()) return broken();
+    if (!file->open()) return broken_image();
     RowSource source;
     source.width = file->width();
     source.height = file->height();

@@ -9,6 +9,8 @@
 #include <mutex>
 #include <string>
 
+#include "api/image/broken_image.h"
+
 namespace ccdt::api {
 namespace {
 
@@ -29,10 +31,6 @@ const char* plugin_name(ImageFormat format) {
     return "";
 }
 
-tl::unexpected<Error> broken() {
-    return failure(ErrorCode::Unusable, "the image is broken or cut short");
-}
-
 tl::unexpected<Error> unusual(const char* what) {
     return failure(ErrorCode::Unusable, std::string("the image is of a kind that is not read: ") + what);
 }
@@ -44,8 +42,8 @@ std::uint64_t pixels_of(int width, int height) {
 /// What the reader makes of the header must be what was made of it before.
 Result<void> check_spec(const OIIO::ImageSpec& spec, const ImageHeader& header) {
     constexpr int kMaxChannels = 5;  // CMYK and alpha
-    if (spec.width < 1 || spec.height < 1) return broken();
-    if (pixels_of(spec.width, spec.height) != header.pixels()) return broken();
+    if (spec.width < 1 || spec.height < 1) return broken_image();
+    if (pixels_of(spec.width, spec.height) != header.pixels()) return broken_image();
     if (spec.depth > 1 || spec.deep) return unusual("more than two dimensions");
     if (spec.nchannels < 1 || spec.nchannels > kMaxChannels) return unusual("an odd number of channels");
     if (spec.tile_width > 0 && pixels_of(spec.tile_width, spec.tile_height) > header.pixels() + kMostTilePixels)
@@ -150,7 +148,7 @@ Result<RowSource> open_by_library(std::string_view bytes, const ImageHeader& hea
     OIIO::ImageSpec wishes;
     wishes.attribute("oiio:UnassociatedAlpha", 1);
     if (keep_inks) wishes.attribute("oiio:RawColor", 1);
-    if (!file->input->open("image", file->spec, wishes)) return broken();
+    if (!file->input->open("image", file->spec, wishes)) return broken_image();
     if (auto checked = check_spec(file->spec, header); !checked) return tl::unexpected(checked.error());
 
     RowSource source = describe(file->spec);

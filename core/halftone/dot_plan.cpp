@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "core/halftone/blur.h"
@@ -13,7 +14,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kPi = 3.141592653589793;
+constexpr double kPi = std::numbers::pi;
 
 /// What is to be covered, sorted by what is to be covered around there.
 class Demand {
@@ -113,9 +114,7 @@ DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, 
 
     DotPlan plan;
     plan.radius = radius(demand);
-    // Numbers of dots are floats, and their sums finite, however small the radius that is asked for.
-    constexpr double kLeastArea = 1e-12;
-    const double area = std::max(kPi * plan.radius * plan.radius, kLeastArea);
+    const double area = std::max(kPi * plan.radius * plan.radius, kLeastDotArea);
     const double factor = wish.sites && wish.radius ? find_factor(demand, discs, sites * area) : 1;
     plan.tone = discs.tone(demand, factor);
     for (std::size_t ink = 0; ink < cover.size(); ++ink) {

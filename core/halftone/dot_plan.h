@@ -7,6 +7,10 @@
 
 namespace ccdt {
 
+/// Area, in pixels of the picture, below which dots are counted as if they had it, however small their radius: so the
+/// numbers of dots that fill a picture are finite.
+inline constexpr double kLeastDotArea = 1e-12;
+
 /// What is settled of the dots: one of the two at least.
 struct DotWish {
     std::optional<std::size_t> sites;  ///< of all inks together, >= 1

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include "core/halftone/diffusion.h"
@@ -13,7 +14,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kPi = 3.141592653589793;
+constexpr double kPi = std::numbers::pi;
 
 /// Calls visit(pixel, squared distance) for the pixels whose centres lie within a reach of a point, and a few more.
 template <class Visit>

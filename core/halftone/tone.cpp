@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 namespace ccdt {
@@ -51,7 +52,7 @@ double default_scale(const std::vector<float>& coverage, std::size_t sites) {
 }
 
 double default_scale(double ink, std::size_t pixels, std::size_t sites) {
-    constexpr double kPi = 3.141592653589793;
+    constexpr double kPi = std::numbers::pi;
     constexpr double kRadius = 3;  // canvas pixels: a binary disc of this size looks round
     const double radius = std::sqrt(ink / (kPi * static_cast<double>(sites)));
     const double wanted = std::max(1.0, std::ceil(kRadius / std::max(radius, 1e-6)));

@@ -1,6 +1,7 @@
 #include "core/polish/ink_push.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/polish/cell_list.h"
@@ -9,7 +10,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kPi = 3.141592653589793;
+constexpr double kPi = std::numbers::pi;
 
 /// Direction in which a site goes that stands where another one does: a different one for each.
 Point own_way(std::uint32_t site) {

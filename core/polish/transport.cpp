@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 #include <type_traits>
 
 namespace ccdt {
@@ -11,7 +12,7 @@ namespace ccdt {
 namespace {
 
 constexpr std::size_t kStopStride = 65536;  ///< sites between two looks at the stop token
-constexpr double kPi = 3.141592653589793;
+constexpr double kPi = std::numbers::pi;
 
 constexpr double kCellsPerSpacing = 2;  ///< a grid's highest frequency is one cycle a spacing, just above kShortest
 /// Highest frequency that is looked at, in cycles a spacing: share_undone() of it is below 1e-16 for uniform densities,
