@@ -57,7 +57,8 @@ bool Circumcentres::step() {
 }
 
 void Circumcentres::weigh() {
-    // Measured: what brings the density along the border closest to the wanted one.
+    // Benchmark OdtBorderPattern: with 1.5 too few sites stand within one and a half spacings of the border, with 3 too
+    // many within one.
     constexpr double kBorderWeight = 2;
     const CapacityIntegral& capacity = sites_.capacity();
     if (!capacity.is_uniform()) capacity.of_triangles(mesh_, capacities_);

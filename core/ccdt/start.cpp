@@ -213,6 +213,8 @@ Point StartSites::draw(std::size_t site, int attempt) const {
 }
 
 Point StartSites::draw_stream(std::uint64_t stream, int attempt, const Rectangle& box) const {
+    // One try in as many as a cell has pixels is accepted at the least; of 64 megapixels a cell has 16, and all tries
+    // fail for one site in 10^7, which then lies anywhere in its cell.
     constexpr int kTries = 256;
     Random random(seed_, stream + (static_cast<std::uint64_t>(attempt) << 40));
     double x = 0, y = 0;

@@ -83,6 +83,8 @@ void move_to(const UnitFrame& frame, RingInput& ring) {
 /// @param frame  of the rings; replaced
 Result<std::vector<Ring>> tighten(std::vector<Ring> rings, UnitFrame& frame, const std::vector<RingInput>& given,
                                   const std::stop_token& stop) {
+    // Once is enough for all that tests and fuzzing tried (Domain.*, Fuzz.repair, Fuzz.run_sample); what rounding in
+    // the tighter frame makes of a ring may want it once more.
     constexpr int kTries = 8;
     for (int i = 0; i < kTries; ++i) {
         const auto box = bounds_of(rings, [](const Ring& ring) -> const Ring& { return ring; });

@@ -23,8 +23,9 @@ constexpr Row kVarying{
     {.rounds = 4, .reach = 0.93, .push = 0.4, .even_rounds = 3, .near_rounds = 2, .nearest = 0.72},
     {.rounds = 20, .reach = 0.93, .push = 0.4, .even_rounds = 10, .near_rounds = 2, .nearest = 0.72},
 };
-// Benchmark InksPattern: shorter reaches between inks, or fewer rounds, lose distance between them. The last round
-// costs distance, too, but without it the tone of each ink is lost: DistributeInks.KeepsTheToneOfEachInk.
+// Benchmark InksPattern: shorter reaches between inks, or fewer rounds, lose distance between them, as does never
+// finding neighbours anew where the density varies (a fiftieth of it; doing so each round gains no more). The last
+// round costs distance, too, but without it the tone of each ink is lost: DistributeInks.KeepsTheToneOfEachInk.
 constexpr Row kInks{
     {.rounds = 10,
      .even_every = 2,

@@ -20,7 +20,9 @@ constexpr double kCellsPerSpacing = 2;  ///< a grid's highest frequency is one c
 constexpr double kShortest = 0.95;
 /// Longest move in spacings: two neighbours, 1.07 spacings apart in a hexagonal grid, keep half of their distance.
 constexpr double kLongestMove = 0.25;
-constexpr std::size_t kMostOctaves = 6;  ///< spacings of 1 to 32, densities of 1 to 1,000
+/// Spacings of 1 to 32, densities of 1 to 1,000: in linear light 8 bits have 1 to 113, which with kCaution are 4.1
+/// octaves.
+constexpr std::size_t kMostOctaves = 6;
 /// Most of the finest spacing's density over the mean one: with 4 cells a spacing squared that makes 16 cells a site.
 constexpr double kMostContrast = 4;
 

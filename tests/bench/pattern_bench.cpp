@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "core/analysis/analysis.h"
 #include "core/analysis/nonuniform_transform.h"
+#include "core/baselines/odt.h"
 #include "core/ccdt/ccdt.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "tests/support/pictures.h"
@@ -27,7 +29,7 @@ std::vector<Point> points_of(const Domain& domain, const Density& density, std::
 
 /// Quality of uniform patterns around a torus, of 10 sets of 4,096 sites: distances over those of a hexagonal grid, and
 /// power of white noise. What more rounds of the polish, or a longer reach, gain in distance shows in the highest peak.
-/// Argument of all benchmarks here: quality (0 draft, 1 standard, 2 best).
+/// First argument of all benchmarks here but OdtBorderPattern: quality (0 draft, 1 standard, 2 best).
 void TorusPattern(benchmark::State& state) {
     const Domain domain = *Domain::torus(1, 1);
     std::vector<std::vector<Point>> sets;
@@ -42,17 +44,17 @@ void TorusPattern(benchmark::State& state) {
     state.counters["peak"] = *std::ranges::max_element(analysis.power);
 }
 
-/// Number of sites within 1 and 1.5 mean spacings of the border of a square over the share of the area that lies there,
+/// Counts sites within 1 and 1.5 mean spacings of the border of a square, over the share of the area that lies there,
 /// of 10 sets of 4,096 sites.
-void BorderPattern(benchmark::State& state) {
+/// @param points_of  number of sites and seed to points
+template <class Points>
+void count_at_border(benchmark::State& state, Points&& points_of) {
     constexpr std::size_t kSites = 4096;
-    const Domain domain = *Domain::rectangle(1, 1);
     const double spacing = 1 / std::sqrt(static_cast<double>(kSites));
     std::vector<double> depths;
     for (auto _ : state) {
         for (int seed = 1; seed <= kSeeds; ++seed) {
-            for (const Point p : points_of(domain, Density::uniform(), kSites, seed, state))
-                depths.push_back(std::min({p.x, 1 - p.x, p.y, 1 - p.y}));
+            for (const Point p : points_of(kSites, seed)) depths.push_back(std::min({p.x, 1 - p.x, p.y, 1 - p.y}));
         }
     }
     const auto crowding = [&](double spacings) {
@@ -62,6 +64,23 @@ void BorderPattern(benchmark::State& state) {
     };
     state.counters["within_1"] = crowding(1);
     state.counters["within_1.5"] = crowding(1.5);
+}
+
+void BorderPattern(benchmark::State& state) {
+    const Domain domain = *Domain::rectangle(1, 1);
+    count_at_border(
+        state, [&](std::size_t sites, int seed) { return points_of(domain, Density::uniform(), sites, seed, state); });
+}
+
+void OdtBorderPattern(benchmark::State& state) {
+    const Domain domain = *Domain::rectangle(1, 1);
+    count_at_border(state, [&](std::size_t sites, int seed) {
+        Options options;
+        options.sites = sites;
+        options.seed = static_cast<std::uint64_t>(seed);
+        options.iterations = kOdtIterations;
+        return odt(domain, Density::uniform(), options)->points;
+    });
 }
 
 /// Errors of tone against one picture over the unit square.
@@ -107,7 +126,7 @@ public:
 
 private:
     static constexpr int kHighest = 96;  ///< half periods a side; a blur by one spacing of 4,096 dots leaves none above
-    static constexpr double kPi = 3.141592653589793;
+    static constexpr double kPi = std::numbers::pi;
 
     static double sinc(double cycles) { return cycles == 0 ? 1 : std::sin(kPi * cycles) / (kPi * cycles); }
 
@@ -153,11 +172,12 @@ void add_distances(const std::vector<Point>& from, const std::vector<Point>& to,
     }
 }
 
-/// Distances in a flat tint of three inks, 10 sets of 1,500 dots: between inks the first percentile, over the
-/// hexagonal grid of all dots, and within the largest ink the mean, over its own.
+/// Distances in three inks, 10 sets of 1,500 dots: between inks the first percentile, over the hexagonal grid of all
+/// dots, and within the largest ink the mean, over its own.
+/// Second argument: 0 a flat tint, 1 a shaded body on white ground.
 void InksPattern(benchmark::State& state) {
     const Domain domain = *Domain::rectangle(1, 1);
-    const std::vector<Density> densities(3, Density::uniform());
+    const std::vector<Density> densities(3, state.range(1) == 0 ? Density::uniform() : test::pear());
     const std::vector<std::size_t> counts{700, 500, 300};
     Options options;
     options.quality = static_cast<Quality>(state.range(0));
@@ -187,8 +207,9 @@ void InksPattern(benchmark::State& state) {
 
 BENCHMARK(TorusPattern)->DenseRange(0, 2)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(BorderPattern)->DenseRange(0, 2)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(OdtBorderPattern)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(PictureTone)->DenseRange(0, 2)->Iterations(1)->Unit(benchmark::kMillisecond);
-BENCHMARK(InksPattern)->DenseRange(0, 2)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(InksPattern)->ArgsProduct({{0, 1, 2}, {0, 1}})->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace ccdt::bench
