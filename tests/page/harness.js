@@ -125,9 +125,17 @@ async function compareIn([now, then]) {
   return result;
 }
 
-/** Compares a screenshot with the one that is kept, at a quarter of the size and with some tolerance for letters. */
+/**
+ * Compares a screenshot with the one that is kept, at a quarter of the size and with some tolerance for letters. Formats,
+ * which are the server's to list, are left out.
+ */
 export async function looksAsKept(world, target, name) {
+  const showFormats = (display) => (target.page?.() ?? target).evaluate((how) => {
+    for (const place of document.querySelectorAll(".downloads")) place.style.display = how;
+  }, display);
+  await showFormats("none");
   const shot = await target.screenshot({ animations: "disabled" });
+  await showFormats("");
   const file = path.join(kept, `${name}.png`);
   const then = process.env.CCDT_UPDATE ? null : await readFile(file);
   const blank = await world.browser.newPage();

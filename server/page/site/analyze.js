@@ -1,12 +1,12 @@
-// How even what was made is, beside white noise and the other methods.
+// How even what was made is, beside each method's points.
 
-import { postJson } from "./api.js";
+import { capabilities, postJson } from "./api.js";
 import { chart } from "./chart.js";
 import { count, make } from "./dom.js";
 import { Panel } from "./panel.js";
 import { largestSquare, ringsOf, unitTorus } from "./shape.js";
 
-const methods = [["random", "White noise"], ["cvt", "CVT"], ["odt", "ODT"], ["ccvt", "CCVT"], ["ccdt", "CCDT"]];
+const methods = capabilities.sample.methods.toReversed();  // the one that this server is for comes last
 const mostToAnalyze = 131072;
 const mostToCompare = 1024;  // CCVT takes a second for these
 const whitest = 2.5;  // power
@@ -59,9 +59,9 @@ export class Analyze extends Panel {
       this.find(".note").textContent = note;
       await this.#measure("What was made", points, domain, signal);
       const sites = Math.min(points.length, mostToCompare);
-      for (const [method, name] of methods) {
-        const other = await postJson("/sample", { sites, method, domain: unitTorus, seed: 1 }, signal);
-        await this.#measure(name, other.points, unitTorus, signal);
+      for (const { name, title } of methods) {
+        const other = await postJson("/sample", { sites, method: name, domain: unitTorus, seed: 1 }, signal);
+        await this.#measure(title, other.points, unitTorus, signal);
       }
       this.status.textContent = `Compared with ${count(sites)} points of each method on a torus`;
     });
