@@ -16,13 +16,9 @@ struct FileFormat {
     std::string content_type() const { return std::string(media_type) += parameters; }
 };
 
+// Those of more than one table of formats; others stand in their rows.
 inline constexpr FileFormat kJson{"json", "JSON", "json", "application/json", ""};
-inline constexpr FileFormat kCsv{"csv", "CSV", "csv", "text/csv", "; header=present"};
-inline constexpr FileFormat kGeoJson{"geojson", "GeoJSON", "geojson", "application/geo+json", ""};
-inline constexpr FileFormat kNpy{"npy", "NPY", "npy", "application/x-npy", ""};  // NumPy has registered none
 inline constexpr FileFormat kSvg{"svg", "SVG", "svg", "image/svg+xml", ""};
 inline constexpr FileFormat kPng{"png", "PNG", "png", "image/png", ""};
-inline constexpr FileFormat kWebP{"webp", "WebP", "webp", "image/webp", ""};
-inline constexpr FileFormat kTiff{"tiff", "TIFF", "tiff", "image/tiff", ""};
 
 }  // namespace ccdt::api

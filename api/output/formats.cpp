@@ -27,13 +27,19 @@ std::string list_npy(std::span<const InkDots> inks, const Report&, const std::st
 }
 
 constexpr PointFormat kPngPoints{kPng, {}, {}, RasterWriter{kAnySide, write_png}};
-constexpr PointFormat kTiffPoints{kTiff, {}, {}, RasterWriter{kAnySide, write_tiff}};
-constexpr PointFormat kWebPPoints{kWebP, {}, kColours, RasterWriter{kMaxWebPSide, write_webp}};
+constexpr PointFormat kTiffPoints{
+    {"tiff", "TIFF", "tiff", "image/tiff", ""}, {}, {}, RasterWriter{kAnySide, write_tiff}};
+constexpr PointFormat kWebPPoints{
+    {"webp", "WebP", "webp", "image/webp", ""}, {}, kColours, RasterWriter{kMaxWebPSide, write_webp}};
 constexpr PointFormat kSvgPoints{kSvg, kPath, {}, VectorWriter{write_svg}};
 constexpr PointFormat kJsonPoints{kJson, kNumbers, {}, ListWriter{false, write_json}};
-constexpr PointFormat kGeoJsonPoints{kGeoJson, kNumbers, {}, ListWriter{true, write_feature}};
-constexpr PointFormat kCsvPoints{kCsv, kNumbers, {}, ListWriter{true, list_csv}};
-constexpr PointFormat kNpyPoints{kNpy, kNumbers, {}, ListWriter{true, list_npy}};
+constexpr PointFormat kGeoJsonPoints{
+    {"geojson", "GeoJSON", "geojson", "application/geo+json", ""}, kNumbers, {}, ListWriter{true, write_feature}};
+constexpr PointFormat kCsvPoints{
+    {"csv", "CSV", "csv", "text/csv", "; header=present"}, kNumbers, {}, ListWriter{true, list_csv}};
+// NumPy has registered no media type.
+constexpr PointFormat kNpyPoints{
+    {"npy", "NPY", "npy", "application/x-npy", ""}, kNumbers, {}, ListWriter{true, list_npy}};
 
 constexpr const PointFormat* kHalftoneFormats[] = {&kPngPoints, &kJsonPoints, &kSvgPoints, &kCsvPoints,
                                                    &kNpyPoints, &kWebPPoints, &kTiffPoints};

@@ -86,7 +86,7 @@ void check_points(const std::vector<Point>& points, const api::HalftoneRequest& 
 }
 
 void check_answer(const api::HalftoneRequest& request, const api::Answer& answer) {
-    CCDT_CHECK(!answer.partial && !answer.media_type.empty() && answer.pixels > 0);
+    CCDT_CHECK(!answer.partial && !answer.media_type.empty() && !answer.body.empty() && answer.pixels > 0);
     const std::string_view format = request.format->file.name;
     if (format == "png") return check_signature(answer.body, "\x89PNG\r\n");
     if (format == "webp") return check_signature(answer.body, "RIFF");

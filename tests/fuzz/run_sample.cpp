@@ -145,7 +145,8 @@ Made make(const api::SampleRequest& request) {
 }
 
 void check_answer(const api::SampleRequest& request, const api::Answer& answer) {
-    CCDT_CHECK(answer.sites == request.run.sites && !answer.partial && !answer.media_type.empty());
+    CCDT_CHECK(answer.sites == request.run.sites && !answer.partial && !answer.media_type.empty() &&
+               !answer.body.empty());
     const auto check = [&](const std::vector<Point>& points) {
         const auto made = make(request);
         check_points(points, request.run.sites, made.domain, made.parts);
