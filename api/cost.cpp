@@ -22,6 +22,15 @@ Cost cost(const Estimate& estimate) {
     return {static_cast<std::size_t>(estimate.bytes + kFixedBytes), estimate.seconds};
 }
 
+/// Keeps what was decoded until it has its levels.
+Estimate levelling(const HalftoneRequest& request) {
+    if (request.levels == Levels{}) return {};
+    constexpr double kTime = 0.003 * kMicrosecond;
+    const double planes = request.palette.mixing == Mixing::Cover ? 1 : 3;
+    const auto values = static_cast<double>(request.image.header.pixels()) * planes;
+    return {values * sizeof(float), values * kTime};
+}
+
 /// Bytes of a pixel: luminance, alpha, coverage and a copy turned over.
 constexpr double kGreyPlanes = 16;
 
@@ -208,7 +217,7 @@ Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
     options.sites = static_cast<std::size_t>(most_sites(request, limits));
     const Estimate placing = weighing(request) + methods().front().cost(options, false) + parting(request, options);
     const Estimate written = writing(request, static_cast<double>(options.sites), limits);
-    return cost(then(then(decoding(request), placing), written));
+    return cost(then(then(decoding(request) + levelling(request), placing), written));
 }
 
 Cost cost_of(const SampleRequest& request, const Limits& limits) {

@@ -40,6 +40,29 @@ Result<void> read_dot(const Input& input, std::optional<DotRadius>& dot) {
     return {};
 }
 
+/// Reads black point, white point and, unless it is 1, gamma.
+Result<void> read_levels(const Input& input, Levels& levels) {
+    struct Level {
+        std::string_view name;
+        double Levels::*value;
+        Interval allowed;
+    };
+    static constexpr std::array<Level, 3> kLevels = {{{"black point", &Levels::black, {.min = 0, .max = 1}},
+                                                      {"white point", &Levels::white, {.min = 0, .max = 1}},
+                                                      {"gamma", &Levels::gamma, {.min = 0.1, .max = 10}}}};
+    auto parts = read_list(input, kLevels.size(), "value");
+    if (!parts) return tl::unexpected(parts.error());
+    if (parts->size() < 2)
+        return malformed(input, "must be black point and white point, both from 0 to 1, and gamma unless it is 1");
+    for (std::size_t i = 0; i < parts->size(); ++i) {
+        Input& part = (*parts)[i];
+        part.name = input.name + ": " + std::string(kLevels[i].name);
+        if (auto read = assign(levels.*kLevels[i].value, read_number(part, kLevels[i].allowed)); !read) return read;
+    }
+    if (levels.black < levels.white) return {};
+    return malformed(input, "must have a black point below the white point");
+}
+
 /// Request on its way; what depends on several options can only be settled when all are known.
 struct Draft {
     HalftoneRequest request;
@@ -49,7 +72,7 @@ struct Draft {
     std::optional<Colour> background;
 };
 
-constexpr std::array<OptionRule<Draft>, 18> kRules = {{
+constexpr std::array<OptionRule<Draft>, 19> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
@@ -59,6 +82,7 @@ constexpr std::array<OptionRule<Draft>, 18> kRules = {{
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_deadline, read_on_deadline(i)); }},
     {"scale", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.scale, read_number(i, kScales)); }},
     {"dot", [](const Input& i, const Limits&, Draft& d) { return read_dot(i, d.request.dot); }},
+    {"levels", [](const Input& i, const Limits&, Draft& d) { return read_levels(i, d.request.levels); }},
     {"antialias", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.antialias, read_boolean(i)); }},
     {"invert", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.invert, read_boolean(i)); }},
     {"tone",

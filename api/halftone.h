@@ -14,6 +14,7 @@
 #include "api/output/formats.h"
 #include "api/run/options.h"
 #include "core/ccdt/ccdt.h"
+#include "core/halftone/levels.h"
 #include "core/halftone/tone.h"
 #include "core/result.h"
 
@@ -33,6 +34,7 @@ struct HalftoneRequest {
     Options run;                       ///< seed, iterations, passes
     std::optional<double> scale;       ///< output pixels per input pixel; none: chosen
     std::optional<DotRadius> dot;      ///< none: such that the tone is right
+    Levels levels;                     ///< of the picture, before anything else is made of it
     bool antialias = false;
     bool invert = false;  ///< dots where the picture is light; only of an ink that covers
     Tone tone = Tone::Linear;

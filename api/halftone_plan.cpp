@@ -11,6 +11,7 @@
 #include "api/output/point_drawing.h"
 #include "api/run/deadline.h"
 #include "core/halftone/dot_plan.h"
+#include "core/halftone/levels.h"
 #include "core/halftone/separation.h"
 #include "core/halftone/tone.h"
 
@@ -36,12 +37,14 @@ tl::unexpected<Error> about_image(const Error& error, const HalftoneRequest& req
 Result<Separation> separate_picture(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                                     const std::stop_token& stop) {
     if (request.palette.mixing == Mixing::Cover) {
-        const auto picture = decode.grey(request.image.bytes, limits.max_pixels, stop);
+        auto picture = decode.grey(request.image.bytes, limits.max_pixels, stop);
         if (!picture) return about_image(picture.error(), request);
+        picture = with_levels(*picture, request.levels);
         return Separation{{picture->width, picture->height}, {ink_coverage(*picture, request.tone, request.invert)}};
     }
-    const auto picture = decode.colour(request.image.bytes, limits.max_pixels, stop);
+    auto picture = decode.colour(request.image.bytes, limits.max_pixels, stop);
     if (!picture) return about_image(picture.error(), request);
+    picture = with_levels(*picture, request.levels);
     auto coverage = separate(*picture, ink_set(request.palette), request.tone, stop);
     if (auto going = check_stop(stop); !going) return tl::unexpected(going.error());
     return Separation{{picture->width, picture->height}, std::move(coverage)};

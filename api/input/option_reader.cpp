@@ -84,6 +84,28 @@ Result<std::string_view> read_text(const Input& input) {
     return malformed(input, "must be a string");
 }
 
+Result<std::vector<Input>> read_list(const Input& input, std::size_t most, std::string_view one) {
+    std::vector<Input> members;
+    const auto* json = std::get_if<JsonValue>(&input.value);
+    if (json != nullptr && json->is_array()) {
+        if (json->size() > most) return members;
+        for (const JsonValue value : *json) {
+            const std::string pointer = pointer_below(input.field, members.size());
+            members.push_back({pointer, pointer, value});
+        }
+        return members;
+    }
+    auto text = read_text(input);
+    if (!text) return malformed(input, "must be a string or an array");
+    auto left = text->empty() ? 0 : static_cast<std::size_t>(std::ranges::count(*text, ',')) + 1;
+    if (left > most) return members;
+    for (; left > 0; --left) {
+        const std::string name = input.name + ": " + std::string(one) + ' ' + std::to_string(members.size() + 1);
+        members.push_back({name, input.field, trim(take_until(*text, ","))});
+    }
+    return members;
+}
+
 Result<std::size_t> read_word(const Input& input, std::span<const std::string_view> words) {
     const auto text = read_text(input);
     if (!text) return tl::unexpected(text.error());

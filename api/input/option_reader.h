@@ -47,6 +47,11 @@ Result<bool> read_boolean(const Input& input);
 /// Reads a word, a colour, a base64 text; viewed where it came from.
 Result<std::string_view> read_text(const Input& input);
 
+/// Reads a list: a text with commas between its members, or a JSON array.
+/// @param one  what messages call a member that came as text
+/// @returns    the members as inputs of their own; none if there are none, or more than `most`
+Result<std::vector<Input>> read_list(const Input& input, std::size_t most, std::string_view one);
+
 /// Reads one of a few words.
 /// @returns  its index
 Result<std::size_t> read_word(const Input& input, std::span<const std::string_view> words);

@@ -6,7 +6,6 @@
 #include <string_view>
 #include <utility>
 
-#include "api/text/text.h"
 #include "core/halftone/separation.h"
 
 namespace ccdt::api {
@@ -26,29 +25,6 @@ Palette rgb() {
     return {{{"red", {255, 0, 0}}, {"green", {0, 255, 0}}, {"blue", {0, 0, 255}}}, kBlack, Mixing::Add};
 }
 
-/// Splits a palette into colours as inputs of their own; none if there are none or too many.
-Result<std::vector<Input>> split(const Input& input) {
-    std::vector<Input> parts;
-    const auto* json = std::get_if<JsonValue>(&input.value);
-    if (json != nullptr && json->is_array()) {
-        if (json->size() > kMostInks) return parts;
-        for (const JsonValue value : *json) {
-            const std::string pointer = pointer_below(input.field, parts.size());
-            parts.push_back({pointer, pointer, value});
-        }
-        return parts;
-    }
-    auto text = read_text(input);
-    if (!text) return malformed(input, "must be a string or an array of strings");
-    auto left = text->empty() ? 0 : static_cast<std::size_t>(std::ranges::count(*text, ',')) + 1;
-    if (left > kMostInks) return parts;
-    for (; left > 0; --left) {
-        const std::string name = input.name + ": colour " + std::to_string(parts.size() + 1);
-        parts.push_back({name, input.field, trim(take_until(*text, ","))});
-    }
-    return parts;
-}
-
 }  // namespace
 
 Result<Palette> read_color(const Input& input) {
@@ -57,7 +33,7 @@ Result<Palette> read_color(const Input& input) {
 }
 
 Result<Palette> read_palette(const Input& input) {
-    const auto parts = split(input);
+    const auto parts = read_list(input, kMostInks, "colour");
     if (!parts) return tl::unexpected(parts.error());
     if (parts->empty()) return malformed(input, "must have 1 to " + std::to_string(kMostInks) + " colours");
     Palette palette{{}, kWhite, Mixing::Multiply};

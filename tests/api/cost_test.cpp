@@ -165,6 +165,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         HalftoneCase{"usual", {{"scale", "2"}}, 6}, HalftoneCase{"dots", {{"sites", "65536"}, {"scale", "1"}}},
         HalftoneCase{"draft", {{"sites", "65536"}, {"quality", "draft"}, {"scale", "1"}}},
+        HalftoneCase{"levels", {{"sites", "2000"}, {"scale", "1"}, {"levels", "0.1,0.9,1.2"}}, 6},
         HalftoneCase{"large", {{"sites", "2000"}, {"scale", "12"}}},
         HalftoneCase{"smooth", {{"sites", "2000"}, {"scale", "12"}, {"antialias", "true"}}},
         HalftoneCase{"points", {{"sites", "65536"}, {"format", "json"}}},

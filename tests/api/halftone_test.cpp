@@ -42,6 +42,7 @@ TEST(HalftoneOptions, HaveTheirDefaults) {
     EXPECT_EQ(request->palette.mixing, Mixing::Cover);
     EXPECT_EQ(request->palette.inks.front().colour, kBlack);
     EXPECT_EQ(request->palette.paper, kWhite);
+    EXPECT_EQ(request->levels, Levels());
     EXPECT_FALSE(request->antialias || request->invert);
     EXPECT_EQ(request->tone, Tone::Linear);
     EXPECT_EQ(request->format->file.name, "png");
@@ -113,6 +114,36 @@ TEST(HalftoneOptions, AreRefusedByName) {
     EXPECT_EQ(parse({{"dot", "big"}}).error().message,
               "dot must be a number above 0, at most 65536, with or without mm, or auto");
     EXPECT_TRUE(parse({{"dot", "auto"}}));
+}
+
+TEST(HalftoneOptions, HaveLevels) {
+    EXPECT_EQ(parse({{"levels", "0.1,0.9"}})->levels, (Levels{0.1, 0.9, 1}));
+    EXPECT_EQ(parse({{"levels", " 0, 1 ,2.5"}})->levels, (Levels{0, 1, 2.5}));
+    const std::string image = R"({"image":")" + base64(fixture("rgba.png")) + '"';
+    const auto parse_json = [&](const std::string& levels) {
+        return parse_halftone_json(image + R"(,"levels":)" + levels + '}', {}, "", {});
+    };
+    EXPECT_EQ(parse_json("[0.1,0.9,1.2]")->levels, (Levels{0.1, 0.9, 1.2}));
+    EXPECT_EQ(parse_json("\"0.1,0.9,1.2\"")->levels, (Levels{0.1, 0.9, 1.2}));
+    const std::vector<std::pair<std::string, std::string>> wrong = {
+        {"", "levels must be black point and white point, both from 0 to 1, and gamma unless it is 1"},
+        {"0.5", "levels must be black point and white point, both from 0 to 1, and gamma unless it is 1"},
+        {"0,1,1,1", "levels must be black point and white point, both from 0 to 1, and gamma unless it is 1"},
+        {"-0.1,1", "levels: black point must be a number from 0 to 1"},
+        {"0,255", "levels: white point must be a number from 0 to 1"},
+        {"0,1,0", "levels: gamma must be a number from 0.1 to 10"},
+        {"0,1,nan", "levels: gamma must be a number from 0.1 to 10"},
+        {"0.5,0.5", "levels must have a black point below the white point"}};
+    for (const auto& [levels, message] : wrong) {
+        const auto request = parse({{"levels", levels}});
+        ASSERT_FALSE(request) << levels;
+        EXPECT_EQ(request.error().code, ErrorCode::Malformed);
+        EXPECT_EQ(request.error().field, "levels");
+        EXPECT_EQ(request.error().message, message);
+    }
+    EXPECT_EQ(parse_json("[0,2]").error().field, "/levels/1");
+    EXPECT_EQ(parse_json("[0,1,\"1\"]").error().field, "/levels/2");
+    EXPECT_EQ(parse_json("7").error().field, "/levels");
 }
 
 TEST(HalftoneOptions, StopAtTheLimitOfSites) {

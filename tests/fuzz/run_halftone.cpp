@@ -24,6 +24,8 @@ constexpr std::array<std::string_view, 6> kPalettes = {
     "#000", "#fff", "#fff,#000", "#010101,#000", "#f00,#0f0,#00f,#0ff,#f0f,#ff0", "#00f,#ff8800,#123456"};
 constexpr std::array<std::string_view, 4> kGrounds = {"transparent", "#000", "#fff", "#fefefe"};
 
+constexpr std::array<std::string_view, 4> kLevels = {"0,1,0.1", "0,1,10", "0,5e-324", "0.9999999999999999,1,10"};
+
 /// How an option's value is taken from an input.
 struct Option {
     std::string_view name;
@@ -48,7 +50,7 @@ std::string take_true(Bytes&) {
     return "true";
 }
 
-constexpr std::array<Option, 16> kOptions = {{{"sites", take_count<24, 1>},
+constexpr std::array<Option, 17> kOptions = {{{"sites", take_count<24, 1>},
                                               {"iterations", take_count<6, 0>},
                                               {"passes", take_count<4, 1>},
                                               {"quality", take_word<kQualities>},
@@ -63,11 +65,12 @@ constexpr std::array<Option, 16> kOptions = {{{"sites", take_count<24, 1>},
                                               {"width_mm", take_text},
                                               {"style", [](Bytes&) { return std::string("stroke"); }},
                                               {"tone", [](Bytes&) { return std::string("perceptual"); }},
-                                              {"on_deadline", [](Bytes&) { return std::string("partial"); }}}};
+                                              {"on_deadline", [](Bytes&) { return std::string("partial"); }},
+                                              {"levels", take_word<kLevels>}}};
 
 /// Which options there are, by the bits of a number.
 std::vector<api::TextOption> take_options(Bytes& input) {
-    const auto bits = input.take<std::uint16_t>();
+    const auto bits = input.take<std::uint32_t>();
     std::vector<api::TextOption> options{{"format", std::string(take_one(api::halftone_formats(), input)->file.name)},
                                          {"seed", take_count<3, 0>(input)}};
     for (std::size_t i = 0; i < kOptions.size(); ++i) {

@@ -291,7 +291,7 @@ class Options(ContractCase):
                     self.refuse(path, option, wrong[described["type"]])
 
     def test_have_their_defaults(self):
-        others = {"seed": 1, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "antialias": True,
+        others = {"seed": 1, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "levels": [0.2, 1], "antialias": True,
                   "invert": True, "tone": "perceptual", "foreground": "#123456", "background": "#123456",
                   "color": "cmyk", "style": "stroke", "method": "odt", "mesh": True, "max_frequency": 5, "spectrum": True,
                   "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}
@@ -329,6 +329,13 @@ class Options(ContractCase):
         for palette in ("", "red", "#abc,", "#abc #000", [], ["red"], [7], 7, ["#abc", "#abc"], six + ["#abc"],
                         ",".join(six + ["#abc"])):
             self.refuse("/halftone", "palette", palette)
+
+    def test_name_levels(self):
+        for levels in ("0,1", "0.1,0.9,1.2", " 0.1 , 0.9,1e-1", [0, 1], [0.1, 0.9, 10]):
+            self.take("/halftone", "levels", levels)
+        for levels in ("", "0.1", "0,1,1,1", "0;1", "a,b", [], [0.1], [0, 1, 1, 1], ["0", "1"], [-0.1, 1], [0, 1.1],
+                       [0, 1, 0.09], [0, 1, 10.1], 0.1):
+            self.refuse("/halftone", "levels", levels)
 
 
 class Formats(ContractCase):

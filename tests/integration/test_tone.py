@@ -98,6 +98,21 @@ class Levels(ServerCase):
         dots = self.dots_of(data, "tone=perceptual")
         self.check(lightness(luminance(data)) / 100, self.halftone(data, "?tone=perceptual").body, dots)
 
+    def test_levels_as_an_editor_sets_them(self):
+        data = (PICTURES / "camera.png").read_bytes()
+        share = numpy.clip((pixels(data) / 255 - 0.1) / 0.8, 0, 1) ** (1 / 1.5)
+        query = "levels=0.1,0.9,1.5"
+        self.check(LIGHT[numpy.round(share * 255).astype(int)], self.halftone(data, "?" + query).body,
+                   self.dots_of(data, query))
+
+    def test_levels_of_each_colour(self):
+        data = (PICTURES / "astronaut.png").read_bytes()
+        share = numpy.clip((pixels(data) / 255 - 0.1) / 0.8, 0, 1) ** (1 / 0.7)
+        seen = pixels(self.halftone(data, "?levels=0.1,0.9,0.7&color=rgb&sites=20000").body, "RGB")
+        for channel in range(3):
+            wanted = LIGHT[numpy.round(share[..., channel] * 255).astype(int)].mean()
+            self.assertAlmostEqual(LIGHT[seen[..., channel]].mean(), wanted, delta=0.01)
+
     def test_coloured_paper(self):
         data = (PICTURES / "camera.png").read_bytes()
         ink, paper = (numpy.array([LIGHT[int(part * 2, 16)] for part in colour]) @ CHANNELS

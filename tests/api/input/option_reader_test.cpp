@@ -42,6 +42,22 @@ TEST(OptionReader, ReadsIntegersFromJson) {
     }
 }
 
+TEST(OptionReader, ReadsLists) {
+    const auto numbers = [](const Input& input) {
+        const auto members = read_list(input, 3, "value");
+        std::vector<double> read;
+        for (const Input& member : *members) read.push_back(*read_number(member, {}));
+        return read;
+    };
+    EXPECT_EQ(numbers(text("1, 2.5 ,3")), (std::vector<double>{1, 2.5, 3}));
+    EXPECT_EQ(numbers(Json("[1,2.5,3]")), (std::vector<double>{1, 2.5, 3}));
+    EXPECT_TRUE(numbers(text("")).empty() && numbers(Json("[]")).empty());
+    EXPECT_TRUE(numbers(text("1,2,3,4")).empty() && numbers(Json("[1,2,3,4]")).empty());
+    EXPECT_EQ(read_list(text("1,x"), 3, "value")->back().name, "option: value 2");
+    EXPECT_EQ(read_list(Json("[1,2]"), 3, "value")->back().field, "/option/1");
+    EXPECT_FALSE(read_list(Json("{}"), 3, "value"));
+}
+
 TEST(OptionReader, ReadsNumbers) {
     constexpr Interval allowed = {.min = 0.1, .max = 16};
     EXPECT_EQ(*read_number(text("0.1"), allowed), 0.1);

@@ -1,0 +1,77 @@
+#include "core/halftone/levels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "core/halftone/tone.h"
+
+namespace ccdt {
+
+namespace {
+
+/// The transfer function of sRGB (IEC 61966-2-1).
+double encoded(double light) {
+    return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
+}
+
+double decoded(double value) {
+    return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+}
+
+/// What levels make of light, by a table of the lights from the black point to the white point.
+class LevelCurve {
+public:
+    explicit LevelCurve(const Levels& levels)
+        : black_(static_cast<float>(decoded(levels.black))),
+          white_(static_cast<float>(decoded(levels.white)) * kWhite),
+          table_(kSteps + 1) {
+        for (std::size_t i = 0; i < table_.size(); ++i) {
+            const double light = std::lerp(double{black_}, double{white_}, static_cast<double>(i) / kSteps);
+            const double share = std::clamp((encoded(light) - levels.black) / (levels.white - levels.black), 0.0, 1.0);
+            table_[i] = static_cast<float>(decoded(std::pow(share, 1 / levels.gamma)));
+        }
+    }
+
+    float operator()(float value) const {
+        const float light = to_share(value);
+        if (light >= white_) return 1;
+        if (light <= black_) return 0;
+        const float place = (light - black_) / (white_ - black_) * kSteps;
+        const auto below = std::min(static_cast<std::size_t>(place), std::size_t{kSteps - 1});
+        return std::lerp(table_[below], table_[below + 1], place - static_cast<float>(below));
+    }
+
+    Plane of(const Plane& plane) const {
+        const auto values = std::make_shared_for_overwrite<float[]>(plane.size());
+        std::ranges::transform(plane, values.get(), *this);
+        return {values, plane.size()};
+    }
+
+private:
+    static constexpr int kSteps = 1 << 15;
+    static constexpr float kWhite = 1 - 1e-6F;  // what rounding keeps from the white point is white: it gets no dots
+
+    float black_;
+    float white_;
+    std::vector<float> table_;
+};
+
+}  // namespace
+
+Picture with_levels(const Picture& picture, const Levels& levels) {
+    if (levels == Levels{}) return picture;
+    const LevelCurve curve(levels);
+    return {picture.width, picture.height, curve.of(picture.luminance), picture.alpha};
+}
+
+ColourPicture with_levels(const ColourPicture& picture, const Levels& levels) {
+    if (levels == Levels{}) return picture;
+    const LevelCurve curve(levels);
+    return {picture.width,           picture.height,         curve.of(picture.red),
+            curve.of(picture.green), curve.of(picture.blue), picture.alpha};
+}
+
+}  // namespace ccdt
