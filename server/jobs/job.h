@@ -50,9 +50,10 @@ struct Job {
     // If it has succeeded:
     std::string media_type;
     std::size_t result_bytes = 0;
-    bool partial = false;  ///< what there was by its deadline
-    std::string repaired;  ///< what was wrong with a polygon, as api::Answer has it
-    bool dropped = false;  ///< the result had to make room
+    bool partial = false;              ///< what there was by its deadline
+    std::string repaired;              ///< what was wrong with a polygon, as api::Answer has it
+    std::optional<api::DotSize> dots;  ///< as api::Answer has them
+    bool dropped = false;              ///< the result had to make room
 };
 
 /// The job's status document, application/json.

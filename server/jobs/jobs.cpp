@@ -293,6 +293,7 @@ void Jobs::finish_run(const LivePointer& live, Run run) {
     job.media_type = std::move(answer->media_type);
     job.partial = answer->partial;
     job.repaired = std::move(answer->repaired);
+    job.dots = answer->dots;
     end.computed = Computed{answer->sites, answer->pixels};
     settle(live, std::move(job), std::move(answer->body), std::move(end));
 }

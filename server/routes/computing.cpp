@@ -8,9 +8,9 @@
 #include <optional>
 #include <utility>
 
-#include "api/text/numbers.h"
 #include "server/http/compression.h"
 #include "server/http/entity_tag.h"
+#include "server/routes/answer_headers.h"
 #include "server/routes/job_routes.h"
 #include "server/work/answer_name.h"
 #include "server/work/form.h"
@@ -43,25 +43,14 @@ tl::unexpected<Problem> give_up(tl::unexpected<Problem> why, std::string_view ca
     return why;
 }
 
-Header number_header(const char* name, double value) {
-    Header header{name, {}};
-    api::append_shortest(header.value, value);
-    return header;
-}
-
 /// @param name  of the answer, unless it is only a part of it
 Response response_of(api::Answer answer, const std::string& name, Record& record) {
     Response response;
     response.media_type = std::move(answer.media_type);
     response.body = std::move(answer.body);
     response.coding = std::move(answer.coding);
-    if (answer.dots) {
-        response.headers.push_back(number_header("X-Radius", answer.dots->radius));
-        response.headers.push_back(number_header("X-Tone", answer.dots->tone));
-    }
-    if (!answer.repaired.empty()) response.headers.push_back({"X-Repaired", std::move(answer.repaired)});
+    response.headers = answer_headers(answer.dots, std::move(answer.repaired), answer.partial);
     if (answer.partial) {
-        response.headers.push_back({"X-Partial", "deadline"});
         record.cancelled = "deadline";
     } else {
         response.tag = (answer.repeats ? "\"" : "W/\"") + name + '"';

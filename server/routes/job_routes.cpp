@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/http/entity_tag.h"
+#include "server/routes/answer_headers.h"
 
 namespace ccdt::server {
 namespace {
@@ -77,8 +78,7 @@ HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view i
     response.tag = '"' + id + '"';
     response.body = *std::move(result);
     response.lease = std::make_shared<MemoryBudget::Lease>(*std::move(lease));
-    if (job->partial) response.headers.push_back({"X-Partial", "deadline"});
-    if (!job->repaired.empty()) response.headers.push_back({"X-Repaired", job->repaired});
+    response.headers = answer_headers(job->dots, job->repaired, job->partial);
     return response;
 }
 

@@ -168,6 +168,19 @@ class Jobs(ServerCase):
         now, later = ask(self.server, "/sample", data=crossing), ask(self.server, job + "/result")
         self.assertEqual((now.body, now.headers["x-repaired"]), (later.body, later.headers["x-repaired"]))
 
+    def test_a_result_tells_the_size_of_its_dots(self):
+        picture = (PICTURES / "camera.png").read_bytes()
+        for query in ("sites=900", "sites=900&dot=2", "sites=900&tone=density"):
+            path = "/halftone?" + query
+            now = ask(self.server, path, data=picture)
+            job = ask(self.server, path, *LATER, data=picture).headers["location"]
+            self.assertEqual(wait_for_end(self.server, job)["status"], "succeeded")
+            later = ask(self.server, job + "/result")
+            self.assertEqual(later.body, now.body)
+            for header in ("x-radius", "x-tone"):
+                self.assertEqual(later.headers.get(header), now.headers.get(header), query)
+            self.assertEqual("x-radius" in later.headers, "density" not in query)
+
     def test_events_tell_each_step_and_the_end(self):
         before = [self.submit_endless(), self.submit_endless()]
         job = submit(self.server, {**SMALL, "iterations": 9})

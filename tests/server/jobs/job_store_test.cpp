@@ -179,6 +179,21 @@ TEST_P(JobStoreTest, KeepsWhatWasRepaired) {
     EXPECT_FALSE((*store_->find("a"))->failure);
 }
 
+TEST_P(JobStoreTest, KeepsTheSizeOfDots) {
+    Job job = job_named("a");
+    ASSERT_TRUE(store_->add(job, kComputeRequest));
+    EXPECT_FALSE((*store_->find("a"))->dots);
+    job.status = JobStatus::Succeeded;
+    job.finished = time_now();
+    job.dots = api::DotSize{1.0 / 3, 0.9876};
+    ASSERT_TRUE(store_->finish(job, "result"));
+    const Job found = **store_->find("a");
+    ASSERT_TRUE(found.dots);
+    EXPECT_EQ(found.dots->radius, 1.0 / 3);
+    EXPECT_EQ(found.dots->tone, 0.9876);
+    EXPECT_FALSE(found.failure || !found.repaired.empty());
+}
+
 TEST_P(JobStoreTest, RemovesAndDropsTheOldestFirst) {
     const Time now = time_now();
     const std::chrono::milliseconds second(1000);
