@@ -25,7 +25,7 @@ Cost cost(const Estimate& estimate) {
 /// Keeps what was decoded until it has its levels.
 Estimate levelling(const HalftoneRequest& request) {
     if (request.levels == Levels{}) return {};
-    constexpr double kTime = 0.003 * kMicrosecond;
+    constexpr double kTime = 0.006 * kMicrosecond;
     const double planes = request.palette.mixing == Mixing::Cover ? 1 : 3;
     const auto values = static_cast<double>(request.image.header.pixels()) * planes;
     return {values * sizeof(float), values * kTime};
@@ -43,6 +43,14 @@ Estimate decoding(const ImageFile& file, double planes = kGreyPlanes) {
 
 double inks_of(const HalftoneRequest& request) {
     return static_cast<double>(request.palette.inks.size());
+}
+
+/// Sharpens the coverage of one ink after the other, beside those of all.
+Estimate sharpening(const HalftoneRequest& request) {
+    if (!(request.detail > 0)) return {};
+    constexpr double kTime = 0.05 * kMicrosecond;
+    const auto pixels = static_cast<double>(request.image.header.pixels());
+    return {pixels * (inks_of(request) * 8 + 20), pixels * inks_of(request) * kTime};
 }
 
 /// Decodes and separates: of inks that mix there are four planes, and the coverage of each ink.
@@ -86,6 +94,13 @@ Estimate parting(const HalftoneRequest& request, const Options& options) {
     return {sites * 400, sites * (options.quality == Quality::Best ? 30 : 10) * kMicrosecond};
 }
 
+/// Places the dots of all inks.
+Estimate placing(const HalftoneRequest& request, double sites) {
+    Options options = request.run;
+    options.sites = static_cast<std::size_t>(sites);
+    return methods().front().cost(options, false) + parting(request, options);
+}
+
 /// Counts the pixels of the output at most: the chosen scale stops at 16 million.
 double drawn_pixels(const HalftoneRequest& request, const Limits& limits) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
@@ -112,7 +127,7 @@ double longer_side(const HalftoneRequest& request) {
 double most_sites(const HalftoneRequest& request, const Limits& limits) {
     if (request.sites) return static_cast<double>(*request.sites);
     const double ink = static_cast<double>(request.image.header.pixels()) * inks_of(request);
-    const auto usual = static_cast<double>(default_sites(ink, limits.max_sites));
+    const auto usual = static_cast<double>(usual_sites(request, ink, 1, limits));
     if (!request.dot) return usual;
     const auto filling = [&](double pixels, double radius) {
         constexpr double kOverlaps = 2;
@@ -213,11 +228,16 @@ std::size_t bytes_of(const ImageFile& file) {
 }  // namespace
 
 Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
-    Options options = request.run;
-    options.sites = static_cast<std::size_t>(most_sites(request, limits));
-    const Estimate placing = weighing(request) + methods().front().cost(options, false) + parting(request, options);
-    const Estimate written = writing(request, static_cast<double>(options.sites), limits);
-    return cost(then(then(decoding(request) + levelling(request), placing), written));
+    const double sites = most_sites(request, limits);
+    const Estimate read = then(decoding(request) + levelling(request), sharpening(request));
+    return cost(then(then(read, weighing(request) + placing(request, sites)), writing(request, sites, limits)));
+}
+
+std::size_t usual_sites(const HalftoneRequest& request, double ink, double fineness, const Limits& limits) {
+    constexpr double kMostSeconds = 2, kFewest = 4096, kMany = 1e6;
+    const double in_time = kMostSeconds / placing(request, kMany).seconds * kMany;
+    const auto most = static_cast<std::size_t>(std::max(in_time, kFewest));
+    return default_sites(ink, fineness, std::min(most, limits.max_sites));
 }
 
 Cost cost_of(const SampleRequest& request, const Limits& limits) {

@@ -17,6 +17,13 @@ namespace ccdt::api {
 /// pixels, inks, corners, the method, its iterations and passes. A halftone that leaves its sites or its scale to the
 /// picture costs as much as any picture of its size can make it.
 Cost cost_of(const HalftoneRequest& request, const Limits& limits);
+
+/// Chooses the number of sites that a request leaves to its picture: default_sites(), but of more than 4,096 no more than
+/// are placed in two seconds.
+///
+/// @param ink, fineness  as default_sites() has them
+std::size_t usual_sites(const HalftoneRequest& request, double ink, double fineness, const Limits& limits);
+
 Cost cost_of(const SampleRequest& request, const Limits& limits);
 Cost cost_of(const AnalyzeRequest& request);
 

@@ -16,6 +16,7 @@ namespace ccdt::api {
 namespace {
 
 constexpr Interval kScales = {.min = 0.1, .max = 16};
+constexpr Interval kDetails = {.min = 0, .max = 1};
 constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
 
 constexpr std::array<Choice<Tone>, 3> kTones = {
@@ -72,7 +73,7 @@ struct Draft {
     std::optional<Colour> background;
 };
 
-constexpr std::array<OptionRule<Draft>, 19> kRules = {{
+constexpr std::array<OptionRule<Draft>, 20> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
@@ -82,6 +83,8 @@ constexpr std::array<OptionRule<Draft>, 19> kRules = {{
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_deadline, read_on_deadline(i)); }},
     {"scale", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.scale, read_number(i, kScales)); }},
     {"dot", [](const Input& i, const Limits&, Draft& d) { return read_dot(i, d.request.dot); }},
+    {"detail",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.detail, read_number(i, kDetails)); }},
     {"levels", [](const Input& i, const Limits&, Draft& d) { return read_levels(i, d.request.levels); }},
     {"antialias", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.antialias, read_boolean(i)); }},
     {"invert", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.invert, read_boolean(i)); }},
@@ -133,6 +136,16 @@ Result<void> settle_palette(Draft& draft, const std::vector<Input>& inputs) {
     return check_colours(palette, draft.request.invert, inputs);
 }
 
+/// Dots that follow the density alone are not for pictures that are looked at.
+Result<void> settle_detail(HalftoneRequest& request, const std::vector<Input>& inputs) {
+    if (request.tone != Tone::Density) return {};
+    const auto detail = std::ranges::find(inputs, "detail", &Input::name);
+    if (detail != inputs.end() && request.detail > 0)
+        return malformed(*detail, "is no option of tone=density, whose dots follow the picture as it is");
+    request.detail = 0;
+    return {};
+}
+
 /// Millimetres need to know how many there are.
 Result<void> check_dot(const HalftoneRequest& request, const std::vector<Input>& inputs) {
     if (!request.dot || !request.dot->millimetres || request.drawing.width_mm) return {};
@@ -149,6 +162,7 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
     if (auto settled = settle_format(accept, halftone_formats(), draft.request.format); !settled)
         return tl::unexpected(settled.error());
     if (auto checked = check_dot(draft.request, inputs); !checked) return tl::unexpected(checked.error());
+    if (auto settled = settle_detail(draft.request, inputs); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);
 }
 

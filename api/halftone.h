@@ -34,6 +34,7 @@ struct HalftoneRequest {
     Options run;                       ///< seed, iterations, passes
     std::optional<double> scale;       ///< output pixels per input pixel; none: chosen
     std::optional<DotRadius> dot;      ///< none: such that the tone is right
+    double detail = 0.7;               ///< of DotWish; 0 unless given where dots follow the density alone
     Levels levels;                     ///< of the picture, before anything else is made of it
     bool antialias = false;
     bool invert = false;  ///< dots where the picture is light; only of an ink that covers

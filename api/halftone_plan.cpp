@@ -7,10 +7,12 @@
 #include <string>
 #include <utility>
 
+#include "api/cost.h"
 #include "api/image/ink_set.h"
 #include "api/output/point_drawing.h"
 #include "api/run/deadline.h"
 #include "core/halftone/dot_plan.h"
+#include "core/halftone/fineness.h"
 #include "core/halftone/levels.h"
 #include "core/halftone/separation.h"
 #include "core/halftone/tone.h"
@@ -22,6 +24,7 @@ namespace {
 struct Separation {
     PictureSize picture;
     std::vector<std::vector<float>> coverage;  ///< [inks][width * height]
+    double fineness = 0;                       ///< of the picture
 };
 
 double sum(const std::vector<float>& values) {
@@ -40,14 +43,16 @@ Result<Separation> separate_picture(const HalftoneRequest& request, const Limits
         auto picture = decode.grey(request.image.bytes, limits.max_pixels, stop);
         if (!picture) return about_image(picture.error(), request);
         picture = with_levels(*picture, request.levels);
-        return Separation{{picture->width, picture->height}, {ink_coverage(*picture, request.tone, request.invert)}};
+        return Separation{{picture->width, picture->height},
+                          {ink_coverage(*picture, request.tone, request.invert)},
+                          fineness(*picture)};
     }
     auto picture = decode.colour(request.image.bytes, limits.max_pixels, stop);
     if (!picture) return about_image(picture.error(), request);
     picture = with_levels(*picture, request.levels);
     auto coverage = separate(*picture, ink_set(request.palette), request.tone, stop);
     if (auto going = check_stop(stop); !going) return tl::unexpected(going.error());
-    return Separation{{picture->width, picture->height}, std::move(coverage)};
+    return Separation{{picture->width, picture->height}, std::move(coverage), fineness(*picture)};
 }
 
 tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {
@@ -105,7 +110,7 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
         plan.sites = share_sites(ink, usual);
         return {};
     }
-    DotWish wish{request.sites, plan.radius};
+    DotWish wish{request.sites, plan.radius, request.detail};
     if (!plan.radius) wish.sites = usual;
     DotPlan dots = plan_dots(std::move(separation.coverage), plan.picture.width, plan.picture.height, wish, stop);
     if (auto going = check_stop(stop); !going) return going;
@@ -146,7 +151,8 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     if (!(all_ink > 0)) return nothing_to_draw(request);
     const std::size_t pixels = separation->coverage.front().size();
     for (const double each : ink) plan.cover.push_back(each / static_cast<double>(pixels));
-    const std::size_t usual = request.sites ? *request.sites : default_sites(all_ink, limits.max_sites);
+    const std::size_t usual =
+        request.sites ? *request.sites : usual_sites(request, all_ink, separation->fineness, limits);
     auto canvas = plan_canvas(request, plan.box(), default_scale(all_ink, pixels, usual), limits);
     if (!canvas) return tl::unexpected(canvas.error());
     plan.canvas = *canvas;

@@ -9,6 +9,7 @@
 
 #include "core/halftone/blur.h"
 #include "core/halftone/coverage_curve.h"
+#include "core/halftone/sharpening.h"
 
 namespace ccdt {
 
@@ -104,11 +105,12 @@ DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, 
     };
     Demand alone, demand;
     for (const auto& each : cover) alone.add(each, each);
-    const double near = kSurroundings * radius(alone);
+    const double size = radius(alone);
     std::vector<std::vector<float>> around;
-    for (const auto& each : cover) {
+    for (auto& each : cover) {
         if (stop.stop_requested()) return {};
-        around.push_back(blurred(each, width, height, near));
+        each = sharpened(std::move(each), width, height, wish.detail * size);
+        around.push_back(blurred(each, width, height, kSurroundings * size));
         demand.add(each, around.back());
     }
 

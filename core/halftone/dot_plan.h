@@ -11,10 +11,11 @@ namespace ccdt {
 /// numbers of dots that fill a picture are finite.
 inline constexpr double kLeastDotArea = 1e-12;
 
-/// What is settled of the dots: one of the two at least.
+/// What is settled of the dots: number or radius at least.
 struct DotWish {
     std::optional<std::size_t> sites;  ///< of all inks together, >= 1
     std::optional<double> radius;      ///< pixels of the picture, > 0
+    double detail = 0;                 ///< >= 0: how far dots blur the picture, in their radii, which is undone before
 };
 
 /// How many dots there are to be, where, and how large.

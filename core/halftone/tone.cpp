@@ -36,14 +36,13 @@ std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert) 
     return coverage;
 }
 
-std::size_t default_sites(const std::vector<float>& coverage, std::size_t limit) {
-    return default_sites(ink_of(coverage), limit);
-}
-
-std::size_t default_sites(double ink, std::size_t limit) {
-    constexpr double kInkPerDot = 8;
+std::size_t default_sites(double ink, double fineness, std::size_t limit) {
+    constexpr double kInkPerDot = 8, kLeastInkPerDot = 0.5;
+    constexpr double kMostLost = 0.02;  // such dots blur about as much as means over 2 x 2 pixels do
     constexpr double kFewest = 4096, kMost = 100'000;
-    const double sites = std::min(std::clamp(ink / kInkPerDot, kFewest, kMost), ink);
+    const double by_ink = std::min(std::clamp(ink / kInkPerDot, kFewest, kMost), ink);
+    const double by_detail = std::min({ink / kInkPerDot * fineness / kMostLost, ink / kLeastInkPerDot, kMost});
+    const double sites = std::max(by_ink, by_detail);
     return std::clamp(static_cast<std::size_t>(sites), std::size_t{1}, std::max(limit, std::size_t{1}));
 }
 

@@ -25,12 +25,14 @@ float to_share(float value);
 /// Values of the picture beyond [0, 1] count as the nearer end, what is no number as 0.
 std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert);
 
-/// Dots that resolve a picture well: one for 8 pixels' worth of ink, but 4,096 at least (as long as that is not more
-/// than one a pixel of ink) and 100,000 at most; never less than 1 nor more than `limit`.
-std::size_t default_sites(const std::vector<float>& coverage, std::size_t limit);
-
-/// Default number of sites by the sum of the shares. More ink never means fewer dots.
-std::size_t default_sites(double ink, std::size_t limit);
+/// Dots that resolve a picture well: one for 8 pixels' worth of ink, and where such dots would lose more than 1/50 of
+/// what the picture's lightness varies, as many times more as that is more. There are 4,096 at least (as long as that
+/// is not more than one a pixel of ink) and 100,000 at most, for detail up to two a pixel of ink; never less than 1 nor
+/// more than `limit`. More ink or finer detail never means fewer dots.
+///
+/// @param ink       sum of the shares that dots cover
+/// @param fineness  of the picture, in [0, 1]
+std::size_t default_sites(double ink, double fineness, std::size_t limit);
 
 /// Limits of default_scale().
 inline constexpr double kLargestScale = 16;

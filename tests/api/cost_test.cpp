@@ -254,6 +254,35 @@ TEST(Cost, IsANumberForDomainsThatAreNone) {
     }
 }
 
+TEST(UsualSites, ArePlacedInTwoSeconds) {
+    const std::string file = photograph("camera.png");
+    const auto most = [&](const std::vector<TextOption>& options) {
+        const auto request = parse_halftone(file, options, "", {});
+        return usual_sites(*request, 1e6, 1, {});
+    };
+    EXPECT_EQ(most({}), 100'000U);
+    EXPECT_EQ(most({{"iterations", "1000"}}), 4096U) << "so many there are anyway";
+    for (const std::vector<TextOption>& options :
+         {std::vector<TextOption>{{"quality", "best"}}, {{"iterations", "40"}}, {{"color", "cmyk"}}}) {
+        const std::size_t sites = most(options);
+        EXPECT_LT(sites, 100'000U);
+        EXPECT_GT(sites, 4096U);
+        const auto seconds = [&](std::size_t count) {
+            std::vector<TextOption> given = options;
+            given.insert(given.end(), {{"sites", std::to_string(count)}, {"scale", "0.1"}, {"format", "npy"}});
+            return cost_of(*parse_halftone(file, given, "", {}), {}).seconds;
+        };
+        EXPECT_NEAR(seconds(sites) - seconds(1), 2, 0.1);
+    }
+}
+
+TEST(UsualSites, AreThoseOfThePictureBelowThat) {
+    const auto request = parse_halftone(photograph("camera.png"), {}, "", {});
+    EXPECT_EQ(usual_sites(*request, 80'000, 0, {}), 10'000U);
+    EXPECT_EQ(usual_sites(*request, 80'000, 0.04, {}), 20'000U);
+    EXPECT_EQ(usual_sites(*request, 80'000, 0.04, {.max_sites = 7000}), 7000U);
+}
+
 TEST(Cost, OfAPictureIsKnownFromItsHeader) {
     const std::string file = fixture("grey.jpg");
     const auto memory = [&](std::vector<TextOption> options) {

@@ -42,6 +42,7 @@ TEST(HalftoneOptions, HaveTheirDefaults) {
     EXPECT_EQ(request->palette.mixing, Mixing::Cover);
     EXPECT_EQ(request->palette.inks.front().colour, kBlack);
     EXPECT_EQ(request->palette.paper, kWhite);
+    EXPECT_EQ(request->detail, 0.7);
     EXPECT_EQ(request->levels, Levels());
     EXPECT_FALSE(request->antialias || request->invert);
     EXPECT_EQ(request->tone, Tone::Linear);
@@ -60,6 +61,7 @@ TEST(HalftoneOptions, AreAllRead) {
                                 {"quality", "best"},
                                 {"scale", "0.1"},
                                 {"dot", "1.5"},
+                                {"detail", "0.25"},
                                 {"antialias", "true"},
                                 {"invert", "1"},
                                 {"tone", "perceptual"},
@@ -74,6 +76,7 @@ TEST(HalftoneOptions, AreAllRead) {
     EXPECT_EQ(request->run.passes, 100);
     EXPECT_EQ(request->scale, 0.1);
     EXPECT_EQ(request->dot->length, 1.5);
+    EXPECT_EQ(request->detail, 0.25);
     EXPECT_TRUE(request->antialias);
     EXPECT_TRUE(request->invert);
     EXPECT_EQ(request->tone, Tone::Perceptual);
@@ -83,28 +86,14 @@ TEST(HalftoneOptions, AreAllRead) {
 }
 
 TEST(HalftoneOptions, AreRefusedByName) {
-    const Options wrong = {{"sites", "0"},
-                           {"sites", "12abc"},
-                           {"seed", "9007199254740992"},
-                           {"seed", "-1"},
-                           {"iterations", "1001"},
-                           {"passes", "0"},
-                           {"passes", "101"},
-                           {"scale", "0.05"},
-                           {"scale", "17"},
-                           {"scale", "nan"},
-                           {"dot", "0"},
-                           {"dot", "big"},
-                           {"antialias", "2"},
-                           {"quality", "good"},
-                           {"tone", "loud"},
-                           {"foreground", "transparent"},
-                           {"background", ""},
-                           {"format", "bmp"},
-                           {"format", "geojson"},
-                           {"sights", "10"},
-                           {"image", "aGVsbG8="},
-                           {"method", "ccdt"}};
+    const Options wrong = {{"sites", "0"},      {"sites", "12abc"},     {"seed", "9007199254740992"},
+                           {"seed", "-1"},      {"iterations", "1001"}, {"passes", "0"},
+                           {"passes", "101"},   {"scale", "0.05"},      {"scale", "17"},
+                           {"scale", "nan"},    {"dot", "0"},           {"dot", "big"},
+                           {"detail", "-0.1"},  {"detail", "1.1"},      {"antialias", "2"},
+                           {"quality", "good"}, {"tone", "loud"},       {"foreground", "transparent"},
+                           {"background", ""},  {"format", "bmp"},      {"format", "geojson"},
+                           {"sights", "10"},    {"image", "aGVsbG8="},  {"method", "ccdt"}};
     for (const auto& option : wrong) {
         const auto request = parse({option});
         ASSERT_FALSE(request) << option.name << '=' << option.value;
@@ -114,6 +103,12 @@ TEST(HalftoneOptions, AreRefusedByName) {
     EXPECT_EQ(parse({{"dot", "big"}}).error().message,
               "dot must be a number above 0, at most 65536, with or without mm, or auto");
     EXPECT_TRUE(parse({{"dot", "auto"}}));
+}
+
+TEST(HalftoneOptions, HaveNoDetailByDensityAlone) {
+    EXPECT_EQ(parse({{"tone", "density"}})->detail, 0);
+    EXPECT_EQ(parse({{"tone", "density"}, {"detail", "0"}})->detail, 0);
+    EXPECT_EQ(parse({{"detail", "0.5"}, {"tone", "density"}}).error().field, "detail");
 }
 
 TEST(HalftoneOptions, HaveLevels) {

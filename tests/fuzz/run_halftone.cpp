@@ -26,6 +26,8 @@ constexpr std::array<std::string_view, 4> kGrounds = {"transparent", "#000", "#f
 
 constexpr std::array<std::string_view, 4> kLevels = {"0,1,0.1", "0,1,10", "0,5e-324", "0.9999999999999999,1,10"};
 
+constexpr std::array<std::string_view, 3> kDetails = {"0", "1", "5e-324"};
+
 /// How an option's value is taken from an input.
 struct Option {
     std::string_view name;
@@ -50,7 +52,7 @@ std::string take_true(Bytes&) {
     return "true";
 }
 
-constexpr std::array<Option, 17> kOptions = {{{"sites", take_count<24, 1>},
+constexpr std::array<Option, 18> kOptions = {{{"sites", take_count<24, 1>},
                                               {"iterations", take_count<6, 0>},
                                               {"passes", take_count<4, 1>},
                                               {"quality", take_word<kQualities>},
@@ -66,7 +68,8 @@ constexpr std::array<Option, 17> kOptions = {{{"sites", take_count<24, 1>},
                                               {"style", [](Bytes&) { return std::string("stroke"); }},
                                               {"tone", [](Bytes&) { return std::string("perceptual"); }},
                                               {"on_deadline", [](Bytes&) { return std::string("partial"); }},
-                                              {"levels", take_word<kLevels>}}};
+                                              {"levels", take_word<kLevels>},
+                                              {"detail", take_word<kDetails>}}};
 
 /// Which options there are, by the bits of a number.
 std::vector<api::TextOption> take_options(Bytes& input) {

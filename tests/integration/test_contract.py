@@ -291,7 +291,7 @@ class Options(ContractCase):
                     self.refuse(path, option, wrong[described["type"]])
 
     def test_have_their_defaults(self):
-        others = {"seed": 1, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "levels": [0.2, 1], "antialias": True,
+        others = {"seed": 1, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "levels": [0.2, 1], "antialias": True,
                   "invert": True, "tone": "perceptual", "foreground": "#123456", "background": "#123456",
                   "color": "cmyk", "style": "stroke", "method": "odt", "mesh": True, "max_frequency": 5, "spectrum": True,
                   "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}

@@ -50,7 +50,7 @@ def halftones(formats):
     for inks, form in itertools.product(INKS[:2], ("png", "webp", "tiff")):
         yield f"sites=500&{inks}&antialias=true&scale=1.5&format={form}", "astronaut"
     for options in ("", "tone=perceptual", "invert=true", "invert=true&antialias=true", "dot=2.5", "scale=0.5",
-                    "scale=3&dot=1", "levels=0.1,0.9,1.2", "foreground=%23204060&background=%23ffeecc", "background=transparent",
+                    "scale=3&dot=1", "levels=0.1,0.9,1.2", "detail=0", "tone=density", "foreground=%23204060&background=%23ffeecc", "background=transparent",
                     "background=transparent&antialias=true&format=webp", "iterations=0", "iterations=2&passes=3",
                     "format=svg&width_mm=200&style=stroke", "format=svg&width_mm=100", "format=json&width_mm=100"):
         yield f"sites=1500&{options}", "camera"

@@ -6,6 +6,7 @@ import tempfile
 import unittest
 
 import numpy
+from PIL import Image, ImageDraw, ImageFilter
 
 from harness import PICTURES, ServerCase, file_of, flat, linear, pixels
 
@@ -74,13 +75,13 @@ class Levels(ServerCase):
     def test_photographs(self):
         for name in PHOTOGRAPHS:
             data = (PICTURES / name).read_bytes()
-            dots = self.dots_of(data, "")
             for query in ("", "antialias=true", "scale=1", "scale=0.5", "scale=0.5&antialias=true", "quality=draft",
-                          "quality=best", "format=tiff", "format=webp&antialias=true", "background=transparent"):
+                          "quality=best", "detail=0", "detail=1", "format=tiff", "format=webp&antialias=true",
+                          "background=transparent"):
                 with self.subTest(name=name, query=query):
                     small = "scale=0.5" in query  # where levels are of few pixels
-                    self.check(luminance(data), self.halftone(data, "?" + query).body, dots,
-                               worst=2.5 if small else 1.5, dark=2 if small else 1)
+                    self.check(luminance(data), self.halftone(data, "?sites=13000&" + query).body, 13_000,
+                               worst=2.5 if small else 2, dark=2 if small else 1)
 
     def test_photographs_in_few_dots_and_in_many(self):
         data = (PICTURES / "camera.png").read_bytes()
@@ -149,6 +150,59 @@ class Wedge(ServerCase):
                 with self.subTest(share=share, query=query):
                     seen = luminance(self.halftone(file_of(flat(level, 300, 300)), "?" + query).body)
                     self.assertAlmostEqual(seen.mean(), LIGHT[level], delta=0.005)
+
+
+def lettering(width=480, height=320):
+    """Text of thin strokes, black on white."""
+    picture = Image.new("L", (width, height), 255)
+    draw = ImageDraw.Draw(picture)
+    for row in range(6, height - 12, 14):
+        draw.text((6 + row % 5, row), "The quick brown fox jumps over the lazy dog. " * 2, fill=0)
+    return numpy.where(numpy.asarray(picture) < 128, 0, 255)
+
+
+def soft_lettering():
+    """The same as a camera sees it on grey paper."""
+    soft = Image.fromarray(lettering().astype(numpy.uint8)).filter(ImageFilter.GaussianBlur(0.7))
+    return 50 + numpy.asarray(soft) // 2
+
+
+class Detail(ServerCase):
+    def contrast(self, data, query):
+        """That of edges, over what it is in the picture: of waves of two to four pitches or so."""
+        dots = self.halftone(data, f"?format=json&{query}").json()["sites"]
+        seen = luminance(self.halftone(data, "?" + query).body)
+        wanted = enlarged(luminance(data), seen.shape)
+        pitch = (seen.size / dots) ** 0.5
+        of_picture, of_dots = (blurred(plane, 0.5 * pitch) - blurred(plane, pitch) for plane in (wanted, seen))
+        return (of_picture * of_dots).sum() / (of_picture ** 2).sum()
+
+    def test_gives_edges_the_contrast_that_they_have(self):
+        for name, data in (("camera", (PICTURES / "camera.png").read_bytes()),
+                           ("chelsea", (PICTURES / "chelsea.png").read_bytes()), ("text", file_of(soft_lettering()))):
+            with self.subTest(name=name):
+                without, usual, much = (self.contrast(data, f"sites=12000&detail={detail}") for detail in (0, 0.7, 1))
+                self.assertGreater(usual, without + 0.02)
+                self.assertGreater(much, usual + 0.02)
+                self.assertLess(abs(usual - 1), abs(without - 1))
+
+    def test_puts_no_dots_on_white(self):
+        picture = lettering()
+        dots = self.halftone(file_of(picture), "?detail=1&format=json").json()["points"]
+        x, y = numpy.array(dots).astype(int).T
+        self.assertTrue((picture[y, x] == 0).all())
+
+    def test_of_the_picture_decides_on_the_number_of_dots(self):
+        sharp = lettering()
+        soft = numpy.asarray(Image.fromarray(sharp.astype(numpy.uint8)).filter(ImageFilter.GaussianBlur(4)))
+        of_sharp, of_soft = (self.halftone(file_of(picture), "?format=json").json()["sites"]
+                             for picture in (sharp, soft))
+        self.assertGreater(of_sharp, 3 * of_soft)
+        seen = luminance(self.halftone(file_of(sharp)).body)
+        likeness = [numpy.corrcoef(blurred(enlarged(sharp / 255, view.shape), 1).ravel(), blurred(view, 1).ravel())[0, 1]
+                    for view in (seen, luminance(self.halftone(file_of(sharp), f"?sites={of_soft}").body))]
+        self.assertGreater(likeness[0], 0.9)
+        self.assertLess(likeness[1], 0.8)
 
 
 class Pen(ServerCase):

@@ -46,19 +46,28 @@ std::vector<float> ink(std::size_t pixels, float coverage) {
     return std::vector<float>(pixels, coverage);
 }
 
+constexpr std::size_t kNoLimit = 1'000'000;
+
 TEST(DefaultSites, IsOneForEightPixelsOfInk) {
-    EXPECT_EQ(default_sites(ink(160'000, 0.5f), 1'000'000), 10'000u);
+    EXPECT_EQ(default_sites(80'000, 0, kNoLimit), 10'000u);
+    EXPECT_EQ(default_sites(80'000, 0.02, kNoLimit), 10'000u);
+}
+
+TEST(DefaultSites, IsMoreForFinerDetail) {
+    EXPECT_EQ(default_sites(80'000, 0.04, kNoLimit), 20'000u);
+    EXPECT_EQ(default_sites(80'000, 0.1, kNoLimit), 50'000u);
+    EXPECT_EQ(default_sites(80'000, 1, kNoLimit), 100'000u) << "at most 100,000";
+    EXPECT_EQ(default_sites(8'000, 1, kNoLimit), 16'000u) << "at most two a pixel of ink";
+    EXPECT_EQ(default_sites(16'000, 0.03, kNoLimit), 4096u) << "but as many as without";
 }
 
 TEST(DefaultSites, StaysInItsRange) {
-    constexpr std::size_t kLimit = 1'000'000;
-    EXPECT_EQ(default_sites(ink(10'000, 0.5f), kLimit), 4096u) << "at least 4,096";
-    EXPECT_EQ(default_sites(ink(1000, 0.5f), kLimit), 500u) << "no more than one a pixel of ink";
-    EXPECT_EQ(default_sites(ink(2'000'000, 1), kLimit), 100'000u) << "at most 100,000";
-    EXPECT_EQ(default_sites(ink(2'000'000, 1), 500), 500u) << "never more than the limit";
-    EXPECT_EQ(default_sites(ink(100, 0), kLimit), 1u);
-    EXPECT_EQ(default_sites({}, kLimit), 1u);
-    EXPECT_EQ(default_sites(ink(100, 1), 0), 1u);
+    EXPECT_EQ(default_sites(5'000, 0, kNoLimit), 4096u) << "at least 4,096";
+    EXPECT_EQ(default_sites(500, 0, kNoLimit), 500u) << "no more than one a pixel of ink";
+    EXPECT_EQ(default_sites(2'000'000, 0, kNoLimit), 100'000u) << "at most 100,000";
+    EXPECT_EQ(default_sites(2'000'000, 1, 500), 500u) << "never more than the limit";
+    EXPECT_EQ(default_sites(0, 1, kNoLimit), 1u);
+    EXPECT_EQ(default_sites(100, 1, 0), 1u);
 }
 
 TEST(DefaultScale, GivesDotsOfThreePixels) {
