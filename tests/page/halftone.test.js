@@ -102,6 +102,54 @@ test("asks for what its fields say", async () => {
   });
 });
 
+const asked = (seen) => {
+  const { sites, antialias, ...others } = Object.fromEntries(new URL(seen.at(-1).url).searchParams);
+  return others;
+};
+
+test("emphasises edges, and sets levels as an editor does", async () => {
+  await open();
+  const seen = watchRequests();
+  await slide(slider("detail"), [0.9, 1]);
+  await settled(world.page, "halftone");
+  assert.deepEqual(asked(seen), { detail: "1" });
+  const levels = world.page.getByRole("group", { name: "Levels" });
+  for (const [name, value] of [["black point", "0.1"], ["white point", "0.85"], ["gamma", "1.4"]]) {
+    await levels.getByLabel(name).fill(value);
+    await world.page.keyboard.press("Tab");
+  }
+  await settled(world.page, "halftone");
+  assert.deepEqual(asked(seen), { detail: "1", levels: "0.1,0.85,1.4" });
+  await looksAsKept(world, world.page.locator("#halftone .canvas-frame"), "halftone-levels");
+  await levels.getByLabel("black point").fill("0.9");
+  await levels.getByLabel("black point").blur();
+  await settled(world.page, "halftone", "failed");
+  assert.match(await world.page.textContent("#halftone [data-name=levels] .error"), /black point below the white point/);
+});
+
+test("leaves the number of dots to the picture, or to a pen", async () => {
+  await open();
+  const seen = watchRequests();
+  await world.page.check("#halftone [data-name=sites] input[type=checkbox]");
+  await settled(world.page, "halftone");
+  assert.ok(!new URL(seen.at(-1).url).searchParams.has("sites"));
+  assert.match(await world.page.textContent("#halftone .status"), /^dots of radius \d/);
+  const width = world.page.locator("#halftone [data-name=width_mm]");
+  assert.ok(await width.isHidden());
+  await world.page.uncheck("#halftone [data-name=dot] input[type=checkbox]");
+  await number("dot").fill("0.5");
+  await world.page.getByLabel("Radius, unit").selectOption("mm");
+  await settled(world.page, "halftone");
+  assert.ok(await width.isVisible());
+  assert.deepEqual(asked(seen), { dot: "0.5mm", width_mm: "200" });
+  await number("width_mm").fill("100");
+  await number("width_mm").blur();
+  await settled(world.page, "halftone");
+  assert.deepEqual(asked(seen), { dot: "0.5mm", width_mm: "100" });
+  assert.match(await world.page.textContent("#halftone .status"), /^dots of radius 2\.56,/);
+  await looksAsKept(world, world.page.locator("#halftone .controls"), "halftone-pen");
+});
+
 test("divides before from after, and zooms to the single dot", async () => {
   await open();
   const frame = world.page.locator("#halftone .canvas-frame");

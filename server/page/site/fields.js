@@ -22,19 +22,39 @@ function numberInputs(field, id) {
 function numberField(field, id, change) {
   const { number, slider, all } = numberInputs(field, id);
   const entry = make("div", { className: "entry" });
-  const auto = field.auto && make("input", { type: "checkbox", checked: true });
-  const settle = () => all.forEach((input) => { input.disabled = auto?.checked ?? false; });
+  const auto = field.auto !== undefined && make("input", { type: "checkbox", checked: field.auto });
+  const unit = field.units && make("select", { attributes: { "aria-label": `${field.label}, unit` } },
+    ...field.units.map(([value, text]) => new Option(text, value)));
+  const settle = () => [...all, ...(unit ? [unit] : [])].forEach((input) => { input.disabled = auto && auto.checked; });
   if (auto) {
     entry.append(make("label", {}, auto, "auto"));
     auto.addEventListener("change", () => { settle(); change(false); });
   }
   settle();
   entry.append(number);
+  if (unit) {
+    entry.append(unit);
+    unit.addEventListener("change", () => change(false));
+  }
   slider.addEventListener("input", () => change(true));
   slider.addEventListener("change", () => change(false));
   number.addEventListener("change", () => change(false));
-  const value = () => (auto?.checked ? undefined : number.value === "" ? "" : Number(number.value));
+  const value = () => {
+    if (auto && auto.checked) return undefined;
+    if (number.value === "") return "";
+    return unit && unit.value ? Number(number.value) + unit.value : Number(number.value);
+  };
   return { input: number, parts: [entry, slider], value };
+}
+
+/** Several numbers side by side, each with a label of its own; their value has commas between them. */
+function numbersField(field, id, change) {
+  const inputs = field.numbers.map(({ value, min, max, step }, index) =>
+    make("input", { id: index === 0 ? id : `${id}-${index}`, type: "number", value, min, max, step }));
+  for (const input of inputs) input.addEventListener("change", () => change(false));
+  const place = make("div", { className: "numbers", attributes: { role: "group", "aria-label": field.label } },
+    ...inputs.map((input, index) => make("label", {}, input, field.numbers[index].label)));
+  return { input: inputs[0], parts: [place], value: () => inputs.map(({ value }) => (value === "" ? "" : Number(value))).join(",") };
 }
 
 function choiceField(field, id, change) {
@@ -98,7 +118,7 @@ function paletteField(field, id, change) {
   return { input: wells[0], parts: [place], value: () => wells.map((well) => well.value).join(",") };
 }
 
-const makers = { number: numberField, choice: choiceField, check: checkField, colour: colourField, palette: paletteField };
+const makers = { number: numberField, numbers: numbersField, choice: choiceField, check: checkField, colour: colourField, palette: paletteField };
 
 /**
  * Fields in a form. `change(draft)` is called while a slider moves, with true, and when it rests.

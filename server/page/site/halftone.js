@@ -12,9 +12,14 @@ const draftOptions = { quality: "draft", iterations: 1, passes: 2 };
 const thumbWidth = 32;
 
 const fields = [
-  { kind: "number", name: "sites", label: "Dots", value: 20000, min: 200, max: 200000, step: 1, log: true },
-  { kind: "number", name: "dot", label: "Radius, pixels", value: 3, min: 0.5, max: 12, step: 0.1, auto: true },
+  { kind: "number", name: "sites", label: "Dots", value: 20000, min: 200, max: 200000, step: 1, log: true, auto: false },
+  { kind: "number", name: "dot", label: "Radius", value: 3, min: 0.1, max: 12, log: true, auto: true, units: [["", "pixels"], ["mm", "mm"]] },
+  { kind: "number", name: "width_mm", label: "Picture's width, mm", value: 200, min: 20, max: 2000, step: 1, log: true },
   { kind: "choice", name: "tone", label: "Tone", standard: "linear", choices: [["linear", "linear"], ["perceptual", "perceptual: lighter"]] },
+  { kind: "number", name: "detail", label: "Detail", value: 0.7, min: 0, max: 1, step: 0.05, standard: 0.7 },
+  { kind: "numbers", name: "levels", label: "Levels", standard: "0,1,1", numbers: [
+    { label: "black point", value: 0, min: 0, max: 1, step: 0.05 }, { label: "white point", value: 1, min: 0, max: 1, step: 0.05 },
+    { label: "gamma", value: 1, min: 0.1, max: 10, step: 0.1 }] },
   { kind: "check", name: "invert", label: "Invert", standard: false },
   { kind: "check", name: "antialias", label: "Soft rims", checked: true, standard: false },
   { kind: "choice", name: "color", label: "Inks", standard: "gray", choices: [["gray", "one"], ["cmyk", "CMYK: four"], ["rgb", "RGB: light on black"], ["palette", "a palette"]] },
@@ -24,6 +29,12 @@ const fields = [
   { kind: "choice", name: "quality", label: "Quality", standard: "standard", choices: [["standard", "standard"], ["draft", "draft: faster"], ["best", "best: slower"]] },
   { kind: "number", name: "seed", label: "Seed", value: 0, min: 0, max: 100, step: 1, standard: 0 },
 ];
+
+/** How many dots there are or, if the server has chosen that, how large: in pixels of the picture. */
+function describe({ sites }, response) {
+  if (sites !== undefined) return `${count(Number(sites))} dots`;
+  return `dots of radius ${Number(response.headers.get("X-Radius")).toPrecision(3)}`;
+}
 
 export class Halftone extends Panel {
   #picture = null;
@@ -75,20 +86,21 @@ export class Halftone extends Panel {
     this.refresh(false);
   }
 
-  /** What makes no sense with the inks that are chosen is not there to be asked for. */
+  /** What makes no sense with the inks, or the unit, that are chosen is not there to be asked for. */
   #offerFields() {
-    const { color = "gray" } = this.fields.values();
+    const { color = "gray", dot } = this.fields.values();
+    this.fields.offer("width_mm", String(dot).endsWith("mm"));
     this.fields.offer("palette", color === "palette");
     this.fields.offer("foreground", color === "gray");
     this.fields.offer("invert", color === "gray");
     this.fields.offer("background", color !== "rgb");
   }
 
-  /** A radius is in pixels of the output, whose scale then must stay what it was when the radius was seen. */
+  /** A radius in pixels is one of the output, whose scale then must stay what it was when the radius was seen. */
   #options() {
     const options = this.fields.values();
     if (options.palette) delete options.color;
-    if (options.dot !== undefined && this.#original && this.#dots)
+    if (typeof options.dot === "number" && this.#original && this.#dots)
       options.scale = Math.round((100 * this.#dots.width) / this.#original.width) / 100;
     return options;
   }
@@ -115,7 +127,7 @@ export class Halftone extends Panel {
       const dots = await createImageBitmap(await response.blob());
       if (signal.aborted) return;
       this.#show(dots);
-      if (!draft) this.status.textContent = `${count(Number(options.sites))} dots, ${dots.width} \u00d7 ${dots.height} pixels, ${seconds(start)}`;
+      if (!draft) this.status.textContent = `${describe(options, response)}, ${dots.width} \u00d7 ${dots.height} pixels, ${seconds(start)}`;
     }, draft);
   }
 
