@@ -82,9 +82,9 @@ std::optional<double> wished_radius(const HalftoneRequest& request, const Halfto
     return request.dot->length / plan.canvas.scale;
 }
 
-/// Number of sites: a radius that is asked for decides on the number of sites, unless that is asked for, too.
-Result<std::size_t> sites_of(const HalftoneRequest& request, const DotPlan& dots, const Limits& limits) {
-    if (request.sites) return *request.sites;
+/// Number of sites: a radius alone decides on it.
+Result<std::size_t> sites_of(const DotWish& wish, const DotPlan& dots, const Limits& limits) {
+    if (wish.sites) return *wish.sites;
     const double sum = std::round(std::reduce(dots.dots.begin(), dots.dots.end()));
     if (sum <= static_cast<double>(limits.max_sites)) return static_cast<std::size_t>(std::max(sum, 1.0));
     return failure(ErrorCode::LimitExceeded,
@@ -118,7 +118,7 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     plan.radius = dots.radius;
     plan.tone = std::round(dots.tone * kToneDigits) / kToneDigits;
     plan.samples = samples_for(dots.radius * plan.canvas.scale, plan.canvas, request.antialias);
-    auto sites = sites_of(request, dots, limits);
+    auto sites = sites_of(wish, dots, limits);
     if (!sites) return tl::unexpected(sites.error());
     plan.sites = share_sites(dots.dots, *sites);
     return {};

@@ -204,6 +204,19 @@ class Detail(ServerCase):
         self.assertGreater(likeness[0], 0.9)
         self.assertLess(likeness[1], 0.8)
 
+    def test_of_most_photographs_leaves_a_dot_for_eight_pixels_of_ink(self):
+        for name in ("astronaut.png", "camera.png"):
+            data = (PICTURES / name).read_bytes()
+            ink = (1 - luminance(data)).sum()
+            self.assertEqual(self.dots_of(data), int(ink / 8))
+
+    def dots_of(self, data):
+        return self.halftone(data, "?format=json&quality=draft").json()["sites"]
+
+    def test_is_bounded(self):
+        noise = numpy.random.default_rng(1).integers(0, 256, (500, 500))
+        self.assertEqual(self.dots_of(file_of(noise)), 100_000)
+
 
 class Pen(ServerCase):
     def test_number_of_dots_follows_from_the_pen(self):
