@@ -19,6 +19,12 @@ Point own_way(std::uint32_t site) {
     return {std::cos(angle), std::sin(angle)};
 }
 
+/// Share of the way apart that the first of two sites goes.
+double share_of(const InkSite& site, const InkSite& other) {
+    const double area = site.own_spacing * site.own_spacing;
+    return area / (area + other.own_spacing * other.own_spacing);
+}
+
 }  // namespace
 
 std::vector<Point> push_inks_apart(const Domain& domain, std::span<const InkSite> sites, double reach, double push,
@@ -39,7 +45,7 @@ std::vector<Point> push_inks_apart(const Domain& domain, std::span<const InkSite
             if (squared >= least * least || sites[b].ink == sites[a].ink) return;
             const double distance = std::sqrt(squared);
             const Point way = distance > 1e-9 * least ? 1 / distance * apart : own_way(a);
-            moves[a] = moves[a] + push * (least - distance) * way;
+            moves[a] = moves[a] + 2 * share_of(sites[a], sites[b]) * push * (least - distance) * way;
         });
     }
     return moves;

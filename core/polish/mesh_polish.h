@@ -26,6 +26,9 @@ public:
 
     const Density& density() const { return density_; }
 
+    /// 1 / sqrt(density of the sites that are wanted) around a point.
+    double spacing(Point p) const;
+
     /// Evens out first sites, which no triangulation binds yet: they may cross gaps in the density.
     /// Nothing happens for a uniform density.
     void even_out_start(std::span<Point> sites, const std::stop_token& stop);
@@ -58,7 +61,6 @@ private:
     bool is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const;
     Point inside(Point p) const;
     Point allowed(Point p, double spacing) const;
-    double spacing(Point p) const;
 
     const Domain& domain_;
     const Density& density_;

@@ -90,8 +90,9 @@ void Polish::gather() {
     for (std::uint32_t ink = 0; ink < layers_.size(); ++ink) {
         const Triangulation& mesh = *layers_[ink].mesh;
         for (std::uint32_t v = 0; v < mesh.site_count(); ++v, ++site) {
-            places_[site] = mesh.point(v);
-            sites_[site] = {places_[site], spacing(places_[site]), ink};
+            const Point place = mesh.point(v);
+            places_[site] = place;
+            sites_[site] = {place, spacing(place), ink, layers_[ink].steps->spacing(place)};
         }
     }
 }

@@ -36,7 +36,7 @@ constexpr Row kInks{
      .even_rounds = 2,
      .near_rounds = 3,
      .nearest = 0.72,
-     .ink_nearest = 0.66,
+     .ink_nearest = 0.7,
      .last_rounds = 1},
     {.rounds = 30,
      .even_every = 1,
@@ -47,7 +47,7 @@ constexpr Row kInks{
      .even_rounds = 4,
      .near_rounds = 3,
      .nearest = 0.72,
-     .ink_nearest = 0.66,
+     .ink_nearest = 0.7,
      .last_rounds = 1},
 };
 

@@ -27,6 +27,13 @@ TEST(InkPush, SharesOutWhatIsMissingBetweenInks) {
     EXPECT_EQ(moves[1].y, 0);
 }
 
+TEST(InkPush, MovesSitesOfSparseInksFurther) {
+    const std::vector<InkSite> sites{{{0.5, 0.5}, kSpacing, 0, 1}, {{0.5 + 0.3 * kNeighbour, 0.5}, kSpacing, 1, 2}};
+    const auto moves = push_inks_apart(kBox, sites, 0.8, 0.25);
+    EXPECT_NEAR(moves[0].x, -0.4 * 0.25 * 0.5 * kNeighbour, 1e-12);
+    EXPECT_NEAR(moves[1].x, 1.6 * 0.25 * 0.5 * kNeighbour, 1e-12);
+}
+
 TEST(InkPush, LeavesWhatIsFarOrOfOneInk) {
     const std::vector<InkSite> sites{{{0.5, 0.5}, kSpacing, 0},
                                      {{0.5, 0.5 + 0.1 * kNeighbour}, kSpacing, 0},
