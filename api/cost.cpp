@@ -57,9 +57,11 @@ Estimate sharpening(const HalftoneRequest& request) {
 Estimate decoding(const HalftoneRequest& request) {
     if (request.palette.mixing == Mixing::Cover) return decoding(request.image);
     constexpr double kSeparating = 0.2 * kMicrosecond;
-    constexpr double kTable = 300'000;  // takes as long as so many pixels
+    // The table takes as long as so many pixels, times the inks squared, if there are all colours.
+    constexpr double kTable = 60'000;
     const auto pixels = static_cast<double>(request.image.header.pixels());
-    return decoding(request.image, 16 + 4 * inks_of(request)) + Estimate{0, (pixels + kTable) * kSeparating};
+    return decoding(request.image, 16 + 4 * inks_of(request)) +
+           Estimate{0, (pixels + kTable * inks_of(request) * inks_of(request)) * kSeparating};
 }
 
 Estimate bounding(const std::variant<PolygonInput, Rectangle>& domain) {

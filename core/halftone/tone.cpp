@@ -9,6 +9,10 @@ namespace ccdt {
 
 namespace {
 
+/// CIE 1976 lightness is linear where it is darkest.
+constexpr float kLinearBelow = 216.0f / 24389.0f;
+constexpr float kSlope = 24389.0f / 2700.0f;
+
 double ink_of(const std::vector<float>& coverage) {
     return std::accumulate(coverage.begin(), coverage.end(), 0.0);
 }
@@ -16,9 +20,12 @@ double ink_of(const std::vector<float>& coverage) {
 }  // namespace
 
 float lightness(float luminance) {
-    constexpr float kLinearBelow = 216.0f / 24389.0f;
-    constexpr float kSlope = 24389.0f / 2700.0f;
     return luminance <= kLinearBelow ? luminance * kSlope : 1.16f * std::cbrt(luminance) - 0.16f;
+}
+
+float luminance(float lightness) {
+    const float root = (lightness + 0.16f) / 1.16f;
+    return lightness <= kLinearBelow * kSlope ? lightness / kSlope : root * root * root;
 }
 
 float to_share(float value) {

@@ -17,6 +17,9 @@ enum class Tone {
 /// CIE 1976 lightness of a relative luminance in [0, 1], in [0, 1].
 float lightness(float luminance);
 
+/// Inverse of lightness().
+float luminance(float lightness);
+
 /// Clamps a value to [0, 1]; what is no number is 0.
 float to_share(float value);
 

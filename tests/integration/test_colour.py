@@ -11,7 +11,8 @@ from xml.etree import ElementTree
 import numpy
 from PIL import Image
 
-from harness import PICTURES, Call, Server, ServerCase, ask, data_uri, file_of, pixels, post_json
+from harness import PICTURES, Call, Server, ServerCase, ask, data_uri, file_of, flat, pixels, post_json
+from seen import LIGHT, ciede2000, lab, seen_light
 
 ASTRONAUT = (PICTURES / "astronaut.png").read_bytes()
 CHELSEA = (PICTURES / "chelsea.png").read_bytes()
@@ -24,9 +25,7 @@ INKS = {"cyan": "#00ffff", "magenta": "#ff00ff", "yellow": "#ffff00", "black": "
 
 def light(file):
     """Linear light of each channel."""
-    level = numpy.arange(256) / 255
-    table = numpy.where(level <= 0.04045, level / 12.92, ((level + 0.055) / 1.055) ** 2.4)
-    return table[pixels(file, "RGB")]
+    return LIGHT[pixels(file, "RGB")]
 
 
 def blocks(picture, side):
@@ -73,7 +72,7 @@ class Colours(ServerCase):
         for index, ink in enumerate(inks):
             x = numpy.array(ink["points"])[:, 0]
             self.assertTrue((30 * index < x).all() and (x < 30 * (index + 1)).all(), ink["name"])
-            self.assertAlmostEqual(ink["sites"], 300, delta=2)
+            self.assertAlmostEqual(ink["sites"], 300, delta=6)
 
     def test_transparent_parts_have_no_dots(self):
         picture = numpy.full((40, 60, 4), (200, 30, 90, 255), dtype=numpy.uint8)
@@ -86,6 +85,48 @@ class Colours(ServerCase):
         self.assertIn((255, 255, 238), {tuple(colour) for colour in pixels(answer.body, "RGB").reshape(-1, 3).tolist()})
         clear = self.halftone(CHELSEA, "?sites=500&color=cmyk&background=transparent")
         self.assertEqual(set(numpy.unique(pixels(clear.body, "RGBA")[..., 3])), {0, 255})
+
+
+class Likeness(ServerCase):
+    """What a far eye sees, over two pitches, as differences by CIEDE2000."""
+
+    def differences(self, data, sites, query):
+        wanted = light(data)
+        scale = 3
+        dots = light(self.halftone(data, f"?sites={sites}&scale={scale}&{query}").body)
+        sigma = 2 * (wanted.shape[0] * wanted.shape[1] / sites) ** 0.5
+        wanted, seen = lab(seen_light(wanted, sigma)), lab(seen_light(blocks(dots, scale), sigma))
+        return wanted, seen, ciede2000(wanted, seen)
+
+    def test_photographs(self):
+        six = "palette=%230ff,%23f0f,%23ff0,%23000,%23f00,%2300f"
+        for data, query, mean, most in ((ASTRONAUT, "color=cmyk", 2.2, 5.5), (CHELSEA, "color=cmyk", 3, 7),
+                                        (ASTRONAUT, "color=rgb", 2.2, 7), (ASTRONAUT, six, 2, 4.5)):
+            with self.subTest(query=query):
+                wanted, seen, difference = self.differences(data, 20_000, query)
+                self.assertLess(difference.mean(), mean)
+                self.assertLess(numpy.percentile(difference, 95), most)
+                dark = wanted[..., 0] < 20
+                if dark.mean() > 0.01:
+                    self.assertLess(abs((seen - wanted)[dark][:, 0].mean()), 2)
+
+    def test_greys_have_no_cast(self):
+        for share in (0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95):
+            level = int(numpy.argmin(abs(1 - LIGHT - share)))
+            wanted, seen, _ = self.differences(file_of(flat(level, 120, 120)), 1500, "color=cmyk")
+            error = (seen - wanted).mean((0, 1))
+            self.assertLess(numpy.abs(error[1:]).max(), 0.1, share)
+            self.assertLess(abs(error[0]), 1.5, share)
+
+    def test_dark_colours_stay_colours(self):
+        for colour in ((80, 40, 20), (20, 30, 60), (60, 20, 30)):
+            wanted, seen, _ = self.differences(file_of(numpy.full((160, 160, 3), colour)), 4000, "color=cmyk")
+            difference = ciede2000(wanted.mean((0, 1)), seen[20:-20, 20:-20].mean((0, 1)))
+            self.assertLess(difference, 5, colour)
+
+    def test_black_is_black_ink(self):
+        inks = self.halftone(file_of(flat(0, 60, 60)), "?sites=900&color=cmyk&format=json").json()["inks"]
+        self.assertEqual([ink["sites"] for ink in inks], [0, 0, 0, 900])
 
 
 class Formats(ServerCase):

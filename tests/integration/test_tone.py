@@ -8,9 +8,9 @@ import unittest
 import numpy
 from PIL import Image, ImageDraw, ImageFilter
 
-from harness import PICTURES, ServerCase, file_of, flat, linear, pixels
+from harness import PICTURES, ServerCase, file_of, flat, pixels
+from seen import LIGHT, blurred, lightness
 
-LIGHT = numpy.vectorize(linear)(numpy.arange(256))
 CHANNELS = numpy.array([0.2126, 0.7152, 0.0722])
 PHOTOGRAPHS = ("astronaut.png", "camera.png", "chelsea.png")
 
@@ -20,24 +20,6 @@ def luminance(file):
     rgba = pixels(file, "RGBA")
     alpha = rgba[..., 3] / 255
     return LIGHT[rgba[..., :3]] @ CHANNELS * alpha + 1 - alpha
-
-
-def lightness(light):
-    """CIE L*, 0 to 100."""
-    light = numpy.clip(light, 0, 1)
-    return numpy.where(light > 216 / 24389, 116 * numpy.cbrt(light) - 16, light * 24389 / 27)
-
-
-def blurred(plane, sigma):
-    """By a Gaussian, mirrored at the sides."""
-    for axis in (0, 1):
-        plane = numpy.moveaxis(plane, axis, -1)
-        side = plane.shape[-1]
-        wave = numpy.fft.rfftfreq(2 * side)
-        both = numpy.concatenate([plane, plane[..., ::-1]], -1)
-        spectrum = numpy.fft.rfft(both, axis=-1) * numpy.exp(-2 * (numpy.pi * sigma * wave) ** 2)
-        plane = numpy.moveaxis(numpy.fft.irfft(spectrum, 2 * side, axis=-1)[..., :side], -1, axis)
-    return plane
 
 
 def enlarged(plane, shape):

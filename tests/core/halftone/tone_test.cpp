@@ -33,6 +33,11 @@ TEST(InkCoverage, FollowsLightnessIfPerceptual) {
     EXPECT_NEAR(ink_coverage(picture, Tone::Perceptual, true)[2], 0.5, 1e-6);
 }
 
+TEST(Luminance, IsThatOfALightness) {
+    for (const float light : {0.0f, 0.004f, 0.0089f, 0.18f, 1.0f})
+        EXPECT_NEAR(luminance(lightness(light)), light, 1e-6);
+}
+
 TEST(InkCoverage, ClampsValues) {
     const float none = std::numeric_limits<float>::quiet_NaN();
     const Picture picture{3, 1, {-0.5f, 1.5f, none}, {}};

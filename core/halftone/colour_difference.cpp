@@ -1,0 +1,37 @@
+#include "core/halftone/colour_difference.h"
+
+#include <cmath>
+
+#include "core/halftone/tone.h"
+
+namespace ccdt {
+
+namespace {
+
+/// Lightness counts twice: it carries the picture, where inks cannot have both.
+constexpr double kColour = 0.5;
+
+}  // namespace
+
+Lab lab_of(const std::array<double, 3>& light) {
+    const auto [r, g, b] = light;
+    const auto level = [](double share) { return 100.0 * static_cast<double>(lightness(static_cast<float>(share))); };
+    const double x = level(0.43395 * r + 0.37621 * g + 0.18984 * b);
+    const double y = level(0.2126 * r + 0.7152 * g + 0.0722 * b);
+    const double z = level(0.01773 * r + 0.10947 * g + 0.87280 * b);
+    return {y, 500.0 / 116 * (x - y), 200.0 / 116 * (y - z)};
+}
+
+ColourDifference::ColourDifference(const Lab& wanted) : wanted_(wanted) {
+    const double chroma = std::hypot(wanted[1], wanted[2]);
+    if (chroma > 0) cosine_ = wanted[1] / chroma, sine_ = wanted[2] / chroma;
+    chroma_ = kColour / (1 + 0.045 * chroma);
+    hue_ = kColour / (1 + 0.015 * chroma);
+}
+
+Lab ColourDifference::operator()(const Lab& seen) const {
+    const double a = seen[1] - wanted_[1], b = seen[2] - wanted_[2];
+    return {seen[0] - wanted_[0], chroma_ * (cosine_ * a + sine_ * b), hue_ * (cosine_ * b - sine_ * a)};
+}
+
+}  // namespace ccdt

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+
+namespace ccdt {
+
+/// CIE 1976 L*, a*, b*.
+using Lab = std::array<double, 3>;
+
+/// @param light  linear, red, green, blue with the primaries of sRGB; white is (1, 1, 1)
+Lab lab_of(const std::array<double, 3>& light);
+
+/// Differences from a colour, as CIE 1994 has them: those of chroma and hue count the less, the more chroma it has,
+/// chroma three times as fast.
+class ColourDifference {
+public:
+    explicit ColourDifference(const Lab& wanted);
+
+    /// Differences in lightness, chroma and hue, whose squares add up.
+    Lab operator()(const Lab& seen) const;
+
+private:
+    Lab wanted_;
+    double cosine_ = 1, sine_ = 0;  ///< of the hue
+    double chroma_, hue_;           ///< weights
+};
+
+}  // namespace ccdt

@@ -1,0 +1,105 @@
+#include "core/halftone/overprint.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+
+namespace ccdt {
+
+namespace {
+
+using Channels = Overprint::Channels;
+
+Channels channels(const Light& light) {
+    return {light.red, light.green, light.blue};
+}
+
+/// Overlap of two inks over what it would be, did they know nothing of each other.
+///
+/// @param a, b    areas of their dots per area
+/// @param others  those of all other inks
+/// Fitted to 1,300 flat tints of two to four inks, 8,000 dots, quality standard: the shares that two inks both cover
+/// come out to 0.002 (root mean square). Shown by Overprint.IsWhatDotsShow.
+double overlap(double a, double b, double others) {
+    const double crowding = 1.94 * (a * a + b * b) + 0.73 * a * b + 0.91 * (1 - std::exp(-others / 0.68)) - 0.106;
+    return 1 - std::exp(-std::max(0.0, crowding));
+}
+
+/// What an ink's dots cover less because those of others push them.
+///
+/// @param own, others  areas of dots per area
+/// Measured as overlap(), to 0.002.
+double disorder(double own, double others) {
+    const double crowd = others / 0.22, off = (own - 1.015) / 0.243;
+    return 0.016 * (1 - std::exp(-crowd * crowd)) * std::exp(-off * off / 2);
+}
+
+}  // namespace
+
+Light printed(const InkSet& inks, std::span<const float> cover) {
+    Light light = inks.paper;
+    for (std::size_t i = 0; i < inks.inks.size(); ++i) {
+        const auto lay = [&](float below, float ink) {
+            return inks.additive ? std::min(1.0f, below + cover[i] * ink) : below * (1 - cover[i] * (1 - ink));
+        };
+        light = {lay(light.red, inks.inks[i].red), lay(light.green, inks.inks[i].green),
+                 lay(light.blue, inks.inks[i].blue)};
+    }
+    return light;
+}
+
+Overprint::Overprint(const InkSet& inks) : count_(inks.inks.size()) {
+    assert(count_ >= 1 && count_ <= kMostInks);
+    for (std::size_t inks_there = 0; inks_there < std::size_t{1} << count_; ++inks_there) {
+        const int many = std::popcount(inks_there);
+        for (std::size_t c = 0; c < 3; ++c) {
+            double change = channels(inks.paper)[c];
+            for (std::size_t i = 0; i < count_; ++i) {
+                if ((inks_there >> i & 1) == 0) continue;
+                const double ink = channels(inks.inks[i])[c];
+                change = !inks.additive ? change * (ink - 1) : many == 1 ? ink : 0;
+            }
+            changes_[inks_there][c] = change;
+        }
+    }
+}
+
+Overprint::Shares Overprint::shares(const Numbers& cover) const {
+    Numbers dots{}, covered{};
+    for (std::size_t i = 0; i < count_; ++i) dots[i] = curve_.dots(cover[i]);
+    const double all = std::accumulate(dots.begin(), dots.end(), 0.0);
+    for (std::size_t i = 0; i < count_; ++i) covered[i] = cover[i] - disorder(dots[i], all - dots[i]);
+    std::array<Numbers, kMostInks> overlaps{};
+    for (std::size_t i = 0; i < count_; ++i) {
+        for (std::size_t k = 0; k < i; ++k) {
+            const double product = covered[i] * covered[k], least = covered[i] + covered[k] - 1;
+            const double share = product * overlap(dots[i], dots[k], all - dots[i] - dots[k]);
+            overlaps[i][k] = product > 0 ? std::max(share, least) / product : 0;
+        }
+    }
+    Shares shares{1};
+    for (std::size_t i = 0; i < count_; ++i) {
+        const std::size_t bit = std::size_t{1} << i;
+        for (std::size_t below = 0; below < bit; ++below) {
+            double share = shares[below] * covered[i];
+            for (std::size_t k = 0; k < i; ++k) {
+                if ((below >> k & 1) != 0) share *= overlaps[i][k];
+            }
+            shares[bit | below] = share;
+        }
+    }
+    return shares;
+}
+
+Channels Overprint::light(const Numbers& cover) const {
+    const Shares shares = this->shares(cover);
+    Channels light{};
+    for (std::size_t inks = 0; inks < std::size_t{1} << count_; ++inks) {
+        for (std::size_t c = 0; c < 3; ++c) light[c] += shares[inks] * changes_[inks][c];
+    }
+    return light;
+}
+
+}  // namespace ccdt
