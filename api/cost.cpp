@@ -53,14 +53,14 @@ Estimate sharpening(const HalftoneRequest& request) {
     return {pixels * (inks_of(request) * 8 + 20), pixels * inks_of(request) * kTime};
 }
 
-/// Decodes and separates: of inks that mix there are four planes, and the coverage of each ink.
+/// Decodes and separates: of inks that mix there are four planes, three of light, and the coverage of each ink.
 Estimate decoding(const HalftoneRequest& request) {
     if (request.palette.mixing == Mixing::Cover) return decoding(request.image);
     constexpr double kSeparating = 0.2 * kMicrosecond;
     // The table takes as long as so many pixels, times the inks squared, if there are all colours.
     constexpr double kTable = 60'000;
     const auto pixels = static_cast<double>(request.image.header.pixels());
-    return decoding(request.image, 16 + 4 * inks_of(request)) +
+    return decoding(request.image, 28 + 4 * inks_of(request)) +
            Estimate{0, (pixels + kTable * inks_of(request) * inks_of(request)) * kSeparating};
 }
 
@@ -89,11 +89,11 @@ Estimate weighing(const HalftoneRequest& request) {
     return weighing(pixels * (inks > 1 ? inks * 1.2 + 1 : 1));
 }
 
-/// Keeps dots of different inks apart.
+/// Keeps dots of different inks apart, and compares what is seen of them with the picture.
 Estimate parting(const HalftoneRequest& request, const Options& options) {
     if (inks_of(request) < 2 || options.quality == Quality::Draft || options.iterations == 0) return {};
     const auto sites = static_cast<double>(options.sites);
-    return {sites * 400, sites * (options.quality == Quality::Best ? 30 : 10) * kMicrosecond};
+    return {sites * 750, sites * (options.quality == Quality::Best ? 36 : 12) * kMicrosecond};
 }
 
 /// Places the dots of all inks.

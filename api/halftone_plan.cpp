@@ -20,11 +20,10 @@
 namespace ccdt::api {
 namespace {
 
-/// Share of each pixel that each ink covers.
-struct Separation {
-    PictureSize picture;
-    std::vector<std::vector<float>> coverage;  ///< [inks][width * height]
-    double fineness = 0;                       ///< of the picture
+struct SeparatedPicture {
+    PictureSize size;
+    Separation inks;      ///< without light if there is one ink, which covers
+    double fineness = 0;  ///< of the picture
 };
 
 double sum(const std::vector<float>& values) {
@@ -37,22 +36,22 @@ tl::unexpected<Error> about_image(const Error& error, const HalftoneRequest& req
 
 /// Decodes, and separates into inks; one that covers needs no colours of the picture, which take three times the
 /// memory. The decoded picture is gone once this returns.
-Result<Separation> separate_picture(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
-                                    const std::stop_token& stop) {
+Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
+                                          const std::stop_token& stop) {
     if (request.palette.mixing == Mixing::Cover) {
         auto picture = decode.grey(request.image.bytes, limits.max_pixels, stop);
         if (!picture) return about_image(picture.error(), request);
         picture = with_levels(*picture, request.levels);
-        return Separation{{picture->width, picture->height},
-                          {ink_coverage(*picture, request.tone, request.invert)},
-                          fineness(*picture)};
+        return SeparatedPicture{{picture->width, picture->height},
+                                {{ink_coverage(*picture, request.tone, request.invert)}, {}},
+                                fineness(*picture)};
     }
     auto picture = decode.colour(request.image.bytes, limits.max_pixels, stop);
     if (!picture) return about_image(picture.error(), request);
     picture = with_levels(*picture, request.levels);
-    auto coverage = separate(*picture, ink_set(request.palette), request.tone, stop);
+    auto inks = separate(*picture, ink_set(request.palette), request.tone, stop);
     if (auto going = check_stop(stop); !going) return tl::unexpected(going.error());
-    return Separation{{picture->width, picture->height}, std::move(coverage), fineness(*picture)};
+    return SeparatedPicture{{picture->width, picture->height}, std::move(inks), fineness(*picture)};
 }
 
 tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {
@@ -124,13 +123,24 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     return {};
 }
 
+/// Makes what dots of several inks are compared with, if they are polished.
+/// @param light  what shall be seen
+std::optional<PrintProof> make_proof(const HalftoneRequest& request, const HalftonePlan& plan,
+                                     const LightPlanes& light) {
+    const bool polished = request.run.iterations > 0 && request.run.quality != Quality::Draft;
+    if (request.palette.mixing == Mixing::Cover || !polished || !plan.radius) return std::nullopt;
+    const std::size_t sites = std::accumulate(plan.sites.begin(), plan.sites.end(), std::size_t{0});
+    return PrintProof(light, plan.picture.width, plan.picture.height, toned(ink_set(request.palette), request.tone),
+                      *plan.radius, sites);
+}
+
 /// Makes a density for each ink that has sites. Coverages go as they are taken.
-Result<std::vector<Density>> make_densities(Separation& separation, const std::vector<std::size_t>& sites) {
+Result<std::vector<Density>> make_densities(SeparatedPicture& picture, const std::vector<std::size_t>& sites) {
     std::vector<Density> densities(sites.size(), Density::uniform());
     for (std::size_t ink = 0; ink < sites.size(); ++ink) {
-        const std::vector<float> coverage = std::exchange(separation.coverage[ink], {});
+        const std::vector<float> coverage = std::exchange(picture.inks.coverage[ink], {});
         if (sites[ink] == 0) continue;
-        auto density = Density::grid(separation.picture.width, separation.picture.height, std::span(coverage));
+        auto density = Density::grid(picture.size.width, picture.size.height, std::span(coverage));
         if (!density) return tl::unexpected(density.error());
         densities[ink] = *std::move(density);
     }
@@ -141,26 +151,27 @@ Result<std::vector<Density>> make_densities(Separation& separation, const std::v
 
 Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                                    const Control& control) {
-    auto separation = separate_picture(request, limits, decode, control.stop);
-    if (!separation) return tl::unexpected(separation.error());
+    auto picture = separate_picture(request, limits, decode, control.stop);
+    if (!picture) return tl::unexpected(picture.error());
+    Separation& separation = picture->inks;
     HalftonePlan plan;
-    plan.picture = separation->picture;
-    std::vector<double> ink(separation->coverage.size());
-    std::ranges::transform(separation->coverage, ink.begin(), sum);
+    plan.picture = picture->size;
+    std::vector<double> ink(separation.coverage.size());
+    std::ranges::transform(separation.coverage, ink.begin(), sum);
     const double all_ink = std::accumulate(ink.begin(), ink.end(), 0.0);
     if (!(all_ink > 0)) return nothing_to_draw(request);
-    const std::size_t pixels = separation->coverage.front().size();
+    const std::size_t pixels = separation.coverage.front().size();
     for (const double each : ink) plan.cover.push_back(each / static_cast<double>(pixels));
-    const std::size_t usual =
-        request.sites ? *request.sites : usual_sites(request, all_ink, separation->fineness, limits);
+    const std::size_t usual = request.sites ? *request.sites : usual_sites(request, all_ink, picture->fineness, limits);
     auto canvas = plan_canvas(request, plan.box(), default_scale(all_ink, pixels, usual), limits);
     if (!canvas) return tl::unexpected(canvas.error());
     plan.canvas = *canvas;
     if (auto checked = request.format->check_side(*canvas, "scale", "scale"); !checked)
         return tl::unexpected(checked.error());
-    auto settled = settle_dots(request, plan, *separation, ink, usual, limits, control.stop);
+    auto settled = settle_dots(request, plan, separation, ink, usual, limits, control.stop);
     if (!settled) return tl::unexpected(settled.error());
-    auto densities = make_densities(*separation, plan.sites);
+    plan.proof = make_proof(request, plan, std::exchange(separation.light, {}));
+    auto densities = make_densities(*picture, plan.sites);
     if (!densities) return about_image(densities.error(), request);
     plan.densities = *std::move(densities);
     return plan;
@@ -171,7 +182,11 @@ Result<std::vector<Distribution>> place_dots(const HalftoneRequest& request, Hal
     const std::vector<Density> densities = std::exchange(plan.densities, {});
     const auto domain = Domain::rectangle(plan.picture.width, plan.picture.height);
     if (!domain) return tl::unexpected(domain.error());
-    auto dots = distribute_inks(*domain, densities, plan.sites, request.run, control);
+    Retouch retouch;
+    if (plan.proof) {
+        retouch = [&](std::span<const std::vector<Point>> sites) { return plan.proof->moves(sites, control.stop); };
+    }
+    auto dots = distribute_inks(*domain, densities, plan.sites, request.run, control, retouch);
     if (!dots) return about_image(dots.error(), request);
     for (const Distribution& each : *dots) {
         if (auto whole = check_whole(each, request.on_deadline); !whole) return about_image(whole.error(), request);

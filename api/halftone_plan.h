@@ -10,6 +10,7 @@
 #include "core/ccdt/ccdt.h"
 #include "core/density/density.h"
 #include "core/halftone/dots.h"
+#include "core/halftone/print_proof.h"
 #include "core/result.h"
 
 namespace ccdt::api {
@@ -17,13 +18,14 @@ namespace ccdt::api {
 /// Share of each ink in the picture, and where its dots shall go.
 struct HalftonePlan {
     PictureSize picture;
-    std::vector<double> cover;       ///< [inks] mean share that dots cover
-    std::optional<double> radius;    ///< of the dots, in pixels of the picture; none: such that they cover so much
-    std::optional<double> tone;      ///< what they cover over what they should; none: unknown, or 1 by their radius
-    int samples = 0;                 ///< as DotOptions
-    std::vector<std::size_t> sites;  ///< [inks]
-    std::vector<Density> densities;  ///< [inks]; uniform for inks without sites
-    Canvas canvas;                   ///< of an answer that is drawn
+    std::vector<double> cover;        ///< [inks] mean share that dots cover
+    std::optional<double> radius;     ///< of the dots, in pixels of the picture; none: such that they cover so much
+    std::optional<double> tone;       ///< what they cover over what they should; none: unknown, or 1 by their radius
+    int samples = 0;                  ///< as DotOptions
+    std::vector<std::size_t> sites;   ///< [inks]
+    std::vector<Density> densities;   ///< [inks]; uniform for inks without sites
+    std::optional<PrintProof> proof;  ///< if there are several inks, of which all together are seen
+    Canvas canvas;                    ///< of an answer that is drawn
 
     /// What is told of the dots' size.
     std::optional<DotSize> size() const { return tone ? std::optional(DotSize{*radius, *tone}) : std::nullopt; }

@@ -19,7 +19,7 @@ namespace {
 class InkConstructions {
 public:
     InkConstructions(const Domain& domain, std::span<const Density> densities, std::span<const std::size_t> sites,
-                     const Options& options, const Control& control);
+                     const Options& options, const Control& control, const Retouch& retouch);
 
     Result<std::vector<Distribution>> execute();
 
@@ -28,12 +28,14 @@ private:
     Result<void> start();
     void iterate();
     Result<void> polish();
+    std::vector<std::vector<Point>> retouch(std::span<const std::vector<Point>> sites) const;
     void report();
     std::vector<Distribution> collect();
 
     const Domain& domain_;
     const Options& options_;
     const Control& control_;
+    const Retouch& retouch_;
     std::vector<std::unique_ptr<Construction>> inks_;  ///< [inks]; null for those without sites
     std::vector<Construction*> constructions_;         ///< those that there are
     std::optional<PolishSettings> settings_;           ///< none if there is no polish
@@ -47,8 +49,9 @@ std::uint64_t seed_of(std::uint64_t seed, std::size_t number) {
 }
 
 InkConstructions::InkConstructions(const Domain& domain, std::span<const Density> densities,
-                                   std::span<const std::size_t> sites, const Options& options, const Control& control)
-    : domain_(domain), options_(options), control_(control) {
+                                   std::span<const std::size_t> sites, const Options& options, const Control& control,
+                                   const Retouch& retouch)
+    : domain_(domain), options_(options), control_(control), retouch_(retouch) {
     bool uniform = true;
     for (std::size_t ink = 0; ink < sites.size(); ++ink) {
         inks_.emplace_back();
@@ -61,6 +64,7 @@ InkConstructions::InkConstructions(const Domain& domain, std::span<const Density
         uniform = uniform && densities[ink].is_uniform();
     }
     if (has_polish(options)) settings_ = polish_settings(options.quality, constructions_.size(), uniform);
+    if (settings_ && !retouch_) settings_->retouch_rounds = 0;
 }
 
 Result<std::vector<Distribution>> InkConstructions::execute() {
@@ -91,14 +95,39 @@ Result<void> InkConstructions::polish() {
     if (!settings_ || stopping()) return {};
     std::vector<Polish::Layer> layers;
     for (Construction* construction : constructions_) layers.push_back({construction->polish(), &construction->mesh()});
-    Polish(domain_, std::move(layers), control_.stop).refine(*settings_, control_.stop, [this] {
+    const auto after = [this] {
         ++round_;
         report();
+    };
+    Polish(domain_, std::move(layers), control_.stop).refine(*settings_, control_.stop, after, [this](auto sites) {
+        return retouch(sites);
     });
     for (Construction* construction : constructions_) {
         if (auto finished = construction->finish(); !finished) return finished;
     }
     return {};
+}
+
+/// Asks for moves in the domain's coordinates.
+/// @param sites  [inks that there are] in the unit frame
+std::vector<std::vector<Point>> InkConstructions::retouch(std::span<const std::vector<Point>> sites) const {
+    const Point sides = domain_.bounds().max - domain_.bounds().min;
+    const double side = std::max(sides.x, sides.y);
+    std::vector<std::vector<Point>> places(inks_.size());
+    std::size_t number = 0;
+    for (std::size_t ink = 0; ink < inks_.size(); ++ink) {
+        if (!inks_[ink]) continue;
+        for (const Point& site : sites[number]) places[ink].push_back(domain_.to_user(site));
+        ++number;
+    }
+    auto moves = retouch_(places);
+    std::vector<std::vector<Point>> result;
+    for (std::size_t ink = 0; ink < inks_.size(); ++ink) {
+        if (!inks_[ink]) continue;
+        for (Point& move : moves[ink]) move = 1 / side * move;
+        result.push_back(std::move(moves[ink]));
+    }
+    return result;
 }
 
 void InkConstructions::report() {
@@ -142,7 +171,7 @@ Result<Distribution> distribute(const Domain& domain, const Density& density, co
 
 Result<std::vector<Distribution>> distribute_inks(const Domain& domain, std::span<const Density> densities,
                                                   std::span<const std::size_t> sites, const Options& options,
-                                                  const Control& control) {
+                                                  const Control& control, const Retouch& retouch) {
     assert(densities.size() == sites.size());
     std::size_t all = 0;
     for (const std::size_t count : sites) all += count;
@@ -152,7 +181,7 @@ Result<std::vector<Distribution>> distribute_inks(const Domain& domain, std::spa
     Options whole = options;
     whole.sites = all;
     if (auto checked = check(whole); !checked) return tl::unexpected(checked.error());
-    return InkConstructions(domain, densities, sites, options, control).execute();
+    return InkConstructions(domain, densities, sites, options, control, retouch).execute();
 }
 
 }  // namespace ccdt

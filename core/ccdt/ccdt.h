@@ -87,6 +87,11 @@ struct Distribution {
 Result<Distribution> distribute(const Domain& domain, const Density& density, const Options& options,
                                 const Control& control = {});
 
+/// Computes moves that better what is seen of the dots of all inks together.
+/// @param sites  [inks] in the domain's coordinates
+/// @returns      [inks][sites], for each but few hundredths of what sites of its ink are apart
+using Retouch = std::function<std::vector<std::vector<Point>>(std::span<const std::vector<Point>> sites)>;
+
 /// Distributes the dots of several inks, each as distribute() does by a density of its own, and dots of different inks
 /// apart from each other where there is room: all iterate in step, and are polished together. A draft has no polish,
 /// and inks that know nothing of each other.
@@ -96,11 +101,12 @@ Result<Distribution> distribute(const Domain& domain, const Density& density, co
 /// @param options    but for the number of sites; the first ink that has sites takes the seed, others seeds made of it
 /// @param control    progress counts iterations and rounds of all inks as one, with the largest variation; a stop
 ///                   returns the sites as they stand, is no error; stopped during the start: Error Stopped
+/// @param retouch    called in the last rounds of the polish if there is one and several inks have sites; may be empty
 /// @returns          [inks]; an ink without sites has no points, and a trace of one 0
 /// Errors: as distribute(), which is this with one ink; Malformed if the densities have different grids. Same input,
 /// same bytes, on any number of threads (it uses one). O(sites) per pass.
 Result<std::vector<Distribution>> distribute_inks(const Domain& domain, std::span<const Density> densities,
                                                   std::span<const std::size_t> sites, const Options& options,
-                                                  const Control& control = {});
+                                                  const Control& control = {}, const Retouch& retouch = {});
 
 }  // namespace ccdt

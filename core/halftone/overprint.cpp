@@ -70,13 +70,14 @@ Overprint::Shares Overprint::shares(const Numbers& cover) const {
     Numbers dots{}, covered{};
     for (std::size_t i = 0; i < count_; ++i) dots[i] = curve_.dots(cover[i]);
     const double all = std::accumulate(dots.begin(), dots.end(), 0.0);
-    for (std::size_t i = 0; i < count_; ++i) covered[i] = cover[i] - disorder(dots[i], all - dots[i]);
+    for (std::size_t i = 0; i < count_; ++i)
+        covered[i] = cover[i] > 0 ? cover[i] - disorder(dots[i], all - dots[i]) : 0;
     std::array<Numbers, kMostInks> overlaps{};
     for (std::size_t i = 0; i < count_; ++i) {
         for (std::size_t k = 0; k < i; ++k) {
             const double product = covered[i] * covered[k], least = covered[i] + covered[k] - 1;
-            const double share = product * overlap(dots[i], dots[k], all - dots[i] - dots[k]);
-            overlaps[i][k] = product > 0 ? std::max(share, least) / product : 0;
+            if (!(product > 0)) continue;
+            overlaps[i][k] = std::max(overlap(dots[i], dots[k], all - dots[i] - dots[k]), least / product);
         }
     }
     Shares shares{1};

@@ -18,6 +18,9 @@ struct Light {
     friend bool operator==(const Light&, const Light&) = default;
 };
 
+/// Red, green and blue of each pixel of a picture, in linear light [pixels].
+using LightPlanes = std::array<std::vector<float>, 3>;
+
 inline constexpr std::size_t kMostInks = 6;
 
 /// Inks and paper that a picture is printed with.

@@ -14,7 +14,8 @@ namespace ccdt {
 
 namespace {
 
-using Cover = std::array<float, kMostInks>;
+/// A mixture: the cover of each ink, and what light it makes more than it should of each channel.
+using Node = std::array<float, kMostInks + 3>;
 using Numbers = Overprint::Numbers;
 using Channels = Overprint::Channels;
 static_assert(kMostInks <= BoundedLeastSquares::kMostNumbers);
@@ -30,23 +31,6 @@ Light mapped(const Light& light, Tone tone) {
     return {map(light.red), map(light.green), map(light.blue)};
 }
 
-/// What inks on the paper look like by a tone, as inks and paper.
-InkSet mapped(const InkSet& inks, Tone tone) {
-    InkSet result{inks.inks, mapped(inks.paper, tone), inks.additive};
-    for (std::size_t i = 0; i < inks.inks.size(); ++i) {
-        std::vector<float> cover(inks.inks.size(), 0);
-        cover[i] = 1;
-        const Light full = mapped(printed(inks, cover), tone);
-        const auto ink = [&](float Light::*channel) {
-            const float paper = result.paper.*channel;
-            if (inks.additive) return full.*channel - paper;
-            return paper > 0 ? full.*channel / paper : 1;
-        };
-        result.inks[i] = {ink(&Light::red), ink(&Light::green), ink(&Light::blue)};
-    }
-    return result;
-}
-
 double product(const Lab& a, const Lab& b) {
     return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
@@ -56,9 +40,9 @@ double product(const Lab& a, const Lab& b) {
 /// follow from one another, and inks that black hides do not hold it up.
 class Separator {
 public:
-    Separator(const InkSet& inks, Tone tone) : model_(mapped(inks, tone)) {}
+    Separator(const InkSet& inks, Tone tone) : model_(toned(inks, tone)) {}
 
-    Cover cover_of(const Light& light) const;
+    Node node_of(const Light& light) const;
 
 private:
     /// What a full cover costs, in squared differences of colour: decides between mixtures that look alike, and leaves
@@ -75,7 +59,7 @@ private:
 
     Mixture mixture(const Numbers& cover, const ColourDifference& difference) const;
     Numbers aim(const Mixture& from, const ColourDifference& difference) const;
-    Numbers improve(const Numbers& cover, const Lab& wanted, int steps) const;
+    Numbers improve(const Numbers& cover, const Lab& wanted, int steps, double exact) const;
 
     Overprint model_;
 };
@@ -111,9 +95,9 @@ Numbers Separator::aim(const Mixture& from, const ColourDifference& difference) 
     return problem.minimize();
 }
 
-/// Takes steps that each gain.
-Numbers Separator::improve(const Numbers& cover, const Lab& wanted, int steps) const {
-    constexpr double kLeastStep = 1.0 / 64, kExact = 1e-3;
+/// Takes steps that each gain, until one gains less than a squared difference of colour.
+Numbers Separator::improve(const Numbers& cover, const Lab& wanted, int steps, double exact) const {
+    constexpr double kLeastStep = 1.0 / 64;
     const ColourDifference difference(wanted);
     Mixture best = mixture(cover, difference);
     for (int step = 0; step < steps; ++step) {
@@ -126,24 +110,29 @@ Numbers Separator::improve(const Numbers& cover, const Lab& wanted, int steps) c
             gain = best.cost - next.cost;
             if (gain > 0) best = next;
         }
-        if (!(gain > kExact)) break;
+        if (!(gain > exact)) break;
     }
     return best.cover;
 }
 
-Cover Separator::cover_of(const Light& light) const {
-    constexpr int kParts = 8, kStepsOnTheWay = 2, kMostSteps = 20;  // fewer get lost: Separation.LooksLikeThePicture
+Node Separator::node_of(const Light& light) const {
+    // Fewer parts, or one step in each, get lost: Separation.LooksLikeThePicture.
+    constexpr int kParts = 8, kStepsOnTheWay = 2, kMostSteps = 20;
+    constexpr double kExactOnTheWay = 1, kExact = 1e-5;
     const Lab paper = lab_of(model_.light({})), colour = lab_of(channels(light));
     Numbers cover{};
     for (int part = 1; part <= kParts; ++part) {
-        const double share = static_cast<double>(part) / kParts;
         Lab wanted{};
-        for (std::size_t k = 0; k < wanted.size(); ++k) wanted[k] = std::lerp(paper[k], colour[k], share);
-        cover = improve(cover, wanted, part < kParts ? kStepsOnTheWay : kMostSteps);
+        for (std::size_t k = 0; k < wanted.size(); ++k)
+            wanted[k] = std::lerp(paper[k], colour[k], static_cast<double>(part) / kParts);
+        cover = part < kParts ? improve(cover, wanted, kStepsOnTheWay, kExactOnTheWay)
+                              : improve(cover, wanted, kMostSteps, kExact);
     }
-    Cover result{};
-    std::ranges::transform(cover, result.begin(), [](double share) { return static_cast<float>(share); });
-    return result;
+    Node node{};
+    std::ranges::transform(cover, node.begin(), [](double share) { return static_cast<float>(share); });
+    const Channels seen = model_.light(cover), wanted = channels(light);
+    for (std::size_t c = 0; c < 3; ++c) node[kMostInks + c] = static_cast<float>(seen[c] - wanted[c]);
+    return node;
 }
 
 /// A table over all colours, filled where it is asked. Its nodes stand at equal steps of lightness, close where light
@@ -153,7 +142,7 @@ class SeparationTable {
 public:
     explicit SeparationTable(const Separator& separator) : separator_(separator), nodes_(kSide * kSide * kSide) {}
 
-    Cover cover_of(const Light& light) {
+    Node node_of(const Light& light) {
         struct Axis {
             float part;
             std::size_t step;
@@ -172,50 +161,72 @@ public:
         order(axes[0], axes[1]);
         order(axes[1], axes[2]);
         order(axes[0], axes[1]);
-        Cover cover{};
+        Node mixture{};
         const auto add = [&](float weight) {
             if (!(weight > 0)) return;
-            const Cover& corner = at_node(node);
-            for (std::size_t i = 0; i < kMostInks; ++i) cover[i] += weight * corner[i];
+            const Node& corner = at_node(node);
+            for (std::size_t i = 0; i < corner.size(); ++i) mixture[i] += weight * corner[i];
         };
         add(1 - axes[0].part);
         for (std::size_t k = 0; k < 3; ++k) {
             node += axes[k].step;
             add(axes[k].part - (k < 2 ? axes[k + 1].part : 0));
         }
-        return cover;
+        return mixture;
     }
 
 private:
     static constexpr std::size_t kSide = 17;
 
-    const Cover& at_node(std::size_t node) {
+    const Node& at_node(std::size_t node) {
         const auto at = [](std::size_t index) { return luminance(static_cast<float>(index) / (kSide - 1)); };
-        auto& cover = nodes_[node];
-        if (!cover)
-            cover = separator_.cover_of({at(node % kSide), at(node / kSide % kSide), at(node / (kSide * kSide))});
-        return *cover;
+        auto& mixture = nodes_[node];
+        if (!mixture)
+            mixture = separator_.node_of({at(node % kSide), at(node / kSide % kSide), at(node / (kSide * kSide))});
+        return *mixture;
     }
 
     const Separator separator_;
-    std::vector<std::optional<Cover>> nodes_;  ///< red is the fastest axis
+    std::vector<std::optional<Node>> nodes_;  ///< red is the fastest axis
 };
 
 }  // namespace
 
-std::vector<std::vector<float>> separate(const ColourPicture& picture, const InkSet& inks, Tone tone,
-                                         const std::stop_token& stop) {
+InkSet toned(const InkSet& inks, Tone tone) {
+    InkSet result{inks.inks, mapped(inks.paper, tone), inks.additive};
+    for (std::size_t i = 0; i < inks.inks.size(); ++i) {
+        std::vector<float> cover(inks.inks.size(), 0);
+        cover[i] = 1;
+        const Light full = mapped(printed(inks, cover), tone);
+        const auto ink = [&](float Light::*channel) {
+            const float paper = result.paper.*channel;
+            if (inks.additive) return full.*channel - paper;
+            return paper > 0 ? full.*channel / paper : 1;
+        };
+        result.inks[i] = {ink(&Light::red), ink(&Light::green), ink(&Light::blue)};
+    }
+    return result;
+}
+
+Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop) {
     assert(!inks.inks.empty() && inks.inks.size() <= kMostInks);
     const std::size_t pixels = picture.red.size();
-    std::vector<std::vector<float>> coverage(inks.inks.size(), std::vector<float>(pixels));
+    const Channels paper = channels(mapped(inks.paper, tone));
+    Separation separation{std::vector(inks.inks.size(), std::vector<float>(pixels)), {}};
+    separation.light.fill(std::vector<float>(pixels));
     SeparationTable table(Separator(inks, tone));
     for (std::size_t p = 0; p < pixels; ++p) {
         if (p % static_cast<std::size_t>(picture.width) == 0 && stop.stop_requested()) break;
         const float alpha = picture.alpha.empty() ? 1 : to_share(picture.alpha[p]);
-        const Cover cover = table.cover_of(mapped({picture.red[p], picture.green[p], picture.blue[p]}, tone));
-        for (std::size_t i = 0; i < coverage.size(); ++i) coverage[i][p] = alpha * cover[i];
+        const Light light = mapped({picture.red[p], picture.green[p], picture.blue[p]}, tone);
+        const Node mixture = table.node_of(light);
+        for (std::size_t i = 0; i < inks.inks.size(); ++i) separation.coverage[i][p] = alpha * mixture[i];
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float seen = static_cast<float>(channels(light)[c]) + mixture[kMostInks + c];
+            separation.light[c][p] = std::lerp(static_cast<float>(paper[c]), to_share(seen), alpha);
+        }
     }
-    return coverage;
+    return separation;
 }
 
 std::vector<std::size_t> share_sites(std::span<const double> ink_sums, std::size_t sites) {

@@ -49,7 +49,8 @@ Polish::Polish(const Domain& domain, std::vector<Layer> layers, const std::stop_
     transport_.emplace(domain, *density_, sites, stop);
 }
 
-void Polish::refine(const PolishSettings& settings, const std::stop_token& stop, const std::function<void()>& after) {
+void Polish::refine(const PolishSettings& settings, const std::stop_token& stop, const std::function<void()>& after,
+                    const Retouch& retouch) {
     constexpr double kNearPush = 0.5;  // each of two goes half of what is missing
     begin();
     repeat(settings.rounds, stop, after, [&](int round) {
@@ -64,6 +65,7 @@ void Polish::refine(const PolishSettings& settings, const std::stop_token& stop,
     repeat(settings.near_rounds, stop, after,
            [&](int) { push_apart(settings.nearest, kNearPush, settings.ink_nearest, settings.push, stop); });
     repeat(settings.last_rounds, stop, after, [&](int) { even_out_each(stop); });
+    repeat(settings.retouch_rounds, stop, after, [&](int) { this->retouch(retouch, stop); });
 }
 
 /// Calls with each ink, and the moves of its sites if there are several, until it is stopped.
@@ -126,6 +128,17 @@ void Polish::even_out_together(const std::stop_token& stop) {
     gather();
     if (!transport_->displacements(places_, moves_, stop)) return;
     for_each(stop, [&](const Layer& layer, std::span<Point> moves) { layer.steps->move(*layer.mesh, moves); });
+}
+
+void Polish::retouch(const Retouch& retouch, const std::stop_token& stop) {
+    std::vector<std::vector<Point>> sites;
+    for (const Layer& layer : layers_) {
+        const auto all = std::span<const Point>(layer.mesh->points()).first(layer.mesh->site_count());
+        sites.emplace_back(all.begin(), all.end());
+    }
+    const auto moves = retouch(sites);
+    for (std::size_t ink = 0; ink < layers_.size() && !stop.stop_requested(); ++ink)
+        layers_[ink].steps->move(*layers_[ink].mesh, moves[ink]);
 }
 
 }  // namespace ccdt

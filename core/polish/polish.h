@@ -28,15 +28,22 @@ public:
         Triangulation* mesh = nullptr;
     };
 
+    /// Computes moves of all sites of several inks.
+    /// @param sites  [layers] in the unit frame
+    /// @returns      [layers][sites]
+    using Retouch = std::function<std::vector<std::vector<Point>>(std::span<const std::vector<Point>> sites)>;
+
     /// @param layers  [n >= 1], their densities on one grid; all must outlive this
     /// @param stop    asked now and then; leaves what is of no use
     Polish(const Domain& domain, std::vector<Layer> layers, const std::stop_token& stop = {});
 
     /// Moves the sites of all meshes. All triangles stay counter-clockwise; the Delaunay property is lost.
-    /// @param stop   asked several times a round
-    /// @param after  called after each round that was not stopped; may be empty
+    /// @param stop     asked several times a round
+    /// @param after    called after each round that was not stopped; may be empty
+    /// @param retouch  called in each round that retouches; may be empty if there is none
     /// Same input, same bytes. O(sites log sites) a round.
-    void refine(const PolishSettings& settings, const std::stop_token& stop, const std::function<void()>& after = {});
+    void refine(const PolishSettings& settings, const std::stop_token& stop, const std::function<void()>& after = {},
+                const Retouch& retouch = {});
 
 private:
     bool has_one_ink() const { return layers_.size() == 1; }
@@ -49,6 +56,7 @@ private:
     void push_apart(double reach, double push, double ink_reach, double ink_push, const std::stop_token& stop);
     void even_out_each(const std::stop_token& stop);
     void even_out_together(const std::stop_token& stop);
+    void retouch(const Retouch& retouch, const std::stop_token& stop);
 
     const Domain& domain_;
     std::vector<Layer> layers_;

@@ -24,9 +24,10 @@ struct PolishSettings {
     int near_rounds = 0;     ///< then, that only push the nearest sites: too few to make waves
     double nearest = 0;      ///< their reach within an ink,
     double ink_nearest = 0;  ///< and between inks
-    int last_rounds = 0;     ///< last, that even out what these have left behind
+    int last_rounds = 0;     ///< then, that even out what these have left behind
+    int retouch_rounds = 0;  ///< last, of moves that the caller chooses by what is seen of all inks together
 
-    int all_rounds() const { return rounds + even_rounds + near_rounds + last_rounds; }
+    int all_rounds() const { return rounds + even_rounds + near_rounds + last_rounds + retouch_rounds; }
 };
 
 /// @param quality  not Draft, which has no polish

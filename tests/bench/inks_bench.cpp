@@ -26,7 +26,7 @@ void Inks(benchmark::State& state) {
     std::vector<double> separation, together, alone, yardstick;
     for (auto _ : state) {
         Clock clock;
-        const auto coverage = separate(picture, test::cmyk_inks(), Tone::Linear);
+        const auto coverage = separate(picture, test::cmyk_inks(), Tone::Linear).coverage;
         separation.push_back(clock.lap());
         std::vector<Density> densities;
         std::vector<double> sums;

@@ -72,7 +72,7 @@ class Colours(ServerCase):
         for index, ink in enumerate(inks):
             x = numpy.array(ink["points"])[:, 0]
             self.assertTrue((30 * index < x).all() and (x < 30 * (index + 1)).all(), ink["name"])
-            self.assertAlmostEqual(ink["sites"], 300, delta=6)
+            self.assertAlmostEqual(ink["sites"], 300, delta=15)  # the last dots of solid blue are hardly seen
 
     def test_transparent_parts_have_no_dots(self):
         picture = numpy.full((40, 60, 4), (200, 30, 90, 255), dtype=numpy.uint8)
@@ -100,8 +100,8 @@ class Likeness(ServerCase):
 
     def test_photographs(self):
         six = "palette=%230ff,%23f0f,%23ff0,%23000,%23f00,%2300f"
-        for data, query, mean, most in ((ASTRONAUT, "color=cmyk", 2.2, 5.5), (CHELSEA, "color=cmyk", 3, 7),
-                                        (ASTRONAUT, "color=rgb", 2.2, 7), (ASTRONAUT, six, 2, 4.5)):
+        for data, query, mean, most in ((ASTRONAUT, "color=cmyk", 1.8, 4.2), (CHELSEA, "color=cmyk", 2.1, 4.7),
+                                        (ASTRONAUT, "color=rgb", 2.2, 7), (ASTRONAUT, six, 1.6, 3.5)):
             with self.subTest(query=query):
                 wanted, seen, difference = self.differences(data, 20_000, query)
                 self.assertLess(difference.mean(), mean)
@@ -122,7 +122,7 @@ class Likeness(ServerCase):
         for colour in ((80, 40, 20), (20, 30, 60), (60, 20, 30)):
             wanted, seen, _ = self.differences(file_of(numpy.full((160, 160, 3), colour)), 4000, "color=cmyk")
             difference = ciede2000(wanted.mean((0, 1)), seen[20:-20, 20:-20].mean((0, 1)))
-            self.assertLess(difference, 5, colour)
+            self.assertLess(difference, 2.5, colour)
 
     def test_black_is_black_ink(self):
         inks = self.halftone(file_of(flat(0, 60, 60)), "?sites=900&color=cmyk&format=json").json()["inks"]

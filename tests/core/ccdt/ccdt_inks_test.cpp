@@ -189,6 +189,47 @@ TEST(DistributeInks, KnowsAllKindsOfDomains) {
     }
 }
 
+/// Moves all sites by as much.
+std::vector<std::vector<Point>> moved_by(Point move, std::span<const std::vector<Point>> sites) {
+    std::vector<std::vector<Point>> moves;
+    for (const auto& ink : sites) moves.emplace_back(ink.size(), move);
+    return moves;
+}
+
+TEST(DistributeInks, RetouchesAllInksAtTheEnd) {
+    const Domain domain = Domain::rectangle(20, 10).value();
+    const std::vector<std::size_t> counts{300, 0, 100};
+    const std::vector<Density> densities(3, grid_of(8, 8, [](int, int) { return 1; }));
+    int calls = 0;
+    const Retouch retouch = [&](std::span<const std::vector<Point>> sites) {
+        ++calls;
+        EXPECT_EQ(sites.size(), counts.size());
+        for (std::size_t i = 0; i < counts.size(); ++i) EXPECT_EQ(sites[i].size(), counts[i]);
+        for (const Point& site : sites[0]) EXPECT_TRUE(site.x > 0 && site.x < 20 && site.y > 0 && site.y < 10);
+        return moved_by({0.01, -0.02}, sites);
+    };
+    const auto plain = distribute_inks(domain, densities, counts, {}).value();
+    const auto inks = distribute_inks(domain, densities, counts, {}, {}, retouch).value();
+    ASSERT_GT(calls, 0);
+    double x = 0, y = 0;
+    for (std::size_t i = 0; i < counts[2]; ++i) {
+        x += inks[2].points[i].x - plain[2].points[i].x;
+        y += inks[2].points[i].y - plain[2].points[i].y;
+    }
+    EXPECT_NEAR(x / 100, calls * 0.01, 0.002);
+    EXPECT_NEAR(y / 100, calls * -0.02, 0.004);
+}
+
+TEST(DistributeInks, RetouchesNeitherDraftsNorOneInk) {
+    const Retouch retouch = [](std::span<const std::vector<Point>> sites) {
+        ADD_FAILURE();
+        return moved_by({}, sites);
+    };
+    const std::vector<std::size_t> counts{300, 200, 100}, one{0, 200, 0};
+    EXPECT_TRUE(distribute_inks(kSquare, ramps(), counts, {.quality = Quality::Draft}, {}, retouch));
+    EXPECT_TRUE(distribute_inks(kSquare, ramps(), one, {}, {}, retouch));
+}
+
 TEST(DistributeInks, LeavesOutThePolishWhenStoppedBeforeIt) {
     std::stop_source source;
     const Control control{source.get_token(), [&](const Progress& progress) {

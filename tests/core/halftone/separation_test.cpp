@@ -21,7 +21,7 @@ using Covers = std::vector<std::vector<float>>;
 /// What the inks cover of one pixel.
 std::vector<float> mix(const Light& light, const InkSet& inks, Tone tone = Tone::Linear) {
     std::vector<float> cover;
-    for (const auto& ink : separate({1, 1, {light.red}, {light.green}, {light.blue}, {}}, inks, tone)) {
+    for (const auto& ink : separate({1, 1, {light.red}, {light.green}, {light.blue}, {}}, inks, tone).coverage) {
         cover.push_back(ink.at(0));
     }
     return cover;
@@ -44,7 +44,7 @@ TEST(Separation, CoversWithOneInkWhereThePictureHasItsColour) {
 TEST(Separation, LeavesTransparentPixelsToThePaper) {
     const ColourPicture picture{3,         1,         {0, 0, 0},
                                 {0, 0, 0}, {0, 0, 0}, {0, 0.5f, std::numeric_limits<float>::quiet_NaN()}};
-    const Covers covers = separate(picture, test::cmyk_inks(), Tone::Linear);
+    const Covers covers = separate(picture, test::cmyk_inks(), Tone::Linear).coverage;
     expect_near(covers[3], {0, 0.5f, 0}, 1e-3f);
 }
 
@@ -110,7 +110,7 @@ TEST(Separation, LooksLikeThePicture) {
     }
     const ColourPicture picture = row_of(lights);
     for (const InkSet& inks : {test::cmyk_inks(), test::rgb_inks()}) {
-        const Covers covers = separate(picture, inks, Tone::Linear);
+        const Covers covers = separate(picture, inks, Tone::Linear).coverage;
         for (std::size_t p = 0; p < lights.size(); ++p) {
             std::vector<float> here;
             for (const auto& cover : covers) here.push_back(cover[p]);
@@ -166,7 +166,7 @@ TEST(Separation, IsContinuousInTheColour) {
     }
     const ColourPicture picture = row_of(lights);
     for (const InkSet& inks : {six, test::cmyk_inks()}) {
-        for (const auto& cover : separate(picture, inks, Tone::Linear)) {
+        for (const auto& cover : separate(picture, inks, Tone::Linear).coverage) {
             for (std::size_t i = 1; i < kSteps; ++i) EXPECT_LT(std::abs(cover[i] - cover[i - 1]), 0.02f) << i;
         }
     }
@@ -175,7 +175,8 @@ TEST(Separation, IsContinuousInTheColour) {
 TEST(Separation, EndsWhenStopped) {
     std::stop_source source;
     source.request_stop();
-    const auto covers = separate({1, 1, {0}, {0}, {0}, {}}, test::cmyk_inks(), Tone::Linear, source.get_token());
+    const auto covers =
+        separate({1, 1, {0}, {0}, {0}, {}}, test::cmyk_inks(), Tone::Linear, source.get_token()).coverage;
     EXPECT_EQ(covers, Covers(4, {0}));
 }
 

@@ -1,0 +1,187 @@
+#include "core/halftone/print_proof.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "core/halftone/blur.h"
+#include "core/halftone/colour_difference.h"
+
+namespace ccdt {
+
+namespace {
+
+using Channels = Overprint::Channels;
+
+/// Samples a radius. With two and a half, gaps in what is nearly solid are missed, and shadows err two thirds more.
+constexpr double kFine = 4;
+constexpr double kCoarse = 2;           // at least
+constexpr int kCell = 10;               // samples a side
+constexpr double kSamplesPerDot = 200;  // at most
+
+double product(const Lab& a, const Lab& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
+
+/// Slope of half the squared difference from what is wanted by the light of each channel, over the squared slopes and
+/// the light that there is: so a step is as long where light is scarce.
+Channels pull(const Channels& wanted, const Channels& seen) {
+    constexpr double kLeastLight = 0.01;
+    const ColourDifference difference(lab_of(wanted));
+    const Lab off = difference(lab_of(seen));
+    Channels pull{};
+    double squares = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const double step = 0.02 * wanted[c] + 0.002;
+        Channels more = seen;
+        more[c] += step;
+        Lab slope = difference(lab_of(more));
+        for (std::size_t k = 0; k < 3; ++k) slope[k] = (slope[k] - off[k]) / step;
+        pull[c] = product(slope, off);
+        squares += product(slope, slope);
+    }
+    const double level = 0.2126 * wanted[0] + 0.7152 * wanted[1] + 0.0722 * wanted[2];
+    for (double& each : pull) each /= squares * (level + kLeastLight);
+    return pull;
+}
+
+Channels at(const LightPlanes& planes, std::size_t number) {
+    return {planes[0][number], planes[1][number], planes[2][number]};
+}
+
+}  // namespace
+
+PrintProof::PrintProof(const LightPlanes& light, int width, int height, const InkSet& inks, double radius,
+                       std::size_t sites)
+    : radius_(radius),
+      step_(std::max(radius / kFine,
+                     std::sqrt(static_cast<double>(width) * height /
+                               (kSamplesPerDot * static_cast<double>(std::max<std::size_t>(sites, 1)))))) {
+    if (step_ > radius / kCoarse) return;
+    width_ = std::max(1, static_cast<int>(width / step_));
+    height_ = std::max(1, static_cast<int>(height / step_));
+    columns_ = (width_ + kCell - 1) / kCell;
+    rows_ = (height_ + kCell - 1) / kCell;
+    for (std::size_t i = 0; i < ways_.size(); ++i) {
+        const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(ways_.size());
+        ways_[i] = {std::cos(angle), std::sin(angle)};
+    }
+    for (std::size_t bits = 0; bits < std::size_t{1} << inks.inks.size(); ++bits) {
+        std::vector<float> cover;
+        for (std::size_t i = 0; i < inks.inks.size(); ++i) cover.push_back(static_cast<float>(bits >> i & 1));
+        const Light colour = printed(inks, cover);
+        colours_.push_back({colour.red, colour.green, colour.blue});
+    }
+    wanted_ = means([&](int x, int y) {
+        const auto pixel = [&](int sample, int size) {
+            return static_cast<std::size_t>(std::min(static_cast<int>((sample + 0.5) * step_), size - 1));
+        };
+        return at(light, pixel(y, height) * static_cast<std::size_t>(width) + pixel(x, width));
+    });
+}
+
+/// The mean light of each cell's samples, blurred over a cell.
+template <class LightAt>
+LightPlanes PrintProof::means(const LightAt& light_at) const {
+    LightPlanes means;
+    for (int row = 0; row < rows_; ++row) {
+        for (int column = 0; column < columns_; ++column) {
+            const int right = std::min(width_, (column + 1) * kCell), below = std::min(height_, (row + 1) * kCell);
+            Channels sum{};
+            for (int y = row * kCell; y < below; ++y) {
+                for (int x = column * kCell; x < right; ++x) {
+                    const Channels light = light_at(x, y);
+                    for (std::size_t c = 0; c < 3; ++c) sum[c] += light[c];
+                }
+            }
+            const double count = (right - column * kCell) * (below - row * kCell);
+            for (std::size_t c = 0; c < 3; ++c) means[c].push_back(static_cast<float>(sum[c] / count));
+        }
+    }
+    for (auto& plane : means) plane = blurred(plane, columns_, rows_, 1);
+    return means;
+}
+
+/// Inks that cover each sample's centre, as bits.
+std::vector<std::uint8_t> PrintProof::printed_samples(std::span<const std::vector<Point>> sites,
+                                                      const std::stop_token& stop) const {
+    std::vector<std::uint8_t> samples(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+    const double reach = radius_ / step_;
+    const auto first = [](double from, int size) {
+        return static_cast<int>(std::clamp<double>(std::ceil(from), 0, size));
+    };
+    for (std::size_t ink = 0; ink < sites.size() && !stop.stop_requested(); ++ink) {
+        for (const Point& site : sites[ink]) {
+            const Point centre = 1 / step_ * site - Point{0.5, 0.5};
+            const int below = first(centre.y + reach, height_);
+            for (int y = first(centre.y - reach, height_); y < below; ++y) {
+                const double half = std::sqrt(std::max(0.0, reach * reach - (y - centre.y) * (y - centre.y)));
+                const auto row = samples.begin() + static_cast<std::ptrdiff_t>(y) * width_;
+                const int right = first(centre.x + half, width_);
+                for (int x = first(centre.x - half, width_); x < right; ++x)
+                    row[x] = static_cast<std::uint8_t>(row[x] | 1U << ink);
+            }
+        }
+    }
+    return samples;
+}
+
+/// What a unit of light more in each cell would cost.
+LightPlanes PrintProof::pulls(const std::vector<std::uint8_t>& samples) const {
+    const LightPlanes seen = means([&](int x, int y) {
+        return colours_[samples[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                                static_cast<std::size_t>(x)]];
+    });
+    LightPlanes pulls = seen;
+    for (std::size_t cell = 0; cell < seen[0].size(); ++cell) {
+        const Channels here = pull(at(wanted_, cell), at(seen, cell));
+        for (std::size_t c = 0; c < 3; ++c) pulls[c][cell] = static_cast<float>(here[c]);
+    }
+    return pulls;
+}
+
+/// A dot's move, by what its rim would cover of what lies there.
+Point PrintProof::move(Point site, unsigned ink, const std::vector<std::uint8_t>& samples,
+                       const LightPlanes& pulls) const {
+    constexpr double kStrength = 0.2;  // radii
+    constexpr double kLongest = 0.15;  // radii
+    constexpr double kOutside = 0.7;   // samples: the dot itself covers none of these
+    const double reach = radius_ / step_ + kOutside;
+    const Point centre = 1 / step_ * site;
+    const auto cell = [](double place, int size) {
+        return static_cast<std::size_t>(std::clamp(static_cast<int>(place / kCell), 0, size - 1));
+    };
+    const Channels pull =
+        at(pulls, cell(centre.y, rows_) * static_cast<std::size_t>(columns_) + cell(centre.x, columns_));
+    Point slope{};
+    for (const Point& way : ways_) {
+        const Point rim = centre + reach * way;
+        if (!(rim.x >= 0 && rim.x < width_ && rim.y >= 0 && rim.y < height_)) continue;
+        const unsigned there = samples[static_cast<std::size_t>(rim.y) * static_cast<std::size_t>(width_) +
+                                       static_cast<std::size_t>(rim.x)];
+        if ((there >> ink & 1U) != 0) continue;
+        double cost = 0;
+        for (std::size_t c = 0; c < 3; ++c) cost += pull[c] * (colours_[there | 1U << ink][c] - colours_[there][c]);
+        slope = slope + cost * way;
+    }
+    const double length = kStrength * std::sqrt(dot(slope, slope));
+    return -radius_ * kStrength * std::min(1.0, length > kLongest ? kLongest / length : 1.0) * slope;
+}
+
+std::vector<std::vector<Point>> PrintProof::moves(std::span<const std::vector<Point>> sites,
+                                                  const std::stop_token& stop) const {
+    std::vector<std::vector<Point>> moves;
+    for (const auto& each : sites) moves.emplace_back(each.size());
+    if (columns_ == 0) return moves;
+    const auto samples = printed_samples(sites, stop);
+    const LightPlanes pulls = this->pulls(samples);
+    for (unsigned ink = 0; ink < sites.size(); ++ink) {
+        if (stop.stop_requested()) break;
+        std::ranges::transform(sites[ink], moves[ink].begin(),
+                               [&](Point site) { return move(site, ink, samples, pulls); });
+    }
+    return moves;
+}
+
+}  // namespace ccdt
