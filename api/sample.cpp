@@ -9,6 +9,7 @@
 
 #include "api/image/embedded_image.h"
 #include "api/image/overlay.h"
+#include "api/input/degrees.h"
 #include "api/input/negotiation.h"
 #include "api/input/run_options.h"
 #include "api/output/formats.h"
@@ -117,14 +118,19 @@ Result<void> read_density(const Input& input, const Limits& limits, Draft& draft
     return settle_density(input, std::move(density), draft.request);
 }
 
-constexpr std::array<OptionRule<Draft>, 20> kRules = {{
-    {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.run.sites, read_sites(i, l)); }},
+/// Members of a JSON body alone: they have members of their own.
+constexpr std::array<OptionRule<Draft>, 5> kShapeRules = {{
     {"polygon", [](const Input& i, const Limits&, Draft& d) { return assign(d.polygon, read_ring(i)); }},
     {"holes", [](const Input& i, const Limits&, Draft& d) { return assign(d.holes, read_rings(i)); }},
     {"geometry", [](const Input& i, const Limits&, Draft& d) { return assign(d.geometry, read_geometry(i)); }},
     {"domain", [](const Input& i, const Limits&, Draft& d) { return assign(d.rectangle, read_rectangle(i)); }},
-    {"invalid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_invalid, read_invalid(i)); }},
     {"density", read_density},
+}};
+
+/// Members of a JSON body, or parameters beside a GeoJSON document.
+constexpr std::array<OptionRule<Draft>, 15> kOptionRules = {{
+    {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.run.sites, read_sites(i, l)); }},
+    {"invalid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_invalid, read_invalid(i)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", read_given<read_iterations, &MethodOptions::iterations>},
     {"passes", read_given<read_passes, &MethodOptions::passes>},
@@ -142,6 +148,36 @@ constexpr std::array<OptionRule<Draft>, 20> kRules = {{
     {"format", [](const Input& i, const Limits&,
                   Draft& d) { return assign(d.request.format, read_format(i, sample_formats())); }},
 }};
+
+constexpr auto kRules = [] {
+    std::array<OptionRule<Draft>, kShapeRules.size() + kOptionRules.size()> rules;
+    std::ranges::copy(kOptionRules, std::ranges::copy(kShapeRules, rules.begin()).out);
+    return rules;
+}();
+
+/// Reads a body that is a GeoJSON document, whose options came as text.
+Result<void> read_document(JsonValue root, const std::vector<TextOption>& options, const Limits& limits, Draft& draft) {
+    draft.request.is_document = true;
+    const auto inputs = inputs_of(options);
+    if (auto read = read_options<Draft>(kOptionRules, inputs, limits, draft); !read) return read;
+    return assign(draft.geometry, read_geometry({"the body", "", root}));
+}
+
+Result<void> read_request(std::string_view body, const std::vector<TextOption>& options, const Limits& limits,
+                          Draft& draft) {
+    const auto document = JsonDocument::parse(body);
+    if (!document) return tl::unexpected(document.error());
+    if (is_geojson(document->root())) return read_document(document->root(), options, limits, draft);
+    if (options.empty()) return read_members<Draft>(kRules, document->root(), "", limits, draft);
+    return failure(ErrorCode::Malformed, "options are members of the JSON body, unless it is a GeoJSON document",
+                   excerpt(options.front().name));
+}
+
+/// Makes an error about options one about the request: they are members of its body, or parameters.
+Error error_of_options(const SampleRequest& request, Error error) {
+    if (request.is_document && error.field.starts_with('/')) error.field.erase(0, 1);
+    return error;
+}
 
 Result<void> settle_domain(Draft& draft) {
     const int given = (draft.polygon ? 1 : 0) + (draft.geometry ? 1 : 0) + (draft.rectangle ? 1 : 0);
@@ -175,6 +211,15 @@ Result<RepairedDomain> make_domain(const SampleRequest& request, const std::stop
     }
     for (Repair& repair : domain->repairs) repair.field = polygon.locate(repair.field);
     return domain;
+}
+
+/// Finds what is not as its sender may think: coordinates that look like degrees are taken for those of a plane.
+std::vector<Warning> warnings_of(const SampleRequest& request, const Domain& domain) {
+    const auto* polygon = std::get_if<PolygonInput>(&request.domain);
+    if (polygon == nullptr || !polygon->is_geojson()) return {};
+    const auto detail = warning_of_degrees(domain.bounds());
+    if (!detail) return {};
+    return {{polygon->locate({}), *detail}};
 }
 
 /// Turns a picture over: pictures have their top row first, grids over the plane their bottom one.
@@ -215,7 +260,7 @@ Result<Distribution> place_points(const SampleRequest& request, const Domain& do
                                   const Control& control) {
     if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
     auto distribution = request.method->run(domain, density, request.run, control);
-    if (!distribution) return tl::unexpected(error_below(distribution.error(), ""));
+    if (!distribution) return tl::unexpected(error_of_options(request, error_below(distribution.error(), "")));
     if (auto whole = check_whole(*distribution, request.on_deadline); !whole) return tl::unexpected(whole.error());
     return distribution;
 }
@@ -236,14 +281,14 @@ Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const
         std::clamp(kPixelPitch / pitch_of(domain, request.run.sites), kLeastSide / longer, most_side / longer);
     const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMostCanvasPixels));
     page.canvas = canvas_of(box, request.width ? *request.width / box.width() : fitting_scale(box, wished, most));
-    if (auto checked = request.format->check_side(page.canvas, "width", "/width"); !checked)
+    if (auto checked = request.format->check_side(page.canvas, "width", request.field_of("width")); !checked)
         return tl::unexpected(checked.error());
     if (pixels == nullptr || fits(page.canvas, limits.max_pixels)) return page;
     return failure(ErrorCode::LimitExceeded,
                    "width makes a picture of " + std::to_string(page.canvas.width) + " x " +
                        std::to_string(page.canvas.height) + " pixels; this server's limit (max-pixels) is " +
                        std::to_string(limits.max_pixels),
-                   "/width");
+                   request.field_of("width"));
 }
 
 /// Radius of the dots, in units of the domain: a dot of twice its box's longer side covers it from anywhere inside.
@@ -285,9 +330,7 @@ private:
 };
 
 Result<std::string> encode(const SampleRequest& request, const Domain& domain, const Page& page,
-                           const Distribution& distribution, std::span<const Repair> repairs, double elapsed,
-                           const Control& control) {
-    const Report report{request.run.seed, elapsed, {}, request.method->name, repairs};
+                           const Distribution& distribution, const Report& report, const Control& control) {
     const InkDots ink{kBlackOnWhite.inks.front(), distribution, radius_of(request, domain)};
     auto body = std::visit(Writing(request, page, report, ink, control), request.format->writer);
     if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going)
@@ -297,17 +340,22 @@ Result<std::string> encode(const SampleRequest& request, const Domain& domain, c
 
 }  // namespace
 
+std::string SampleRequest::field_of(std::string_view option) const {
+    return is_document ? std::string(option) : pointer_below("", option);
+}
+
 std::vector<std::string_view> sample_options() {
     return names_of<Draft>(kRules);
 }
 
-Result<SampleRequest> parse_sample(std::string_view body, std::string_view accept, const Limits& limits) {
+Result<SampleRequest> parse_sample(std::string_view body, const std::vector<TextOption>& options,
+                                   std::string_view accept, const Limits& limits) {
     Draft draft;
-    if (auto read = read_body<Draft>(kRules, body, limits, draft); !read) return tl::unexpected(read.error());
-    if (draft.request.run.sites == 0) return failure(ErrorCode::Malformed, "sites is missing", "/sites");
-    if (auto settled = settle_method(*draft.request.method, draft.given, draft.request.run); !settled) {
-        return tl::unexpected(settled.error());
-    }
+    if (auto read = read_request(body, options, limits, draft); !read) return tl::unexpected(read.error());
+    if (draft.request.run.sites == 0)
+        return failure(ErrorCode::Malformed, "sites is missing", draft.request.field_of("sites"));
+    if (auto settled = settle_method(*draft.request.method, draft.given, draft.request.run); !settled)
+        return tl::unexpected(error_of_options(draft.request, settled.error()));
     if (auto settled = settle_domain(draft); !settled) return tl::unexpected(settled.error());
     if (auto settled = settle_format(accept, sample_formats(), draft.request.format); !settled)
         return tl::unexpected(settled.error());
@@ -331,7 +379,9 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     if (!distribution) return tl::unexpected(distribution.error());
 
     const double elapsed = timings.decode + timings.optimise;
-    auto body = encode(request, domain, *page, *distribution, repairs, elapsed, control);
+    const auto warnings = warnings_of(request, domain);
+    const Report report{request.run.seed, elapsed, {}, request.method->name, repairs, {}, warnings};
+    auto body = encode(request, domain, *page, *distribution, report, control);
     timings.encode = watch.lap();
     if (!body) return tl::unexpected(body.error());
     Answer answer;
@@ -339,8 +389,10 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     answer.body = *std::move(body);
     answer.sites = request.run.sites;
     answer.partial = distribution->stopped;
-    if (!repairs.empty() && request.format->file.name != "json") {
-        answer.repaired = write_repairs(std::span(repairs).first(std::min(repairs.size(), kMostInHeader)));
+    if (request.format->file.name != "json") {
+        if (!repairs.empty())
+            answer.repaired = write_repairs(std::span(repairs).first(std::min(repairs.size(), kMostInHeader)));
+        if (!warnings.empty()) answer.warnings = write_warnings(warnings);
     }
     // A stop may have made the path of a drawing longer.
     answer.repeats = request.format->repeats() && !control.stop.stop_requested();

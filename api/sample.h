@@ -47,6 +47,10 @@ struct SampleRequest {
     std::optional<int> width;   ///< of a drawing, in pixels; none: chosen
     std::optional<double> dot;  ///< radius in units of the domain, > 0; none: chosen
     OnStop on_deadline = OnStop::Error;
+    bool is_document = false;  ///< the body is GeoJSON: options came as text
+
+    /// What errors about an option call it.
+    std::string field_of(std::string_view option) const;
 };
 
 /// Pixels of a drawing whose width is chosen: from dot to dot, if they were evenly spread, and on the longer side.
@@ -57,14 +61,16 @@ inline constexpr double kMostSide = 16'384;
 /// Names of the members of a request.
 std::vector<std::string_view> sample_options();
 
-/// Reads a request: a JSON object.
+/// Reads a request: a JSON object, or a GeoJSON document that options came beside as text.
 ///
-/// @param accept  the Accept header, empty if there is none; the member `format` wins over it
+/// @param options  in the order they came, each at most once; none beside a JSON object, which holds them
+/// @param accept   the Accept header, empty if there is none; the option `format` wins over it
 /// Errors: Malformed for what is not JSON, an unknown or repeated member, a value of the wrong kind or out of
 /// range, not exactly one domain; Unsupported for a density image of a format that is not read; LimitExceeded for
-/// too many sites, corners or density cells; NotAcceptable. The field is a JSON Pointer.
+/// too many sites, corners or density cells; NotAcceptable. The field is a JSON Pointer, or an option's name.
 /// Cheap: whether polygons are valid is left to run_sample, and so is decoding.
-Result<SampleRequest> parse_sample(std::string_view body, std::string_view accept, const Limits& limits);
+Result<SampleRequest> parse_sample(std::string_view body, const std::vector<TextOption>& options,
+                                   std::string_view accept, const Limits& limits);
 
 /// Builds the domain and the density, distributes, writes the points as the request wants them.
 ///

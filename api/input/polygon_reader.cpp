@@ -1,6 +1,9 @@
 #include "api/input/polygon_reader.h"
 
+#include <algorithm>
 #include <charconv>
+#include <iterator>
+#include <optional>
 #include <utility>
 
 namespace ccdt::api {
@@ -9,7 +12,8 @@ namespace {
 enum class Ordinates { Two, TwoOrMore };
 
 tl::unexpected<Error> wrong(const std::string& pointer, std::string_view what) {
-    return failure(ErrorCode::Malformed, pointer + ' ' + std::string(what), pointer);
+    const std::string subject = pointer.empty() ? "the body" : pointer;
+    return failure(ErrorCode::Malformed, subject + ' ' + std::string(what), pointer);
 }
 
 Input element_of(const Input& parent, std::size_t index, JsonValue value) {
@@ -104,19 +108,50 @@ Result<std::string_view> read_type(const Input& object) {
     return require(object, "type").and_then([](const Input& type) { return read_text(type); });
 }
 
-Result<PolygonInput> read_bare_geometry(const Input& input) {
-    using Nesting = PolygonInput::Nesting;
-    const auto type = read_type(input);
-    if (!type) return tl::unexpected(type.error());
-    if (*type != "Polygon" && *type != "MultiPolygon") {
-        return wrong(input.field, "must be a Polygon, a MultiPolygon or a Feature of one, not a " + excerpt(*type));
-    }
-    const auto coordinates = require(input, "coordinates");
+Result<void> append_polygons(const Input& object, PolygonInput::Nesting nesting, PolygonInput& polygon) {
+    const auto coordinates = require(object, "coordinates");
     if (!coordinates) return tl::unexpected(coordinates.error());
-    const Nesting nesting = *type == "Polygon" ? Nesting::Polygon : Nesting::MultiPolygon;
     auto parts = read_parts(*coordinates, nesting);
     if (!parts) return tl::unexpected(parts.error());
-    return PolygonInput{*std::move(parts), nesting, coordinates->field};
+    polygon.sources.push_back({polygon.parts.size(), nesting, coordinates->field});
+    std::ranges::move(*parts, std::back_inserter(polygon.parts));
+    return {};
+}
+
+Result<void> append_geometry(const Input& object, PolygonInput& polygon);
+
+/// Appends the geometries of all elements of a member, and none for those that are null or features without one.
+Result<void> append_each(const Input& collection, std::string_view member, PolygonInput& polygon) {
+    const auto list = require(collection, member);
+    if (!list) return tl::unexpected(list.error());
+    if (!json_of(*list).is_array()) return wrong(list->field, "must be a list of GeoJSON objects");
+    std::size_t index = 0;
+    for (const JsonValue element : json_of(*list)) {
+        const auto geometry = element.is_object() ? element.find("geometry") : std::nullopt;
+        if (!geometry || !geometry->is_null()) {
+            if (auto read = append_geometry(element_of(*list, index, element), polygon); !read) return read;
+        }
+        ++index;
+    }
+    return {};
+}
+
+/// Recurses as deep as a JsonDocument nests at most.
+Result<void> append_geometry(const Input& object, PolygonInput& polygon) {
+    using Nesting = PolygonInput::Nesting;
+    const auto type = read_type(object);
+    if (!type) return tl::unexpected(type.error());
+    if (*type == "Polygon") return append_polygons(object, Nesting::Polygon, polygon);
+    if (*type == "MultiPolygon") return append_polygons(object, Nesting::MultiPolygon, polygon);
+    if (*type == "GeometryCollection") return append_each(object, "geometries", polygon);
+    if (*type == "FeatureCollection") return append_each(object, "features", polygon);
+    if (*type == "Feature") {
+        return require(object, "geometry").and_then([&](const Input& geometry) {
+            return append_geometry(geometry, polygon);
+        });
+    }
+    return wrong(object.field,
+                 "must be a Polygon, a MultiPolygon, or a Feature or a collection of such, not a " + excerpt(*type));
 }
 
 /// Takes a number off the front of `/3/0/17`.
@@ -140,9 +175,19 @@ std::size_t PolygonInput::corner_count() const {
 }
 
 std::string PolygonInput::locate(std::string_view field) const {
-    if (nesting == Nesting::MultiPolygon) return coordinates + std::string(field);
-    if (!field.empty()) take_index(field);  // the one part there is
-    if (nesting == Nesting::Polygon) return coordinates + std::string(field);
+    if (field.empty() && sources.size() > 1) return {};  // all of them
+    if (field.empty()) return sources.front().nesting == Nesting::Members ? "/polygon" : sources.front().coordinates;
+    const std::size_t part = take_index(field);
+    const auto after = std::ranges::upper_bound(sources, part, {}, &Source::first_part);
+    const Source& source = *std::prev(after);
+    switch (source.nesting) {
+        case Nesting::Polygon:
+            return source.coordinates + std::string(field);
+        case Nesting::MultiPolygon:
+            return pointer_below(source.coordinates, part - source.first_part) + std::string(field);
+        case Nesting::Members:
+            break;
+    }
     const std::size_t ring = field.empty() ? 0 : take_index(field);
     const std::string pointer = ring == 0 ? "/polygon" : pointer_below("/holes", ring - 1);
     return pointer + std::string(field);
@@ -156,11 +201,15 @@ Result<std::vector<Ring>> read_rings(const Input& input) {
     return read_ring_list(input, Ordinates::Two);
 }
 
+bool is_geojson(JsonValue value) {
+    return value.is_object() && value.find("type");
+}
+
 Result<PolygonInput> read_geometry(const Input& input) {
-    const auto type = read_type(input);
-    if (!type) return tl::unexpected(type.error());
-    if (*type != "Feature") return read_bare_geometry(input);
-    return require(input, "geometry").and_then(read_bare_geometry);
+    PolygonInput polygon{{}, {}};
+    if (auto read = append_geometry(input, polygon); !read) return tl::unexpected(read.error());
+    if (polygon.parts.empty()) return failure(ErrorCode::Unusable, input.name + " holds no polygon", input.field);
+    return polygon;
 }
 
 Result<void> check_size(const PolygonInput& polygon) {

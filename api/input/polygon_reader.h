@@ -22,11 +22,19 @@ struct PolygonInput {
 
     static constexpr std::size_t kMaxCorners = 1'000'000;
 
+    /// Where parts stood: those of one geometry, up to the first of the next.
+    struct Source {
+        std::size_t first_part = 0;
+        Nesting nesting = Nesting::Members;
+        std::string coordinates;  ///< JSON Pointer to them; not used for Members
+    };
+
     std::vector<PolygonPart> parts;
-    Nesting nesting = Nesting::Members;
-    std::string coordinates;  ///< JSON Pointer to the coordinates; not used for Members
+    std::vector<Source> sources = {{}};  ///< in the order of their parts; never empty
 
     std::size_t corner_count() const;
+
+    bool is_geojson() const { return sources.front().nesting != Nesting::Members; }
 
     /// Makes the JSON Pointer, in the request, to what Domain::create calls `field`.
     std::string locate(std::string_view field) const;
@@ -39,8 +47,12 @@ Result<Ring> read_ring(const Input& input);
 /// Reads a list of rings.
 Result<std::vector<Ring>> read_rings(const Input& input);
 
-/// Reads a GeoJSON (RFC 7946) Polygon, MultiPolygon, or Feature of one. Ordinates after the second and members
-/// that are not geometry are passed over.
+/// Tells whether an object is GeoJSON: no request has a member `type`, which every GeoJSON object has.
+bool is_geojson(JsonValue value);
+
+/// Reads GeoJSON (RFC 7946): a Polygon, a MultiPolygon, a Feature of one, or a GeometryCollection or
+/// FeatureCollection of such, whose parts all together are the polygon. Ordinates after the second, members that are
+/// not geometry, and features of a collection that have none are passed over.
 /// Errors: Malformed, with a JSON Pointer to what is wrong; Unusable if it is empty.
 Result<PolygonInput> read_geometry(const Input& input);
 

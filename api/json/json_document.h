@@ -49,6 +49,7 @@ public:
     class Iterator;
     struct Member;
 
+    bool is_null() const { return node().kind == JsonDocument::Kind::Null; }
     bool is_boolean() const { return node().kind == JsonDocument::Kind::Boolean; }
     bool is_number() const { return node().kind == JsonDocument::Kind::Number; }
     bool is_string() const { return node().kind == JsonDocument::Kind::String; }

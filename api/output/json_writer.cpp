@@ -117,6 +117,21 @@ void append_run(std::string& out, const Distribution& distribution, const Report
     append_member(out, "variation", distribution.variation());
     if (distribution.stopped) out += ",\"partial\":true";
     if (!report.repairs.empty()) out.append(",\"repaired\":").append(write_repairs(report.repairs));
+    if (!report.warnings.empty()) out.append(",\"warnings\":").append(write_warnings(report.warnings));
+}
+
+/// Writes repairs or warnings. Both are our own words and numbers: nothing needs to be escaped.
+template <class Remark>
+std::string write_remarks(std::span<const Remark> remarks) {
+    std::string out;
+    append_array(out, remarks, [](std::string& to, const Remark& remark) {
+        to.append("{\"pointer\":\"")
+            .append(remark.field)
+            .append("\",\"detail\":\"")
+            .append(remark.detail)
+            .append("\"}");
+    });
+    return out;
 }
 
 double rounded_to_microseconds(double milliseconds) {
@@ -173,16 +188,11 @@ void append_inks(std::string& out, std::span<const InkDots> inks, const Report& 
 }  // namespace
 
 std::string write_repairs(std::span<const Repair> repairs) {
-    std::string out;
-    append_array(out, repairs, [](std::string& to, const Repair& repair) {
-        // Both are our own words and numbers: nothing needs to be escaped.
-        to.append("{\"pointer\":\"")
-            .append(repair.field)
-            .append("\",\"detail\":\"")
-            .append(repair.detail)
-            .append("\"}");
-    });
-    return out;
+    return write_remarks(repairs);
+}
+
+std::string write_warnings(std::span<const Warning> warnings) {
+    return write_remarks(warnings);
 }
 
 std::string write_json(std::span<const InkDots> inks, const Report& report, const std::stop_token& stop) {

@@ -20,24 +20,34 @@ struct PictureSize {
     int height = 0;
 };
 
+/// What may not be as the sender of a request thinks.
+struct Warning {
+    std::string field;   ///< JSON Pointer in the request
+    std::string detail;  ///< for people
+};
+
 /// Members of a JSON answer besides the points.
 struct Report {
     std::uint64_t seed = 0;
     double elapsed_ms = 0;
     std::optional<PictureSize> picture;
     std::string_view method = "ccdt";
-    std::span<const Repair> repairs = {};  ///< of a polygon; fields are JSON Pointers
-    std::optional<DotSize> dots = {};      ///< of a halftone
+    std::span<const Repair> repairs = {};    ///< of a polygon; fields are JSON Pointers
+    std::optional<DotSize> dots = {};        ///< of a halftone
+    std::span<const Warning> warnings = {};  ///< about the request
 };
 
 /// Writes repairs as an array: `[{"pointer":"/polygon/2","detail":"..."}]`.
 std::string write_repairs(std::span<const Repair> repairs);
 
+/// Writes warnings in the same way.
+std::string write_warnings(std::span<const Warning> warnings);
+
 /// Writes the JSON answer of /sample and /halftone: of inks with names a list, else the points themselves, also the
-/// mesh, if there is one. Tells if a run was stopped, and what was repaired. Numbers are the shortest that read back to
-/// the same double. Same input, same bytes. About 0.1 microseconds a number. Stopped, it ends early, with nothing of
-/// use. Like all writers of JSON it throws std::domain_error for a number that is not finite, which would be our own
-/// fault.
+/// mesh, if there is one. Tells if a run was stopped, what was repaired, and warnings. Numbers are the shortest that
+/// read back to the same double. Same input, same bytes. About 0.1 microseconds a number. Stopped, it ends early, with
+/// nothing of use. Like all writers of JSON it throws std::domain_error for a number that is not finite, which would be
+/// our own fault.
 std::string write_json(std::span<const InkDots> inks, const Report& report, const std::stop_token& stop = {});
 
 /// Writes the points of the only ink as GeoJSON (RFC 7946): a Feature whose geometry is a MultiPoint, with what the

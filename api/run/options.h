@@ -47,6 +47,7 @@ struct Answer {
     std::size_t sites = 0;             ///< placed for it
     std::size_t pixels = 0;            ///< of a picture decoded for it
     std::string repaired = {};         ///< what was wrong with a polygon, as JSON; empty: nothing, or the body tells
+    std::string warnings = {};         ///< about the request, in the same way
     bool partial = false;              ///< of a run that was stopped, which the request allows
     bool repeats = true;               ///< to the byte, however often it is computed
     std::optional<DotSize> dots = {};  ///< of a halftone

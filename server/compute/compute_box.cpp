@@ -165,6 +165,7 @@ private:
         answer.coding = reader_.take_text(1);
         answer.body = reader_.take_text(2);
         answer.repaired = reader_.take_text(3);
+        answer.warnings = reader_.take_text(4);
         answer.sites = reply.sites;
         answer.pixels = reply.pixels;
         answer.partial = reply.partial != 0;

@@ -98,7 +98,7 @@ private:
 /// Sends a reply with its texts. If nobody takes them the process is about to end.
 void send_reply(int channel, Reply reply, const std::array<std::string_view, Reply::kTexts>& texts) {
     for (std::size_t i = 0; i < texts.size(); ++i) reply.sizes[i] = texts[i].size();
-    static_cast<void>(send_texts(channel, {text_of(reply), texts[0], texts[1], texts[2], texts[3]}));
+    static_cast<void>(send_texts(channel, {text_of(reply), texts[0], texts[1], texts[2], texts[3], texts[4]}));
 }
 
 /// Computes, whatever happens.
@@ -125,7 +125,7 @@ void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder,
     if (!result) {
         reply.kind = Reply::Kind::Failure;
         reply.code = static_cast<std::uint32_t>(result.error().code);
-        return send_reply(channel, reply, {result.error().message, result.error().field, {}, {}});
+        return send_reply(channel, reply, {result.error().message, result.error().field, {}, {}, {}});
     }
     reply.kind = Reply::Kind::Answer;
     reply.sites = result->sites;
@@ -136,7 +136,7 @@ void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder,
         reply.radius = result->dots->radius;
         reply.tone = result->dots->tone;
     }
-    send_reply(channel, reply, {result->media_type, result->coding, result->body, result->repaired});
+    send_reply(channel, reply, {result->media_type, result->coding, result->body, result->repaired, result->warnings});
 }
 
 }  // namespace

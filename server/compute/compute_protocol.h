@@ -45,8 +45,8 @@ struct Call {
 /// Message from a process that computes: any number of times Step, then one of the others, followed by texts.
 struct Reply {
     enum class Kind : std::uint32_t { Step, Answer, Failure };
-    /// Media type, coding, body, what was repaired; of a failure: message, field, nothing.
-    static constexpr std::size_t kTexts = 4;
+    /// Media type, coding, body, what was repaired, warnings; of a failure: message, field, nothing.
+    static constexpr std::size_t kTexts = 5;
 
     Kind kind = Kind::Step;
     std::uint32_t code = 0;  ///< ErrorCode of a failure

@@ -6,10 +6,10 @@ namespace ccdt::server {
 
 std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::string_view origin) {
     if (allowed.empty()) return {};
-    const Header exposed{
-        "Access-Control-Expose-Headers",
-        "ETag, Location, Preference-Applied, Retry-After, Server-Timing, X-Partial, X-Radius, X-Repaired, X-Request-ID, "
-        "X-Tone"};
+    const Header exposed{"Access-Control-Expose-Headers",
+                         "ETag, Location, Preference-Applied, Retry-After, Server-Timing, X-Partial, X-Radius, "
+                         "X-Repaired, X-Request-ID, X-Warnings, "
+                         "X-Tone"};
     if (std::ranges::find(allowed, "*") != allowed.end()) return {{"Access-Control-Allow-Origin", "*"}, exposed};
     // Caches must not give one origin's answer to another, not even one without permission.
     std::vector<Header> headers{{"Vary", "Origin"}};

@@ -5,8 +5,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "api/run/options.h"
+#include "server/http/message.h"
 #include "server/http/problem.h"
 
 namespace ccdt::server {
@@ -50,10 +52,9 @@ struct Job {
     // If it has succeeded:
     std::string media_type;
     std::size_t result_bytes = 0;
-    bool partial = false;              ///< what there was by its deadline
-    std::string repaired;              ///< what was wrong with a polygon, as api::Answer has it
-    std::optional<api::DotSize> dots;  ///< as api::Answer has them
-    bool dropped = false;              ///< the result had to make room
+    bool partial = false;         ///< what there was by its deadline
+    std::vector<Header> headers;  ///< that tell what the body may not
+    bool dropped = false;         ///< the result had to make room
 };
 
 /// The job's status document, application/json.

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "server/work/answer_headers.h"
 #include "server/work/form.h"
 
 namespace ccdt::server {
@@ -292,8 +293,7 @@ void Jobs::finish_run(const LivePointer& live, Run run) {
     job.status = JobStatus::Succeeded;
     job.media_type = std::move(answer->media_type);
     job.partial = answer->partial;
-    job.repaired = std::move(answer->repaired);
-    job.dots = answer->dots;
+    job.headers = answer_headers(*answer);
     end.computed = Computed{answer->sites, answer->pixels};
     settle(live, std::move(job), std::move(answer->body), std::move(end));
 }

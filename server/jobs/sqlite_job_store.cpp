@@ -11,7 +11,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "api/text/numbers.h"
 #include "api/text/text.h"
 #include "server/processes/unique_fd.h"
 #include "server/work/digest.h"
@@ -127,20 +126,23 @@ bool is_sound(const Statement& row) {
     return row.text(kDigest) == digest_of(row);
 }
 
-/// Writes the size of dots, such that dots_in() reads the same.
-std::string text_of(const api::DotSize& dots) {
+/// Writes headers, such that headers_in() reads the same.
+std::string text_of(const std::vector<Header>& headers) {
     std::string text;
-    api::append_shortest(text, dots.radius);
-    text += ' ';
-    api::append_shortest(text, dots.tone);
+    for (const auto& [name, value] : headers) text.append(name).append(": ").append(value) += '\n';
     return text;
 }
 
-std::optional<api::DotSize> dots_in(std::string_view text) {
-    const auto radius = api::parse_number<double>(api::take_until(text, " "));
-    const auto tone = api::parse_number<double>(text);
-    if (!radius || !tone) return std::nullopt;
-    return api::DotSize{*radius, *tone};
+/// Takes lines that are none, which earlier versions kept there, for nothing.
+std::vector<Header> headers_in(std::string_view text) {
+    constexpr std::size_t kLongestName = 64;
+    std::vector<Header> headers;
+    while (!text.empty()) {
+        auto line = api::take_until(text, "\n");
+        const auto name = api::take_until(line, ": ");
+        if (api::is_plain_name(name, kLongestName)) headers.push_back({std::string(name), std::string(line)});
+    }
+    return headers;
 }
 
 Job job_at(const Statement& row) {
@@ -158,10 +160,7 @@ Job job_at(const Statement& row) {
     if (!row.is_null(12)) job.progress.variation = row.real(12);
     if (!row.is_null(13))
         job.failure = Problem{static_cast<int>(row.integer(13)), {ErrorCode::Internal, row.text(14), row.text(15)}};
-    if (row.is_null(13)) {  // these tell of its failure, if it has failed
-        if (!row.is_null(14)) job.repaired = row.text(14);
-        if (!row.is_null(15)) job.dots = dots_in(row.text(15));
-    }
+    if (row.is_null(13)) job.headers = headers_in(row.text(14));
     job.media_type = row.text(16);
     job.result_bytes = static_cast<std::size_t>(row.integer(17));
     job.partial = row.integer(18) != 0;
@@ -505,15 +504,14 @@ Result<std::optional<std::string>> SqliteJobStore::result(const std::string& id)
 /// @param bytes  that the job takes from now on
 void SqliteJobStore::update(const Job& job, std::int64_t row, std::size_t bytes) {
     std::optional<std::int64_t> failure;
-    std::optional<std::string_view> message;
-    std::optional<std::string> field;
+    std::string message;
+    std::optional<std::string_view> field;
     if (job.failure) {
         failure = job.failure->status;
         message = job.failure->error.message;
         field = job.failure->error.field;
-    } else {  // a job that has not failed has no others
-        if (!job.repaired.empty()) message = job.repaired;
-        if (job.dots) field = text_of(*job.dots);
+    } else {  // a job that has not failed has no message
+        message = text_of(job.headers);
     }
     Statement(database_,
               "UPDATE jobs SET status = ?, starts = ?, started = ?, finished = ?, fraction = ?, iteration = ?, "

@@ -10,8 +10,8 @@
 
 #include "server/http/compression.h"
 #include "server/http/entity_tag.h"
-#include "server/routes/answer_headers.h"
 #include "server/routes/job_routes.h"
+#include "server/work/answer_headers.h"
 #include "server/work/answer_name.h"
 #include "server/work/form.h"
 
@@ -46,11 +46,12 @@ tl::unexpected<Problem> give_up(tl::unexpected<Problem> why, std::string_view ca
 /// @param name  of the answer, unless it is only a part of it
 Response response_of(api::Answer answer, const std::string& name, Record& record) {
     Response response;
+    response.headers = answer_headers(answer);
     response.media_type = std::move(answer.media_type);
     response.body = std::move(answer.body);
     response.coding = std::move(answer.coding);
-    response.headers = answer_headers(answer.dots, std::move(answer.repaired), answer.partial);
     if (answer.partial) {
+        response.headers.push_back({"X-Partial", "deadline"});
         record.cancelled = "deadline";
     } else {
         response.tag = (answer.repeats ? "\"" : "W/\"") + name + '"';

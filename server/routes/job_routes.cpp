@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "server/http/entity_tag.h"
-#include "server/routes/answer_headers.h"
 
 namespace ccdt::server {
 namespace {
@@ -78,7 +77,8 @@ HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view i
     response.tag = '"' + id + '"';
     response.body = *std::move(result);
     response.lease = std::make_shared<MemoryBudget::Lease>(*std::move(lease));
-    response.headers = answer_headers(job->dots, job->repaired, job->partial);
+    response.headers = job->headers;
+    if (job->partial) response.headers.push_back({"X-Partial", "deadline"});
     return response;
 }
 

@@ -87,7 +87,7 @@ Result<ParsedPointer> parse_halftone(const ComputeRequest& request, const api::L
 }
 
 Result<ParsedPointer> parse_sample(const ComputeRequest& request, const api::Limits& limits) {
-    return pack(api::parse_sample(request.body, request.accept, limits), limits);
+    return pack(api::parse_sample(request.body, parse_query(request.query), request.accept, limits), limits);
 }
 
 Result<ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Limits& limits) {
@@ -103,7 +103,7 @@ Result<void> check(const Operation& operation, const ComputeRequest& request) {
     if (operation.takes_pictures) return {};
     const std::string type = media_type(request.content_type);
     if (!may_hold_json(type)) return failure(ErrorCode::Unsupported, "the body must be application/json, not " + type);
-    if (!request.query.empty())
+    if (!operation.takes_query && !request.query.empty())
         return failure(ErrorCode::Malformed, "the options of this path are members of the JSON body");
     return {};
 }

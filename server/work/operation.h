@@ -28,7 +28,8 @@ using ParsedPointer = std::unique_ptr<const ParsedRequest>;
 /// A row of the table of what the server computes. All that differs between them is here, or in what `parse` makes.
 struct Operation {
     std::string_view path;  ///< that it is POSTed to
-    bool takes_pictures;    ///< as bodies and in forms, with options in the query; else the body is JSON
+    bool takes_pictures;    ///< as bodies and in forms; else the body is JSON
+    bool takes_query;       ///< has options in the query
 
     /// Errors: those of the path's parser.
     Result<ParsedPointer> (*parse)(const ComputeRequest& request, const api::Limits& limits);
@@ -39,9 +40,9 @@ Result<ParsedPointer> parse_sample(const ComputeRequest& request, const api::Lim
 Result<ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Limits& limits);
 
 inline constexpr auto kOperations = std::to_array<Operation>({
-    {"/halftone", true, parse_halftone},
-    {"/sample", false, parse_sample},
-    {"/analyze", false, parse_analyze},
+    {"/halftone", true, true, parse_halftone},
+    {"/sample", false, true, parse_sample},
+    {"/analyze", false, false, parse_analyze},
 });
 
 /// Finds the row of a path; null if there is none.

@@ -101,7 +101,7 @@ class SampleCost : public testing::TestWithParam<SampleCase> {};
 
 TEST_P(SampleCost, IsNeverPassed) {
     if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
-    const auto request = parse_sample('{' + GetParam().body + '}', "", {});
+    const auto request = parse_sample('{' + GetParam().body + '}', {}, "", {});
     ASSERT_TRUE(request) << request.error().message;
     const auto work = [&] {
         Timings timings;
@@ -225,12 +225,12 @@ TEST(ParsingCost, IsNeverPassed) {
     for (const std::string& list : {rings, words, numbers, pairs, std::string(3'000'000, ' ')}) {
         const std::string body = R"({"polygon":[)" + list + "0]}";
         expect_near(
-            cost_of_parsing(body), 6, [&] { static_cast<void>(parse_sample(body, "", {})); }, body.substr(12, 8));
+            cost_of_parsing(body), 6, [&] { static_cast<void>(parse_sample(body, {}, "", {})); }, body.substr(12, 8));
     }
 }
 
 TEST(Cost, KnowsShortRequests) {
-    const auto seconds = [](const std::string& body) { return cost_of(*parse_sample(body, "", {}), {}).seconds; };
+    const auto seconds = [](const std::string& body) { return cost_of(*parse_sample(body, {}, "", {}), {}).seconds; };
     EXPECT_LT(seconds(R"({"sites":1000,)" + kSquare + '}'), 0.02);
     EXPECT_GT(seconds(R"({"sites":20000,)" + kSquare + '}'), 0.02);
     EXPECT_GT(seconds(R"({"sites":1000,"iterations":1000,)" + kSquare + '}'), 0.02);
@@ -247,7 +247,7 @@ TEST(Cost, IsANumberForDomainsThatAreNone) {
     for (const auto& polygon : polygons) {
         for (const std::string size : {"", R"(,"width":65535)", R"(,"width":1,"dot":1.7e308)", R"(,"dot":5e-324)"}) {
             const std::string body = R"({"sites":5,"format":"png","polygon":)" + polygon + size + '}';
-            const Cost cost = cost_of(*parse_sample(body, "", {}), {});
+            const Cost cost = cost_of(*parse_sample(body, {}, "", {}), {});
             EXPECT_TRUE(std::isfinite(cost.seconds) && cost.seconds >= 0) << body;
             EXPECT_LT(cost.memory, std::size_t{1} << 32) << body;
         }

@@ -15,7 +15,7 @@ namespace {
 const std::string kTorus = R"({"domain":{"type":"torus","width":1,"height":1})";
 
 Result<SampleRequest> parse(const std::string& members) {
-    return parse_sample(kTorus + members + '}', "", {});
+    return parse_sample(kTorus + members + '}', {}, "", {});
 }
 
 TEST(Method, IsReadByItsName) {

@@ -13,7 +13,7 @@ namespace {
 const std::string kSquare = R"("polygon":[[0,0],[4,0],[4,4],[0,4]])";
 
 Result<SampleRequest> parse(const std::string& body, std::string_view accept = "", const Limits& limits = {}) {
-    return parse_sample(body, accept, limits);
+    return parse_sample(body, {}, accept, limits);
 }
 
 Result<Answer> answer(const std::string& body) {
@@ -97,6 +97,56 @@ TEST(SampleRequest, ReadsGeoJson) {
     }
 }
 
+TEST(SampleRequest, ReadsCollections) {
+    const std::string one = R"({"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1]]]})";
+    const std::string two = R"({"type":"MultiPolygon","coordinates":[[[[3,0],[4,0],[4,1]]],[[[5,0],[6,0],[6,1]]]]})";
+    const std::string geometries = R"({"type":"GeometryCollection","geometries":[)" + one + ',' + two + "]}";
+    const std::string none = R"({"type":"Feature","properties":null,"geometry":null})";
+    const std::string features = R"({"type":"FeatureCollection","features":[)" + none +
+                                 R"(,{"type":"Feature","geometry":)" + two + R"(},{"type":"Feature","geometry":)" +
+                                 geometries + "}]}";
+    for (const auto& [geometry, parts] : {std::pair(geometries, 3U), std::pair(features, 5U)}) {
+        const auto request = parse(R"({"sites":10,"geometry":)" + geometry + '}');
+        ASSERT_TRUE(request) << request.error().message;
+        EXPECT_EQ(std::get<PolygonInput>(request->domain).parts.size(), parts);
+    }
+    const auto request = parse(R"({"sites":10,"geometry":)" + features + '}');
+    const auto& input = std::get<PolygonInput>(request->domain);
+    EXPECT_EQ(input.parts[2].outer[0], (Point{0, 0}));
+    EXPECT_EQ(input.locate("/1/0/2"), "/geometry/features/1/geometry/coordinates/1/0/2");
+    EXPECT_EQ(input.locate("/2/0/1"), "/geometry/features/2/geometry/geometries/0/coordinates/0/1");
+    EXPECT_EQ(input.locate("/4"), "/geometry/features/2/geometry/geometries/1/coordinates/1");
+    EXPECT_EQ(input.locate(""), "");
+}
+
+TEST(SampleRequest, TakesADocumentWithOptionsBeside) {
+    const std::string document = R"({"type":"Polygon","coordinates":[[[0,0],[4,4],[4,0],[0,4]]]})";
+    const auto request = parse_sample(document, {{"sites", "20"}, {"format", "csv"}, {"mesh", "true"}}, "", {});
+    ASSERT_TRUE(request) << request.error().message;
+    EXPECT_EQ(request->run.sites, 20U);
+    EXPECT_EQ(request->format->file.name, "csv");
+    EXPECT_TRUE(request->run.keep_mesh);
+    Timings timings;
+    const auto result = run_sample(*request, {}, decode_inline(), {}, timings);
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_EQ(nlohmann::json::parse(result->repaired).at(0).at("pointer"), "/coordinates/0/2");
+
+    using Options = std::vector<TextOption>;
+    const std::vector<std::pair<Options, std::string>> wrong = {
+        {{}, "sites"},
+        {{{"sites", "x"}}, "sites"},
+        {{{"sites", "9"}, {"polygon", "[[0,0],[1,0],[1,1]]"}}, "polygon"},
+        {{{"sites", "9"}, {"density", "1"}}, "density"},
+        {{{"sites", "9"}, {"sites", "9"}}, "sites"},
+        {{{"sites", "9"}, {"method", "cvt"}, {"passes", "2"}}, "passes"},
+    };
+    for (const auto& [options, field] : wrong) EXPECT_EQ(parse_sample(document, options, "", {}).error().field, field);
+    EXPECT_EQ(parse_sample('{' + kSquare + R"(,"sites":9})", {{"seed", "1"}}, "", {}).error().field, "seed");
+    EXPECT_EQ(parse_sample(R"({"type":"Polygon"})", {{"sites", "9"}}, "", {}).error().field, "/coordinates");
+    EXPECT_EQ(parse_sample(R"({"type":"Point","coordinates":[1,2]})", {{"sites", "9"}}, "", {}).error().message,
+              "the body must be a Polygon, a MultiPolygon, or a Feature or a collection of such, not a Point");
+}
+
 TEST(SampleRequest, PointsAtWhatIsWrong) {
     const std::string sites = R"(,"sites":10)";
     const std::vector<std::pair<std::string, std::string>> wrong = {
@@ -124,7 +174,10 @@ TEST(SampleRequest, PointsAtWhatIsWrong) {
         {R"("domain":{"type":"rectangle","width":1,"height":1,"depth":1})" + sites, "/domain/depth"},
         {R"("domain":[])" + sites, "/domain"},
         {R"("geometry":{"type":"Point","coordinates":[0,0]})" + sites, "/geometry"},
-        {R"("geometry":{"type":"FeatureCollection","features":[]})" + sites, "/geometry"},
+        {R"("geometry":{"type":"FeatureCollection"})" + sites, "/geometry/features"},
+        {R"("geometry":{"type":"FeatureCollection","features":{}})" + sites, "/geometry/features"},
+        {R"("geometry":{"type":"GeometryCollection","geometries":[{"type":"Point"}]})" + sites,
+         "/geometry/geometries/0"},
         {R"("geometry":{"type":"Polygon"})" + sites, "/geometry/coordinates"},
         {R"("geometry":{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1]],[[0,0],{}]]})" + sites,
          "/geometry/coordinates/1/1"},
@@ -155,7 +208,7 @@ TEST(SampleRequest, PointsAtWhatIsWrong) {
 TEST(SampleRequest, RefusesEmptyGeometry) {
     for (const auto* geometry :
          {R"({"type":"Polygon","coordinates":[]})", R"({"type":"MultiPolygon","coordinates":[]})",
-          R"({"type":"MultiPolygon","coordinates":[[]]})"}) {
+          R"({"type":"MultiPolygon","coordinates":[[]]})", R"({"type":"FeatureCollection","features":[]})"}) {
         const auto request = parse(std::string(R"({"sites":1,"geometry":)") + geometry + '}');
         ASSERT_FALSE(request) << geometry;
         EXPECT_EQ(request.error().code, ErrorCode::Unusable);
@@ -285,6 +338,29 @@ TEST(Sample, RepairsPolygonsAndTellsOfIt) {
     }
     EXPECT_TRUE(answer(bow + '}')->repaired.empty()) << "the body tells";
     EXPECT_FALSE(sample('{' + kSquare + R"(,"sites":3})").contains("repaired"));
+}
+
+TEST(Sample, WarnsOfDegrees) {
+    const auto box = [](double west, double south, double east, double north) {
+        const auto ring = nlohmann::json{{{west, south}, {east, south}, {east, north}, {west, north}}};
+        const nlohmann::json polygon = {{"type", "Polygon"}, {"coordinates", ring}};
+        return R"({"sites":20,"geometry":)" + polygon.dump();
+    };
+    const std::string norway = box(5, 58, 31, 71);
+    const auto json = sample(norway + '}');
+    const std::string detail =
+        "points are even in degrees, not on the ground: if these are longitudes and latitudes, there are 1.63 times as "
+        "many to a square kilometre at latitude 71 as at 58";
+    const auto expected = nlohmann::json::array({{{"pointer", "/geometry/coordinates"}, {"detail", detail}}});
+    EXPECT_EQ(json.at("warnings"), expected);
+    EXPECT_TRUE(answer(norway + '}')->warnings.empty()) << "the body tells";
+    for (const char* format : {"csv", "geojson", "svg"})
+        EXPECT_EQ(nlohmann::json::parse(answer(norway + R"(,"format":")" + format + "\"}")->warnings), expected);
+    EXPECT_TRUE(sample(box(-180, -90, 180, 90) + '}').contains("warnings"));
+    EXPECT_TRUE(sample(box(-60, -55, -50, 0) + '}').contains("warnings"));
+    for (const auto& plane : {box(0, 0, 10, 10), box(0, 40, 5, 45), box(0, 0, 1000, 80), box(0, 0, 10, 91)})
+        EXPECT_FALSE(sample(plane + '}').contains("warnings")) << plane;
+    EXPECT_FALSE(sample(R"({"sites":9,"polygon":[[0,0],[80,0],[80,80]]})").contains("warnings"));
 }
 
 TEST(Sample, PolishesUnlessItIsADraft) {

@@ -168,7 +168,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace ccdt;
     fuzz::Bytes input(fuzz::text_of(data, size));
     const auto body = fuzz::take_request(input);
-    const auto request = api::parse_sample(body, {}, fuzz::kLimits);
+    const auto request = api::parse_sample(body, {}, {}, fuzz::kLimits);
     if (!request) {
         fuzz::check_error(request.error(), body);
         return 0;

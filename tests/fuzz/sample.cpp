@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "api/image/image_codec.h"
+#include "api/input/polygon_reader.h"
+#include "api/json/json_document.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/shape_checks.h"
 
@@ -82,11 +84,14 @@ void check_request(const api::SampleRequest& request, std::string_view body) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// The body of a request to /sample.
+/// The body of a request to /sample. A GeoJSON document has its options beside it.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const auto body = fuzz::text_of(data, size);
-    const auto request = api::parse_sample(body, {}, fuzz::kLimits);
+    const auto document = api::JsonDocument::parse(body);
+    std::vector<api::TextOption> options;
+    if (document && api::is_geojson(document->root())) options = {{"sites", "7"}, {"quality", "draft"}};
+    const auto request = api::parse_sample(body, options, {}, fuzz::kLimits);
     if (request) {
         fuzz::check_request(*request, body);
     } else {

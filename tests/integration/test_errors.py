@@ -222,6 +222,21 @@ class SampleRequests(ServerCase):
 
     def test_options_in_the_query_are_refused(self):
         self.assert_problem(post_json(self.server, "/sample?sites=10", {"polygon": SQUARE}), 400)
+        self.assert_problem(post_json(self.server, "/analyze?max_frequency=2", {"points": SQUARE}), 400)
+
+    def test_pointers_of_a_document_are_its_own(self):
+        square = {"type": "Polygon", "coordinates": [SQUARE]}
+        point = {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [0, 0]}}
+        for query, document, status, pointer in (
+                ("", square, 400, "sites"),
+                ("sites=0", square, 400, "sites"),
+                ("sites=10&x=1", square, 400, "x"),
+                ("sites=10&width=60000&format=png", square, 413, "width"),
+                ("sites=10", {"type": "FeatureCollection", "features": [point]}, 400, "/features/0/geometry"),
+                ("sites=10", {"type": "Polygon", "coordinates": [[[0, 0], [1, 1], [2, 2]]]}, 422, "/coordinates/0")):
+            with self.subTest(query=query, document=document):
+                problem = self.assert_problem(post_json(self.server, "/sample?" + query, document), status)
+                self.assertEqual(problem["errors"][0]["pointer"], pointer)
 
 
 class Limits(ServerCase):

@@ -180,6 +180,13 @@ class Jobs(ServerCase):
             for header in ("x-radius", "x-tone"):
                 self.assertEqual(later.headers.get(header), now.headers.get(header), query)
             self.assertEqual("x-radius" in later.headers, "density" not in query)
+    def test_a_document_is_a_job_with_its_options_and_warnings(self):
+        document = {"type": "Polygon", "coordinates": [[[0, 0], [9, 0], [9, 60], [0, 60]]]}
+        path, body = "/sample?sites=9&format=csv", json.dumps(document).encode()
+        job = submit(self.server, body, path=path)
+        self.assertEqual(wait_for_end(self.server, job)["status"], "succeeded")
+        now, later = ask(self.server, path, data=body), ask(self.server, job + "/result")
+        self.assertEqual((now.body, now.headers["x-warnings"]), (later.body, later.headers["x-warnings"]))
 
     def test_events_tell_each_step_and_the_end(self):
         before = [self.submit_endless(), self.submit_endless()]

@@ -62,6 +62,30 @@ class Domains(ServerCase):
                             geometry={"type": "MultiPolygon", "coordinates": parts})
         self.assertEqual([each["pointer"] for each in result["repaired"]], ["/geometry/coordinates/1/0/3"])
 
+    def test_a_document_may_be_the_body(self):
+        rings = [[[x, 0], [x + 1, 0], [x + 1, 1], [x, 1]] for x in (0, 2, 4)]
+        polygons = [{"type": "Polygon", "coordinates": [ring]} for ring in rings]
+        features = [{"type": "Feature", "properties": {"people": 3}, "geometry": geometry}
+                    for geometry in ({"type": "GeometryCollection", "geometries": polygons[:2]}, None, polygons[2])]
+        document = {"type": "FeatureCollection", "features": features}
+        expected = self.check(rings, 100, geometry={"type": "MultiPolygon", "coordinates": [[ring] for ring in rings]},
+                              seed=3)["points"]
+        self.assertEqual(self.check(rings, 100, geometry=document, seed=3)["points"], expected)
+        for kind in ("application/geo+json", "application/json", ""):
+            answer = self.ask("/sample?sites=100&seed=3", "--header", "Content-Type: " + kind, data=json.dumps(document))
+            self.assertEqual((answer.status, answer.json()["points"]), (200, expected))
+        answer = self.ask("/sample?sites=100&seed=3", "--header", "Accept: application/geo+json",
+                          data=json.dumps(document))
+        self.assertEqual(answer.json()["geometry"]["coordinates"], expected)
+
+    def test_coordinates_that_may_be_degrees_are_told(self):
+        norway = {"type": "Polygon", "coordinates": [[[5, 58], [31, 58], [31, 71], [5, 71]]]}
+        told = self.sample(sites=9, geometry=norway)["warnings"]
+        self.assertEqual(told[0]["pointer"], "/geometry/coordinates")
+        self.assertIn("1.63 times as many to a square kilometre at latitude 71 as at 58", told[0]["detail"])
+        answer = post_json(self.server, "/sample?sites=9&format=csv", norway)
+        self.assertEqual(json.loads(answer.headers["x-warnings"]), [{**told[0], "pointer": "/coordinates"}])
+
     def test_rings_may_touch(self):
         square = [[0, 0], [4, 0], [4, 4], [0, 4]]
         holes = [[[0, 0], [2, 1], [1, 2]], [[2, 4], [3, 3], [1, 3]], [[3, 3], [3.5, 2], [3, 1]]]

@@ -168,30 +168,20 @@ TEST_P(JobStoreTest, KeepsFailures) {
     EXPECT_EQ(found.failure->error.field, "/polygon/2");
 }
 
-TEST_P(JobStoreTest, KeepsWhatWasRepaired) {
+TEST_P(JobStoreTest, KeepsTheHeadersOfResults) {
     Job job = job_named("a");
     ASSERT_TRUE(store_->add(job, kComputeRequest));
     job.status = JobStatus::Succeeded;
     job.finished = time_now();
-    job.repaired = R"([{"pointer":"/polygon","detail":"crosses itself"}])";
-    ASSERT_TRUE(store_->finish(job, "result"));
-    EXPECT_EQ((*store_->find("a"))->repaired, job.repaired);
-    EXPECT_FALSE((*store_->find("a"))->failure);
-}
-
-TEST_P(JobStoreTest, KeepsTheSizeOfDots) {
-    Job job = job_named("a");
-    ASSERT_TRUE(store_->add(job, kComputeRequest));
-    EXPECT_FALSE((*store_->find("a"))->dots);
-    job.status = JobStatus::Succeeded;
-    job.finished = time_now();
-    job.dots = api::DotSize{1.0 / 3, 0.9876};
+    job.headers = {{"X-Radius", "0.5"}, {"X-Repaired", R"([{"pointer":"/polygon","detail":"crosses: itself"}])"}};
     ASSERT_TRUE(store_->finish(job, "result"));
     const Job found = **store_->find("a");
-    ASSERT_TRUE(found.dots);
-    EXPECT_EQ(found.dots->radius, 1.0 / 3);
-    EXPECT_EQ(found.dots->tone, 0.9876);
-    EXPECT_FALSE(found.failure || !found.repaired.empty());
+    ASSERT_EQ(found.headers.size(), 2U);
+    for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_EQ(found.headers[i].name, job.headers[i].name);
+        EXPECT_EQ(found.headers[i].value, job.headers[i].value);
+    }
+    EXPECT_FALSE(found.failure);
 }
 
 TEST_P(JobStoreTest, RemovesAndDropsTheOldestFirst) {

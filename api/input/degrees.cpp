@@ -1,0 +1,39 @@
+#include "api/input/degrees.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "api/text/numbers.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr double kLeastRatio = 1.1, kMostRatio = 100;
+
+double cosine(double degrees) {
+    return std::cos(degrees * std::numbers::pi / 180);
+}
+
+}  // namespace
+
+std::optional<std::string> warning_of_degrees(const Box& bounds) {
+    const double south = bounds.min.y, north = bounds.max.y;
+    if (bounds.min.x < -180 || bounds.max.x > 180 || south < -90 || north > 90) return std::nullopt;
+    const double nearest = south <= 0 && north >= 0 ? 0 : std::min(std::abs(south), std::abs(north));
+    const double farthest = std::max(std::abs(south), std::abs(north));
+    // The same degrees of longitude are that much shorter, and the same area holds that many more points.
+    const double ratio = cosine(nearest) / std::max(cosine(farthest), cosine(nearest) / kMostRatio);
+    if (ratio < kLeastRatio) return std::nullopt;
+    std::string text =
+        "points are even in degrees, not on the ground: if these are longitudes and latitudes, there are ";
+    append_rounded(text, ratio, 2);
+    text += ratio < kMostRatio ? " times" : " times or more";
+    text += " as many to a square kilometre at latitude ";
+    append_rounded(text, south + north >= 0 ? north : south, 2);
+    text += " as at ";
+    append_rounded(text, nearest == 0 ? 0 : south + north >= 0 ? south : north, 2);
+    return text;
+}
+
+}  // namespace ccdt::api
