@@ -52,7 +52,7 @@ InkConstructions::InkConstructions(const Domain& domain, std::span<const Density
                                    std::span<const std::size_t> sites, const Options& options, const Control& control,
                                    const Retouch& retouch)
     : domain_(domain), options_(options), control_(control), retouch_(retouch) {
-    bool uniform = true;
+    bool smooth = true;
     for (std::size_t ink = 0; ink < sites.size(); ++ink) {
         inks_.emplace_back();
         if (sites[ink] == 0) continue;
@@ -61,9 +61,9 @@ InkConstructions::InkConstructions(const Domain& domain, std::span<const Density
         own.seed = seed_of(options.seed, constructions_.size());
         inks_.back() = std::make_unique<Construction>(domain, densities[ink], own, control.stop);
         constructions_.push_back(inks_.back().get());
-        uniform = uniform && densities[ink].is_uniform();
+        smooth = smooth && densities[ink].is_smooth();
     }
-    if (has_polish(options)) settings_ = polish_settings(options.quality, constructions_.size(), uniform);
+    if (has_polish(options)) settings_ = polish_settings(options.quality, constructions_.size(), smooth);
     if (settings_ && !retouch_) settings_->retouch_rounds = 0;
 }
 

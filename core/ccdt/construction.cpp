@@ -47,7 +47,7 @@ Result<void> Construction::start() {
         return failure(ErrorCode::Unusable, "the density is zero all over the domain", "density");
     }
     start_.emplace(domain_, density_, options_);
-    if (has_polish(options_)) polish_.emplace(domain_, density_, options_.sites, stop_);
+    if (has_polish(options_)) polish_.emplace(domain_, density_, capacity_.total(), options_.sites, stop_);
     if (stopping()) return stopped_at_start();
     auto placed = triangulate_sites(even_start());
     if (!placed) return tl::unexpected(placed.error());
@@ -90,7 +90,7 @@ double Construction::measure(const Triangulation& mesh) {
 /// Distribute.DoesNotStallNextToWhite shows the variation before and after.
 bool Construction::is_exact(int iteration) const {
     constexpr int kFirst = 4;
-    return !capacity_.is_uniform() && (iteration >= kFirst || iteration + 1 == options_.iterations);
+    return !density_.is_smooth() && (iteration >= kFirst || iteration + 1 == options_.iterations);
 }
 
 bool Construction::goes_on() const {
@@ -104,7 +104,7 @@ Relaxation& Construction::relaxation() {
     // with softer or stiffer springs, benchmark TorusPattern.
     constexpr double kPolishedSpring = 0.03;
     RelaxationOptions settings;
-    if (polish_ && capacity_.is_uniform()) settings.spring = kPolishedSpring;
+    if (polish_ && density_.is_smooth()) settings.spring = kPolishedSpring;
     settings.least_height = std::max(settings.least_height, domain_.resolution());
     return relaxation_.emplace(placed_->mesh, placed_->border.corner, capacity_.is_uniform(), settings);
 }

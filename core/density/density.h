@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/point.h"
@@ -39,7 +40,15 @@ public:
     static Result<Density> grid(int width, int height, std::span<const double> values);
     static Result<Density> grid(int width, int height, std::span<const float> values);
 
+    /// The same density, told to change so little from one site to the next that the pattern shall be that of a uniform
+    /// one.
+    Density smooth() && {
+        is_smooth_ = true;
+        return std::move(*this);
+    }
+
     bool is_uniform() const { return width_ == 0; }
+    bool is_smooth() const { return is_uniform() || is_smooth_; }
     int width() const { return width_; }    ///< cells; 0 if uniform
     int height() const { return height_; }  ///< cells; 0 if uniform
 
@@ -77,6 +86,7 @@ private:
     int height_ = 0;
     double total_ = 0;
     double largest_ = 0;
+    bool is_smooth_ = false;
     std::vector<double> row_sums_;  ///< [height][width + 1]
 };
 

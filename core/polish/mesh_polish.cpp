@@ -17,13 +17,19 @@ constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle 
 
 }  // namespace
 
-MeshPolish::MeshPolish(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop)
+MeshPolish::MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites,
+                       const std::stop_token& stop)
     : domain_(domain), density_(density), support_(domain, density), moves_(sites), before_(sites), spacings_(sites) {
-    if (domain.is_box()) transport_.emplace(domain, density, sites, stop);
+    if (domain.is_box()) {
+        transport_.emplace(domain, density, sites, stop);
+    } else if (!density.is_uniform()) {
+        local_.emplace(domain.unit_bounds().max, density, static_cast<double>(sites) * density.total() / capacity);
+    }
 }
 
 double MeshPolish::spacing(Point p) const {
     if (transport_) return transport_->spacing(p);
+    if (local_) return local_->at(p);
     return std::sqrt(domain_.unit_area() / static_cast<double>(moves_.size()));
 }
 

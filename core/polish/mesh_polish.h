@@ -10,6 +10,7 @@
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 #include "core/mesh/triangulation.h"
+#include "core/polish/local_spacing.h"
 #include "core/polish/support.h"
 #include "core/polish/transport.h"
 
@@ -21,8 +22,10 @@ class MeshPolish {
 public:
     /// Prepares the transforms that even out long waves, which is done in boxes and on tori only.
     /// @param domain, density  must outlive this
+    /// @param capacity         of the domain, in units of one cell with density 1; not used if the density is uniform
     /// @param stop             asked now and then; leaves what is of no use
-    MeshPolish(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {});
+    MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites,
+               const std::stop_token& stop = {});
 
     const Density& density() const { return density_; }
 
@@ -65,6 +68,7 @@ private:
     const Domain& domain_;
     const Density& density_;
     std::optional<Transport> transport_;
+    std::optional<LocalSpacing> local_;  ///< where a density varies and there is no transport, which knows it
     Support support_;
     std::vector<std::uint32_t> edges_;  ///< half-edges between sites
     std::vector<Point> moves_, before_;

@@ -13,7 +13,7 @@ struct Row {
 
 // Benchmark TorusPattern: more rounds or a longer reach gain distance, and raise the spectrum's peak; fewer rounds that
 // even out, or a longer reach of the near ones, leave long waves; without near rounds the smallest distances are lost.
-constexpr Row kUniform{
+constexpr Row kSmooth{
     {.rounds = 5, .reach = 0.93, .push = 0.4, .even_rounds = 1, .near_rounds = 4, .nearest = 0.84},
     {.rounds = 40, .reach = 0.87, .push = 0.5, .even_rounds = 4, .near_rounds = 4, .nearest = 0.84},
 };
@@ -56,9 +56,9 @@ constexpr Row kInks{
 
 }  // namespace
 
-PolishSettings polish_settings(Quality quality, std::size_t inks, bool uniform) {
+PolishSettings polish_settings(Quality quality, std::size_t inks, bool smooth) {
     assert(quality != Quality::Draft);
-    const Row& row = inks > 1 ? kInks : uniform ? kUniform : kVarying;
+    const Row& row = inks > 1 ? kInks : smooth ? kSmooth : kVarying;
     return quality == Quality::Best ? row.best : row.standard;
 }
 

@@ -31,7 +31,7 @@ struct PolishSettings {
 };
 
 /// @param quality  not Draft, which has no polish
-/// @param uniform  whether the density is, if there is one ink alone
-PolishSettings polish_settings(Quality quality, std::size_t inks, bool uniform);
+/// @param smooth   whether the density is, if there is one ink alone
+PolishSettings polish_settings(Quality quality, std::size_t inks, bool smooth);
 
 }  // namespace ccdt

@@ -311,6 +311,15 @@ TEST(Distribute, LowersTheVariation) {
     EXPECT_LT(run(kSquare, portrait(), {.sites = 4096, .seed = 1}).variation(), 0.085);
 }
 
+/// Neighbours are pushed apart as far as the density wants it where they are.
+TEST(Distribute, KeepsTheVariationLowInPolygonsOfVaryingDensity) {
+    std::vector<double> values;
+    for (int i = 0; i < 64; ++i) values.push_back(4 + 15 * i);
+    const auto steep = Density::grid(64, 1, std::span<const double>(values)).value();
+    const Parts house{{{{0, 0}, {1, 0}, {1, 1}, {0.5, 1.2}, {0, 1}}, {}}};
+    EXPECT_LT(run(house, steep, {.sites = 2000}).variation(), 0.11);
+}
+
 TEST(Distribute, DoesNotStallNextToWhite) {
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
         const auto draft = run(kSquare, test::pear(), {.sites = 3000, .seed = seed, .quality = Quality::Draft});

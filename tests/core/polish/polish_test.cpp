@@ -34,7 +34,7 @@ Parts unit_parts(const Domain& domain) {
 void expect_sound(const Domain& domain, const Density& density, std::size_t sites, const PolishSettings& settings) {
     StartMesh start(domain, density, {.sites = sites, .seed = sites});
     Triangulation& mesh = start.mesh;
-    MeshPolish steps(domain, density, sites);
+    MeshPolish steps(domain, density, density.total(), sites);
     for (int round = 0; round < 4; ++round) {
         const auto before = mesh.points();
         Polish(domain, {{&steps, &mesh}}).refine(settings, {});
@@ -123,7 +123,7 @@ TEST(Polish, KeepsPlacesNearTheBoxOfATorus) {
         const Density steep =
             grid_of(width, height, [&](int, int) { return std::pow(10.0, 12 * random.uniform() - 6); });
         StartMesh start(torus, steep, {.sites = 2 + seed % 4, .seed = seed});
-        MeshPolish steps(torus, steep, start.mesh.site_count());
+        MeshPolish steps(torus, steep, steep.total(), start.mesh.site_count());
         PolishSettings settings = polish_settings(Quality::Standard, 1, false);
         settings.rounds = 20;
         Polish(torus, {{&steps, &start.mesh}}).refine(settings, {});
@@ -140,7 +140,7 @@ TEST(Polish, ClearsGapsOfAnyProportions) {
         for (const Domain& domain : {Domain::rectangle(width, height).value(), Domain::torus(width, height).value()}) {
             const Point sides = domain.unit_bounds().max;
             std::vector<Point> sites{{0.9 * sides.x, 0.5 * sides.y}, {0.05 * sides.x, 0.9 * sides.y}};
-            const MeshPolish steps(domain, corner, sites.size());
+            const MeshPolish steps(domain, corner, corner.total(), sites.size());
             EXPECT_TRUE(steps.clear_gaps(sites));
             for (Point& p : sites) p = domain.to_user(p);
             EXPECT_EQ(count_on_white(domain, corner, sites), 0u) << width << " x " << height;
@@ -153,7 +153,7 @@ TEST(Polish, MovesNothingOnceStopped) {
     source.request_stop();
     StartMesh start(domain_of(kSquare), spot_and_corner(), {.sites = 200, .seed = 1});
     const auto before = start.mesh.points();
-    MeshPolish steps(start.domain, start.density, 200);
+    MeshPolish steps(start.domain, start.density, start.density.total(), 200);
     Polish(start.domain, {{&steps, &start.mesh}})
         .refine(polish_settings(Quality::Standard, 1, false), source.get_token());
     EXPECT_EQ(start.mesh.points(), before);
