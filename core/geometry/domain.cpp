@@ -129,26 +129,52 @@ Result<RepairedDomain> Domain::repair(const std::vector<PolygonPart>& parts, con
     auto enclosed = enclosed_area(*given, *frame, stop);
     if (!enclosed) return tl::unexpected(enclosed.error());
 
-    RepairedDomain result{Domain(), std::move(enclosed->repairs)};
-    Domain& domain = result.domain;
-    domain.frame_ = *frame;
-    auto rings = result.repairs.empty() ? std::move(enclosed->rings)
-                                        : tighten(std::move(enclosed->rings), domain.frame_, *given, stop);
-    if (!rings) return tl::unexpected(rings.error());
-    domain.rings_ = *std::move(rings);
-    domain.unit_size_ = domain.frame_.unit_size();
+    UnitFrame own = *frame;
+    auto kept =
+        enclosed->repairs.empty() ? std::move(enclosed->rings) : tighten(std::move(enclosed->rings), own, *given, stop);
+    if (!kept) return tl::unexpected(kept.error());
+    auto domain = make(*std::move(kept), own, *given);
+    if (!domain) return tl::unexpected(domain.error());
+    return RepairedDomain{*std::move(domain), std::move(enclosed->repairs)};
+}
+
+Result<Domain> Domain::enclosed_by(const std::vector<Ring>& rings, const std::stop_token& stop) {
+    std::vector<PolygonPart> parts;
+    for (const Ring& ring : rings) parts.push_back({ring, {}});
+    auto given = read_rings(parts);
+    if (!given) return tl::unexpected(given.error());
+    auto frame =
+        find_frame(bounds_of(*given, [](const RingInput& ring) -> const Ring& { return ring.corners; }), *given);
+    if (!frame) return tl::unexpected(frame.error());
+    std::vector<Ring> moved;
+    for (RingInput& ring : *given) {
+        move_to(*frame, ring);
+        moved.push_back(std::move(ring.corners));
+    }
+    auto enclosed = enclosed_together(moved, *frame, stop);
+    if (!enclosed) return tl::unexpected(enclosed.error());
+    auto kept = tighten(*std::move(enclosed), *frame, *given, stop);
+    if (!kept) return tl::unexpected(kept.error());
+    return make(*std::move(kept), *frame, *given);
+}
+
+Result<Domain> Domain::make(std::vector<Ring> rings, const UnitFrame& frame, const std::vector<RingInput>& given) {
+    Domain domain;
+    domain.frame_ = frame;
+    domain.rings_ = std::move(rings);
+    domain.unit_size_ = frame.unit_size();
     double perimeter = 0;
     for (const Ring& ring : domain.rings_) {
         domain.unit_area_ += signed_area(ring);
         perimeter += length(ring);
     }
-    if (domain.unit_area_ < kMinArea) return no_area(*given);
+    if (domain.unit_area_ < kMinArea) return no_area(given);
     if (domain.unit_area_ < kMinThickness * domain.resolution() * perimeter) {
         return failure(ErrorCode::Unusable, "the polygon is too thin for the precision of its coordinates", "/0/0");
     }
     domain.is_box_ = domain.rings_.size() == 1 && domain.rings_[0].size() == 4 &&
                      domain.unit_area_ == domain.unit_size_.x * domain.unit_size_.y;
-    return result;
+    return domain;
 }
 
 Result<Domain> Domain::rectangle(double width, double height) {

@@ -7,6 +7,7 @@
 #include "core/geometry/faults.h"
 #include "core/geometry/point.h"
 #include "core/geometry/polygon.h"
+#include "core/geometry/ring_input.h"
 #include "core/geometry/unit_frame.h"
 #include "core/result.h"
 
@@ -48,6 +49,10 @@ public:
     /// often.
     static Result<RepairedDomain> repair(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
 
+    /// The area that closed chains of segments, of any number and order, enclose all together by the even-odd rule;
+    /// what runs there and back encloses nothing. Errors: as repair().
+    static Result<Domain> enclosed_by(const std::vector<Ring>& rings, const std::stop_token& stop = {});
+
     /// Rectangle [0, width] x [0, height].
     static Result<Domain> rectangle(double width, double height);
 
@@ -87,6 +92,9 @@ public:
 
 private:
     Domain() = default;
+
+    /// Takes rings that are valid, and checks that they are of use.
+    static Result<Domain> make(std::vector<Ring> rings, const UnitFrame& frame, const std::vector<RingInput>& given);
 
     std::vector<Ring> rings_;
     UnitFrame frame_;

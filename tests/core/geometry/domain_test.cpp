@@ -350,6 +350,23 @@ TEST(Domain, StopsWhenItIsToldTo) {
     EXPECT_EQ(domain.error().code, ErrorCode::Stopped);
 }
 
+TEST(Domain, IsEnclosedByChainsOfAnyOrder) {
+    const Ring outer = box(0, 0, 4, 2), hole{{1, 1}, {2, 1}, {2, 1.5}, {1, 1.5}};
+    // There and back, in and out of the rest.
+    const Ring spike{{3, 1}, {9, 9}};
+    const auto domain = Domain::enclosed_by({hole, spike, outer});
+    ASSERT_TRUE(domain) << domain.error().message;
+    EXPECT_DOUBLE_EQ(domain->area(), 7.5);
+    EXPECT_EQ(domain->rings().size(), 2u);
+    EXPECT_EQ(domain->bounds().max, (Point{4, 2}));
+    // Edges that two have in common enclose nothing.
+    const auto joined = Domain::enclosed_by({box(0, 0, 1, 1), box(1, 0, 1, 1)});
+    ASSERT_TRUE(joined) << joined.error().message;
+    EXPECT_EQ(joined->rings().size(), 1u);
+    EXPECT_DOUBLE_EQ(joined->area(), 2);
+    EXPECT_EQ(Domain::enclosed_by({outer, outer}).error().code, ErrorCode::Unusable);
+}
+
 TEST(Domain, RefusesWhatItsCoordinatesCannotResolve) {
     const auto thin = Domain::create({{{{1e9, 1e9}, {1e9 + 10, 1e9}, {1e9 + 10, 1e9 + 1e-5}, {1e9, 1e9 + 1e-5}}, {}}});
     ASSERT_FALSE(thin);
