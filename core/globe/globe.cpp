@@ -1,0 +1,229 @@
+#include "core/globe/globe.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/ccdt/capacity_integral.h"
+#include "core/globe/chart.h"
+#include "core/globe/inside.h"
+#include "core/globe/region.h"
+
+namespace ccdt {
+
+namespace {
+
+/// Density in the plane of a chart.
+struct PlaneDensity {
+    Density density;
+    double total = 0;  ///< integral over the part: of the ground, in square metres, times what the ground wants
+};
+
+/// A grid of the values of a function at the middle of its cells, stretched over a box.
+struct Raster {
+    int columns = 0;
+    int rows = 0;
+    std::vector<double> values;
+};
+
+/// Cells along the longer side of a part's box: as many as make the ground's steps from cell to cell small, but not
+/// many more than there are sites along it.
+int cells_for_ground(const Box& box, std::size_t sites) {
+    constexpr double kStep = 0.005, kPerSite = 8, kLeast = 16, kFew = 256, kMost = 1'024;
+    const double most = std::clamp(kPerSite * std::sqrt(static_cast<double>(sites)), kFew, kMost);
+    const Point corner{std::max(std::abs(box.min.x), std::abs(box.max.x)),
+                       std::max(std::abs(box.min.y), std::abs(box.max.y))};
+    const double farthest = std::min(std::sqrt(dot(corner, corner)), 2.0);
+    const double slope = farthest / (1 + farthest * farthest / 4);  // of the scale's logarithm, twice
+    return static_cast<int>(std::clamp(std::max(box.width(), box.height()) * slope / kStep, kLeast, most));
+}
+
+/// Reads a density where a place in degrees is.
+class Wanted {
+public:
+    Wanted(const Domain& degrees, const Density& density) : box_(degrees.bounds()), density_(density) {}
+
+    double operator()(Point place) const {
+        constexpr double kTurn = 360;
+        place.x += kTurn * std::ceil((box_.min.x - place.x) / kTurn);
+        // What lies west of the box, by less than lies between it and its own east, belongs to its west side.
+        if (place.x - box_.max.x > (kTurn - box_.width()) / 2) place.x -= kTurn;
+        const auto index = [](double share, int cells) {
+            return std::clamp(static_cast<int>(std::clamp(share, 0.0, 1.0) * cells), 0, cells - 1);
+        };
+        return density_.value(index((place.x - box_.min.x) / box_.width(), density_.width()),
+                              index((place.y - box_.min.y) / box_.height(), density_.height()));
+    }
+
+private:
+    Box box_;
+    const Density& density_;
+};
+
+Raster draw(const ChartedPart& part, const Domain& degrees, const Density& density, std::size_t sites,
+            const std::stop_token& stop) {
+    constexpr int kMost = 2'048;
+    const Box& box = part.domain.bounds();
+    int cells = cells_for_ground(box, sites);
+    if (!density.is_uniform()) cells = std::clamp(2 * std::max(density.width(), density.height()), cells, kMost);
+    const double cell = std::max(box.width(), box.height()) / cells;
+    Raster raster{std::max(1, static_cast<int>(std::ceil(box.width() / cell))),
+                  std::max(1, static_cast<int>(std::ceil(box.height() / cell))),
+                  {}};
+    const Wanted wanted(degrees, density);
+    for (int row = 0; row < raster.rows && !stop.stop_requested(); ++row) {
+        for (int column = 0; column < raster.columns; ++column) {
+            const Point p{box.min.x + (column + 0.5) / raster.columns * box.width(),
+                          box.min.y + (row + 0.5) / raster.rows * box.height()};
+            double value = part.chart.ground(p);
+            if (!density.is_uniform()) value *= wanted(place_of(part.chart.to_direction(p)));
+            raster.values.push_back(value);
+        }
+    }
+    return raster;
+}
+
+Result<PlaneDensity> plane_density(const ChartedPart& part, const Domain& degrees, const Density& density,
+                                   std::size_t sites, const std::stop_token& stop) {
+    constexpr double kEven = 1.002;  // of what varies less the uneven share is below a thousandth
+    const Raster raster = draw(part, degrees, density, sites, stop);
+    if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before the density was made");
+    const auto [least, most] = std::ranges::minmax(raster.values);
+    if (most <= kEven * least) return PlaneDensity{Density::uniform(), part.domain.area() * (least + most) / 2};
+    auto made = Density::grid(raster.columns, raster.rows, std::span<const double>(raster.values));
+    if (!made) return tl::unexpected(made.error());
+    PlaneDensity result{density.is_uniform() ? (*std::move(made)).smooth() : *std::move(made), 0};
+    const Box& box = part.domain.bounds();
+    const double cell = box.width() / raster.columns * (box.height() / raster.rows);
+    result.total = std::ldexp(CapacityIntegral(part.domain, result.density).total() * cell, std::ilogb(most));
+    return result;
+}
+
+/// Numbers of sites of the parts, in proportion to their integrals.
+std::vector<std::size_t> shared_out(std::size_t sites, const std::vector<PlaneDensity>& densities) {
+    double all = 0;
+    for (const PlaneDensity& each : densities) all += each.total;
+    std::vector<std::size_t> shares;
+    std::size_t left = sites;
+    for (auto each = densities.rbegin(); each != densities.rend(); ++each) {
+        const bool is_last = std::next(each) == densities.rend();
+        const double share = all > 0 ? each->total / all * static_cast<double>(sites) : 0;
+        shares.insert(shares.begin(), is_last ? left : std::min(left, static_cast<std::size_t>(std::lround(share))));
+        left -= shares.front();
+    }
+    return shares;
+}
+
+/// Takes points of a plane back to the globe, and what the plane's polygon, whose edges are straight, has more than
+/// the region, into it.
+class Return {
+public:
+    explicit Return(const Domain& degrees) : west_(degrees.bounds().min.x) {
+        for (const Ring& ring : degrees.rings()) {
+            Ring& own = rings_.emplace_back();
+            for (const Point& p : ring) own.push_back(degrees.to_user(p));
+        }
+        inside_.emplace(rings_);
+    }
+    Return(const Return&) = delete;
+    Return& operator=(const Return&) = delete;
+
+    Point operator()(const Chart& chart, Point plane) const {
+        constexpr double kTurn = 360, kDegree = std::numbers::pi / 180;
+        const Point place = place_of(chart.to_direction(plane));
+        const Point turned{place.x + kTurn * std::ceil((west_ - place.x) / kTurn), place.y};
+        const Point nudged = inside_->nearest(turned, std::cos(place.y * kDegree));
+        return nudged == turned ? place : Point{std::remainder(nudged.x, kTurn), nudged.y};
+    }
+
+private:
+    double west_;
+    std::vector<Ring> rings_;
+    std::optional<Inside> inside_;
+};
+
+void to_degrees(const Chart& chart, const Return& back, Distribution& placed) {
+    for (Point& p : placed.points) p = back(chart, p);
+    if (!placed.mesh) return;
+    std::vector<Point>& vertices = placed.mesh->vertices;
+    const auto sites = static_cast<std::ptrdiff_t>(placed.points.size());
+    std::ranges::copy(placed.points, vertices.begin());
+    for (Point& p : std::span(vertices.begin() + sites, vertices.end())) p = place_of(chart.to_direction(p));
+}
+
+/// Joins two meshes: sites come first in each, and so they do in the whole.
+TriangleMesh joined(TriangleMesh a, std::size_t a_sites, const TriangleMesh& b, std::size_t b_sites) {
+    const auto a_size = static_cast<std::uint32_t>(a.vertices.size());
+    const auto from_a = [&](std::uint32_t v) { return v < a_sites ? v : v + static_cast<std::uint32_t>(b_sites); };
+    const auto from_b = [&](std::uint32_t v) {
+        return v < b_sites ? v + static_cast<std::uint32_t>(a_sites) : v + a_size;
+    };
+    const auto move = [](auto& lists, auto mapped) {
+        for (auto& list : lists) {
+            for (auto& v : list) v = mapped(v);
+        }
+    };
+    TriangleMesh rest = b;
+    move(a.triangles, from_a);
+    move(a.boundary, from_a);
+    move(rest.triangles, from_b);
+    move(rest.boundary, from_b);
+    const auto sites_of = [](std::vector<Point>& vertices, std::size_t sites) {
+        return vertices.begin() + static_cast<std::ptrdiff_t>(sites);
+    };
+    a.vertices.insert(sites_of(a.vertices, a_sites), rest.vertices.begin(), sites_of(rest.vertices, b_sites));
+    a.vertices.insert(a.vertices.end(), sites_of(rest.vertices, b_sites), rest.vertices.end());
+    a.triangles.insert(a.triangles.end(), rest.triangles.begin(), rest.triangles.end());
+    a.boundary.insert(a.boundary.end(), rest.boundary.begin(), rest.boundary.end());
+    return a;
+}
+
+Distribution joined(Distribution a, Distribution b) {
+    if (a.mesh && b.mesh) a.mesh = joined(*std::move(a.mesh), a.points.size(), *b.mesh, b.points.size());
+    a.points.insert(a.points.end(), b.points.begin(), b.points.end());
+    a.stopped = a.stopped || b.stopped;
+    return a;
+}
+
+}  // namespace
+
+Result<GlobeDistribution> distribute_on_globe(const Domain& region, const Density& density, const Options& options,
+                                              const Distribute& distribute, const Control& control) {
+    const auto turned = in_one_turn(region, control.stop);
+    if (!turned) return tl::unexpected(turned.error());
+    const Domain& degrees = *turned;
+    const auto parts = chart_region(degrees, options.sites, control.stop);
+    if (!parts) return tl::unexpected(parts.error());
+    std::vector<PlaneDensity> densities;
+    double ground = 0;
+    for (const ChartedPart& part : *parts) {
+        auto own = plane_density(part, degrees, density, options.sites, control.stop);
+        if (!own) return tl::unexpected(own.error());
+        densities.push_back(*std::move(own));
+        auto bare = density.is_uniform()
+                        ? Result<PlaneDensity>(densities.back())
+                        : plane_density(part, degrees, Density::uniform(), options.sites, control.stop);
+        if (!bare) return tl::unexpected(bare.error());
+        ground += bare->total;
+    }
+    const auto shares = shared_out(options.sites, densities);
+    const Return back(degrees);
+    std::optional<Distribution> all;
+    for (std::size_t i = 0; i < parts->size(); ++i) {
+        if (shares[i] == 0) continue;
+        const ChartedPart& part = (*parts)[i];
+        Options own = options;
+        own.sites = shares[i];
+        auto placed = distribute(part.domain, densities[i].density, own, control);
+        if (!placed) return tl::unexpected(placed.error());
+        to_degrees(part.chart, back, *placed);
+        all = all ? joined(*std::move(all), *std::move(placed)) : *std::move(placed);
+    }
+    return GlobeDistribution{*std::move(all), std::sqrt(ground / static_cast<double>(options.sites))};
+}
+
+}  // namespace ccdt

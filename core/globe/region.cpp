@@ -1,0 +1,461 @@
+#include "core/globe/region.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace ccdt {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kTurn = 360;
+
+/// Degrees that coordinates at the ends of their ranges may be off by: ten micrometres.
+constexpr double kClose = 1e-10;
+
+double shift_to(double longitude, double least) {
+    return kTurn * std::ceil((least - longitude) / kTurn);
+}
+
+Result<void> check_positions(const Ring& ring, const std::string& pointer) {
+    constexpr double kFarthest = 540;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        const bool is_longitude = std::abs(ring[i].x) <= kFarthest, is_latitude = std::abs(ring[i].y) <= 90;
+        if (is_longitude && is_latitude) continue;
+        return failure(
+            ErrorCode::Unusable,
+            is_longitude ? "a latitude must be from -90 to 90 degrees" : "a longitude must be from -540 to 540 degrees",
+            pointer + '/' + std::to_string(i));
+    }
+    return {};
+}
+
+/// Tells whether a ring jumps from one side of a map to the other. One that does so has no edges all around.
+bool jumps(const Ring& ring) {
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        const double jump = std::abs(ring[(i + 1) % ring.size()].x - ring[i].x);
+        if (jump > kTurn / 2 && jump < kTurn) return true;
+    }
+    return false;
+}
+
+/// Removes the jumps of a ring, and closes one that goes around a pole.
+void unroll(Ring& ring) {
+    if (!jumps(ring)) return;
+    double shift = 0, latitudes = 0;
+    const double first = ring.front().x;
+    double before = first;
+    const auto follow = [&](double longitude) {
+        const double jump = longitude - before;
+        if (std::abs(jump) > kTurn / 2) shift -= std::copysign(kTurn, jump);
+        before = longitude;
+        return longitude + shift;
+    };
+    for (Point& p : ring) {
+        p.x = follow(p.x);
+        latitudes += p.y;
+    }
+    const double end = follow(first);
+    if (end == first) return;
+    const double pole = std::copysign(90.0, latitudes);
+    if (ring.back().x != end) ring.push_back({end, ring.front().y});
+    ring.push_back({end, pole});
+    ring.push_back({first, pole});
+}
+
+/// Whether a ring that was closed goes around a pole.
+bool goes_around(const Ring& ring) {
+    return ring.size() > 2 && std::abs(ring.back().y) == 90 && ring.back().y == ring[ring.size() - 2].y &&
+           std::abs(ring.back().x - ring[ring.size() - 2].x) >= kTurn;
+}
+
+/// Exchanges rings around one pole whose hole is the larger: on the globe they enclose the same either way.
+void put_larger_outside(PolygonPart& part) {
+    if (!goes_around(part.outer)) return;
+    const auto reach = [](const Ring& ring) {
+        double sum = 0;
+        for (const Point& p : ring) sum += std::abs(p.y - ring.back().y);
+        return sum / static_cast<double>(ring.size());
+    };
+    for (Ring& hole : part.holes) {
+        if (goes_around(hole) && hole.back().y == part.outer.back().y && reach(hole) > reach(part.outer))
+            std::swap(hole, part.outer);
+    }
+}
+
+/// Brings a hole to the turn of the globe in which its outer ring is, if it is in another.
+void follow(const Ring& outer, Ring& hole) {
+    if (outer.empty() || hole.empty()) return;
+    const auto by_longitude = [](Point a, Point b) { return a.x < b.x; };
+    const auto [west, east] = std::ranges::minmax(outer, by_longitude);
+    const auto [least, most] = std::ranges::minmax(hole, by_longitude);
+    if (least.x <= east.x && most.x >= west.x) return;
+    const double shift = shift_to(least.x, west.x);
+    for (Point& p : hole) p.x += shift;
+}
+
+/// The part of a ring on one side of a meridian, with edges along it.
+/// Source: Sutherland and Hodgman, Reentrant polygon clipping, CACM 17 (1974).
+/// @param sign  1: what lies east of it; -1: west
+Ring cut(const Ring& ring, double meridian, double sign) {
+    Ring kept;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Point a = ring[i], b = ring[(i + 1) % ring.size()];
+        const double from = sign * (a.x - meridian), to = sign * (b.x - meridian);
+        if (from >= 0) kept.push_back(a);
+        if ((from < 0) != (to < 0) && from != 0 && to != 0)
+            kept.push_back({meridian, a.y + from / (from - to) * (b.y - a.y)});
+    }
+    return kept;
+}
+
+/// A place far from all border, and whether it is in the region.
+struct Far {
+    Direction direction;
+    double distance = 0;  ///< radians on the sphere
+    bool is_inside = false;
+};
+
+/// Lays a region in degrees onto charts.
+class Charting {
+public:
+    Charting(const Domain& degrees, std::size_t sites, const std::stop_token& stop);
+
+    Result<std::vector<ChartedPart>> execute();
+
+private:
+    bool is_seam(Point a, Point b) const { return closes_ && a.x == b.x && (a.x == west_ || a.x == east_); }
+    static bool is_pole(Point a, Point b) { return a.y == b.y && std::abs(a.y) == 90; }
+    template <class Visit>
+    void for_edges(Visit visit) const {
+        for (const Ring& ring : rings_) {
+            for (std::size_t i = 0; i < ring.size(); ++i) visit(ring[i], ring[(i + 1) % ring.size()]);
+        }
+    }
+    template <class Visit>
+    void for_pieces_of_seam(Point a, Point b, Visit visit) const;
+    void find_seam();
+    void sample_border();
+    bool contains(Direction direction) const;
+    double distance_to_border(Direction direction) const;
+    void improve(Far& far) const;
+    Far far_from_border() const;
+    std::optional<Chart> simple_chart() const;
+    double pitch() const;
+    double deviation(const Chart& chart, Point a, Point b) const;
+    void lay(const Chart& chart, Point a, Point b, Ring& plane) const;
+    std::vector<Ring> lay_all(const Chart& chart) const;
+    Result<std::vector<ChartedPart>> on_one_chart(const Chart& chart) const;
+    Result<std::vector<ChartedPart>> on_two_charts(const Far& far) const;
+
+    const std::stop_token& stop_;
+    const double sites_;
+    std::vector<Ring> rings_;  ///< degrees, the inside on the left
+    double west_ = 0, east_ = 0;
+    bool closes_ = false;            ///< east and west are one meridian
+    std::vector<double> seam_;       ///< latitudes of corners on it
+    std::vector<int> seam_sides_;    ///< of each piece between two of them, how many times it is an edge
+    std::vector<Direction> border_;  ///< points on all edges, at most `step_` apart
+    double step_ = 0;                ///< radians
+    std::size_t stride_ = 1;         ///< of those that are looked at in a search
+    double tolerance_ = 0;           ///< radians on the ground
+};
+
+Charting::Charting(const Domain& degrees, std::size_t sites, const std::stop_token& stop)
+    : stop_(stop), sites_(static_cast<double>(sites)), west_(degrees.bounds().min.x), east_(degrees.bounds().max.x) {
+    closes_ = east_ - west_ > kTurn - kClose;
+    const auto put_right = [&](Point p) {
+        if (closes_ && p.x > west_ + kTurn - kClose) p.x = west_ + kTurn;
+        if (p.x < west_ + kClose) p.x = west_;
+        if (std::abs(p.y) > 90 - kClose) p.y = std::copysign(90.0, p.y);
+        return p;
+    };
+    for (const Ring& ring : degrees.rings()) {
+        Ring& own = rings_.emplace_back();
+        for (const Point& p : ring) own.push_back(put_right(degrees.to_user(p)));
+    }
+    if (closes_) east_ = west_ + kTurn;
+}
+
+/// Calls `visit(piece, from, to)` for the pieces of an edge of the seam, in their order.
+template <class Visit>
+void Charting::for_pieces_of_seam(Point a, Point b, Visit visit) const {
+    const auto index = [&](double latitude) {
+        return static_cast<std::size_t>(std::ranges::lower_bound(seam_, latitude) - seam_.begin());
+    };
+    std::size_t i = index(a.y);
+    const std::size_t end = index(b.y);
+    while (i != end) {
+        const std::size_t next = i < end ? i + 1 : i - 1;
+        visit(std::min(i, next), Point{a.x, seam_[i]}, Point{a.x, seam_[next]});
+        i = next;
+    }
+}
+
+void Charting::find_seam() {
+    if (!closes_) return;
+    for (const Ring& ring : rings_) {
+        for (const Point& p : ring) {
+            if (p.x == west_ || p.x == east_) seam_.push_back(p.y);
+        }
+    }
+    std::ranges::sort(seam_);
+    seam_.erase(std::unique(seam_.begin(), seam_.end()), seam_.end());
+    seam_sides_.assign(seam_.size(), 0);
+    for_edges([&](Point a, Point b) {
+        if (is_seam(a, b)) for_pieces_of_seam(a, b, [&](std::size_t piece, Point, Point) { ++seam_sides_[piece]; });
+    });
+}
+
+void Charting::sample_border() {
+    constexpr double kStep = 1, kMost = 1e6;
+    constexpr std::size_t kLookedAt = 4'096;
+    double length = 0;
+    for_edges([&](Point a, Point b) { length += std::sqrt(dot(b - a, b - a)); });
+    const double step = std::max(kStep, length / kMost);
+    const auto add = [&](Point a, Point b) {
+        const int steps = std::max(1, static_cast<int>(std::ceil(std::sqrt(dot(b - a, b - a)) / step)));
+        for (int i = 0; i < steps; ++i) border_.push_back(direction_of(a + static_cast<double>(i) / steps * (b - a)));
+    };
+    for_edges([&](Point a, Point b) {
+        if (is_pole(a, b)) return;
+        if (!is_seam(a, b)) return add(a, b);
+        for_pieces_of_seam(a, b, [&](std::size_t piece, Point from, Point to) {
+            if (seam_sides_[piece] == 1) add(from, to);
+        });
+    });
+    step_ = step * kDegree;
+    stride_ = 1 + border_.size() / kLookedAt;
+}
+
+bool Charting::contains(Direction direction) const {
+    Point place = place_of(direction);
+    place.x += shift_to(place.x, west_);
+    bool inside = false;
+    for_edges([&](Point a, Point b) {
+        if ((a.x <= place.x) == (b.x <= place.x)) return;
+        if (a.y + (place.x - a.x) / (b.x - a.x) * (b.y - a.y) > place.y) inside = !inside;
+    });
+    return inside;
+}
+
+double Charting::distance_to_border(Direction direction) const {
+    double nearest = -1;
+    for (std::size_t i = 0; i < border_.size(); i += stride_) nearest = std::max(nearest, dot(direction, border_[i]));
+    return std::acos(std::clamp(nearest, -1.0, 1.0));
+}
+
+/// Goes from a place to one near by that is farther from all border.
+void Charting::improve(Far& far) const {
+    constexpr double kFirst = 0.1, kLast = 1e-4, kGain = 1e-9;
+    for (double step = kFirst; step > kLast;) {
+        const Chart around(far.direction);
+        bool found = false;
+        for (const Point move : {Point{step, 0}, Point{-step, 0}, Point{0, step}, Point{0, -step}}) {
+            const Direction there = around.to_direction(move);
+            const double distance = distance_to_border(there);
+            if (distance < far.distance + kGain) continue;
+            far.direction = there;
+            far.distance = distance;
+            found = true;
+        }
+        if (!found) step /= 2;
+    }
+}
+
+/// Finds the place farthest from all border; outside the region if there is one that is far enough.
+Far Charting::far_from_border() const {
+    constexpr int kTried = 2'000;
+    constexpr double kFree = 5 * kDegree;  // a cap that makes the scale vary by 525
+    const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+    Far outside, inside{{0, 0, 0}, 0, true};
+    for (int i = 0; i < kTried; ++i) {
+        const double z = 1 - (2 * i + 1.0) / kTried, across = std::sqrt(1 - z * z);
+        const Direction there{across * std::cos(i * golden), across * std::sin(i * golden), z};
+        const double distance = distance_to_border(there);
+        if (distance <= std::min(outside.distance, inside.distance)) continue;
+        Far& known = contains(there) ? inside : outside;
+        if (distance > known.distance) known = {there, distance, known.is_inside};
+    }
+    for (Far* each : {&outside, &inside}) {
+        if (each->distance > 0) improve(*each);
+    }
+    return outside.distance >= std::min(kFree, inside.distance) ? outside : inside;
+}
+
+/// The chart of a region that is small against the globe; none of others.
+std::optional<Chart> Charting::simple_chart() const {
+    constexpr double kMost = 0.5;  // cosine of the distance
+    Direction sum{0, 0, 0};
+    for (const Direction& each : border_) sum = sum + each;
+    if (dot(sum, sum) < 1e-6) return std::nullopt;
+    const Direction mean = normalised(sum);
+    const bool is_near = std::ranges::all_of(border_, [&](const Direction& each) { return dot(mean, each) > kMost; });
+    if (!is_near || contains(-mean)) return std::nullopt;
+    return Chart(mean);
+}
+
+/// Distance of sites, on the sphere.
+double Charting::pitch() const {
+    double area = 0;
+    for_edges([&](Point a, Point b) { area -= std::sin((a.y + b.y) / 2 * kDegree) * (b.x - a.x) * kDegree; });
+    constexpr double kLeast = 1e-20;
+    return std::sqrt(std::max(area, kLeast) / sites_);
+}
+
+/// How far an edge is from straight on a chart, on the ground.
+double Charting::deviation(const Chart& chart, Point a, Point b) const {
+    const Point from = chart.to_plane(direction_of(a)), along = chart.to_plane(direction_of(b)) - from;
+    double most = 0;
+    for (const double part : {0.25, 0.5, 0.75}) {
+        const Point there = chart.to_plane(direction_of(a + part * (b - a)));
+        const Point off = there - from - part * along;
+        most = std::max(most, std::sqrt(dot(off, off)) / (1 + dot(there, there) / 4));
+    }
+    return most;
+}
+
+/// Appends an edge, but for its end, bent as it is on a chart.
+void Charting::lay(const Chart& chart, Point a, Point b, Ring& plane) const {
+    constexpr double kLong = 4, kMostPieces = 1'000;
+    const Point along = b - a;
+    const double length = std::sqrt(dot(along, along));
+    const int pieces = std::max(1, static_cast<int>(std::ceil(length / kLong)));
+    const double bend = length * kDegree;
+    for (int i = 0; i < pieces; ++i) {
+        const Point from = a + static_cast<double>(i) / pieces * along;
+        const Point to = i + 1 == pieces ? b : a + (i + 1.0) / pieces * along;
+        plane.push_back(chart.to_plane(direction_of(from)));
+        if (bend * bend < tolerance_) continue;  // shorter ones are straight, whatever the chart
+        const double parts = std::ceil(std::sqrt(deviation(chart, from, to) / tolerance_));
+        const int cuts = static_cast<int>(std::min(parts, kMostPieces));
+        for (int cut = 1; cut < cuts; ++cut)
+            plane.push_back(chart.to_plane(direction_of(from + static_cast<double>(cut) / cuts * (to - from))));
+    }
+}
+
+/// Rings in the plane of a chart. What the seam has on both sides runs there and back.
+std::vector<Ring> Charting::lay_all(const Chart& chart) const {
+    std::vector<Ring> planes;
+    for (const Ring& ring : rings_) {
+        Ring& plane = planes.emplace_back();
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+            const Point a = ring[i], b = ring[(i + 1) % ring.size()];
+            if (is_pole(a, b)) {
+                plane.push_back(chart.to_plane(direction_of(a)));
+            } else if (!is_seam(a, b)) {
+                lay(chart, a, b, plane);
+            } else {
+                for_pieces_of_seam(a, b, [&](std::size_t piece, Point from, Point to) {
+                    if (seam_sides_[piece] == 1) return lay(chart, from, to, plane);
+                    plane.push_back(chart.to_plane(direction_of(from)));
+                });
+            }
+        }
+    }
+    return planes;
+}
+
+Result<std::vector<ChartedPart>> Charting::on_one_chart(const Chart& chart) const {
+    auto domain = Domain::enclosed_by(lay_all(chart), stop_);
+    if (!domain) return tl::unexpected(domain.error());
+    std::vector<ChartedPart> parts;
+    parts.push_back({chart, *std::move(domain)});
+    return parts;
+}
+
+/// Corners of a circle around a chart's centre.
+Ring circle(double angle) {
+    constexpr int kCorners = 1'440;
+    const double radius = 2 * std::tan(angle / 2);
+    Ring ring;
+    for (int i = 0; i < kCorners; ++i) {
+        const double turned = 2 * std::numbers::pi * i / kCorners;
+        ring.push_back({radius * std::cos(turned), radius * std::sin(turned)});
+    }
+    return ring;
+}
+
+/// @param far  inside the region
+Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
+    constexpr double kLargest = 20 * kDegree, kLeast = kDegree;
+    const double angle = std::min(kLargest, far.distance - 2 * step_);
+    if (angle < kLeast) {
+        return failure(ErrorCode::Unusable,
+                       "the polygon is strewn over all of the globe: no place is some degrees from its border");
+    }
+    const Chart chart(-far.direction), opposite(far.direction);
+    // Seen from the centre the circle encloses all but what lies in it, which the rings leave open.
+    std::vector<Ring> rings = lay_all(chart);
+    rings.push_back(circle(std::numbers::pi - angle));
+    auto most = Domain::enclosed_by(rings, stop_);
+    if (!most) return tl::unexpected(most.error());
+    auto rest = Domain::enclosed_by({circle(angle)}, stop_);
+    if (!rest) return tl::unexpected(rest.error());
+    std::vector<ChartedPart> parts;
+    parts.push_back({chart, *std::move(most)});
+    parts.push_back({opposite, *std::move(rest)});
+    return parts;
+}
+
+Result<std::vector<ChartedPart>> Charting::execute() {
+    constexpr double kLeastExtent = 1e-7;  // degrees: a centimetre
+    find_seam();
+    sample_border();
+    if (stop_.stop_requested()) return failure(ErrorCode::Stopped, "stopped before the polygon was charted");
+    const double distance = pitch();
+    if (distance * std::sqrt(sites_) < kLeastExtent * kDegree)
+        return failure(ErrorCode::Unusable, "the polygon is too small on the globe");
+    constexpr double kTolerance = 1e-3;
+    tolerance_ = kTolerance * distance;
+    const Direction in_the_pacific = direction_of({-150, -30});
+    if (border_.empty()) return on_two_charts({in_the_pacific, std::numbers::pi, true});
+    if (const auto chart = simple_chart()) return on_one_chart(*chart);
+    const Far far = far_from_border();
+    return far.is_inside ? on_two_charts(far) : on_one_chart(Chart(-far.direction));
+}
+
+}  // namespace
+
+Result<std::vector<PolygonPart>> unrolled(std::vector<PolygonPart> parts) {
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        auto& [outer, holes] = parts[i];
+        const std::string pointer = '/' + std::to_string(i) + '/';
+        if (auto checked = check_positions(outer, pointer + '0'); !checked) return tl::unexpected(checked.error());
+        unroll(outer);
+        for (std::size_t k = 0; k < holes.size(); ++k) {
+            if (auto checked = check_positions(holes[k], pointer + std::to_string(k + 1)); !checked)
+                return tl::unexpected(checked.error());
+            unroll(holes[k]);
+            follow(outer, holes[k]);
+        }
+        put_larger_outside(parts[i]);
+    }
+    return parts;
+}
+
+Result<Domain> in_one_turn(const Domain& degrees, const std::stop_token& stop) {
+    const Box& box = degrees.bounds();
+    if (box.width() <= kTurn + kClose) return degrees;
+    std::vector<Ring> rings;
+    for (const Ring& unit : degrees.rings()) {
+        const double first = std::floor((box.min.x + kTurn / 2) / kTurn);
+        for (double turn = first; turn * kTurn - kTurn / 2 < box.max.x; ++turn) {
+            Ring ring;
+            for (const Point& p : unit) ring.push_back(degrees.to_user(p) - Point{turn * kTurn, 0});
+            ring = cut(cut(ring, -kTurn / 2, 1), kTurn / 2, -1);
+            if (!ring.empty()) rings.push_back(std::move(ring));
+        }
+    }
+    return Domain::enclosed_by(rings, stop);
+}
+
+Result<std::vector<ChartedPart>> chart_region(const Domain& degrees, std::size_t sites, const std::stop_token& stop) {
+    return Charting(degrees, sites, stop).execute();
+}
+
+}  // namespace ccdt

@@ -1,0 +1,94 @@
+#include "core/globe/globe.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/globe/region.h"
+
+namespace ccdt {
+namespace {
+
+/// Between two longitudes and two latitudes.
+Ring box(double west, double south, double east, double north) {
+    return {{west, south}, {east, south}, {east, north}, {west, north}};
+}
+
+Domain region(const Ring& ring) {
+    return Domain::create(unrolled({{ring, {}}}).value()).value();
+}
+
+GlobeDistribution placed(const Domain& degrees, const Options& options, const Density& density = Density::uniform()) {
+    auto result = distribute_on_globe(degrees, density, options, distribute);
+    EXPECT_TRUE(result) << result.error().message;
+    return *std::move(result);
+}
+
+double share(const std::vector<Point>& points, auto test) {
+    return static_cast<double>(std::ranges::count_if(points, test)) / static_cast<double>(points.size());
+}
+
+TEST(DistributeOnGlobe, IsEvenOnTheWholeGlobe) {
+    const auto globe = placed(region(box(-180, -90, 180, 90)), {.sites = 4000});
+    EXPECT_NEAR(globe.pitch * globe.pitch * 4000 / 510'065'621.724e6, 1, 1e-4) << "the ellipsoid's surface";
+    ASSERT_EQ(globe.sites.points.size(), 4000u);
+    for (const Point p : globe.sites.points) {
+        ASSERT_LE(std::abs(p.x), 180);
+        ASSERT_LE(std::abs(p.y), 90);
+    }
+    EXPECT_NEAR(share(globe.sites.points, [](Point p) { return p.y > 0; }), 0.5, 0.01);
+    EXPECT_NEAR(share(globe.sites.points, [](Point p) { return p.x > 0; }), 0.5, 0.01);
+    EXPECT_NEAR(share(globe.sites.points, [](Point p) { return p.y > 60; }), 0.0673, 0.004);
+}
+
+TEST(DistributeOnGlobe, WeighsTheGroundByADensity) {
+    const std::vector<double> values{1, 3};
+    const auto density = Density::grid(1, 2, std::span<const double>(values)).value();
+    const auto north = placed(region(box(-180, -60, 180, 60)), {.sites = 2000}, density);
+    EXPECT_NEAR(share(north.sites.points, [](Point p) { return p.y > 0; }), 0.75, 0.01);
+    const std::vector<double> east{1, 3};
+    const auto across = placed(region(box(160, -30, 200, 30)), {.sites = 2000},
+                               Density::grid(2, 1, std::span<const double>(east)).value());
+    EXPECT_NEAR(share(across.sites.points, [](Point p) { return p.x < 0; }), 0.75, 0.01);
+}
+
+TEST(DistributeOnGlobe, JoinsTheMeshesOfTwoCharts) {
+    const auto globe = placed(region(box(-180, -90, 180, 90)), {.sites = 500, .keep_mesh = true});
+    const TriangleMesh& mesh = *globe.sites.mesh;
+    for (std::size_t i = 0; i < 500; ++i) ASSERT_EQ(mesh.vertices[i], globe.sites.points[i]);
+    std::vector<int> used(mesh.vertices.size());
+    for (const auto& triangle : mesh.triangles) {
+        for (const auto v : triangle) ++used.at(v);
+    }
+    EXPECT_EQ(std::ranges::count(used, 0), 0);
+    ASSERT_EQ(mesh.boundary.size(), 2u);
+    for (const auto& loop : mesh.boundary) {
+        for (const auto v : loop) EXPECT_GE(v, 500u);
+    }
+}
+
+TEST(DistributeOnGlobe, TakesOneSiteAndTheLeastRegions) {
+    EXPECT_EQ(placed(region(box(-180, -90, 180, 90)), {.sites = 1}).sites.points.size(), 1u);
+    const Domain field = region(box(10, 60, 10.00001, 60.00001));
+    for (const Point p : placed(field, {.sites = 100}).sites.points) {
+        EXPECT_TRUE(p.x > 10 && p.x < 10.00001 && p.y > 60 && p.y < 60.00001);
+    }
+}
+
+TEST(DistributeOnGlobe, GivesTheSameBytes) {
+    const Domain degrees = region(box(100, 0, 250, 70));
+    EXPECT_EQ(placed(degrees, {.sites = 300}).sites.points, placed(degrees, {.sites = 300}).sites.points);
+}
+
+TEST(DistributeOnGlobe, StopsWhenAsked) {
+    std::stop_source stop;
+    stop.request_stop();
+    const auto stopped = distribute_on_globe(region(box(0, 0, 90, 90)), Density::uniform(), {.sites = 10}, distribute,
+                                             {.stop = stop.get_token()});
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().code, ErrorCode::Stopped);
+}
+
+}  // namespace
+}  // namespace ccdt

@@ -1,0 +1,164 @@
+#include "core/globe/region.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace ccdt {
+namespace {
+
+/// Between two longitudes and two latitudes.
+Ring box(double west, double south, double east, double north) {
+    return {{west, south}, {east, south}, {east, north}, {west, north}};
+}
+
+using Parts = std::vector<PolygonPart>;
+
+const Ring kGlobe = box(-180, -90, 180, 90);
+
+/// Region of parts in degrees, as a request brings them.
+Domain region(const Parts& parts) {
+    return Domain::repair(unrolled(parts).value()).value().domain;
+}
+
+std::vector<ChartedPart> charted(const Parts& parts) {
+    auto result = chart_region(region(parts), 1000);
+    EXPECT_TRUE(result) << result.error().message;
+    return result ? *std::move(result) : std::vector<ChartedPart>();
+}
+
+/// Square kilometres of the ground, by a mean over rows of the box that a part lies in.
+double area(const ChartedPart& part) {
+    constexpr int kRows = 400;
+    const Box& box = part.domain.bounds();
+    double sum = 0;
+    for (int row = 0; row < kRows; ++row) {
+        for (int column = 0; column < kRows; ++column) {
+            const Point unit{(column + 0.5) / kRows, (row + 0.5) / kRows};
+            const Point p{box.min.x + unit.x * box.width(), box.min.y + unit.y * box.height()};
+            bool inside = false;
+            for (const Ring& ring : part.domain.rings()) {
+                for (std::size_t i = 0; i < ring.size(); ++i) {
+                    const Point a = part.domain.to_user(ring[i]), b = part.domain.to_user(ring[(i + 1) % ring.size()]);
+                    if ((a.y > p.y) == (b.y > p.y)) continue;
+                    if (a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x) > p.x) inside = !inside;
+                }
+            }
+            if (inside) sum += part.chart.ground(p);
+        }
+    }
+    return sum * box.width() * box.height() / kRows / kRows / 1e6;
+}
+
+/// Square kilometres between two longitudes and two latitudes, by Simpson's rule on the radii of the ellipsoid.
+double area_of_box(double west, double south, double east, double north) {
+    constexpr double kDegree = 3.14159265358979323846 / 180, kRadius = 6378.137, kSquare = 0.00669437999014;
+    constexpr int kSteps = 1000;
+    double sum = 0;
+    for (int i = 0; i <= kSteps; ++i) {
+        const double latitude = (south + (north - south) * i / kSteps) * kDegree;
+        const double w = 1 - kSquare * std::sin(latitude) * std::sin(latitude);
+        const double value = (1 - kSquare) * std::cos(latitude) / (w * w);
+        sum += value * (i == 0 || i == kSteps ? 1 : i % 2 == 1 ? 4 : 2);
+    }
+    return kRadius * kRadius * sum / 3 * (north - south) / kSteps * kDegree * (east - west) * kDegree;
+}
+
+TEST(Unrolled, FollowsRingsAcrossTheMeridianOf180Degrees) {
+    const Ring across{{179, 0}, {-179, 0}, {-179, 2}, {179, 2}};
+    EXPECT_EQ(unrolled({{across, {}}})->front().outer, (Ring{{179, 0}, {181, 0}, {181, 2}, {179, 2}}));
+    const Ring twice{{179, 0}, {-180, 0}, {180, 0}, {-179, 1}};
+    EXPECT_EQ(unrolled({{twice, {}}})->front().outer, (Ring{{179, 0}, {180, 0}, {180, 0}, {181, 1}}));
+    const Ring beyond{{179, 0}, {190, 0}, {190, 2}};
+    EXPECT_EQ(unrolled({{beyond, {}}})->front().outer, beyond);
+    EXPECT_EQ(unrolled({{kGlobe, {}}})->front().outer, kGlobe) << "an edge all around stays";
+}
+
+TEST(Unrolled, BringsHolesToTheirRing) {
+    const Ring outer{{170, 0}, {200, 0}, {200, 20}, {170, 20}}, hole = box(-175, 5, -170, 10);
+    EXPECT_EQ(unrolled({{outer, {hole}}})->front().holes.front(), box(185, 5, 190, 10));
+}
+
+TEST(Unrolled, ClosesRingsAroundAPole) {
+    const Ring south{{-120, -70}, {0, -65}, {120, -75}};
+    const Ring expected{{-120, -70}, {0, -65}, {120, -75}, {240, -70}, {240, -90}, {-120, -90}};
+    EXPECT_EQ(unrolled({{south, {}}})->front().outer, expected);
+    EXPECT_EQ(unrolled({{{{0, 80}, {120, 80}, {-120, 80}}, {}}})->front().outer.back(), (Point{0, 90}));
+    // Cut out of its hole, as maps that were sewn together have it.
+    const Ring tip{{-120, -89}, {0, -89}, {120, -89}};
+    const auto sewn = unrolled({{tip, {south}}});
+    EXPECT_EQ(sewn->front().outer, expected);
+}
+
+TEST(Unrolled, RefusesWhatIsNotOnTheGlobe) {
+    const double nothing = std::numeric_limits<double>::quiet_NaN();
+    for (const Point wrong : {Point{0, 91}, Point{0, -1e308}, Point{541, 0}, Point{-1e308, 0}, Point{nothing, 0}}) {
+        const auto refused = unrolled({{{{0, 0}, {1, 0}, {1, 1}}, {{{0, 0}, wrong, {1, 1}}}}});
+        ASSERT_FALSE(refused);
+        EXPECT_EQ(refused.error().code, ErrorCode::Unusable);
+        EXPECT_EQ(refused.error().field, "/0/1/1");
+    }
+}
+
+TEST(ChartRegion, BendsEdges) {
+    const auto parts = charted({{box(-100, 40, -60, 50), {}}});
+    ASSERT_EQ(parts.size(), 1u);
+    EXPECT_GT(parts.front().domain.corner_count(), 10u);
+    EXPECT_NEAR(area(parts.front()) / area_of_box(-100, 40, -60, 50), 1, 3e-3);
+}
+
+TEST(ChartRegion, JoinsWhatMeetsAtTheMeridianOf180Degrees) {
+    const Ring whole = box(170, -20, 190, 10);
+    const Ring west = box(170, -20, 180, 10), east{{-180, -20}, {-170, -20}, {-170, 10}, {-180, 10}, {-180, 0}};
+    for (const Parts& parts : {Parts{{whole, {}}}, Parts{{west, {}}, {east, {}}}}) {
+        const auto laid = charted(parts);
+        ASSERT_EQ(laid.size(), 1u);
+        EXPECT_EQ(laid.front().domain.rings().size(), 1u);
+        EXPECT_NEAR(area(laid.front()) / area_of_box(170, -20, 190, 10), 1, 3e-3);
+    }
+}
+
+TEST(ChartRegion, JoinsWhatGoesAroundAPole) {
+    for (const Ring& cap : {box(-180, -90, 180, -70), Ring{{0, -70}, {120, -70}, {240, -70}}}) {
+        const auto laid = charted({{cap, {}}});
+        ASSERT_EQ(laid.size(), 1u);
+        EXPECT_EQ(laid.front().domain.rings().size(), 1u);
+        EXPECT_NEAR(area(laid.front()) / area_of_box(-180, -90, 180, -70), 1, 5e-3);
+    }
+}
+
+TEST(InOneTurn, CutsWhatLiesBeyond) {
+    const Domain wide = region({{box(-190, 0, -170, 10), {box(-182, 2, -178, 4)}}, {box(170, 20, 200, 30), {}}});
+    const auto cut = in_one_turn(wide);
+    ASSERT_TRUE(cut) << cut.error().message;
+    EXPECT_EQ(cut->bounds().min.x, -180);
+    EXPECT_EQ(cut->bounds().max.x, 180);
+    EXPECT_NEAR(cut->area(), 200 - 8 + 300, 1e-9);
+    const auto laid = chart_region(*cut, 1000);
+    ASSERT_TRUE(laid) << laid.error().message;
+    EXPECT_EQ(laid->front().domain.rings().size(), 3u) << "the hole is one again";
+    const Domain narrow = region({{box(100, 0, 200, 10), {}}});
+    EXPECT_EQ(in_one_turn(narrow)->bounds().max.x, 200);
+}
+
+TEST(ChartRegion, CutsWhatCoversTheGlobe) {
+    for (const Parts& parts :
+         {Parts{{kGlobe, {}}}, Parts{{kGlobe, {box(10, 40, 12, 42)}}}, Parts{{box(-180, -89, 180, 89), {}}}}) {
+        const auto laid = charted(parts);
+        ASSERT_EQ(laid.size(), 2u);
+        EXPECT_NEAR((area(laid[0]) + area(laid[1])) / area_of_box(-180, -90, 180, 90), 1, 1e-2);
+    }
+    EXPECT_EQ(charted({{box(-180, -60, 180, 85), {}}}).size(), 1u) << "the south is free";
+}
+
+TEST(ChartRegion, RefusesWhatItCannotLay) {
+    const auto message = [](const Parts& parts) { return chart_region(region(parts), 10).error().message; };
+    EXPECT_EQ(message({{box(0, 0, 1e-9, 1e-9), {}}}), "the polygon is too small on the globe");
+    std::stop_source stop;
+    stop.request_stop();
+    EXPECT_EQ(chart_region(region({{kGlobe, {}}}), 10, stop.get_token()).error().code, ErrorCode::Stopped);
+}
+
+}  // namespace
+}  // namespace ccdt
