@@ -82,6 +82,15 @@ Estimate weighing(double cells) {
     return {cells * 20, cells * 0.03 * kMicrosecond};
 }
 
+/// Lays a region onto the charts of the globe, and makes the density there.
+Estimate charting(const SampleRequest& request) {
+    if (request.coordinates == Coordinates::Plane) return {};
+    constexpr double kCells = 1'024 * 1'024, kCellsOfDensity = 2'048 * 2'048, kTime = 0.2 * kMicrosecond;
+    const bool is_even = std::holds_alternative<std::monostate>(request.density);
+    const double cells = is_even ? kCells : kCellsOfDensity;
+    return bounding(request.domain) * 2 + weighing(cells) + Estimate{cells * sizeof(double), cells * kTime};
+}
+
 /// Makes grids: of several inks one each, and one of all together.
 Estimate weighing(const HalftoneRequest& request) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
@@ -248,8 +257,9 @@ Cost cost_of(const SampleRequest& request, const Limits& limits) {
     Estimate density;
     if (image != nullptr) density = weighing(static_cast<double>(image->file.header.pixels()));
     if (grid != nullptr) density = weighing(static_cast<double>(grid->values.size()));
-    const bool is_uniform = image == nullptr && grid == nullptr;
-    const Estimate placing = bounding(request.domain) + density + request.method->cost(request.run, is_uniform);
+    const bool is_uniform = image == nullptr && grid == nullptr && request.coordinates == Coordinates::Plane;
+    const Estimate placing =
+        bounding(request.domain) + charting(request) + density + request.method->cost(request.run, is_uniform);
     const Estimate made = then(placing, writing(request, limits));
     return cost(image != nullptr ? then(decoding(image->file), made) : made);
 }

@@ -18,6 +18,8 @@
 #include "api/run/deadline.h"
 #include "api/run/stopwatch.h"
 #include "core/density/density.h"
+#include "core/globe/globe.h"
+#include "core/globe/region.h"
 #include "core/halftone/tone.h"
 
 namespace ccdt::api {
@@ -63,6 +65,11 @@ Result<void> read_tolerance(const Input& input, Options& options) {
 Result<OnInvalid> read_invalid(const Input& input) {
     static constexpr Choice<OnInvalid> kWords[] = {{"repair", OnInvalid::Repair}, {"reject", OnInvalid::Reject}};
     return read_choice<OnInvalid>(input, kWords);
+}
+
+Result<Coordinates> read_coordinates(const Input& input) {
+    static constexpr Choice<Coordinates> kWords[] = {{"plane", Coordinates::Plane}, {"lonlat", Coordinates::LonLat}};
+    return read_choice<Coordinates>(input, kWords);
 }
 
 Result<std::vector<double>> read_values(const Input& input) {
@@ -128,9 +135,11 @@ constexpr std::array<OptionRule<Draft>, 5> kShapeRules = {{
 }};
 
 /// Members of a JSON body, or parameters beside a GeoJSON document.
-constexpr std::array<OptionRule<Draft>, 15> kOptionRules = {{
+constexpr std::array<OptionRule<Draft>, 16> kOptionRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.run.sites, read_sites(i, l)); }},
     {"invalid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_invalid, read_invalid(i)); }},
+    {"coordinates",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.coordinates, read_coordinates(i)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", read_given<read_iterations, &MethodOptions::iterations>},
     {"passes", read_given<read_passes, &MethodOptions::passes>},
@@ -185,7 +194,8 @@ Result<void> settle_domain(Draft& draft) {
     if (draft.holes && !draft.polygon) return failure(ErrorCode::Malformed, "holes belong to a polygon", "/holes");
     if (draft.rectangle) {
         draft.request.domain = *draft.rectangle;
-        return {};
+        if (draft.request.coordinates == Coordinates::Plane) return {};
+        return failure(ErrorCode::Malformed, "coordinates of a domain are those of a plane", "/coordinates");
     }
     PolygonInput polygon;
     if (draft.geometry) {
@@ -198,17 +208,24 @@ Result<void> settle_domain(Draft& draft) {
     return {};
 }
 
+/// Makes an error about a polygon one about the request.
+Error located(Error error, const PolygonInput& polygon) {
+    error.field = polygon.locate(error.field);
+    return error;
+}
+
 /// Builds the domain. Fields of the repairs are JSON Pointers in the request.
 Result<RepairedDomain> make_domain(const SampleRequest& request, const std::stop_token& stop) {
     const auto valid = [](Domain&& domain) { return RepairedDomain{std::move(domain), {}}; };
     if (const auto* rectangle = std::get_if<Rectangle>(&request.domain)) return make_domain(*rectangle).map(valid);
     const auto& polygon = std::get<PolygonInput>(request.domain);
-    auto domain = request.on_invalid == OnInvalid::Repair ? Domain::repair(polygon.parts, stop)
-                                                          : Domain::create(polygon.parts, stop).map(valid);
-    if (!domain) {
-        domain.error().field = polygon.locate(domain.error().field);
-        return domain;
-    }
+    const bool is_plane = request.coordinates == Coordinates::Plane;
+    const auto parts = is_plane ? Result<std::vector<PolygonPart>>() : unrolled(polygon.parts);
+    if (!parts) return tl::unexpected(located(parts.error(), polygon));
+    const auto& given = is_plane ? polygon.parts : *parts;
+    auto domain =
+        request.on_invalid == OnInvalid::Repair ? Domain::repair(given, stop) : Domain::create(given, stop).map(valid);
+    if (!domain) return tl::unexpected(located(domain.error(), polygon));
     for (Repair& repair : domain->repairs) repair.field = polygon.locate(repair.field);
     return domain;
 }
@@ -216,7 +233,7 @@ Result<RepairedDomain> make_domain(const SampleRequest& request, const std::stop
 /// Finds what is not as its sender may think: coordinates that look like degrees are taken for those of a plane.
 std::vector<Warning> warnings_of(const SampleRequest& request, const Domain& domain) {
     const auto* polygon = std::get_if<PolygonInput>(&request.domain);
-    if (polygon == nullptr || !polygon->is_geojson()) return {};
+    if (polygon == nullptr || !polygon->is_geojson() || request.coordinates != Coordinates::Plane) return {};
     const auto detail = warning_of_degrees(domain.bounds());
     if (!detail) return {};
     return {{polygon->locate({}), *detail}};
@@ -256,13 +273,33 @@ Result<Density> make_density(const SampleRequest& request, const Limits& limits,
     return density;
 }
 
-Result<Distribution> place_points(const SampleRequest& request, const Domain& domain, const Density& density,
+/// Points, and the distance in metres that they would have in a square grid, if they are on the ground.
+struct PlacedPoints {
+    Distribution distribution;
+    std::optional<double> pitch;
+};
+
+Result<PlacedPoints> distribute(const SampleRequest& request, const Domain& domain, const Density& density,
+                                const Control& control) {
+    if (request.coordinates == Coordinates::Plane) {
+        return request.method->run(domain, density, request.run, control).map([](Distribution&& distribution) {
+            return PlacedPoints{std::move(distribution), {}};
+        });
+    }
+    return distribute_on_globe(domain, density, request.run, request.method->run, control)
+        .map([](GlobeDistribution&& placed) {
+            return PlacedPoints{std::move(placed.sites), placed.pitch};
+        });
+}
+
+Result<PlacedPoints> place_points(const SampleRequest& request, const Domain& domain, const Density& density,
                                   const Control& control) {
     if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
-    auto distribution = request.method->run(domain, density, request.run, control);
-    if (!distribution) return tl::unexpected(error_of_options(request, error_below(distribution.error(), "")));
-    if (auto whole = check_whole(*distribution, request.on_deadline); !whole) return tl::unexpected(whole.error());
-    return distribution;
+    auto placed = distribute(request, domain, density, control);
+    if (!placed) return tl::unexpected(error_of_options(request, error_below(placed.error(), "")));
+    if (auto whole = check_whole(placed->distribution, request.on_deadline); !whole)
+        return tl::unexpected(whole.error());
+    return placed;
 }
 
 /// Distance from dot to dot, in units of the domain, if they were evenly spread.
@@ -289,6 +326,13 @@ Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const
                        std::to_string(page.canvas.height) + " pixels; this server's limit (max-pixels) is " +
                        std::to_string(limits.max_pixels),
                    request.field_of("width"));
+}
+
+/// Brings points, whose longitudes are within half a turn, to the turn of the globe that is drawn.
+void bring_into(const Box& box, std::vector<Point>& points) {
+    constexpr double kTurn = 360;
+    if (box.min.x >= -kTurn / 2 && box.max.x <= kTurn / 2) return;
+    for (Point& p : points) p.x += kTurn * std::ceil((box.min.x - p.x) / kTurn);
 }
 
 /// Radius of the dots, in units of the domain: a dot of twice its box's longer side covers it from anywhere inside.
@@ -374,21 +418,23 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     timings.decode = watch.lap();
     if (!density) return tl::unexpected(density.error());
 
-    const auto distribution = place_points(request, domain, *density, control);
+    auto placed = place_points(request, domain, *density, control);
     timings.optimise = watch.lap();
-    if (!distribution) return tl::unexpected(distribution.error());
+    if (!placed) return tl::unexpected(placed.error());
+    Distribution& distribution = placed->distribution;
+    if (request.format->is_drawn() && placed->pitch) bring_into(page->box, distribution.points);
 
     const double elapsed = timings.decode + timings.optimise;
     const auto warnings = warnings_of(request, domain);
-    const Report report{request.run.seed, elapsed, {}, request.method->name, repairs, {}, warnings};
-    auto body = encode(request, domain, *page, *distribution, report, control);
+    const Report report{request.run.seed, elapsed, {}, request.method->name, repairs, {}, warnings, placed->pitch};
+    auto body = encode(request, domain, *page, distribution, report, control);
     timings.encode = watch.lap();
     if (!body) return tl::unexpected(body.error());
     Answer answer;
     answer.media_type = request.format->file.content_type();
     answer.body = *std::move(body);
     answer.sites = request.run.sites;
-    answer.partial = distribution->stopped;
+    answer.partial = distribution.stopped;
     if (request.format->file.name != "json") {
         if (!repairs.empty())
             answer.repaired = write_repairs(std::span(repairs).first(std::min(repairs.size(), kMostInHeader)));

@@ -32,6 +32,12 @@ struct DensityImage {
     ImageFile file;
 };
 
+/// What coordinates are.
+enum class Coordinates {
+    Plane,   ///< x and y
+    LonLat,  ///< longitude and latitude on WGS 84, degrees: points are even on the ground
+};
+
 /// What becomes of a polygon that is not valid.
 enum class OnInvalid { Repair, Reject };
 
@@ -39,6 +45,7 @@ enum class OnInvalid { Repair, Reject };
 struct SampleRequest {
     std::variant<PolygonInput, Rectangle> domain;
     OnInvalid on_invalid = OnInvalid::Repair;
+    Coordinates coordinates = Coordinates::Plane;                     ///< LonLat of polygons alone
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
     Options run;
     const Method* method = &methods().front();

@@ -163,6 +163,18 @@ std::size_t take_index(std::string_view& field) {
     return index;
 }
 
+/// Drops the vertex of a field if its ring has no such one.
+std::string_view without_added(std::string_view field, const std::vector<PolygonPart>& parts) {
+    std::string_view rest = field;
+    const PolygonPart& part = parts[take_index(rest)];
+    if (rest.empty()) return field;
+    const std::size_t ring = take_index(rest);
+    if (rest.empty()) return field;
+    const std::string_view of_ring = field.substr(0, field.size() - rest.size());
+    const std::size_t vertices = ring == 0 ? part.outer.size() : part.holes[ring - 1].size();
+    return take_index(rest) < vertices ? field : of_ring;
+}
+
 }  // namespace
 
 std::size_t PolygonInput::corner_count() const {
@@ -177,6 +189,7 @@ std::size_t PolygonInput::corner_count() const {
 std::string PolygonInput::locate(std::string_view field) const {
     if (field.empty() && sources.size() > 1) return {};  // all of them
     if (field.empty()) return sources.front().nesting == Nesting::Members ? "/polygon" : sources.front().coordinates;
+    field = without_added(field, parts);
     const std::size_t part = take_index(field);
     const auto after = std::ranges::upper_bound(sources, part, {}, &Source::first_part);
     const Source& source = *std::prev(after);

@@ -36,7 +36,8 @@ struct PolygonInput {
 
     bool is_geojson() const { return sources.front().nesting != Nesting::Members; }
 
-    /// Makes the JSON Pointer, in the request, to what Domain::create calls `field`.
+    /// Makes the JSON Pointer, in the request, to what Domain::create calls `field`: of a vertex that was added to a
+    /// ring (core/globe/region.h) to the ring.
     std::string locate(std::string_view field) const;
 };
 

@@ -118,6 +118,7 @@ void append_run(std::string& out, const Distribution& distribution, const Report
     if (distribution.stopped) out += ",\"partial\":true";
     if (!report.repairs.empty()) out.append(",\"repaired\":").append(write_repairs(report.repairs));
     if (!report.warnings.empty()) out.append(",\"warnings\":").append(write_warnings(report.warnings));
+    if (report.pitch_m) append_member(out, "pitch_m", *report.pitch_m);
 }
 
 /// Writes repairs or warnings. Both are our own words and numbers: nothing needs to be escaped.

@@ -35,6 +35,7 @@ struct Report {
     std::span<const Repair> repairs = {};    ///< of a polygon; fields are JSON Pointers
     std::optional<DotSize> dots = {};        ///< of a halftone
     std::span<const Warning> warnings = {};  ///< about the request
+    std::optional<double> pitch_m = {};      ///< of points on the ground, metres: the square root of what each has
 };
 
 /// Writes repairs as an array: `[{"pointer":"/polygon/2","detail":"..."}]`.

@@ -122,6 +122,7 @@ INSTANTIATE_TEST_SUITE_P(
                     SampleCase{"mesh", R"("sites":100000,"mesh":true,)" + kSquare},
                     SampleCase{"start", R"("sites":100000,"iterations":0,)" + kSquare},
                     SampleCase{"polygon", R"("sites":100000,)" + circle(100)},
+                    SampleCase{"globe", R"("sites":100000,"coordinates":"lonlat",)" + circle(100), 6},
                     SampleCase{"corners", R"("sites":1000,)" + circle(60'000), 6},
                     SampleCase{"crossings", R"("sites":1000,)" + scribble(301), 6},
                     SampleCase{"coarse", R"("sites":60000,)" + grid(64) + ',' + kSquare},

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tests/api/files.h"
@@ -361,6 +362,55 @@ TEST(Sample, WarnsOfDegrees) {
     for (const auto& plane : {box(0, 0, 10, 10), box(0, 40, 5, 45), box(0, 0, 1000, 80), box(0, 0, 10, 91)})
         EXPECT_FALSE(sample(plane + '}').contains("warnings")) << plane;
     EXPECT_FALSE(sample(R"({"sites":9,"polygon":[[0,0],[80,0],[80,80]]})").contains("warnings"));
+}
+
+TEST(Sample, IsEvenOnTheGroundIfCoordinatesAreDegrees) {
+    const std::string box = R"({"polygon":[[170,0],[200,0],[200,80],[170,80]],"sites":1000,"coordinates":"lonlat")";
+    const auto json = sample(box + '}');
+    EXPECT_FALSE(json.contains("warnings"));
+    EXPECT_NEAR(json.at("pitch_m"), 145'000, 1'500);
+    int north = 0, east = 0;
+    for (const auto& point : json.at("points")) {
+        const double longitude = point[0], latitude = point[1];
+        ASSERT_TRUE(longitude > 170 || longitude < -160);
+        ASSERT_LE(std::abs(longitude), 180);
+        north += latitude > 30 ? 1 : 0;
+        east += longitude < 0 ? 1 : 0;
+    }
+    EXPECT_NEAR(north, 492, 15) << "sin 30 degrees over sin 80, about";
+    EXPECT_NEAR(east, 667, 15);
+    EXPECT_NE(sample(box + R"(,"method":"cvt"})").at("points"), json.at("points"));
+    const auto feature = nlohmann::json::parse(answer(box + R"(,"format":"geojson"})")->body);
+    EXPECT_EQ(feature.at("properties").at("pitch_m"), json.at("pitch_m"));
+    for (const char* format : {"svg", "png", "csv", "npy"})
+        EXPECT_TRUE(answer(box + R"(,"format":")" + format + "\"}")) << format;
+}
+
+TEST(Sample, RefusesWhatIsNotOnTheGlobe) {
+    const std::string lonlat = R"(,"sites":9,"coordinates":"lonlat"})";
+    const std::vector<std::pair<std::string, std::string>> wrong = {
+        {R"({"polygon":[[0,0],[1,0],[1,91]])", "/polygon/2"},
+        {R"({"polygon":[[0,0],[1e308,0],[1,9]])", "/polygon/1"},
+        {R"({"geometry":{"type":"Polygon","coordinates":[[[0,0],[9,0],[9,9]],[[0,0],[9,-99],[9,9]]]})",
+         "/geometry/coordinates/1/1"},
+    };
+    for (const auto& [members, field] : wrong) {
+        const auto result = answer(members + lonlat);
+        ASSERT_FALSE(result) << members;
+        EXPECT_EQ(result.error().code, ErrorCode::Unusable);
+        EXPECT_EQ(result.error().field, field);
+    }
+    // The edge along the pole, which is no part of the request, is in the way of the other part.
+    const auto tip = sample(R"({"geometry":{"type":"MultiPolygon","coordinates":[[[[0,80],[120,80],[240,80]]],
+        [[[10,89],[20,89],[20,90],[10,90]]]]})" +
+                            lonlat);
+    for (const auto& repair : tip.at("repaired")) {
+        const std::string pointer = repair.at("pointer");
+        EXPECT_TRUE(pointer == "/geometry/coordinates/0/0" || pointer.starts_with("/geometry/coordinates/1/0"));
+    }
+    const auto torus = answer(R"({"domain":{"type":"torus","width":1,"height":1})" + lonlat);
+    ASSERT_FALSE(torus);
+    EXPECT_EQ(torus.error().field, "/coordinates");
 }
 
 TEST(Sample, PolishesUnlessItIsADraft) {

@@ -206,10 +206,12 @@ class Options(ContractCase):
     # Where the option makes a difference.
     BASES = {("/halftone", "style"): {"format": "svg"}, ("/halftone", "antialias"): {"format": "png"},
              ("/halftone", "dot"): {"format": "png"}, ("/halftone", "foreground"): {"format": "png"},
-             ("/halftone", "background"): {"format": "png"}, ("/sample", "style"): {"format": "svg"}}
+             ("/halftone", "background"): {"format": "png"}, ("/sample", "style"): {"format": "svg"},
+             ("/sample", "coordinates"): {"domain": None, "polygon": [[0, 0], [90, 0], [90, 80]]}}
 
     def base(self, path, option=""):
-        return {**BODIES[path], **self.BASES.get((path, option), {})}
+        members = {**BODIES[path], **self.BASES.get((path, option), {})}
+        return {name: value for name, value in members.items() if value is not None}
 
     def refuse(self, path, option, value):
         answer = post_json(self.server, path, {**self.base(path), option: value})
@@ -293,8 +295,8 @@ class Options(ContractCase):
     def test_have_their_defaults(self):
         others = {"seed": 1, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "levels": [0.2, 1], "antialias": True,
                   "invert": True, "tone": "perceptual", "foreground": "#123456", "background": "#123456",
-                  "color": "cmyk", "style": "stroke", "method": "odt", "mesh": True, "max_frequency": 5, "spectrum": True,
-                  "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}
+                  "color": "cmyk", "style": "stroke", "method": "odt", "mesh": True, "coordinates": "lonlat",
+                  "max_frequency": 5, "spectrum": True, "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}
         alike = {"on_deadline", "invalid"}  # for what is in time, and valid
         tried = set()
         for path, option, described in options():
