@@ -117,8 +117,8 @@ Numbers Separator::improve(const Numbers& cover, const Lab& wanted, int steps, d
 
 Node Separator::node_of(const Light& light) const {
     // Fewer parts, or one step in each, get lost: Separation.LooksLikeThePicture.
-    constexpr int kParts = 8, kStepsOnTheWay = 2, kMostSteps = 20;
-    constexpr double kExactOnTheWay = 1, kExact = 1e-5;
+    constexpr int kParts = 6, kStepsOnTheWay = 2, kMostSteps = 20;
+    constexpr double kExactOnTheWay = 1, kExact = 1e-4;
     const Lab paper = lab_of(model_.light({})), colour = lab_of(channels(light));
     Numbers cover{};
     for (int part = 1; part <= kParts; ++part) {
@@ -140,7 +140,10 @@ Node Separator::node_of(const Light& light) const {
 /// colour's channels.
 class SeparationTable {
 public:
-    explicit SeparationTable(const Separator& separator) : separator_(separator), nodes_(kSide * kSide * kSide) {}
+    explicit SeparationTable(const Separator& separator) : separator_(separator), nodes_(kSide * kSide * kSide) {
+        for (std::size_t i = 0; i < places_.size(); ++i)
+            places_[i] = (kSide - 1) * lightness(std::min(1.0f, static_cast<float>(i) / kSteps));
+    }
 
     Node node_of(const Light& light) {
         struct Axis {
@@ -149,7 +152,7 @@ public:
         };
         std::size_t node = 0;
         const auto axis = [&](float value, std::size_t step) {
-            const float place = lightness(value) * (kSide - 1);
+            const float place = place_of(value);
             const std::size_t below = std::min(static_cast<std::size_t>(place), kSide - 2);
             node += below * step;
             return Axis{place - static_cast<float>(below), step};
@@ -177,6 +180,14 @@ public:
 
 private:
     static constexpr std::size_t kSide = 17;
+    static constexpr std::size_t kSteps = 4096;  // between them lightness is linear to 1e-5
+
+    /// Place of a light on an axis, in nodes.
+    float place_of(float light) const {
+        const float step = light * kSteps;
+        const auto below = static_cast<std::size_t>(step);
+        return std::lerp(places_[below], places_[below + 1], step - static_cast<float>(below));
+    }
 
     const Node& at_node(std::size_t node) {
         const auto at = [](std::size_t index) { return luminance(static_cast<float>(index) / (kSide - 1)); };
@@ -187,6 +198,7 @@ private:
     }
 
     const Separator separator_;
+    std::array<float, kSteps + 2> places_{};  ///< by light at equal steps, one beyond 1
     std::vector<std::optional<Node>> nodes_;  ///< red is the fastest axis
 };
 
