@@ -15,6 +15,7 @@ namespace {
 template <class Lightness>
 double fineness(int width, int height, const Lightness& lightness) {
     const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
+    if (columns < 2 || rows < 2) return 0;
     double sum = 0, squares = 0, squares_of_means = 0;
     for (std::size_t y = 0; y + 1 < rows; y += 2) {
         for (std::size_t x = 0; x + 1 < columns; x += 2) {
