@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "api/image/avif_properties.h"
 #include "api/image/containers.h"
 
 namespace ccdt::api {
@@ -92,6 +93,28 @@ std::string_view read_webp(std::string_view bytes) {
     return {};
 }
 
+bool is_avif_profile(const Chunk& property) {
+    return property.name == "colr" && (property.data.starts_with("prof") || property.data.starts_with("rICC"));
+}
+
+/// A profile goes before numbers.
+ColourTags read_avif(std::string_view bytes) {
+    constexpr std::size_t kType = 4;
+    ColourTags tags;
+    for (const Chunk& property : avif_properties(bytes)) {
+        const ByteReader reader(property.data, true);
+        const auto primaries = reader.read(kType, 2).value_or(256);
+        const auto transfer = reader.read(kType + 2, 2).value_or(256);
+        if (is_avif_profile(property)) {
+            tags.profile = property.data.substr(kType);
+        } else if (property.name == "colr" && property.data.starts_with("nclx") && primaries < 256 && transfer < 256) {
+            tags.code_points = {static_cast<std::uint8_t>(primaries), static_cast<std::uint8_t>(transfer)};
+        }
+    }
+    if (!tags.profile.empty()) tags.code_points.reset();
+    return tags;
+}
+
 /// Without the chunks of a name.
 std::string without_chunks(std::string_view bytes, std::string_view name) {
     std::string kept(bytes.substr(0, kPngChunks));
@@ -148,6 +171,9 @@ ColourTags read_colour_tags(std::string_view bytes, ImageFormat format) {
         case ImageFormat::Tiff:
             tags.profile = TiffDirectory(bytes).data(kTiffTag).value_or(std::string_view());
             break;
+        case ImageFormat::Avif:
+            tags = read_avif(bytes);
+            break;
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
             break;
@@ -171,6 +197,8 @@ bool may_have_profile(std::string_view bytes, ImageFormat format) {
             return has_chunk(riff_chunk, kRiffChunks, "ICCP");
         case ImageFormat::Tiff:
             return TiffDirectory(bytes).has(kTiffTag);
+        case ImageFormat::Avif:
+            return std::ranges::any_of(avif_properties(bytes), is_avif_profile);
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
             break;
@@ -190,6 +218,7 @@ std::string hide_profile(std::string_view bytes, ImageFormat format) {
         case ImageFormat::WebP:  // whose profile the library leaves alone
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
+        case ImageFormat::Avif:
             break;
     }
     return {};

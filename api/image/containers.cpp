@@ -28,6 +28,26 @@ std::optional<Chunk> riff_chunk(std::string_view bytes, std::size_t at) {
     return Chunk{bytes.substr(at, 4), bytes.substr(at + kHead, *size), at, at + kHead + *size + *size % 2};
 }
 
+std::optional<Chunk> media_box(std::string_view bytes, std::size_t at) {
+    constexpr std::uint32_t kToTheEnd = 0, kLong = 1;
+    const ByteReader reader(bytes, true);
+    const auto size = reader.read(at, 4);
+    if (!size || !reader.read(at + 4, 4)) return std::nullopt;
+    std::size_t head = 8;
+    std::uint64_t whole = *size;
+    if (*size == kToTheEnd) whole = bytes.size() - at;
+    if (*size == kLong) {
+        head = 16;
+        const auto high = reader.read(at + 8, 4);
+        const auto low = reader.read(at + 12, 4);
+        if (!high || !low) return std::nullopt;
+        whole = std::uint64_t{*high} << 32 | *low;
+    }
+    if (whole < head) return std::nullopt;
+    whole = std::min<std::uint64_t>(whole, bytes.size() - at);
+    return Chunk{bytes.substr(at + 4, 4), bytes.substr(at + head, whole - head), at, at + whole};
+}
+
 std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at) {
     const ByteReader reader(bytes, true);
     while (reader.read(at, 2) == 0xFFFF) ++at;

@@ -41,6 +41,11 @@ std::optional<Chunk> png_chunk(std::string_view bytes, std::size_t at);
 /// Source: WebP (RFC 9649), 2.3.
 std::optional<Chunk> riff_chunk(std::string_view bytes, std::size_t at);
 
+/// Finds the box that stands there, its name and what it holds; none past the end, nor where a box says that it is
+/// smaller than its own head. Its data ends where the file does.
+/// Source: ISO/IEC 14496-12, 4.2.
+std::optional<Chunk> media_box(std::string_view bytes, std::size_t at);
+
 /// Piece of a JPEG file before its entropy-coded data.
 struct Segment {
     std::uint32_t marker = 0;    ///< its second byte

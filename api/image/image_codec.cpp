@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "api/image/avif_reader.h"
 #include "api/image/bmp_reader.h"
 #include "api/image/broken_image.h"
 #include "api/image/colour_profile.h"
@@ -334,6 +335,7 @@ Result<PictureOf<AnyDraft>> read_picture(const RowSource& source, const ColourCo
 Result<RowSource> open(std::string_view bytes, const ImageHeader& header, bool keep_inks) {
     if (header.format == ImageFormat::Gif) return open_gif(bytes);
     if (header.format == ImageFormat::Bmp) return open_bmp(bytes);
+    if (header.format == ImageFormat::Avif) return open_avif(bytes, header);
     if (keep_inks && header.is_ink_jpeg) return open_ink_jpeg(bytes);
     return open_by_library(bytes, header, keep_inks);
 }

@@ -20,16 +20,17 @@ std::shared_ptr<float[]> new_plane(std::size_t size);
 /// Decodes an image file to luminance in linear light.
 ///
 /// Reads 1 to 16 bits a channel and floats; grey, RGB, palettes and CMYK, with or without alpha. Applies the
-/// orientation that EXIF gives, and the colour profile: colours that the primaries of sRGB cannot show keep their
-/// luminance and lose saturation. Without a profile values are sRGB unless the file says that they are linear or names
-/// a gamma; floats are linear. A broken profile counts as none. Of several pictures in a file the first is read.
+/// orientation that EXIF gives, or an AVIF's own properties, and the colour profile: colours that the primaries of sRGB
+/// cannot show keep their luminance and lose saturation. Without a profile values are sRGB unless the file says that
+/// they are linear or names a gamma; floats are linear. A broken profile counts as none. Of several pictures in a file
+/// the first is read, of an AVIF that which stands for the others.
 ///
 /// @param max_pixels  of the picture, told from its header before any pixel is read
 /// @param make_plane  where the picture goes
-/// Errors: those of read_image_header; Unusable for a broken or shortened file, and for kinds of TIFF that are not
-/// read. One TIFF is read at a time, whatever the number of threads.
-/// Needs little memory besides the picture, except where the file must be decoded as a whole (WebP, GIF, interlaced
-/// PNG, progressive JPEG), and where it has a profile: for tables, and a copy of the file.
+/// Errors: those of read_image_header; Unusable for a broken or shortened file, and for kinds of TIFF and AVIF that
+/// are not read. One TIFF is read at a time, whatever the number of threads.
+/// Needs little memory besides the picture, except where the file must be decoded as a whole (WebP, GIF, AVIF,
+/// interlaced PNG, progressive JPEG), and where it has a profile: for tables, and a copy of the file.
 Result<Picture> decode_image(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane = new_plane);
 
 /// Decodes to red, green and blue, which of a grey file are alike.

@@ -11,7 +11,7 @@
 
 namespace ccdt::api {
 
-enum class ImageFormat { Png, Jpeg, WebP, Tiff, Gif, Bmp };
+enum class ImageFormat { Png, Jpeg, WebP, Tiff, Gif, Bmp, Avif };
 
 /// Header of an image file: what it says of itself before its pixels. Told without the image library, whose readers are
 /// better kept away from files that nobody has looked at.
@@ -36,7 +36,11 @@ struct ImageFile {
 /// Most pixels in all by which the tiles of a TIFF may stand over its border.
 inline constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 20;
 
-/// Tells by its first bytes whether an image file is of a format that is read: PNG, JPEG, WebP, TIFF, GIF or BMP.
+/// Longest side of an AVIF, as its codec has it.
+inline constexpr std::uint64_t kMostAvifSide = 65'536;
+
+/// Tells by its first bytes whether an image file is of a format that is read: PNG, JPEG, WebP, TIFF, GIF, BMP or
+/// AVIF.
 /// Errors: Malformed if there are no bytes; Unsupported for any other format, naming it if it is known, and those that
 /// are read.
 Result<ImageFormat> recognise_image(std::string_view bytes);
@@ -46,7 +50,7 @@ Result<ImageFormat> recognise_image(std::string_view bytes);
 /// Errors: those of recognise_image; Unusable for a header that is broken or cut short, and for a TIFF that leaves out
 /// its bits per sample; LimitExceeded for more pixels than the limit.
 /// Sources: PNG (ISO/IEC 15948), 5 and 11.2.2; JPEG (ITU-T T.81), B.1 and B.2.2; WebP (RFC 9649), 2; TIFF 6.0, 2;
-/// GIF89a, 18; Microsoft's BITMAPINFOHEADER.
+/// GIF89a, 18; Microsoft's BITMAPINFOHEADER; HEIF (ISO/IEC 23008-12), 6.5.3 and 6.5.6.
 Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels);
 
 /// Reads the orientation that a WebP file's EXIF block gives, 1 to 8; 1 if it gives none.

@@ -26,7 +26,8 @@ const char* plugin_name(ImageFormat format) {
             return "tiff";
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
-            break;  // whose readers in the library have known faults
+        case ImageFormat::Avif:
+            break;  // whose readers in the library have known faults, or start threads
     }
     return "";
 }

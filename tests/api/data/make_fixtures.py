@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the image files beside it (Debian 12: python3-pil 9.4, python3-numpy).
+"""Writes the image files beside it (Debian 12: python3-pil 9.4, python3-numpy, libavif-bin 0.11).
 
 All but those for alpha, colours and corruption show one picture, 24 x 16: four quadrants of sRGB grey, 0 and 85 above
 170 and 255.
@@ -7,6 +7,7 @@ All but those for alpha, colours and corruption show one picture, 24 x 16: four 
 import io
 import pathlib
 import struct
+import subprocess
 import sys
 import zlib
 
@@ -162,6 +163,51 @@ def films():
         file.write(b"GIF89a" + struct.pack("<HH", 65535, 65535) + b"\x80\0\0" + bytes(6) + b",\0\0\0\0\1\0\1\0\0" + b"\2\2D\1\0;")
 
 
+def encode_avif(name, *arguments):
+    """By arguments of avifenc, among them the pictures; without loss unless they say something else."""
+    subprocess.run(["avifenc", "--jobs", "1", "--speed", "6", *arguments, name], check=True, stdout=subprocess.DEVNULL)
+
+
+def avifs():
+    lossless = ("--lossless",)
+    grey = ("--min", "0", "--max", "0", "--yuv", "400")
+    Image.fromarray(GREY).convert("RGB").save("upright.png")
+    encode_avif("lossless.avif", *lossless, "upright.png")
+    encode_avif("grey.avif", *grey, "upright.png")
+    encode_avif("lossy.avif", "--min", "0", "--max", "5", "--yuv", "420", "upright.png")
+    # How often the file is to be turned against the clock, and which way it is mirrored then, by orientation.
+    turns = {1: [], 2: ["--imir", "1"], 3: ["--irot", "2"], 4: ["--imir", "0"], 5: ["--irot", "1", "--imir", "0"],
+             6: ["--irot", "3"], 7: ["--irot", "1", "--imir", "1"], 8: ["--irot", "1"]}
+    for orientation, turn in turns.items():
+        stored = Image.fromarray(GREY).convert("RGB")
+        if orientation in STORE:
+            stored = stored.transpose(STORE[orientation])
+        stored.save("stored.png")
+        encode_avif(f"orientation-{orientation}.avif", *lossless, *turn, "stored.png")
+    encode_avif("rgba.avif", *lossless, "rgba.png")
+    encode_avif("premultiplied.avif", *lossless, "--premultiply", "rgba.png")
+    encode_avif("grey-alpha.avif", *grey, "rgba.png")
+    encode_avif("p3.avif", *lossless, "p3.png")
+    encode_avif("p3-code-points.avif", *lossless, "--ignore-icc", "--cicp", "12/13/0", "p3.png")
+    encode_avif("cropped.avif", *lossless, "--clap", "12,1,16,1,0,1,0,1", "upright.png")
+    encode_avif("ramp.avif", *grey, "--depth", "12", "ramp.png")
+    encode_avif("noise.avif", *lossless, "noise.png")
+    Image.open("noise.png").crop((0, 0, 64, 64)).convert("RGB").save("left.png")
+    Image.new("RGB", (64, 64), (255, 0, 0)).save("right.png")
+    encode_avif("tiles.avif", *lossless, "--grid", "2x1", "left.png", "right.png")
+    Image.new("RGB", (24, 16)).save("black.png")
+    encode_avif("film.avif", *lossless, "upright.png", "black.png")
+    # Of the kind that takes most memory.
+    Image.new("RGBA", (1000, 1500), (255, 255, 255, 128)).save("large.png")
+    encode_avif("large.avif", "--yuv", "444", "--depth", "12", "--grid", "2x2", *["large.png"] * 4)
+    for name in ("upright.png", "stored.png", "black.png", "left.png", "right.png", "large.png"):
+        pathlib.Path(name).unlink()
+    with open("lossless.avif", "rb") as file:
+        picture = file.read()
+    with open("bomb.avif", "wb") as file:
+        file.write(picture.replace(struct.pack(">II", 24, 16), struct.pack(">II", 30000, 30000)))
+
+
 def main():
     grey = Image.fromarray(GREY)
     rgb = grey.convert("RGB")
@@ -210,6 +256,7 @@ def main():
     profiled()
     bitmaps()
     films()
+    avifs()
 
     with open("bomb.png", "wb") as file:
         file.write(header(30000, 30000, 8, 2) + chunk(b"IDAT", zlib.compress(bytes(1000))) + chunk(b"IEND", b""))
@@ -217,8 +264,6 @@ def main():
         picture = b"\x2f" + struct.pack("<I", 16383 | 16383 << 14) + bytes(11)
         file.write(b"RIFF" + struct.pack("<I", 12 + len(picture)) + b"WEBPVP8L" + struct.pack("<I", len(picture)))
         file.write(picture)
-    with open("pixel.avif", "wb") as file:
-        file.write(struct.pack(">I", 28) + b"ftypavif" + bytes(4) + b"avifmif1miaf")
 
 
 main()

@@ -27,10 +27,11 @@ TEST(ColourTags, FindsTheProfileInEveryFormat) {
     EXPECT_TRUE(is_profile(profile));
     EXPECT_EQ(tags_of(fixture("p3.webp")).profile, profile);
     EXPECT_EQ(tags_of(fixture("p3.tif")).profile, profile);
+    EXPECT_EQ(tags_of(fixture("p3.avif")).profile, profile);
     const std::string in_two_segments = tags_of(fixture("p3.jpg")).profile;
     EXPECT_GT(in_two_segments.size(), 65535U);
     EXPECT_TRUE(in_two_segments.starts_with(profile));
-    for (const auto* name : {"palette.png", "grey.jpg", "lossy.webp", "lzw.tif", "big-endian.tif"}) {
+    for (const auto* name : {"palette.png", "grey.jpg", "lossy.webp", "lzw.tif", "big-endian.tif", "lossless.avif"}) {
         EXPECT_TRUE(tags_of(fixture(name)).profile.empty()) << name;
         EXPECT_EQ(hidden(fixture(name)), "") << name;
     }
@@ -45,6 +46,14 @@ TEST(ColourTags, ReadsWhatPngSaysWithoutAProfile) {
     ASSERT_TRUE(code);
     EXPECT_EQ(code->primaries, 12);
     EXPECT_EQ(code->transfer, 13);
+}
+
+TEST(ColourTags, ReadsCodePointsOfAnAvifWithoutAProfile) {
+    const auto code = tags_of(fixture("p3-code-points.avif")).code_points;
+    ASSERT_TRUE(code);
+    EXPECT_EQ(code->primaries, 12);
+    EXPECT_EQ(code->transfer, 13);
+    EXPECT_FALSE(tags_of(fixture("p3.avif")).code_points);
 }
 
 TEST(ColourTags, HidesTheProfileAndNothingElse) {

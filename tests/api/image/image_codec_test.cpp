@@ -41,10 +41,10 @@ void expect_quadrants(const Picture& picture, float (*decode)(float), const std:
 
 TEST(ImageCodec, DecodesEveryFormatAlike) {
     for (const auto* name :
-         {"grey.jpg",    "progressive.jpg", "cmyk.jpg",       "lossy.webp",   "lossless.webp", "grey-16.png",
-          "palette.png", "lzw.tif",         "big-endian.tif", "tiled.tif",    "grey.gif",      "interlaced.gif",
-          "film.gif",    "rgb.bmp",         "indices.bmp",    "from-top.bmp", "two-bits.bmp",  "four-bits.bmp",
-          "runs-4.bmp",  "runs-8.bmp",      "fields.bmp"}) {
+         {"grey.jpg",    "progressive.jpg", "cmyk.jpg",       "lossy.webp",    "lossless.webp", "grey-16.png",
+          "palette.png", "lzw.tif",         "big-endian.tif", "tiled.tif",     "grey.gif",      "interlaced.gif",
+          "film.gif",    "rgb.bmp",         "indices.bmp",    "from-top.bmp",  "two-bits.bmp",  "four-bits.bmp",
+          "runs-4.bmp",  "runs-8.bmp",      "fields.bmp",     "lossless.avif", "lossy.avif",    "grey.avif"}) {
         const auto picture = decode_image(fixture(name), kMaxPixels);
         ASSERT_TRUE(picture) << name << ": " << picture.error().message;
         expect_quadrants(*picture, srgb_to_linear, name);
@@ -62,7 +62,10 @@ TEST(ImageCodec, LeavesLinearLightAsItIs) {
 
 TEST(ImageCodec, TurnsThePictureUpright) {
     std::vector<std::string> names = {"orientation-6.webp", "orientation-6.tif", "orientation-6.png"};
-    for (int i = 1; i <= 8; ++i) names.push_back("orientation-" + std::to_string(i) + ".jpg");
+    for (int i = 1; i <= 8; ++i) {
+        names.push_back("orientation-" + std::to_string(i) + ".jpg");
+        names.push_back("orientation-" + std::to_string(i) + ".avif");
+    }
     for (const auto& name : names) {
         const auto picture = decode_image(fixture(name), kMaxPixels);
         ASSERT_TRUE(picture) << name << ": " << picture.error().message;
@@ -71,7 +74,7 @@ TEST(ImageCodec, TurnsThePictureUpright) {
 }
 
 TEST(ImageCodec, WeighsColoursAndKeepsAlpha) {
-    for (const auto* name : {"rgba.png", "rgba.webp", "premultiplied.tif"}) {
+    for (const auto* name : {"rgba.png", "rgba.webp", "premultiplied.tif", "rgba.avif", "premultiplied.avif"}) {
         const auto picture = decode_image(fixture(name), kMaxPixels);
         ASSERT_TRUE(picture) << name << ": " << picture.error().message;
         ASSERT_EQ(picture->alpha.size(), 24U) << name;
@@ -88,7 +91,7 @@ TEST(ImageCodec, WeighsColoursAndKeepsAlpha) {
 }
 
 TEST(ImageCodec, KeepsColoursApart) {
-    for (const auto* name : {"rgba.png", "rgba.webp", "premultiplied.tif"}) {
+    for (const auto* name : {"rgba.png", "rgba.webp", "premultiplied.tif", "rgba.avif", "premultiplied.avif"}) {
         const auto picture = decode_colour_image(fixture(name), kMaxPixels);
         ASSERT_TRUE(picture) << name << ": " << picture.error().message;
         ASSERT_EQ(picture->alpha, decode_image(fixture(name), kMaxPixels)->alpha) << name;
@@ -124,6 +127,9 @@ TEST(ImageCodec, ReadsGreyWithAlphaAndTransparentPalettes) {
     ASSERT_TRUE(grey);
     EXPECT_NEAR(grey->alpha[1], 0.2, 1e-6);
     EXPECT_NEAR(luminance_at(*grey, 1, 0), 1, 1e-6);
+    const auto of_avif = decode_image(fixture("grey-alpha.avif"), kMaxPixels);
+    ASSERT_TRUE(of_avif);
+    EXPECT_NEAR(of_avif->alpha[1], 0.2, 1e-6);
     const auto palette = decode_image(fixture("palette-transparent.png"), kMaxPixels);
     ASSERT_TRUE(palette);
     EXPECT_EQ(palette->alpha, (Plane{1, 0, 1, 1}));
@@ -134,7 +140,8 @@ TEST(ImageCodec, AppliesProfilesInEveryFormat) {
     // White, two colours, and a red that sRGB does not hold: with grey of its luminance it fits.
     const std::vector<std::vector<float>> expected = {
         {1, 1, 1}, {0.67884F, 0.10851F, 0.01367F}, {0, 0.34667F, 0.11374F}, {1, 0.01914F, 0.03650F}};
-    for (const auto* name : {"p3.png", "p3.webp", "p3.tif", "p3.jpg", "p3-chromaticities.png", "p3-code-points.png"}) {
+    for (const auto* name : {"p3.png", "p3.webp", "p3.tif", "p3.jpg", "p3-chromaticities.png", "p3-code-points.png",
+                             "p3.avif", "p3-code-points.avif"}) {
         const auto picture = decode_colour_image(fixture(name), kMaxPixels);
         const auto grey = decode_image(fixture(name), kMaxPixels);
         ASSERT_TRUE(picture && grey) << name;
@@ -200,6 +207,55 @@ TEST(ImageCodec, UnpacksGifs) {
               decode_colour_image(fixture("noise.png"), kMaxPixels)->red);
 }
 
+TEST(ImageCodec, ReadsAvifsWithoutLossToTheByte) {
+    const auto expected = decode_colour_image(fixture("noise.png"), kMaxPixels);
+    const auto whole = decode_colour_image(fixture("noise.avif"), kMaxPixels);
+    const auto tiles = decode_colour_image(fixture("tiles.avif"), kMaxPixels);
+    ASSERT_TRUE(whole && tiles);
+    EXPECT_EQ(whole->red, expected->red);
+    EXPECT_EQ(whole->green, expected->green);
+    EXPECT_EQ(whole->blue, expected->blue);
+    ASSERT_EQ(tiles->width, 128);
+    ASSERT_EQ(tiles->height, 64);
+    for (std::size_t y = 0; y < 64; ++y) {
+        for (std::size_t x = 0; x < 64; ++x) {
+            ASSERT_EQ(tiles->blue[128 * y + x], expected->blue[96 * y + x]) << x << ' ' << y;
+            ASSERT_EQ(tiles->red[128 * y + x + 64], 1) << x << ' ' << y;
+            ASSERT_EQ(tiles->blue[128 * y + x + 64], 0) << x << ' ' << y;
+        }
+    }
+}
+
+TEST(ImageCodec, RefusesAvifsThatAreToBeCropped) {
+    const auto picture = decode_image(fixture("cropped.avif"), kMaxPixels);
+    ASSERT_FALSE(picture);
+    EXPECT_EQ(picture.error().code, ErrorCode::Unusable);
+    EXPECT_NE(picture.error().message.find("an AVIF that is to be cropped"), std::string::npos);
+}
+
+TEST(ImageCodec, ReadsThePictureThatStandsForAFilm) {
+    const auto picture = decode_image(fixture("film.avif"), kMaxPixels);
+    const auto expected = decode_image(fixture("lossless.avif"), kMaxPixels);
+    ASSERT_TRUE(picture && expected);
+    EXPECT_EQ(picture->luminance, expected->luminance);
+}
+
+TEST(ImageCodec, KeepsTwelveBits) {
+    const auto picture = decode_image(fixture("ramp.avif"), kMaxPixels);
+    ASSERT_TRUE(picture);
+    for (std::size_t i = 17; i < 65536; i += 17) ASSERT_GT(picture->luminance[i], picture->luminance[i - 17]) << i;
+}
+
+TEST(ImageCodec, RefusesAvifsThatAreLargerThanTheirHeadersTell) {
+    for (const auto* name : {"lossless.avif", "noise.avif", "tiles.avif"}) {
+        std::string file = fixture(name);
+        --file[file.find("ispe") + 11];
+        const auto picture = decode_image(file, kMaxPixels);
+        ASSERT_FALSE(picture) << name;
+        EXPECT_EQ(picture.error().code, ErrorCode::Unusable) << name;
+    }
+}
+
 TEST(ImageCodec, PutsTheFirstFrameOfAGifOnTransparentGround) {
     const auto picture = decode_image(fixture("part.gif"), kMaxPixels);
     ASSERT_TRUE(picture);
@@ -238,7 +294,7 @@ TEST(ImageCodec, ReadsPhotographs) {
 }
 
 TEST(ImageCodec, ChecksTheSizeBeforeThePixels) {
-    for (const auto* name : {"bomb.png", "bomb.webp", "bomb.gif", "bomb.bmp"}) {
+    for (const auto* name : {"bomb.png", "bomb.webp", "bomb.gif", "bomb.bmp", "bomb.avif"}) {
         const auto picture = decode_image(fixture(name), 64'000'000);
         ASSERT_FALSE(picture) << name;
         EXPECT_EQ(picture.error().code, ErrorCode::LimitExceeded) << name;
@@ -260,9 +316,9 @@ TEST(ImageCodec, RefusesTiffsTheReaderFallsOver) {
 
 TEST(ImageCodec, FindsShortenedFiles) {
     std::vector<std::string> files = {photograph("chelsea.png")};
-    for (const auto* name :
-         {"lossless.webp", "lossy.webp", "tiled.tif", "orientation-1.jpg", "grey.jpg", "big-endian.tif", "grey.gif",
-          "noise.gif", "rgb.bmp", "runs-8.bmp", "runs-4.bmp", "fields.bmp"}) {
+    for (const auto* name : {"lossless.webp", "lossy.webp", "tiled.tif", "orientation-1.jpg", "grey.jpg",
+                             "big-endian.tif", "grey.gif", "noise.gif", "rgb.bmp", "runs-8.bmp", "runs-4.bmp",
+                             "fields.bmp", "lossless.avif", "noise.avif", "tiles.avif"}) {
         files.push_back(fixture(name));
     }
     for (const auto& file : files) {
@@ -297,7 +353,13 @@ TEST(ImageCodec, SurvivesDamagedFiles) {
                              "part.gif",
                              "runs-4.bmp",
                              "runs-8.bmp",
-                             "fields.bmp"}) {
+                             "fields.bmp",
+                             "lossy.avif",
+                             "rgba.avif",
+                             "premultiplied.avif",
+                             "ramp.avif",
+                             "tiles.avif",
+                             "film.avif"}) {
         const std::string file = fixture(name);
         for (int round = 0; round < 200; ++round) {
             std::string damaged = file;

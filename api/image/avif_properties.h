@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "api/image/containers.h"
+
+namespace ccdt::api {
+
+/// Tells by the first box of a file whether it says that it is an AVIF, be it a picture or a film.
+bool is_avif(std::string_view bytes);
+
+/// Finds the properties of the picture that an AVIF file shows, its primary item: boxes such as its size (ispe), its
+/// bits (pixi) and its colours (colr). None if the file is broken or cut short before them. O(bytes). Source: HEIF
+/// (ISO/IEC 23008-12), 6 and 9.3.
+std::vector<Chunk> avif_properties(std::string_view bytes);
+
+}  // namespace ccdt::api

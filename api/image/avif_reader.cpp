@@ -1,0 +1,122 @@
+#include "api/image/avif_reader.h"
+
+#include <avif/avif.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "api/image/broken_image.h"
+
+namespace ccdt::api {
+namespace {
+
+using Decoder = std::unique_ptr<avifDecoder, decltype(&avifDecoderDestroy)>;
+
+/// Only the picture that the header told of: a film's own frames may be of another size.
+Decoder make_decoder(std::string_view bytes, const ImageHeader& header) {
+    Decoder decoder(avifDecoderCreate(), avifDecoderDestroy);
+    decoder->codecChoice = AVIF_CODEC_CHOICE_DAV1D;
+    decoder->maxThreads = 1;
+    decoder->ignoreExif = AVIF_TRUE;
+    decoder->ignoreXMP = AVIF_TRUE;
+    decoder->imageSizeLimit =
+        static_cast<std::uint32_t>(std::min<std::uint64_t>(header.pixels(), AVIF_DEFAULT_IMAGE_SIZE_LIMIT));
+    decoder->imageDimensionLimit = kMostAvifSide;
+    // Many files lack it, and browsers show them.
+    decoder->strictFlags = AVIF_STRICT_ENABLED & ~static_cast<avifStrictFlags>(AVIF_STRICT_PIXI_REQUIRED);
+    avifDecoderSetSource(decoder.get(), AVIF_DECODER_SOURCE_PRIMARY_ITEM);
+    avifDecoderSetIOMemory(decoder.get(), reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+    return decoder;
+}
+
+/// EXIF's number for a picture that is first turned, then mirrored.
+int orientation_of(const avifImage& image) {
+    enum Mirror : std::size_t { kNone, kTopToBottom, kLeftToRight };
+    constexpr std::array<std::array<int, 3>, 4> kOrientations = {{{1, 4, 2}, {8, 5, 7}, {3, 2, 4}, {6, 7, 5}}};
+    const bool is_turned = (image.transformFlags & AVIF_TRANSFORM_IROT) != 0;
+    const std::size_t quarters = is_turned ? image.irot.angle % 4U : 0;  // against the clock
+    Mirror mirror = kNone;
+    if ((image.transformFlags & AVIF_TRANSFORM_IMIR) != 0) mirror = image.imir.mode == 0 ? kTopToBottom : kLeftToRight;
+    return kOrientations[quarters][mirror];
+}
+
+/// The picture in red, green and blue, and alpha if it has any, side by side.
+class Pixels {
+public:
+    Pixels() = default;
+    ~Pixels() { avifRGBImageFreePixels(&rgb_); }
+    Pixels(const Pixels&) = delete;
+    Pixels& operator=(const Pixels&) = delete;
+
+    bool convert(const avifImage& image) {
+        avifRGBImageSetDefaults(&rgb_, &image);
+        rgb_.depth = image.depth > 8 ? 16 : 8;
+        rgb_.format = image.alphaPlane != nullptr ? AVIF_RGB_FORMAT_RGBA : AVIF_RGB_FORMAT_RGB;
+        rgb_.alphaPremultiplied = image.alphaPremultiplied;
+        rgb_.avoidLibYUV = AVIF_TRUE;  // which rounds to fewer bits on its way
+        rgb_.chromaUpsampling = AVIF_CHROMA_UPSAMPLING_BILINEAR;
+        is_grey_ = image.yuvFormat == AVIF_PIXEL_FORMAT_YUV400;
+        avifRGBImageAllocatePixels(&rgb_);
+        return avifImageYUVToRGB(&image, &rgb_) == AVIF_RESULT_OK;
+    }
+
+    bool has_alpha() const { return rgb_.format == AVIF_RGB_FORMAT_RGBA; }
+    int channels() const { return (is_grey_ ? 1 : 3) + (has_alpha() ? 1 : 0); }
+
+    template <class Sample>
+    void read(int begin, int end, Sample* to) const {
+        const std::size_t stored = has_alpha() ? 4 : 3;
+        const std::size_t colours = is_grey_ ? 1 : 3;
+        for (auto y = static_cast<std::size_t>(begin); y < static_cast<std::size_t>(end); ++y) {
+            const auto* pixel = reinterpret_cast<const Sample*>(rgb_.pixels + y * rgb_.rowBytes);
+            for (std::uint32_t x = 0; x < rgb_.width; ++x, pixel += stored) {
+                to = std::copy_n(pixel, colours, to);
+                if (has_alpha()) *to++ = pixel[3];
+            }
+        }
+    }
+
+private:
+    avifRGBImage rgb_{};
+    bool is_grey_ = false;
+};
+
+}  // namespace
+
+Result<RowSource> open_avif(std::string_view bytes, const ImageHeader& header) {
+    constexpr int kRows = 16;
+    const Decoder decoder = make_decoder(bytes, header);
+    if (avifDecoderParse(decoder.get()) != AVIF_RESULT_OK) return broken_image();
+    const avifImage& image = *decoder->image;
+    if (image.width != header.width || image.height != header.height) return broken_image();
+    if ((image.transformFlags & AVIF_TRANSFORM_CLAP) != 0)
+        return failure(ErrorCode::Unusable, "the image is of a kind that is not read: an AVIF that is to be cropped");
+    if (avifDecoderNextImage(decoder.get()) != AVIF_RESULT_OK) return broken_image();
+    if (image.width != header.width || image.height != header.height) return broken_image();
+    const auto pixels = std::make_shared<Pixels>();
+    if (!pixels->convert(image)) return broken_image();
+
+    RowSource source;
+    source.width = static_cast<int>(image.width);
+    source.height = static_cast<int>(image.height);
+    source.channels = pixels->channels();
+    source.alpha = pixels->has_alpha() ? source.channels - 1 : -1;
+    source.premultiplied = pixels->has_alpha() && image.alphaPremultiplied != AVIF_FALSE;
+    source.sample = image.depth > 8 ? RowSource::Sample::Word : RowSource::Sample::Byte;
+    source.orientation = orientation_of(image);
+    source.step = kRows;
+    source.read = [pixels, sample = source.sample](int begin, int end, void* rows) {
+        if (sample == RowSource::Sample::Byte) {
+            pixels->read(begin, end, static_cast<std::uint8_t*>(rows));
+        } else {
+            pixels->read(begin, end, static_cast<std::uint16_t*>(rows));
+        }
+        return true;
+    };
+    return source;
+}
+
+}  // namespace ccdt::api

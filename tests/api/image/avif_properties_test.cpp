@@ -1,0 +1,111 @@
+#include "api/image/avif_properties.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <random>
+#include <string>
+
+#include "tests/api/files.h"
+
+namespace ccdt::api {
+namespace {
+
+using namespace std::string_literals;
+
+/// Of so many bytes, the highest first.
+std::string number(std::uint64_t value, std::size_t size) {
+    std::string bytes(size, '\0');
+    for (std::size_t i = size; i-- > 0; value >>= 8) bytes[i] = static_cast<char>(value & 0xFF);
+    return bytes;
+}
+
+std::string box(const std::string& name, const std::string& data) {
+    return number(8 + data.size(), 4) + name + data;
+}
+
+/// Of a file whose primary item is the second.
+std::string file_of(const std::string& associations, const std::string& properties) {
+    const std::string inside = number(0, 4) + box("pitm", number(0, 4) + number(2, 2)) +
+                               box("iprp", box("ipco", properties) + box("ipma", associations));
+    return box("ftyp", "avif"s + number(0, 4)) + box("meta", inside);
+}
+
+std::string names_of(std::string_view file) {
+    std::string names;
+    for (const Chunk& property : avif_properties(file)) names += std::string(property.name) + ' ';
+    return names;
+}
+
+TEST(AvifProperties, BelongToThePrimaryItem) {
+    EXPECT_EQ(names_of(fixture("lossless.avif")), "ispe pixi av1C colr ");
+    EXPECT_EQ(names_of(fixture("rgba.avif")).find("auxC"), std::string::npos);
+    const std::string properties = box("aaaa", "1") + box("bbbb", "2") + box("cccc", "3");
+    const std::string first = number(1, 2) + "\1\1"s, second = number(2, 2) + "\3\3\x82\0"s;  // none is the 0th
+    EXPECT_EQ(names_of(file_of(number(0, 4) + number(2, 4) + first + second, properties)), "cccc bbbb ");
+    EXPECT_EQ(names_of(file_of(number(0, 4) + number(1, 4) + first, properties)), "");
+}
+
+TEST(AvifProperties, AreNamedByWideNumbersToo) {
+    const std::string associations = number(0x0100'0001, 4) + number(1, 4) + number(2, 4) + "\1"s + number(0x8002, 2);
+    EXPECT_EQ(names_of(file_of(associations, box("aaaa", "1") + box("bbbb", "2"))), "bbbb ");
+}
+
+TEST(AvifProperties, AreNotSoughtWhereTheFileLies) {
+    const std::string most = number(0xFFFF'FFFF, 4);
+    EXPECT_EQ(names_of(file_of(number(0, 4) + most + number(2, 2) + "\xff\1"s, box("aaaa", "1"))), "aaaa ");
+    EXPECT_EQ(names_of(file_of(number(0, 4) + most, box("aaaa", "1"))), "");
+    EXPECT_EQ(names_of(""), "");
+    EXPECT_EQ(names_of(box("meta", "")), "");
+    EXPECT_EQ(names_of(number(7, 4) + "meta"), "") << "smaller than its head";
+}
+
+TEST(AvifProperties, LieInsideTheFileWhateverItSays) {
+    std::mt19937 random(3);
+    for (const auto* name : {"rgba.avif", "tiles.avif", "film.avif"}) {
+        const std::string file = fixture(name).substr(0, 700);
+        for (int round = 0; round < 5000; ++round) {
+            std::string damaged = file.substr(0, 1 + random() % file.size());
+            for (unsigned i = 0; i < random() % 4; ++i)
+                damaged[random() % damaged.size()] = static_cast<char>(random() % 256);
+            for (const Chunk& property : avif_properties(damaged)) {
+                ASSERT_GE(property.data.data(), damaged.data());
+                ASSERT_LE(property.data.data() + property.data.size(), damaged.data() + damaged.size());
+            }
+        }
+    }
+}
+
+TEST(AvifBrand, MayComeFirstOrLater) {
+    EXPECT_TRUE(is_avif(box("ftyp", "avif"s + number(0, 4))));
+    EXPECT_TRUE(is_avif(box("ftyp", "avis"s + number(0, 4))));
+    EXPECT_TRUE(is_avif(box("ftyp", "mif1"s + number(0, 4) + "miafavif")));
+    EXPECT_FALSE(is_avif(box("ftyp", "mif1avif"))) << "that is a version";
+    EXPECT_FALSE(is_avif(box("ftyp", "heic"s + number(0, 4) + "mif1heic")));
+    EXPECT_FALSE(is_avif(box("ftyp", "heic"s + number(0, 4)) + "avif")) << "that is not in the box";
+    EXPECT_FALSE(is_avif(fixture("grey.gif")));
+}
+
+TEST(MediaBox, HasSizesOfThreeKinds) {
+    const std::string file =
+        number(1, 4) + "long" + number(20, 8) + "abcd" + box("next", "ef") + number(0, 4) + "last12";
+    const auto wide = media_box(file, 0);
+    ASSERT_TRUE(wide);
+    EXPECT_EQ(wide->name, "long");
+    EXPECT_EQ(wide->data, "abcd");
+    const auto next = media_box(file, wide->end);
+    ASSERT_TRUE(next);
+    EXPECT_EQ(next->data, "ef");
+    const auto last = media_box(file, next->end);
+    ASSERT_TRUE(last);
+    EXPECT_EQ(last->name, "last");
+    EXPECT_EQ(last->data, "12");
+    EXPECT_FALSE(media_box(file, last->end));
+    const std::string wraps = number(1, 4) + "wrap" + number(~std::uint64_t{0}, 8) + "abcd";
+    EXPECT_EQ(media_box(wraps, 0)->end, wraps.size());
+    EXPECT_FALSE(media_box(number(1, 4) + "wrap" + number(15, 8), 0));
+}
+
+}  // namespace
+}  // namespace ccdt::api
