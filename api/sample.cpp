@@ -20,6 +20,7 @@
 #include "core/density/density.h"
 #include "core/globe/globe.h"
 #include "core/globe/region.h"
+#include "core/globe/turns.h"
 #include "core/halftone/tone.h"
 
 namespace ccdt::api {
@@ -330,9 +331,8 @@ Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const
 
 /// Brings points, whose longitudes are within half a turn, to the turn of the globe that is drawn.
 void bring_into(const Box& box, std::vector<Point>& points) {
-    constexpr double kTurn = 360;
     if (box.min.x >= -kTurn / 2 && box.max.x <= kTurn / 2) return;
-    for (Point& p : points) p.x += kTurn * std::ceil((box.min.x - p.x) / kTurn);
+    for (Point& p : points) p.x += shift_to(p.x, box.min.x);
 }
 
 /// Radius of the dots, in units of the domain: a dot of twice its box's longer side covers it from anywhere inside.

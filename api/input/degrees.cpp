@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "api/text/numbers.h"
+#include "core/globe/turns.h"
 
 namespace ccdt::api {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 constexpr double kLeastRatio = 1.1, kMostRatio = 100;
 
 double cosine(double degrees) {
-    return std::cos(degrees * std::numbers::pi / 180);
+    return std::cos(degrees * kDegree);
 }
 
 }  // namespace

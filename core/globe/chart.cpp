@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/globe/turns.h"
 
 namespace ccdt {
 
@@ -13,8 +14,6 @@ constexpr double kRadius = 6'378'137;  // metres, at the equator
 constexpr double kFlattening = 1 / 298.257223563;
 constexpr double kSquare = kFlattening * (2 - kFlattening);  // of the eccentricity
 const double kEccentricity = std::sqrt(kSquare);
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 Direction cross(Direction a, Direction b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};

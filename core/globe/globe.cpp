@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "core/globe/chart.h"
 #include "core/globe/inside.h"
 #include "core/globe/region.h"
+#include "core/globe/turns.h"
 
 namespace ccdt {
 
@@ -48,8 +48,7 @@ public:
     Wanted(const Domain& degrees, const Density& density) : box_(degrees.bounds()), density_(density) {}
 
     double operator()(Point place) const {
-        constexpr double kTurn = 360;
-        place.x += kTurn * std::ceil((box_.min.x - place.x) / kTurn);
+        place.x += shift_to(place.x, box_.min.x);
         // What lies west of the box, by less than lies between it and its own east, belongs to its west side.
         if (place.x - box_.max.x > (kTurn - box_.width()) / 2) place.x -= kTurn;
         const auto index = [](double share, int cells) {
@@ -122,28 +121,26 @@ std::vector<std::size_t> shared_out(std::size_t sites, const std::vector<PlaneDe
 /// the region, into it.
 class Return {
 public:
-    explicit Return(const Domain& degrees) : west_(degrees.bounds().min.x) {
-        for (const Ring& ring : degrees.rings()) {
-            Ring& own = rings_.emplace_back();
-            for (const Point& p : ring) own.push_back(degrees.to_user(p));
-        }
-        inside_.emplace(rings_);
-    }
-    Return(const Return&) = delete;
-    Return& operator=(const Return&) = delete;
+    explicit Return(const Domain& degrees) : west_(degrees.bounds().min.x), inside_(rings_of(degrees)) {}
 
     Point operator()(const Chart& chart, Point plane) const {
-        constexpr double kTurn = 360, kDegree = std::numbers::pi / 180;
         const Point place = place_of(chart.to_direction(plane));
-        const Point turned{place.x + kTurn * std::ceil((west_ - place.x) / kTurn), place.y};
-        const Point nudged = inside_->nearest(turned, std::cos(place.y * kDegree));
+        const Point turned{place.x + shift_to(place.x, west_), place.y};
+        const Point nudged = inside_.nearest(turned, std::cos(place.y * kDegree));
         return nudged == turned ? place : Point{std::remainder(nudged.x, kTurn), nudged.y};
     }
 
 private:
+    static std::vector<Ring> rings_of(const Domain& degrees) {
+        std::vector<Ring> rings = degrees.rings();
+        for (Ring& ring : rings) {
+            for (Point& p : ring) p = degrees.to_user(p);
+        }
+        return rings;
+    }
+
     double west_;
-    std::vector<Ring> rings_;
-    std::optional<Inside> inside_;
+    Inside inside_;
 };
 
 void to_degrees(const Chart& chart, const Return& back, Distribution& placed) {

@@ -21,8 +21,7 @@ struct GlobeDistribution {
 /// neighbourhoods are round on the ground: in a conformal plane (region.h), whose scale is a part of the density.
 ///
 /// @param region   in longitude and latitude, see chart_region(); of parts that overlap but for a turn of the globe,
-/// which
-///                 are not known to be the same ground, what two of them have is left out
+///                 which are not known to be the same ground, what two of them have is left out
 /// @param density  stretched over the bounding box of the region in one turn: what the ground wants, relative to other
 ///                 ground
 /// @returns        sites strictly inside the region; iterations, trace and variation are those of the larger part. The

@@ -12,7 +12,7 @@ namespace ccdt {
 /// Tells what lies inside rings that do not cross, and takes there what lies just outside.
 class Inside {
 public:
-    /// @param rings  the inside on their left; must outlive this
+    /// @param rings  the inside on their left
     explicit Inside(const std::vector<Ring>& rings);
 
     /// O(edges above and below).

@@ -7,19 +7,14 @@
 #include <string>
 #include <utility>
 
+#include "core/globe/turns.h"
+
 namespace ccdt {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kTurn = 360;
-
 /// Degrees that coordinates at the ends of their ranges may be off by: ten micrometres.
 constexpr double kClose = 1e-10;
-
-double shift_to(double longitude, double least) {
-    return kTurn * std::ceil((least - longitude) / kTurn);
-}
 
 Result<void> check_positions(const Ring& ring, const std::string& pointer) {
     constexpr double kFarthest = 540;
