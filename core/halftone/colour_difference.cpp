@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/halftone/srgb.h"
 #include "core/halftone/tone.h"
 
 namespace ccdt {
@@ -17,7 +18,7 @@ Lab lab_of(const std::array<double, 3>& light) {
     const auto [r, g, b] = light;
     const auto level = [](double share) { return 100.0 * static_cast<double>(lightness(static_cast<float>(share))); };
     const double x = level(0.43395 * r + 0.37621 * g + 0.18984 * b);
-    const double y = level(0.2126 * r + 0.7152 * g + 0.0722 * b);
+    const double y = level(luminance_of(r, g, b));
     const double z = level(0.01773 * r + 0.10947 * g + 0.87280 * b);
     return {y, 500.0 / 116 * (x - y), 200.0 / 116 * (y - z)};
 }

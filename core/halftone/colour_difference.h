@@ -7,6 +7,10 @@ namespace ccdt {
 /// CIE 1976 L*, a*, b*.
 using Lab = std::array<double, 3>;
 
+inline double dot(const Lab& a, const Lab& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
 /// @param light  linear, red, green, blue with the primaries of sRGB; white is (1, 1, 1)
 Lab lab_of(const std::array<double, 3>& light);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/halftone/srgb.h"
 #include "core/halftone/tone.h"
 
 namespace ccdt {
@@ -49,8 +50,7 @@ double fineness(const Picture& picture) {
 
 double fineness(const ColourPicture& picture) {
     return fineness(picture.width, picture.height, [&](std::size_t pixel) {
-        const float luminance =
-            0.2126F * picture.red[pixel] + 0.7152F * picture.green[pixel] + 0.0722F * picture.blue[pixel];
+        const float luminance = luminance_of(picture.red[pixel], picture.green[pixel], picture.blue[pixel]);
         return seen(luminance, picture.alpha, pixel);
     });
 }

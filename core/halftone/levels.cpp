@@ -6,32 +6,25 @@
 #include <memory>
 #include <vector>
 
+#include "core/halftone/srgb.h"
 #include "core/halftone/tone.h"
 
 namespace ccdt {
 
 namespace {
 
-/// The transfer function of sRGB (IEC 61966-2-1).
-double encoded(double light) {
-    return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
-}
-
-double decoded(double value) {
-    return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
-}
-
 /// What levels make of light, by a table of the lights from the black point to the white point.
 class LevelCurve {
 public:
     explicit LevelCurve(const Levels& levels)
-        : black_(static_cast<float>(decoded(levels.black))),
-          white_(static_cast<float>(decoded(levels.white)) * kWhite),
+        : black_(static_cast<float>(light_of_srgb(levels.black))),
+          white_(static_cast<float>(light_of_srgb(levels.white)) * kWhite),
           table_(kSteps + 1) {
         for (std::size_t i = 0; i < table_.size(); ++i) {
             const double light = std::lerp(double{black_}, double{white_}, static_cast<double>(i) / kSteps);
-            const double share = std::clamp((encoded(light) - levels.black) / (levels.white - levels.black), 0.0, 1.0);
-            table_[i] = static_cast<float>(decoded(std::pow(share, 1 / levels.gamma)));
+            const double share =
+                std::clamp((srgb_of_light(light) - levels.black) / (levels.white - levels.black), 0.0, 1.0);
+            table_[i] = static_cast<float>(light_of_srgb(std::pow(share, 1 / levels.gamma)));
         }
     }
 

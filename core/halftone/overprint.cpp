@@ -12,10 +12,6 @@ namespace {
 
 using Channels = Overprint::Channels;
 
-Channels channels(const Light& light) {
-    return {light.red, light.green, light.blue};
-}
-
 /// Overlap of two inks over what it would be, did they know nothing of each other.
 ///
 /// @param a, b    areas of their dots per area
@@ -55,10 +51,10 @@ Overprint::Overprint(const InkSet& inks) : count_(inks.inks.size()) {
     for (std::size_t inks_there = 0; inks_there < std::size_t{1} << count_; ++inks_there) {
         const int many = std::popcount(inks_there);
         for (std::size_t c = 0; c < 3; ++c) {
-            double change = channels(inks.paper)[c];
+            double change = channels_of(inks.paper)[c];
             for (std::size_t i = 0; i < count_; ++i) {
                 if ((inks_there >> i & 1) == 0) continue;
-                const double ink = channels(inks.inks[i])[c];
+                const double ink = channels_of(inks.inks[i])[c];
                 change = !inks.additive ? change * (ink - 1) : many == 1 ? ink : 0;
             }
             changes_[inks_there][c] = change;

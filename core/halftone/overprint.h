@@ -47,6 +47,8 @@ public:
     /// Red, green, blue.
     using Channels = std::array<double, 3>;
 
+    static Channels channels_of(const Light& light) { return {light.red, light.green, light.blue}; }
+
     explicit Overprint(const InkSet& inks);
 
     std::size_t count() const { return count_; }

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "core/halftone/blur.h"
 #include "core/halftone/colour_difference.h"
+#include "core/halftone/srgb.h"
 
 namespace ccdt {
 
@@ -19,10 +19,6 @@ constexpr double kFine = 4;
 constexpr double kCoarse = 2;           // at least
 constexpr int kCell = 10;               // samples a side
 constexpr double kSamplesPerDot = 200;  // at most
-
-double product(const Lab& a, const Lab& b) {
-    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
-}
 
 /// Slope of half the squared difference from what is wanted by the light of each channel, over the squared slopes and
 /// the light that there is: so a step is as long where light is scarce.
@@ -38,10 +34,10 @@ Channels pull(const Channels& wanted, const Channels& seen) {
         more[c] += step;
         Lab slope = difference(lab_of(more));
         for (std::size_t k = 0; k < 3; ++k) slope[k] = (slope[k] - off[k]) / step;
-        pull[c] = product(slope, off);
-        squares += product(slope, slope);
+        pull[c] = dot(slope, off);
+        squares += dot(slope, slope);
     }
-    const double level = 0.2126 * wanted[0] + 0.7152 * wanted[1] + 0.0722 * wanted[2];
+    const double level = luminance_of(wanted[0], wanted[1], wanted[2]);
     for (double& each : pull) each /= squares * (level + kLeastLight);
     return pull;
 }

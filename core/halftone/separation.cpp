@@ -20,19 +20,11 @@ using Numbers = Overprint::Numbers;
 using Channels = Overprint::Channels;
 static_assert(kMostInks <= BoundedLeastSquares::kMostNumbers);
 
-Channels channels(const Light& light) {
-    return {light.red, light.green, light.blue};
-}
-
 Light mapped(const Light& light, Tone tone) {
     const auto map = [&](float value) {
         return tone == Tone::Perceptual ? lightness(to_share(value)) : to_share(value);
     };
     return {map(light.red), map(light.green), map(light.blue)};
-}
-
-double product(const Lab& a, const Lab& b) {
-    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
 /// Finds the cover of each ink whose halftone looks most like a colour: the least difference, and of equals the least
@@ -66,7 +58,7 @@ private:
 
 Separator::Mixture Separator::mixture(const Numbers& cover, const ColourDifference& difference) const {
     const Lab off = difference(lab_of(model_.light(cover)));
-    return {cover, off, product(off, off) / 2 + kPriceOfCover * std::accumulate(cover.begin(), cover.end(), 0.0)};
+    return {cover, off, dot(off, off) / 2 + kPriceOfCover * std::accumulate(cover.begin(), cover.end(), 0.0)};
 }
 
 /// The best cover, were all changes as they are at this one; no further from it than they may be so.
@@ -88,8 +80,8 @@ Numbers Separator::aim(const Mixture& from, const ColourDifference& difference) 
         }
     }
     for (std::size_t i = 0; i < problem.count; ++i) {
-        problem.wanted[i] = product(changes[i], wanted) + kDamping * from.cover[i] - kPriceOfCover;
-        for (std::size_t k = 0; k < problem.count; ++k) problem.products[i][k] = product(changes[i], changes[k]);
+        problem.wanted[i] = dot(changes[i], wanted) + kDamping * from.cover[i] - kPriceOfCover;
+        for (std::size_t k = 0; k < problem.count; ++k) problem.products[i][k] = dot(changes[i], changes[k]);
         problem.products[i][i] += kDamping;
     }
     return problem.minimize();
@@ -119,7 +111,7 @@ Node Separator::node_of(const Light& light) const {
     // Fewer parts, or one step in each, get lost: Separation.LooksLikeThePicture.
     constexpr int kParts = 6, kStepsOnTheWay = 2, kMostSteps = 20;
     constexpr double kExactOnTheWay = 1, kExact = 1e-4;
-    const Lab paper = lab_of(model_.light({})), colour = lab_of(channels(light));
+    const Lab paper = lab_of(model_.light({})), colour = lab_of(Overprint::channels_of(light));
     Numbers cover{};
     for (int part = 1; part <= kParts; ++part) {
         Lab wanted{};
@@ -130,7 +122,7 @@ Node Separator::node_of(const Light& light) const {
     }
     Node node{};
     std::ranges::transform(cover, node.begin(), [](double share) { return static_cast<float>(share); });
-    const Channels seen = model_.light(cover), wanted = channels(light);
+    const Channels seen = model_.light(cover), wanted = Overprint::channels_of(light);
     for (std::size_t c = 0; c < 3; ++c) node[kMostInks + c] = static_cast<float>(seen[c] - wanted[c]);
     return node;
 }
@@ -223,7 +215,7 @@ InkSet toned(const InkSet& inks, Tone tone) {
 Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop) {
     assert(!inks.inks.empty() && inks.inks.size() <= kMostInks);
     const std::size_t pixels = picture.red.size();
-    const Channels paper = channels(mapped(inks.paper, tone));
+    const Channels paper = Overprint::channels_of(mapped(inks.paper, tone));
     Separation separation{std::vector(inks.inks.size(), std::vector<float>(pixels)), {}};
     separation.light.fill(std::vector<float>(pixels));
     SeparationTable table(Separator(inks, tone));
@@ -234,7 +226,7 @@ Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone,
         const Node mixture = table.node_of(light);
         for (std::size_t i = 0; i < inks.inks.size(); ++i) separation.coverage[i][p] = alpha * mixture[i];
         for (std::size_t c = 0; c < 3; ++c) {
-            const float seen = static_cast<float>(channels(light)[c]) + mixture[kMostInks + c];
+            const float seen = static_cast<float>(Overprint::channels_of(light)[c]) + mixture[kMostInks + c];
             separation.light[c][p] = std::lerp(static_cast<float>(paper[c]), to_share(seen), alpha);
         }
     }
