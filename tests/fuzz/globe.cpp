@@ -5,15 +5,13 @@
 #include "core/globe/inside.h"
 #include "core/globe/region.h"
 #include "tests/fuzz/checks.h"
+#include "tests/fuzz/part_reader.h"
 #include "tests/fuzz/shape_checks.h"
 
 namespace ccdt::fuzz {
 namespace {
 
 using Parts = std::vector<PolygonPart>;
-
-/// What a byte says that is no corner of the net.
-enum class Tag : std::uint8_t { NextPart = 255, NextHole = 254, Anywhere = 253, Nudge = 252 };
 
 constexpr std::size_t kMostVertices = 32;
 
@@ -22,26 +20,16 @@ Parts read_parts(Bytes& input) {
     constexpr std::array<double, 21> kLongitudes = {-540, -360, -190, -180, -179, -120, -90, -30, -1,  0,  1,
                                                     10,   30,   90,   120,  170,  179,  180, 190, 360, 540};
     constexpr std::array<double, 12> kLatitudes = {-90, -89.999, -60, -30, -1, 0, 1, 30, 45, 60, 89.999, 90};
-    Parts parts(1);
-    for (std::size_t count = 0; !input.empty() && count < kMostVertices;) {
-        const auto byte = input.take<std::uint8_t>();
-        Ring& ring = parts.back().holes.empty() ? parts.back().outer : parts.back().holes.back();
-        if (byte == static_cast<std::uint8_t>(Tag::NextPart)) {
-            parts.emplace_back();
-        } else if (byte == static_cast<std::uint8_t>(Tag::NextHole)) {
-            parts.back().holes.emplace_back();
-        } else if (byte == static_cast<std::uint8_t>(Tag::Nudge)) {
-            const double far = input.take<std::int8_t>();
-            if (!ring.empty()) ring.back().x = std::nextafter(ring.back().x, std::copysign(1000.0, far));
-        } else if (byte == static_cast<std::uint8_t>(Tag::Anywhere)) {
-            ring.push_back({input.take<std::int16_t>() / 60.0, input.take<std::int16_t>() / 360.0});
-            ++count;
-        } else {
-            ring.push_back({kLongitudes[byte % kLongitudes.size()], kLatitudes[byte / kLongitudes.size()]});
-            ++count;
-        }
-    }
-    return parts;
+    constexpr double kFar = 1000;
+    return take_parts(
+        input, kMostVertices, kFar,
+        [&](unsigned byte) {
+            return Point{kLongitudes[byte % kLongitudes.size()], kLatitudes[byte / kLongitudes.size()]};
+        },
+        [](Bytes& from) {
+            const double x = from.take<std::int16_t>() / 60.0;
+            return Point{x, from.take<std::int16_t>() / 360.0};
+        });
 }
 
 void check_on_globe(const Domain& degrees, const GlobeDistribution& placed, std::size_t sites) {

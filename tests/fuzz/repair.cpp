@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "tests/fuzz/checks.h"
+#include "tests/fuzz/part_reader.h"
 #include "tests/fuzz/shape_checks.h"
 #include "tests/support/shapes.h"
 
@@ -10,34 +11,21 @@ namespace {
 
 using Parts = std::vector<PolygonPart>;
 
-/// What a byte says that is no vertex on the grid.
-enum class Tag : std::uint8_t { NextPart = 255, NextHole = 254, Nudge = 253, Anywhere = 252 };
-
 constexpr std::size_t kMostVertices = 48;  ///< crossings are as many as their square
 
 /// Vertices on a grid of 15 by 16, where they meet in every way, some a rounding error off it, some anywhere.
 Parts read_parts(Bytes& input) {
     const double spacing = input.take<std::uint8_t>() % 2U == 0 ? 1 : 0.1;  // 0.1 is no double
-    Parts parts(1);
-    for (std::size_t count = 0; !input.empty() && count < kMostVertices;) {
-        const auto byte = input.take<std::uint8_t>();
-        Ring& ring = parts.back().holes.empty() ? parts.back().outer : parts.back().holes.back();
-        if (byte == static_cast<std::uint8_t>(Tag::NextPart)) {
-            parts.emplace_back();
-        } else if (byte == static_cast<std::uint8_t>(Tag::NextHole)) {
-            parts.back().holes.emplace_back();
-        } else if (byte == static_cast<std::uint8_t>(Tag::Nudge)) {
-            const double far = input.take<std::int8_t>();
-            if (!ring.empty()) ring.back().x = std::nextafter(ring.back().x, std::copysign(100.0, far));
-        } else if (byte == static_cast<std::uint8_t>(Tag::Anywhere)) {
-            ring.push_back({input.take<std::int16_t>() / 1024.0, input.take<std::int16_t>() / 1024.0});
-            ++count;
-        } else {
-            ring.push_back({spacing * (byte % 16U), spacing * (byte / 16U)});
-            ++count;
-        }
-    }
-    return parts;
+    constexpr double kFar = 100;
+    return take_parts(
+        input, kMostVertices, kFar,
+        [=](unsigned byte) {
+            return Point{spacing * (byte % 16U), spacing * (byte / 16U)};
+        },
+        [](Bytes& from) {
+            const double x = from.take<std::int16_t>() / 1024.0;
+            return Point{x, from.take<std::int16_t>() / 1024.0};
+        });
 }
 
 void check_repair(const Parts& parts) {
