@@ -81,12 +81,52 @@ test("draws by touch", async () => {
   await context.close();
 });
 
-test("takes GeoJSON", async () => {
-  await open();
-  await world.page.setInputFiles("#sample .file", path.join(data, "polygons/South-Africa-50m.geojson"));
+const choose = async (file) => {
+  await world.page.setInputFiles("#sample .file", file);
   await settled(world.page, "sample");
-  assert.equal((await request()).geometry.type, "MultiPolygon");
+};
+const document = (json) => ({ name: "shape.geojson", mimeType: "application/geo+json", buffer: Buffer.from(JSON.stringify(json)) });
+const query = async () => new URLSearchParams((await world.page.textContent("#sample pre")).match(/sample\?([^']*)'/)[1]);
+
+test("takes GeoJSON, even on the ground or in degrees", async () => {
+  await open();
+  await choose(path.join(data, "polygons/South-Africa-50m.geojson"));
+  assert.equal((await query()).get("coordinates"), "lonlat");
+  assert.match(await world.page.textContent("#sample .status"), /^1,000 points, 35 km apart, variation 0\.\d+/);
+  assert.equal(await world.page.textContent("#sample .warnings"), "");
   await looksAsKept(world, frame(), "sample-geojson");
+  await world.page.selectOption("#sample [data-name=coordinates] select", "plane");
+  await settled(world.page, "sample");
+  assert.equal((await query()).get("coordinates"), null);
+  assert.match(await world.page.textContent("#sample .warnings"), /points are even in degrees, not on the ground/);
+  await looksAsKept(world, frame(), "sample-geojson-plane");
+});
+
+test("takes a collection whole, and tells what was repaired", async () => {
+  await open();
+  const square = (x) => [[x, 0], [x + 2, 0], [x + 2, 2], [x, 2], [x, 0]];
+  const feature = (ring) => ({ type: "Feature", properties: {}, geometry: { type: "Polygon", coordinates: [ring] } });
+  const bowTie = [[6, 0], [8, 2], [8, 0], [6, 2], [6, 0]];
+  await choose(document({ type: "FeatureCollection", features: [square(0), square(3), bowTie].map(feature) }));
+  assert.match(await world.page.textContent("#sample .repairs summary"), /^Repaired in \d+ places?$/);
+  assert.ok((await world.page.locator("#sample .repairs li").count()) > 0);
+  await looksAsKept(world, frame(), "sample-collection");
+});
+
+test("offers a plane alone to what cannot be degrees", async () => {
+  await open();
+  await choose(document({ type: "Polygon", coordinates: [[[0, 0], [3000, 0], [3000, 2000], [0, 2000], [0, 0]]] }));
+  assert.ok(await world.page.isHidden("#sample [data-name=coordinates]"));
+  assert.equal((await query()).get("coordinates"), null);
+});
+
+test("says where a document is wrong", async () => {
+  await open();
+  const ring = [[0, 0], [4, 0], [4, "north"], [0, 3], [0, 0]];
+  await world.page.setInputFiles("#sample .file", document({ type: "Polygon", coordinates: [ring] }));
+  await settled(world.page, "sample", "failed");
+  assert.match(await world.page.textContent("#shape-error"), /coordinates\/0\/2/);
+  assert.equal(await world.page.textContent("#sample .general"), "");
 });
 
 test("goes through the iterations, getting each once", async () => {
@@ -130,8 +170,8 @@ test("has the methods that CCDT is compared with", async () => {
   assert.ok(await world.page.isDisabled("#iteration"));
 });
 
-test("saves and shows what makes the same points", async () => {
-  await open();
+/** Saves the points, and has the page's lines make them again, in a folder. */
+async function repeats(folder) {
   const download = world.page.waitForEvent("download");
   await world.page.click('#sample .downloads button:text-is("JSON")');
   const saved = JSON.parse(await readFile(await (await download).path()));
@@ -140,9 +180,17 @@ test("saves and shows what makes the same points", async () => {
     await world.page.click(`#sample .kinds button:text-is("${kind}")`);
     return world.page.textContent("#sample pre");
   };
-  const byCurl = JSON.parse(await run("bash", ["-c", (await snippet("curl")).replace(" -o points.json", " -s")]));
+  const options = { cwd: folder };
+  const byCurl = JSON.parse(await run("bash", ["-c", (await snippet("curl")).replace(" -o points.json", " -s")], options));
   assert.deepEqual(byCurl.points, saved.points);
   const told = `1000 ${saved.variation}\n`;
-  assert.equal(await run("/usr/bin/python3", ["-c", await snippet("Python")]), told);
-  assert.equal(await run("node", ["--input-type=module", "--eval", await snippet("fetch()")]), told);
+  assert.equal(await run("/usr/bin/python3", ["-c", await snippet("Python")], options), told);
+  assert.equal(await run("node", ["--input-type=module", "--eval", await snippet("fetch()")], options), told);
+}
+
+test("saves and shows what makes the same points", async () => {
+  await open();
+  await repeats(data);
+  await choose(path.join(data, "polygons/Italy-110m.geojson"));
+  await repeats(path.join(data, "polygons"));
 });

@@ -4,18 +4,18 @@ import { capabilities, postJson } from "./api.js";
 import { chart } from "./chart.js";
 import { count, make } from "./dom.js";
 import { Panel } from "./panel.js";
-import { largestSquare, ringsOf, unitTorus } from "./shape.js";
+import { largestSquare, unitTorus } from "./shape.js";
 
 const methods = capabilities.sample.methods.toReversed();  // the one that this server is for comes last
 const mostToAnalyze = 131072;
 const mostToCompare = 1024;  // CCVT takes a second for these
 const whitest = 2.5;  // power
 
-/** The points in the largest square that fits into a shape, from its corner on. */
-function windowOf({ points, shape }) {
+/** The points in the largest square that fits into a shape, as they are shown, from its corner on. */
+function windowOf({ points, shape, outline, places }) {
   if (shape.domain) return { points, domain: shape.domain };
-  const { x, y, side } = largestSquare(ringsOf(shape));
-  const inside = points.map(([px, py]) => [px - x, py - y])
+  const { x, y, side } = largestSquare(outline.rings);
+  const inside = places.map(([px, py]) => [px - x, py - y])
     .filter(([px, py]) => px >= 0 && py >= 0 && px <= side && py <= side);
   return { points: inside, domain: { type: "rectangle", width: side, height: side } };
 }

@@ -32,5 +32,6 @@ export function acceptDrops(element, take) {
 }
 
 export const count = (number) => number.toLocaleString("en");
+export const metres = (length) => (length < 1000 ? `${Number(length.toPrecision(2))} m` : `${Number((length / 1000).toPrecision(2))} km`);
 export const seconds = (start) => `${((performance.now() - start) / 1000).toFixed(2)} s`;
 export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

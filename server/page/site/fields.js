@@ -154,6 +154,10 @@ export class Fields {
     return Object.fromEntries(all.filter(([, value, standard]) => value !== undefined && value !== standard));
   }
 
+  set(name, value) {
+    this.#find(name).input.value = value;
+  }
+
   offer(name, offered) {
     this.#find(name).element.hidden = !offered;
   }

@@ -2,17 +2,21 @@
 
 import { capabilities } from "./api.js";
 import { chart } from "./chart.js";
-import { acceptDrops, colour, count, seconds } from "./dom.js";
+import { acceptDrops, colour, count, make, metres, seconds } from "./dom.js";
 import { Drawing } from "./drawing.js";
 import { Fields } from "./fields.js";
+import { mayBeDegrees, polygonsOf } from "./geojson.js";
 import { postPatiently } from "./jobs.js";
 import { Panel } from "./panel.js";
-import { areaOf, boundsOf, firstPolygon, geometryOf, rectangle, ringsOf, unitTorus } from "./shape.js";
+import { areaOf, boundsOf, firstPolygon, outlineOf, rectangle, unitTorus } from "./shape.js";
 import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
 
 const mostFrames = 64;
 const dotShare = 0.3;  // a dot's radius over the mean spacing
+const mostRepairs = 20;  // that are shown
+
+let filesTaken = 0;
 
 const { formats, methods } = capabilities.sample;
 const [standard] = methods;
@@ -25,10 +29,21 @@ const fields = [
   { kind: "number", name: "seed", label: "Seed", value: 0, min: 0, max: 100, step: 1, standard: 0 },
 ];
 
+const shapeFields = [
+  { kind: "choice", name: "coordinates", label: "Coordinates", standard: "plane", choices: [["lonlat", "longitude, latitude"], ["plane", "of a plane"]] },
+];
+
+/** A GeoJSON document is the body itself, beside which options are parameters; another shape is a member beside them. */
+function requestOf({ file, json, ...shape }, options) {
+  if (!file) return { path: "/sample", body: JSON.stringify({ ...options, ...shape }), type: "application/json" };
+  return { path: `/sample?${new URLSearchParams(options)}`, body: file.text, type: "application/geo+json", file };
+}
+
 export class Sample extends Panel {
   #shapes = { polygon: structuredClone(firstPolygon), rectangle: { domain: rectangle }, torus: { domain: unitTorus } };
   #frames = new Map();
   #result = null;
+  #kept = null;
 
   constructor(element) {
     super(element);
@@ -44,9 +59,10 @@ export class Sample extends Panel {
       toScreen: (corner) => this.#toScreen(corner), toShape: (at) => this.#toShape(at),
       changed: (moving) => this.#shapeMoved(moving),
     });
-    this.fields = new Fields(this.find("form"), fields, (draft) => this.refresh(draft));
+    this.shapeFields = new Fields(this.find(".shape-fields"), shapeFields, () => { this.#refit(); this.refresh(); });
+    this.fields = new Fields(this.find(".fields"), fields, (draft) => this.refresh(draft));
     this.snippets = new Snippets(this.find(".snippets"));
-    this.addDownloads(formats, "points", (format, signal) => this.#ask({ ...this.body(), format }, signal));
+    this.addDownloads(formats, "points", (format, signal) => this.#ask({ ...this.options(), format }, signal));
     this.#listen();
     this.#shapeChosen();
   }
@@ -55,7 +71,18 @@ export class Sample extends Panel {
     return this.#shapes[this.shapeChoice.value] ?? null;
   }
 
-  /** What was made last: {points, shape, method}; null if nothing was. */
+  get #onGlobe() {
+    return this.shapeChoice.value === "file" && this.shapeFields.values().coordinates === "lonlat";
+  }
+
+  /** What is shown of the shape. */
+  get #outline() {
+    const [shape, onGlobe] = [this.shape, this.#onGlobe];
+    if (this.#kept?.shape !== shape || this.#kept.onGlobe !== onGlobe) this.#kept = { shape, onGlobe, ...outlineOf(shape, onGlobe) };
+    return this.#kept;
+  }
+
+  /** What was made last: what the server answered, its shape, that one's outline and the points' places there. */
   get result() {
     return this.#result;
   }
@@ -83,13 +110,24 @@ export class Sample extends Panel {
 
   async #takeFile(file) {
     this.element.dataset.state = "busy";
-    const geometry = await file.text().then(JSON.parse).then(geometryOf).catch(() => null);
-    if (!geometry) {
+    const text = await file.text();
+    try {
+      this.#takeDocument({ name: file.name, text });
+    } catch {
       this.element.dataset.state = "failed";
-      return this.#tellOfShape(`${file.name} holds no GeoJSON Polygon or MultiPolygon`);
+      this.#tellOfShape(`${file.name} holds no GeoJSON polygons`);
     }
-    this.#shapes.geometry = { geometry };
-    this.shapeChoice.value = "geometry";
+  }
+
+  /** @param file  {name, text}. Throws unless it is GeoJSON with polygons. */
+  #takeDocument(file) {
+    const json = JSON.parse(file.text);
+    const bounds = boundsOf(polygonsOf(json).flat());
+    if (!(bounds.minX <= bounds.maxX)) throw new Error("there are no polygons");
+    const mayBe = mayBeDegrees(bounds);
+    this.shapeFields.set("coordinates", mayBe ? "lonlat" : "plane");
+    this.#shapes.file = { file: { ...file, number: ++filesTaken }, json, mayBeDegrees: mayBe };
+    this.shapeChoice.value = "file";
     this.#shapeChosen();
     this.refresh();
   }
@@ -98,7 +136,7 @@ export class Sample extends Panel {
     try {
       const { polygon, holes } = JSON.parse(this.corners.value);
       this.#shapes.polygon = { polygon, ...(holes?.length > 0 && { holes }) };
-      boundsOf(ringsOf(this.#shapes.polygon));
+      boundsOf(outlineOf(this.#shapes.polygon, false).rings);
     } catch {
       return this.#tellOfShape('the corners must be JSON: {"polygon": [[x, y], ...], "holes": [[[x, y], ...], ...]}');
     }
@@ -112,6 +150,7 @@ export class Sample extends Panel {
     this.tiles.disabled = kind !== "torus";
     if (kind !== "torus") this.tiles.checked = false;
     this.corners.value = JSON.stringify(this.#shapes.polygon);
+    this.shapeFields.offer("coordinates", kind === "file" && this.shape?.mayBeDegrees);
     this.#stopDrawing();
     this.#tellOfShape(this.shape ? "" : "choose or drop a GeoJSON file");
     if (this.shape) this.#refit();
@@ -119,7 +158,7 @@ export class Sample extends Panel {
 
   /** What is shown: the shape, with the sheet's rest when one is drawn. */
   #refit() {
-    const bounds = boundsOf(ringsOf(this.shape));
+    const bounds = boundsOf(this.#outline.rings);
     const [width, height] = [bounds.maxX - bounds.minX, bounds.maxY - bounds.minY];
     const around = this.tiles.checked ? 1 : 0;
     this.view = { minX: bounds.minX - around * width, maxY: bounds.maxY + around * height };
@@ -172,7 +211,7 @@ export class Sample extends Panel {
   }
 
   #press(at) {
-    return this.shapeChoice.value === "polygon" ? this.drawing.press(at, ringsOf(this.shape)) : null;
+    return this.shapeChoice.value === "polygon" ? this.drawing.press(at, this.#outline.rings) : null;
   }
 
   #shapeMoved(moving) {
@@ -186,26 +225,36 @@ export class Sample extends Panel {
     return Number(this.iteration.max);
   }
 
-  /** The request of what is shown. Only the last frame is polished: the others are steps on the way there. */
-  body(iteration = Number(this.iteration.value)) {
-    const body = { ...this.fields.values(), ...this.shape };
-    const { options } = methodNamed(body.method);
-    if (!options.includes("quality")) delete body.quality;
-    else if (iteration < this.#lastIteration) body.quality = "draft";
-    if (options.includes("iterations")) body.iterations = iteration;
-    if (this.mesh.checked) body.mesh = true;
-    return body;
+  /** The options of what is shown. Only the last frame is polished: the others are steps on the way there. */
+  options(iteration = Number(this.iteration.value)) {
+    const asked = { ...this.fields.values(), ...this.shapeFields.values() };
+    const { options } = methodNamed(asked.method);
+    if (!options.includes("quality")) delete asked.quality;
+    else if (iteration < this.#lastIteration) asked.quality = "draft";
+    if (options.includes("iterations")) asked.iterations = iteration;
+    if (this.mesh.checked) asked.mesh = true;
+    return asked;
   }
 
-  #ask(body, signal, told = this.tell) {
-    return postPatiently("/sample", JSON.stringify(body), body, { type: "application/json", signal, told });
+  #ask(options, signal, told = this.tell) {
+    const { path, body, type } = requestOf(this.shape, options);
+    return postPatiently(path, body, options, { type, signal, told });
+  }
+
+  #isKept(options) {
+    return this.#frames.has(this.#keyOf(options));
+  }
+
+  #keyOf(options) {
+    const { path, body, file } = requestOf(this.shape, options);
+    return `${path} ${file?.number ?? body}`;
   }
 
   /** Answers are the same each time, so one is enough. */
-  async #frame(body, signal, told) {
-    const key = JSON.stringify(body);
+  async #frame(options, signal, told) {
+    const key = this.#keyOf(options);
     if (!this.#frames.has(key)) {
-      const frame = await (await this.#ask(body, signal, told)).json();
+      const frame = await (await this.#ask(options, signal, told)).json();
       if (this.#frames.size >= mostFrames) this.#frames.delete(this.#frames.keys().next().value);
       this.#frames.set(key, frame);
     }
@@ -214,36 +263,52 @@ export class Sample extends Panel {
 
   /** What is to be made now: as `result`. A draft is not polished, unless it has been already. */
   async fetch(signal, { draft = false, told } = {}) {
-    const shape = structuredClone(this.shape);
-    const body = this.body();
-    if (draft && methodNamed(body.method).options.includes("quality") && !this.#frames.has(JSON.stringify(body))) body.quality = "draft";
-    return { ...(await this.#frame(body, signal, told)), shape };
+    const shape = this.shape.file ? this.shape : structuredClone(this.shape);
+    const outline = outlineOf(shape, this.#onGlobe);
+    const options = this.options();
+    if (draft && methodNamed(options.method).options.includes("quality") && !this.#isKept(options)) options.quality = "draft";
+    const answer = await this.#frame(options, signal, told);
+    return { ...answer, shape, outline, places: answer.points.map(outline.project) };
   }
 
   refresh(draft = false) {
     this.find("output[for=iteration]").textContent = this.iteration.value;
     if (!this.shape || this.drawing.ring) return;
-    const body = this.body();
-    const { options } = methodNamed(body.method);
+    const asked = this.options();
+    const { options } = methodNamed(asked.method);
     this.iteration.disabled = !options.includes("iterations");
     this.fields.enable("quality", options.includes("quality"));
-    this.snippets.showSample({ body });
+    this.snippets.showSample(requestOf(this.shape, asked));
     this.wish(async (signal) => {
       const start = performance.now();
       const frame = await this.fetch(signal, { draft });
       if (signal.aborted) return;
       this.#result = frame;
       this.viewport.redraw();
-      if (!draft) this.status.textContent = `${count(frame.sites)} points, variation ${frame.variation.toFixed(3)}, ${seconds(start)}`;
-      if (!draft || this.#frames.has(JSON.stringify(this.body(this.#lastIteration)))) await this.#showTrace(signal);
+      this.#tellOfAnswer(frame);
+      const apart = frame.pitch_m ? `${metres(frame.pitch_m)} apart, ` : "";
+      if (!draft) this.status.textContent = `${count(frame.sites)} points, ${apart}variation ${frame.variation.toFixed(3)}, ${seconds(start)}`;
+      if (!draft || this.#isKept(this.options(this.#lastIteration))) await this.#showTrace(signal);
     }, draft);
+  }
+
+  /** Shows what the server thought of the shape: warnings, and what it repaired. */
+  #tellOfAnswer({ warnings = [], repaired = [] }) {
+    this.find(".warnings").textContent = warnings.map(({ detail }) => detail).join("; ");
+    const place = this.find(".repairs");
+    place.hidden = repaired.length === 0;
+    place.querySelector("summary").textContent = `Repaired in ${count(repaired.length)} ${repaired.length === 1 ? "place" : "places"}`;
+    const left = repaired.length - mostRepairs;
+    const lines = repaired.slice(0, mostRepairs).map(({ detail }) => detail);
+    if (left > 0) lines.push(`and ${count(left)} more`);
+    place.querySelector("ul").replaceChildren(...lines.map((textContent) => make("li", { textContent })));
   }
 
   async #showTrace(signal) {
     const place = this.find(".trace");
-    place.hidden = !methodNamed(this.body().method).options.includes("iterations");
+    place.hidden = !methodNamed(this.options().method).options.includes("iterations");
     if (place.hidden) return;
-    const { trace } = await this.#frame(this.body(this.#lastIteration), signal);
+    const { trace } = await this.#frame(this.options(this.#lastIteration), signal);
     const points = trace.map(({ iteration, variation }) => [iteration, variation]);
     const at = points.find(([iteration]) => iteration === Number(this.iteration.value)) ?? points.at(-1);
     place.querySelector("svg")?.remove();
@@ -256,11 +321,12 @@ export class Sample extends Panel {
     }));
   }
 
+  /** Of a document pointers are its own; options, which came beside it, have none. */
   place(errors) {
-    const left = this.fields.show(errors);
-    const aboutShape = left.filter(({ pointer }) => /^\/?(polygon|holes|geometry|domain)/.test(pointer));
-    this.#tellOfShape(aboutShape.map(({ detail }) => detail).join("; "));
-    return left.filter((error) => !aboutShape.includes(error));
+    const isDocument = Boolean(this.shape?.file);
+    const isAboutShape = ({ pointer }) => (isDocument ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
+    this.#tellOfShape(errors.filter(isAboutShape).map(({ detail }) => detail).join("; "));
+    return this.shapeFields.show(this.fields.show(errors.filter((error) => !isAboutShape(error))));
   }
 
   #draw(context) {
@@ -288,27 +354,28 @@ export class Sample extends Panel {
   }
 
   #drawOutline(context) {
-    const rings = this.drawing.ring && !this.#result ? [] : ringsOf(this.shape);
+    const parts = this.drawing.ring && !this.#result ? [] : this.#outline.parts;
+    context.fillStyle = colour("--panel");
+    context.strokeStyle = colour("--line");
     for (const [dx, dy] of this.#tileOffsets()) {
-      context.beginPath();
-      for (const ring of rings) {
-        this.#path(context, ring.map(([x, y]) => [x + dx, y + dy]));
-        context.closePath();
+      for (const part of parts) {
+        context.beginPath();
+        for (const ring of part) {
+          this.#path(context, ring.map(([x, y]) => [x + dx, y + dy]));
+          context.closePath();
+        }
+        context.fill("evenodd");
+        context.stroke();
       }
-      context.fillStyle = colour("--panel");
-      context.fill("evenodd");
-      context.strokeStyle = colour("--line");
-      context.stroke();
     }
   }
 
   #drawResult(context, result, [dx, dy]) {
-    const rings = ringsOf(result.shape);
-    const radius = Math.max(dotShare * Math.sqrt(areaOf(rings) / result.points.length) * this.viewport.scale, 0.7);
+    const radius = Math.max(dotShare * Math.sqrt(areaOf(result.outline.parts) / result.places.length) * this.viewport.scale, 0.7);
     if (result.triangles && this.mesh.checked) this.#drawMesh(context, result, [dx, dy]);
     context.fillStyle = colour(dx === 0 && dy === 0 ? "--ink" : "--quiet");
     context.beginPath();
-    for (const [px, py] of result.points) {
+    for (const [px, py] of result.places) {
       const { x, y } = this.#toScreen([px + dx, py + dy]);
       context.moveTo(x + radius, y);
       context.arc(x, y, radius, 0, 2 * Math.PI);
@@ -317,13 +384,14 @@ export class Sample extends Panel {
   }
 
   /** On a torus an edge goes to the nearest copy of its other end. */
-  #drawMesh(context, { vertices, triangles, shape }, [dx, dy]) {
+  #drawMesh(context, { vertices, triangles, shape, outline }, [dx, dy]) {
     const period = shape.domain?.type === "torus" ? shape.domain : null;
     const near = (from, to, side) => (period ? to - side * Math.round((to - from) / side) : to);
     context.beginPath();
     for (const triangle of triangles) {
-      const [ax, ay] = vertices[triangle[0]];
-      this.#path(context, triangle.map((index) => vertices[index]).map(([x, y]) =>
+      const corners = triangle.map((index) => outline.project(vertices[index]));
+      const [ax, ay] = corners[0];
+      this.#path(context, corners.map(([x, y]) =>
         [near(ax, x, period?.width) + dx, near(ay, y, period?.height) + dy]));
       context.closePath();
     }
@@ -342,7 +410,7 @@ export class Sample extends Panel {
       context.stroke();
     }
     context.fillStyle = colour("--accent");
-    const rings = drawn ? [drawn] : ringsOf(this.shape);
+    const rings = drawn ? [drawn] : this.#outline.rings;
     for (const corner of rings.flat()) {
       const { x, y } = this.#toScreen(corner);
       context.fillRect(x - 4, y - 4, 8, 8);

@@ -1,4 +1,7 @@
-// Shapes to sample: what the request says of them, their outlines, their extent.
+// Shapes to sample: their outlines, their extent.
+
+import { polygonsOf } from "./geojson.js";
+import { onMap } from "./globe.js";
 
 export const unitTorus = { type: "torus", width: 1, height: 1 };
 export const rectangle = { type: "rectangle", width: 1.5, height: 1 };
@@ -8,21 +11,24 @@ export const firstPolygon = {
   holes: [[[0.5, 0.32], [0.78, 0.28], [0.86, 0.52], [0.6, 0.62]]],
 };
 
-/** The geometry of a GeoJSON file: its own, its feature's, or the first of its features that has an area. */
-export function geometryOf(json) {
-  if (json?.type === "FeatureCollection") return json.features.map(geometryOf).find(Boolean) ?? null;
-  if (json?.type === "Feature") return geometryOf(json.geometry);
-  return ["Polygon", "MultiPolygon"].includes(json?.type) ? { type: json.type, coordinates: json.coordinates } : null;
-}
-
 const boxRing = ({ width, height }) => [[0, 0], [width, 0], [width, height], [0, height]];
 
-/** The rings of a shape, of which one that is inside an odd number of others is a hole. */
-export function ringsOf(shape) {
-  if (shape.domain) return [boxRing(shape.domain)];
-  if (shape.polygon) return [shape.polygon, ...(shape.holes ?? [])];
-  const { type, coordinates } = shape.geometry;
-  return type === "Polygon" ? coordinates : coordinates.flat();
+/** The parts of a shape, each a list of rings of which the first is the outer one. */
+function partsOf(shape) {
+  if (shape.domain) return [[boxRing(shape.domain)]];
+  if (shape.polygon) return [[shape.polygon, ...(shape.holes ?? [])]];
+  return polygonsOf(shape.json);
+}
+
+/**
+ * What is shown of a shape.
+ * @param onGlobe  its positions are longitude and latitude
+ * @returns  {parts, rings, project}: where its corners lie on a plane whose y goes up, and any other position
+ */
+export function outlineOf(shape, onGlobe) {
+  const given = partsOf(shape);
+  const { parts, project } = onGlobe ? onMap(given) : { parts: given, project: (position) => position };
+  return { parts, rings: parts.flat(), project };
 }
 
 export function boundsOf(rings) {
@@ -56,11 +62,13 @@ export function isInside([x, y], rings) {
   return odd;
 }
 
-export function areaOf(rings) {
-  return Math.abs(rings.reduce((sum, ring, i) => {
-    const isHole = isInside(ring[0], rings.filter((_, j) => j !== i));
-    return sum + (isHole ? -1 : 1) * Math.abs(signedArea(ring));
-  }, 0));
+/** About: parts that overlap count twice, and of a part the largest ring is taken for the outer one. */
+export function areaOf(parts) {
+  const area = (part) => {
+    const areas = part.map((ring) => Math.abs(signedArea(ring)));
+    return 2 * Math.max(...areas) - areas.reduce((sum, one) => sum + one, 0);
+  };
+  return parts.reduce((sum, part) => sum + area(part), 0);
 }
 
 /**

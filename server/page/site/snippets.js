@@ -42,21 +42,31 @@ with urlopen(request) as answer, open("${output}", "wb") as file:
   return { curl, "fetch()": script, Python: python };
 }
 
-function sampleSnippets({ body }) {
-  const url = `${location.origin}/sample`;
-  const text = JSON.stringify(body);
+/** The body in each language: a file of the sender's own, or the text itself. */
+function sampleBodies({ body, file }) {
+  if (!file) return { curl: `-d ${shellQuoted(body)}`, fetch: `JSON.stringify(${body})`, python: `r'''${body}'''.encode()`, read: "" };
+  const name = JSON.stringify(file.name);
+  return {
+    curl: `--data-binary ${shellQuoted(`@${file.name}`)}`, fetch: "shape", python: `open(${name}, "rb").read()`,
+    read: `const {readFile} = await import("node:fs/promises");\nconst shape = await readFile(${name});\n`,
+  };
+}
+
+function sampleSnippets(request) {
+  const url = location.origin + request.path;
+  const body = sampleBodies(request);
   const allow = (kind) => (hasKey() ? authorizations[kind] : "");
-  const curl = `curl${allow("curl")} -d ${shellQuoted(text)} \\\n  ${url} -o points.json`;
-  const script = `const answer = await fetch("${url}",
-  {method: "POST", body: JSON.stringify(${text})${allow("fetch")}});
+  const curl = `curl${allow("curl")} ${body.curl} \\\n  ${shellQuoted(url)} -o points.json`;
+  const script = `${body.read}const answer = await fetch("${url}",
+  {method: "POST", body: ${body.fetch}${allow("fetch")}});
 if (!answer.ok) throw new Error(await answer.text());
 const {points, variation} = await answer.json();
 console.log(points.length, variation);`;
   const python = `import json
 ${hasKey() ? "import os\n" : ""}from urllib.request import Request, urlopen
 
-body = json.loads(r'''${text}''')
-request = Request("${url}", json.dumps(body).encode()${allow("python")})
+body = ${body.python}
+request = Request("${url}", body${allow("python")})
 with urlopen(request) as answer:
     result = json.load(answer)
 print(len(result["points"]), result["variation"])`;
