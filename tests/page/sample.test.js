@@ -102,6 +102,70 @@ test("takes GeoJSON, even on the ground or in degrees", async () => {
   await looksAsKept(world, frame(), "sample-geojson-plane");
 });
 
+const corners = () => world.page.inputValue("#corners").then(JSON.parse);
+
+test("takes back what was drawn, by buttons and by keys", async () => {
+  await open();
+  const first = await corners();
+  assert.ok(await world.page.isDisabled("#sample .undo"));
+  await world.page.click("#sample .draw");
+  await press([0.3, 0.2], [0.7, 0.2], [0.7, 0.8], [0.4, 0.5]);
+  await world.page.click("#sample .undo");
+  await world.page.click("#sample .close");
+  await settled(world.page, "sample");
+  assert.equal((await corners()).polygon.length, 3);
+  await world.page.click("#sample .hole");
+  await press([0.62, 0.3], [0.66, 0.3]);
+  await world.page.click("#sample .clear");
+  await press([0.6, 0.3], [0.66, 0.3], [0.66, 0.4]);
+  await world.page.click("#sample .close");
+  await settled(world.page, "sample");
+  assert.equal((await corners()).holes[0].length, 3);
+  await world.page.focus("#sample canvas");
+  await world.page.keyboard.press("Control+z");
+  await settled(world.page, "sample");
+  assert.equal((await corners()).holes, undefined);
+  await world.page.click("#sample .undo");
+  await settled(world.page, "sample");
+  assert.deepEqual(await corners(), first);
+  assert.ok(await world.page.isDisabled("#sample .undo"));
+});
+
+test("takes corners in the forms that people have", async () => {
+  await open();
+  await world.page.click("#sample .corners summary");
+  const type = async (text, state) => {
+    await world.page.fill("#corners", text);
+    await world.page.locator("#corners").blur();
+    await settled(world.page, "sample", state);
+  };
+  await type("[[0,0],[4,0],[4,3]]");
+  assert.deepEqual(await request(), { sites: 1000, iterations: 10, polygon: [[0, 0], [4, 0], [4, 3]] });
+  await type('{"type":"Polygon","coordinates":[[[0,0],[4,0],[4,3],[0,0]]]}');
+  assert.equal(await world.page.inputValue("#shape"), "file");
+  await world.page.selectOption("#shape", "polygon");
+  await settled(world.page, "sample");
+  assert.deepEqual(await corners(), { polygon: [[0, 0], [4, 0], [4, 3]] });
+  for (const wrong of ["[]", "[[0,0],[1]]", '{"polygon":3}', "null", '{"polygon":[[0,0],[4,0],[4,3]],"holes":7}']) {
+    await world.page.fill("#corners", wrong);
+    await world.page.locator("#corners").blur();
+    assert.match(await world.page.textContent("#shape-error"), /must be JSON/, wrong);
+  }
+});
+
+test("zooms to a part", async () => {
+  await open();
+  await choose(path.join(data, "polygons/Italy-110m.geojson"));
+  const shown = world.page.getByLabel("Shown");
+  assert.deepEqual(await shown.locator("option").allTextContents(), ["all parts", "part 1: 84 %", "part 2: 8.7 %", "part 3: 7.6 %"]);
+  await shown.selectOption("1");
+  await settled(world.page, "sample");
+  assert.ok(parseInt(await world.page.textContent("#sample .zoom output"), 10) > 200);
+  await shown.selectOption("");
+  await settled(world.page, "sample");
+  assert.equal(await world.page.textContent("#sample .zoom output"), "100 %");
+});
+
 test("takes a collection whole, and tells what was repaired", async () => {
   await open();
   const square = (x) => [[x, 0], [x + 2, 0], [x + 2, 2], [x, 2], [x, 0]];
@@ -126,7 +190,7 @@ test("says where a document is wrong", async () => {
   await world.page.setInputFiles("#sample .file", document({ type: "Polygon", coordinates: [ring] }));
   await settled(world.page, "sample", "failed");
   assert.match(await world.page.textContent("#shape-error"), /coordinates\/0\/2/);
-  assert.equal(await world.page.textContent("#sample .general"), "");
+  assert.match(await world.page.textContent("#sample .general"), /coordinates\/0\/2/);
 });
 
 test("goes through the iterations, getting each once", async () => {

@@ -8,10 +8,11 @@ export class Drawing {
   /**
    * @param toScreen  a corner's place in CSS pixels
    * @param toShape   the corner at a place, rounded
+   * @param grasped   called before a corner of what is there is moved
    * @param changed   called while rings change, with whether they are still on the move
    */
-  constructor({ toScreen, toShape, changed }) {
-    Object.assign(this, { toScreen, toShape, changed });
+  constructor({ toScreen, toShape, grasped, changed }) {
+    Object.assign(this, { toScreen, toShape, grasped, changed });
   }
 
   /** The ring that is being drawn; null if none is. */
@@ -30,7 +31,11 @@ export class Drawing {
   }
 
   undo() {
-    this.#ring?.pop();
+    this.#ring.pop();
+  }
+
+  clear() {
+    this.#ring.length = 0;
   }
 
   close() {
@@ -72,6 +77,7 @@ export class Drawing {
         if (moved && !drawing) this.changed(false);
         return;
       }
+      if (!moved && !drawing) this.grasped();
       moved = true;
       ring[index] = this.toShape(at);
       this.changed(true);

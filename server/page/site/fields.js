@@ -14,8 +14,10 @@ function numberInputs(field, id) {
     attributes: { "aria-label": `${field.label}, slider` },
   });
   slider.value = toSlider(field.value);
-  slider.addEventListener("input", () => { number.value = Math.round(fromSlider(Number(slider.value)) * 100) / 100; });
-  number.addEventListener("input", () => { slider.value = toSlider(Number(number.value)); });
+  const tell = () => slider.setAttribute("aria-valuetext", number.value);
+  slider.addEventListener("input", () => { number.value = Math.round(fromSlider(Number(slider.value)) * 100) / 100; tell(); });
+  number.addEventListener("input", () => { slider.value = toSlider(Number(number.value)); tell(); });
+  tell();
   return { number, slider, all: [number, slider] };
 }
 
@@ -166,18 +168,17 @@ export class Fields {
     this.#find(name).input.disabled = !enabled;
   }
 
-  /** Puts each objection beside the field that it is about; returns those that belong to none. */
+  /** Puts each objection beside the field that it is about, if there is one here. */
   show(errors) {
     for (const entry of this.#entries) {
       entry.error.textContent = "";
       entry.input.removeAttribute("aria-invalid");
     }
-    return errors.filter(({ pointer, detail }) => {
+    for (const { pointer, detail } of errors) {
       const entry = this.#find(pointer.replace(/^\//, "").split("/")[0]);
-      if (!entry) return true;
+      if (!entry) continue;
       entry.error.textContent = detail;
       entry.input.setAttribute("aria-invalid", "true");
-      return false;
-    });
+    }
   }
 }

@@ -12,6 +12,12 @@ export function polygonsOf(json) {
   }
 }
 
+/** Whether a document is GeoJSON, by its type. */
+export function isGeojson(json) {
+  const geometries = ["Point", "MultiPoint", "LineString", "MultiLineString", "Polygon", "MultiPolygon", "GeometryCollection"];
+  return ["Feature", "FeatureCollection", ...geometries].includes(json?.type);
+}
+
 /** Whether all positions may be longitudes and latitudes, as RFC 7946 has them, in any turn that the server takes. */
 export function mayBeDegrees({ minX, maxX, minY, maxY }) {
   return minX >= -540 && maxX <= 540 && minY >= -90 && maxY <= 90;

@@ -83,6 +83,8 @@ export class Halftone extends Panel {
     const original = await createImageBitmap(blob).catch(() => null);
     if (picture !== this.#picture) return;
     this.#original = original;
+    if (original) this.viewport.content = { width: original.width, height: original.height };
+    this.viewport.redraw();
     this.refresh(false);
   }
 
@@ -140,30 +142,39 @@ export class Halftone extends Panel {
   }
 
   place(errors) {
-    const left = this.fields.show(errors);
-    const aboutPicture = left.filter(({ pointer }) => pointer === "image");
+    this.fields.show(errors);
+    const aboutPicture = errors.filter(({ pointer }) => pointer === "image");
     this.find(".picture-error").textContent = aboutPicture.map(({ detail }) => detail).join("; ");
-    return left.filter((error) => !aboutPicture.includes(error));
+  }
+
+  /** The picture is left. */
+  forget() {
+    this.#dots = null;
+    this.viewport.redraw();
   }
 
   #draw(context, view) {
-    if (!this.#dots) return;
+    this.divider.hidden = !this.#original || !this.#dots;
+    if (!this.#original && !this.#dots) return;
     const { width, height } = this.#original ?? this.#dots;
     const place = [view.x, view.y, width * view.scale, height * view.scale];
-    const pixel = (view.scale * width * devicePixelRatio) / this.#dots.width;
-    context.imageSmoothingEnabled = pixel < 1;
-    context.imageSmoothingQuality = "high";
-    context.drawImage(this.#dots, ...place);
-    this.divider.hidden = this.#original === null;
+    if (this.#dots) this.#drawDots(context, place);
     if (this.#original) this.#drawOriginal(context, view, place);
   }
 
+  #drawDots(context, place) {
+    context.imageSmoothingEnabled = place[2] * devicePixelRatio < this.#dots.width;
+    context.imageSmoothingQuality = "high";
+    context.drawImage(this.#dots, ...place);
+  }
+
+  /** All of it as long as there are no dots. */
   #drawOriginal(context, view, place) {
     const share = Number(this.divider.value) / 100;
-    const end = thumbWidth / 2 + share * (view.size.width - thumbWidth);
+    const end = this.#dots ? thumbWidth / 2 + share * (view.size.width - thumbWidth) : view.size.width;
     context.save();
     context.beginPath();
-    context.rect(0, 0, share === 0 ? 0 : end, view.size.height);
+    context.rect(0, 0, this.#dots && share === 0 ? 0 : end, view.size.height);
     context.clip();
     context.imageSmoothingEnabled = true;
     context.drawImage(this.#original, ...place);

@@ -36,19 +36,22 @@ export class Panel {
     return this.element.querySelector(selector);
   }
 
-  /** Shows a problem, or that there is none; `place(errors)` returns those that it has no place for. */
+  /** Shows a problem, or that there is none: where one looks, and at the fields that it is about. */
   show(problem) {
     this.element.dataset.state = problem ? "failed" : "done";
-    const left = this.place(problem?.errors ?? []);
-    const isToldElsewhere = !problem || (problem.errors?.length > 0 && left.length === 0) ||
-      (problem.status === 401 && !hasKey());
+    this.place(problem?.errors ?? []);
+    const isToldElsewhere = !problem || (problem.status === 401 && !hasKey());
     this.error.textContent = isToldElsewhere ? "" : problem.message;
-    if (problem) this.status.textContent = "";
+    if (!problem) return;
+    this.status.textContent = "";
+    this.forget();
   }
 
-  place(errors) {
-    return errors;
-  }
+  /** Shows each error at the field that it is about, and of no other field any. */
+  place() {}
+
+  /** Lets go of what was made before. */
+  forget() {}
 
   /** Asks for work; a draft while something moves. */
   wish(work, draft = false) {

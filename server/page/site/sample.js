@@ -5,16 +5,18 @@ import { chart } from "./chart.js";
 import { acceptDrops, colour, count, make, metres, seconds } from "./dom.js";
 import { Drawing } from "./drawing.js";
 import { Fields } from "./fields.js";
-import { mayBeDegrees, polygonsOf } from "./geojson.js";
+import { isGeojson, mayBeDegrees, polygonsOf } from "./geojson.js";
 import { postPatiently } from "./jobs.js";
 import { Panel } from "./panel.js";
-import { areaOf, boundsOf, firstPolygon, outlineOf, rectangle, unitTorus } from "./shape.js";
+import { areaOf, boundsOf, firstPolygon, outlineOf, polygonOf, rectangle, unitTorus } from "./shape.js";
 import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
 
 const mostFrames = 64;
 const dotShare = 0.3;  // a dot's radius over the mean spacing
 const mostRepairs = 20;  // that are shown
+const mostParts = 30;  // that one may choose among
+const mostPast = 100;  // polygons
 
 let filesTaken = 0;
 
@@ -44,6 +46,7 @@ export class Sample extends Panel {
   #frames = new Map();
   #result = null;
   #kept = null;
+  #past = [];
 
   constructor(element) {
     super(element);
@@ -57,7 +60,7 @@ export class Sample extends Panel {
       { margin: 28, press: (at) => this.#press(at) });
     this.drawing = new Drawing({
       toScreen: (corner) => this.#toScreen(corner), toShape: (at) => this.#toShape(at),
-      changed: (moving) => this.#shapeMoved(moving),
+      grasped: () => this.#remember(), changed: (moving) => this.#shapeMoved(moving),
     });
     this.shapeFields = new Fields(this.find(".shape-fields"), shapeFields, () => { this.#refit(); this.refresh(); });
     this.fields = new Fields(this.find(".fields"), fields, (draft) => this.refresh(draft));
@@ -91,6 +94,10 @@ export class Sample extends Panel {
     this.shapeChoice.addEventListener("change", () => { this.#shapeChosen(); this.refresh(); });
     this.find(".draw").addEventListener("click", () => this.#startDrawing(false));
     this.find(".hole").addEventListener("click", () => this.#startDrawing(true));
+    this.find(".undo").addEventListener("click", () => this.#undo());
+    this.find(".close").addEventListener("click", () => this.drawing.close());
+    this.find(".clear").addEventListener("click", () => { this.drawing.clear(); this.viewport.redraw(); });
+    this.find(".part").addEventListener("change", () => this.#showPart());
     this.canvas.addEventListener("keydown", (event) => this.#drawingKey(event));
     this.corners.addEventListener("change", () => this.#takeCorners());
     this.iteration.addEventListener("input", () => this.refresh(true));
@@ -134,14 +141,43 @@ export class Sample extends Panel {
 
   #takeCorners() {
     try {
-      const { polygon, holes } = JSON.parse(this.corners.value);
-      this.#shapes.polygon = { polygon, ...(holes?.length > 0 && { holes }) };
-      boundsOf(outlineOf(this.#shapes.polygon, false).rings);
+      const json = JSON.parse(this.corners.value);
+      if (isGeojson(json)) return this.#takeDocument({ name: "shape.geojson", text: this.corners.value });
+      const polygon = polygonOf(json);
+      if (!polygon) throw new Error("these are no corners");
+      this.#remember();
+      this.#shapes.polygon = polygon;
     } catch {
-      return this.#tellOfShape('the corners must be JSON: {"polygon": [[x, y], ...], "holes": [[[x, y], ...], ...]}');
+      return this.#tellOfShape('the corners must be JSON: [[x, y], ...], {"polygon": [[x, y], ...], "holes": [[[x, y], ...], ...]}, or GeoJSON with polygons');
     }
     this.#shapeChosen();
     this.refresh();
+  }
+
+  /** Notes what the polygon is before it changes. */
+  #remember() {
+    this.#past.push(structuredClone(this.#shapes.polygon));
+    if (this.#past.length > mostPast) this.#past.shift();
+    this.#offerTools();
+  }
+
+  /** Takes back a corner that was drawn, or else what the polygon has last become. */
+  #undo() {
+    if (this.drawing.ring?.length > 0) {
+      this.drawing.undo();
+      this.viewport.redraw();
+    } else if (this.#past.length > 0) {
+      this.#shapes.polygon = this.#past.pop();
+      this.#shapeChosen();
+      this.refresh();
+    }
+  }
+
+  #offerTools() {
+    const isDrawing = Boolean(this.drawing.ring);
+    this.find(".close").hidden = this.find(".clear").hidden = !isDrawing;
+    this.find(".draw").hidden = this.find(".hole").hidden = isDrawing;
+    this.find(".undo").disabled = !isDrawing && this.#past.length === 0;
   }
 
   #shapeChosen() {
@@ -150,10 +186,13 @@ export class Sample extends Panel {
     this.tiles.disabled = kind !== "torus";
     if (kind !== "torus") this.tiles.checked = false;
     this.corners.value = JSON.stringify(this.#shapes.polygon);
+    this.#result = null;
+    this.#tellOfAnswer({});
     this.shapeFields.offer("coordinates", kind === "file" && this.shape?.mayBeDegrees);
     this.#stopDrawing();
     this.#tellOfShape(this.shape ? "" : "choose or drop a GeoJSON file");
     if (this.shape) this.#refit();
+    this.viewport.redraw();
   }
 
   /** What is shown: the shape, with the sheet's rest when one is drawn. */
@@ -163,6 +202,25 @@ export class Sample extends Panel {
     const around = this.tiles.checked ? 1 : 0;
     this.view = { minX: bounds.minX - around * width, maxY: bounds.maxY + around * height };
     this.viewport.content = { width: width * (1 + 2 * around), height: height * (1 + 2 * around) };
+    this.#offerParts();
+  }
+
+  /** Islands far off would leave the rest small: each part can be looked at alone, the largest first. */
+  #offerParts() {
+    const { parts } = this.#outline;
+    this.partsBySize = parts.map((part) => ({ part, area: areaOf([part]) })).sort((a, b) => b.area - a.area);
+    const whole = this.partsBySize.reduce((sum, { area }) => sum + area, 0);
+    const named = this.partsBySize.slice(0, mostParts).map(({ area }, i) =>
+      new Option(`part ${i + 1}: ${Number((100 * area / whole).toPrecision(2))} %`, i));
+    this.find(".part").replaceChildren(new Option("all parts", ""), ...named);
+    this.find(".part").hidden = parts.length < 2;
+  }
+
+  #showPart() {
+    const { value } = this.find(".part");
+    if (value === "") return this.viewport.fit();
+    const { minX, maxX, minY, maxY } = boundsOf(this.partsBySize[value].part);
+    this.viewport.frame({ x: minX - this.view.minX, y: this.view.maxY - maxY, width: maxX - minX, height: maxY - minY });
   }
 
   #toScreen([x, y]) {
@@ -179,6 +237,7 @@ export class Sample extends Panel {
 
   #startDrawing(hole) {
     this.drawing.start((ring) => {
+      this.#remember();
       const { polygon, holes = [] } = this.#shapes.polygon;
       this.#shapes.polygon = hole ? { polygon, holes: [...holes, ring] } : { polygon: ring };
       this.#shapeChosen();
@@ -188,6 +247,7 @@ export class Sample extends Panel {
     const hint = this.find(".drawing-hint");
     hint.hidden = false;
     hint.textContent = "Press for corners, the first one to close. Enter closes, Backspace undoes, Escape ends.";
+    this.#offerTools();
     this.canvas.classList.add("drawing");
     this.canvas.focus();
     this.viewport.redraw();
@@ -197,12 +257,18 @@ export class Sample extends Panel {
     this.drawing.cancel();
     this.find(".drawing-hint").hidden = true;
     this.canvas.classList.remove("drawing");
+    this.#offerTools();
   }
 
-  #drawingKey({ key }) {
+  #drawingKey(event) {
+    const { key } = event;
+    if ((event.ctrlKey || event.metaKey) && key === "z" && this.shapeChoice.value === "polygon") {
+      event.preventDefault();
+      return this.#undo();
+    }
     if (!this.drawing.ring) return;
     if (key === "Enter") this.drawing.close();
-    if (key === "Backspace") this.drawing.undo();
+    if (key === "Backspace") this.#undo();
     if (key === "Escape") {
       this.#stopDrawing();
       this.refresh();
@@ -326,7 +392,17 @@ export class Sample extends Panel {
     const isDocument = Boolean(this.shape?.file);
     const isAboutShape = ({ pointer }) => (isDocument ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
     this.#tellOfShape(errors.filter(isAboutShape).map(({ detail }) => detail).join("; "));
-    return this.shapeFields.show(this.fields.show(errors.filter((error) => !isAboutShape(error))));
+    const others = errors.filter((error) => !isAboutShape(error));
+    this.fields.show(others);
+    this.shapeFields.show(others);
+  }
+
+  /** The outline is left. */
+  forget() {
+    this.#result = null;
+    this.#tellOfAnswer({});
+    this.find(".trace").hidden = true;
+    this.viewport.redraw();
   }
 
   #draw(context) {

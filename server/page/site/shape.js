@@ -13,6 +13,19 @@ export const firstPolygon = {
 
 const boxRing = ({ width, height }) => [[0, 0], [width, 0], [width, height], [0, height]];
 
+const isRing = (ring) => Array.isArray(ring) && ring.length > 0 &&
+  ring.every((corner) => Array.isArray(corner) && corner.length >= 2 && corner.every(Number.isFinite));
+
+/**
+ * What corners as text say: {polygon, holes}, or a ring alone.
+ * @returns  null if they are neither
+ */
+export function polygonOf(json) {
+  const { polygon, holes = [] } = Array.isArray(json) ? { polygon: json } : json ?? {};
+  if (!isRing(polygon) || !Array.isArray(holes) || !holes.every(isRing)) return null;
+  return { polygon, ...(holes.length > 0 && { holes }) };
+}
+
 /** The parts of a shape, each a list of rings of which the first is the outer one. */
 function partsOf(shape) {
   if (shape.domain) return [[boxRing(shape.domain)]];

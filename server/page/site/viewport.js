@@ -62,6 +62,16 @@ export class Viewport {
     this.redraw();
   }
 
+  /** Shows a part of the content as large as it can be. */
+  frame({ x, y, width, height }) {
+    this.#fitted = false;
+    const room = (side) => Math.max(side - 2 * this.margin, 1);
+    this.scale = Math.min(room(this.size.width) / width, room(this.size.height) / height);
+    this.x = this.size.width / 2 - this.scale * (x + width / 2);
+    this.y = this.size.height / 2 - this.scale * (y + height / 2);
+    this.redraw();
+  }
+
   zoom(factor, at = { x: this.size.width / 2, y: this.size.height / 2 }) {
     const scale = Math.min(Math.max(this.scale * factor, this.#fit / 4), this.#fit * 1000);
     this.x = at.x - ((at.x - this.x) * scale) / this.scale;

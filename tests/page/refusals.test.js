@@ -1,0 +1,50 @@
+// After a refusal nothing is left on the page that was made before.
+
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import path from "node:path";
+import { test } from "node:test";
+
+import { data, settled, useBrowser } from "./harness.js";
+
+const world = useBrowser();
+
+/** How many pixels of a panel's canvas are about as dark as dots are. */
+const dark = (panel) => world.page.locator(`#${panel} canvas`).evaluate((canvas) => {
+  const { data: values } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  let number = 0;
+  for (let i = 0; i < values.length; i += 4) number += values[i + 3] > 128 && values[i] + values[i + 1] + values[i + 2] < 150;
+  return number;
+});
+
+const visibleError = (panel) => world.page.locator(`#${panel} .general`).boundingBox();
+
+test("a shape that is refused has no points of the one before", async () => {
+  const { page } = world;
+  await page.goto(`${world.url}/#sample`);
+  await settled(page, "sample");
+  await page.setInputFiles("#sample .file", path.join(data, "polygons/Italy-110m.geojson"));
+  await settled(page, "sample");
+  assert.ok((await dark("sample")) > 1000);
+  const flat = { type: "Polygon", coordinates: [[[0, 0], [1, 1], [2, 2], [0, 0]]] };
+  await page.setInputFiles("#sample .file", { name: "flat.json", mimeType: "application/json", buffer: Buffer.from(JSON.stringify(flat)) });
+  await settled(page, "sample", "failed");
+  assert.equal(await dark("sample"), 0);
+  assert.ok(await page.isHidden("#sample .trace"));
+  assert.equal(await page.textContent("#sample .status"), "");
+  const { y, height } = await visibleError("sample");
+  assert.ok(y >= 0 && y + height <= page.viewportSize().height);
+});
+
+test("a picture that is refused does not have the dots of the one before", async () => {
+  const { page } = world;
+  await page.goto(world.url);
+  await settled(page, "halftone");
+  const bytes = await readFile(path.join(data, "images/camera.png"));
+  const broken = Buffer.concat([bytes.subarray(0, 60), Buffer.from("no pixels"), bytes.subarray(69)]);
+  await page.setInputFiles("#halftone .file", { name: "broken.png", mimeType: "image/png", buffer: broken });
+  await settled(page, "halftone", "failed");
+  assert.equal(await dark("halftone"), 0);
+  assert.ok(await page.isHidden("#halftone .divider"));
+  assert.match(await page.textContent("#halftone .general"), /image/);
+});
