@@ -59,41 +59,34 @@ void remove_stale(const sockaddr_un& address) {
     if (is_socket && !has_listener(address)) unlink(address.sun_path);
 }
 
-std::string host_of(const in6_addr& address) {
-    std::array<char, INET6_ADDRSTRLEN> text{};
-    if (IN6_IS_ADDR_V4MAPPED(&address)) return inet_ntop(AF_INET, &address.s6_addr[12], text.data(), text.size());
-    return inet_ntop(AF_INET6, &address, text.data(), text.size());
-}
-
-std::string network_of(in6_addr address) {
-    if (!IN6_IS_ADDR_V4MAPPED(&address)) std::fill(address.s6_addr + 8, address.s6_addr + 16, std::uint8_t{0});
-    return host_of(address);
-}
-
 }  // namespace
 
 Peer describe_peer(const sockaddr_storage& address) {
     if (address.ss_family == AF_INET) {
         sockaddr_in of{};
         std::memcpy(&of, &address, sizeof(of));
-        std::array<char, INET_ADDRSTRLEN> text{};
-        const std::string host = inet_ntop(AF_INET, &of.sin_addr, text.data(), text.size());
-        return {host + ":" + std::to_string(ntohs(of.sin_port)), host};
+        return describe_peer(IpAddress(of.sin_addr), ntohs(of.sin_port));
     }
     if (address.ss_family == AF_INET6) {
         sockaddr_in6 of{};
         std::memcpy(&of, &address, sizeof(of));
-        const std::string host = host_of(of.sin6_addr);
-        const std::string shown = host.find(':') == std::string::npos ? host : "[" + host + "]";
-        return {shown + ":" + std::to_string(ntohs(of.sin6_port)), network_of(of.sin6_addr)};
+        return describe_peer(IpAddress(of.sin6_addr), ntohs(of.sin6_port));
     }
-    return {address.ss_family == AF_UNIX ? "unix" : "-", ""};
+    if (address.ss_family != AF_UNIX) return {};
+    return {.name = "unix", .is_local = true};
+}
+
+Peer describe_peer(const IpAddress& address, std::optional<std::uint16_t> port) {
+    const std::string host = address.text();
+    const std::string shown = address.is_version_4() || !port ? host : '[' + host + ']';
+    return {
+        .name = port ? shown + ':' + std::to_string(*port) : shown, .address = address.of_one_client(), .ip = address};
 }
 
 Peer peer_of(int socket) {
     sockaddr_storage address{};
     socklen_t size = sizeof(address);
-    if (getpeername(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {"-", ""};
+    if (getpeername(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {};
     return describe_peer(address);
 }
 

@@ -4,21 +4,26 @@
 #include <sys/types.h>
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "core/result.h"
+#include "server/http/ip_address.h"
 
 namespace ccdt::server {
 
-/// The other end of a connection.
+/// The other end of a connection, or a client for whom a proxy asks.
 struct Peer {
-    std::string name;  ///< address and port, for the log
-    std::string
-        address;  ///< what one client has for itself: an IPv4 address, an IPv6 network of 64 bits; empty if local
+    std::string name = "-";            ///< address and, if it is known, port, for the log
+    std::string address = {};          ///< what one client has for itself, by which limits count; empty if it has none
+    std::optional<IpAddress> ip = {};  ///< none: it has none, or is not known
+    bool is_local = false;             ///< came over a Unix socket
 };
 
 /// @param address  as `accept` fills it in
 Peer describe_peer(const sockaddr_storage& address);
+Peer describe_peer(const IpAddress& address, std::optional<std::uint16_t> port = std::nullopt);
 
 /// Peer of a connected socket.
 Peer peer_of(int socket);
