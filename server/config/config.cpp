@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string_view>
 #include <thread>
+#include <utility>
 
 #include "api/text/text.h"
 #include "server/config/memory_plan.h"
@@ -101,6 +102,22 @@ std::string set_cors_origins(Draft& draft, std::string_view text) {
     }
 }
 
+std::string set_trusted_proxies(Draft& draft, std::string_view text) {
+    TrustedProxies proxies;
+    for (bool more = true; more;) {
+        more = text.find(',') != std::string_view::npos;
+        const auto one = api::take_until(text, ",");
+        const auto network = IpNetwork::parse(one);
+        if (!network && one != "unix") return "networks such as 10.0.0.0/8, addresses, or unix, separated by commas";
+        if (network)
+            proxies.networks.push_back(*network);
+        else
+            proxies.unix_socket = true;
+    }
+    draft.config.trusted_proxies = std::move(proxies);
+    return {};
+}
+
 std::string set_rate(Draft& draft, std::string_view text) {
     constexpr double kMost = 1e6;
     const auto rate = api::parse_number<double>(text);
@@ -157,6 +174,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.capacity.streams, text, 0, 32'768); }},
     {"--max-connections-per-address", "CCDT_MAX_CONNECTIONS_PER_ADDRESS", "N", "of one address, 0 for no limit (64)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.capacity.per_address, text, 0, 32'768); }},
+    {"--trusted-proxy", "CCDT_TRUSTED_PROXY", "NETWORKS", "whose word on client addresses counts; unix for its sockets",
+     set_trusted_proxies},
     {"--data-dir", "CCDT_DATA_DIR", "FOLDER", "where jobs are kept; made if it is missing (in memory)",
      [](Draft& draft, std::string_view text) {
          draft.config.data_dir = text;

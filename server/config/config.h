@@ -13,6 +13,7 @@
 #include "server/access/rate_limiter.h"
 #include "server/http/capacity.h"
 #include "server/http/connection.h"
+#include "server/http/proxies.h"
 #include "server/jobs/job_limits.h"
 
 namespace ccdt::server {
@@ -31,6 +32,7 @@ struct Config {
     std::chrono::milliseconds drain_timeout{70'000};  ///< from the signal to end to the end
     Patience patience;                                ///< with slow clients
     Capacity::Limits capacity;                        ///< for all clients together
+    TrustedProxies trusted_proxies;                   ///< that are believed for whom they ask
     JobLimits jobs;
     std::size_t cache = 0;                  ///< bytes of answers to keep; 0: none
     bool cache_shared = false;              ///< what is kept for one API key is given to all

@@ -23,6 +23,24 @@ std::size_t Capacity::limit(Room room) const {
     return limits_.connections;
 }
 
+/// Counts one more of an address.
+/// @returns  false if it has enough
+bool Capacity::enter_locked(const std::string& address) {
+    if (limits_.per_address == 0 || address.empty()) return true;
+    auto& count = by_address_[address];
+    if (count >= limits_.per_address) {
+        ++refused_by_address_;
+        return false;
+    }
+    ++count;
+    return true;
+}
+
+void Capacity::leave_locked(const std::string& address) {
+    const auto found = by_address_.find(address);
+    if (found != by_address_.end() && --found->second == 0) by_address_.erase(found);
+}
+
 Place::Place(Capacity& capacity, std::string address) : capacity_(capacity), address_(std::move(address)) {
     const std::lock_guard lock(capacity_.mutex_);
     const bool common = capacity_.has_place_locked(Room::Common);
@@ -30,14 +48,9 @@ Place::Place(Capacity& capacity, std::string address) : capacity_(capacity), add
         ++capacity_.refused_;
         return;
     }
-    if (const auto most = capacity_.limits_.per_address; most > 0 && !address_.empty()) {
-        auto& count = capacity_.by_address_[address_];
-        if (count >= most) {
-            ++capacity_.refused_by_address_;
-            entry_ = Entry::AddressFull;
-            return;
-        }
-        ++count;
+    if (!capacity_.enter_locked(address_)) {
+        entry_ = Entry::AddressFull;
+        return;
     }
     room_ = common ? Room::Common : Room::Reserve;
     entry_ = Entry::Admitted;
@@ -48,8 +61,7 @@ Place::~Place() {
     if (entry_ != Entry::Admitted) return;
     const std::lock_guard lock(capacity_.mutex_);
     --capacity_.taken(room_);
-    const auto found = capacity_.by_address_.find(address_);
-    if (found != capacity_.by_address_.end() && --found->second == 0) capacity_.by_address_.erase(found);
+    capacity_.leave_locked(address_);
 }
 
 bool Place::move_to(Room room) {
@@ -61,6 +73,14 @@ bool Place::move_to(Room room) {
     }
     --capacity_.taken(std::exchange(room_, room));
     ++capacity_.taken(room);
+    return true;
+}
+
+bool Place::count_by(const std::string& address) {
+    if (address == address_) return true;
+    const std::lock_guard lock(capacity_.mutex_);
+    if (!capacity_.enter_locked(address)) return false;
+    capacity_.leave_locked(std::exchange(address_, address));
     return true;
 }
 

@@ -61,6 +61,8 @@ private:
     std::size_t limit(Room room) const;
     std::atomic<std::size_t>& taken(Room room) { return taken_[static_cast<std::size_t>(room)]; }
     bool has_place_locked(Room room) { return taken(room) < limit(room); }
+    bool enter_locked(const std::string& address);
+    void leave_locked(const std::string& address);
 
     const Limits limits_;
     std::atomic<bool> closing_ = false;
@@ -96,9 +98,13 @@ public:
     /// @returns  false if that room is full; the place is then where it was
     bool move_to(Room room);
 
+    /// Counts the place by another address from now on; an empty one: by none.
+    /// @returns  false if that has enough; the place then counts as it did
+    bool count_by(const std::string& address);
+
 private:
     Capacity& capacity_;
-    const std::string address_;
+    std::string address_;
     Entry entry_ = Entry::Full;
     Room room_ = Room::Common;
 };

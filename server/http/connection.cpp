@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <utility>
 
+#include "server/http/proxy_protocol.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -51,7 +53,12 @@ bool may_break_a_line(char c) {
 }  // namespace
 
 Connection::Connection(int socket, const Patience& patience, Capacity* capacity, Place* place)
-    : socket_(socket), patience_(patience), capacity_(capacity), place_(place), peer_(peer_of(socket)) {}
+    : socket_(socket),
+      patience_(patience),
+      capacity_(capacity),
+      place_(place),
+      peer_(peer_of(socket)),
+      client_(peer_) {}
 
 bool Connection::wait_for_request(const std::function<bool(Milliseconds waited)>& give_up) {
     bytes_in_ = 0;
@@ -65,13 +72,26 @@ bool Connection::wait_for_request(const std::function<bool(Milliseconds waited)>
     return true;
 }
 
-HttpResult<Request> Connection::read_head() {
-    const auto start = Clock::now();
-    const auto deadline = [&] {
-        return start + (is_pressed() ? std::min(patience_.header, kHeadUnderPressure) : patience_.header);
-    };
+HttpResult<void> Connection::read_proxy_header() {
     between_requests_ = false;
-    const Fill fill_up = [&] { return fill(deadline); };
+    const Fill fill_up = fill_head();
+    while (true) {
+        auto header = parse_proxy_header(unread_.view());
+        if (!header) return tl::unexpected(std::move(header.error()));
+        if (header->state != ProxyHeader::State::Partial) {
+            unread_.use(header->size);
+            if (header->client) client_ = peer_ = *std::move(header->client);
+            between_requests_ = true;
+            return {};
+        }
+        if (auto filled = fill_up(); !filled) return filled;
+    }
+}
+
+HttpResult<Request> Connection::read_head() {
+    between_requests_ = false;
+    client_ = peer_;
+    const Fill fill_up = fill_head();
     std::size_t end = 0;
     for (bool blank = false; !blank;) {
         const auto line_end = find_line_end(end, kLargestHead, fill_up);
@@ -177,6 +197,14 @@ HttpResult<void> Connection::fill(const Deadline& deadline) {
     if (received <= 0) return problem(400, "the client closed the connection within its request");
     unread_.add({buffer.data(), static_cast<std::size_t>(received)});
     return {};
+}
+
+/// Makes what receives more of a head, of which the first byte is there.
+Connection::Fill Connection::fill_head() {
+    const auto deadline = [this, start = Clock::now()] {
+        return start + (is_pressed() ? std::min(patience_.header, kHeadUnderPressure) : patience_.header);
+    };
+    return [this, deadline] { return fill(deadline); };
 }
 
 /// Receives more of a body, of which so much is there.

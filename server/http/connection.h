@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "server/http/capacity.h"
 #include "server/http/http.h"
@@ -39,6 +40,10 @@ public:
     /// @returns        false if the client closed the connection or the wait was given up
     bool wait_for_request(const std::function<bool(Milliseconds waited)>& give_up);
 
+    /// Reads the header by which a proxy tells who connected to it, if there is one: then that is the peer. To be
+    /// called once the first bytes are there. Problems: 400 malformed, 408 too slow. The connection is then unusable.
+    HttpResult<void> read_proxy_header();
+
     /// Problems: 400 malformed, 408 too slow, 431 too large. The connection is then unusable.
     HttpResult<Request> read_head();
 
@@ -68,14 +73,15 @@ public:
     /// Whether it is one of those that are closed after their first request.
     bool in_reserve() const { return place_ != nullptr && place_->room() == Room::Reserve; }
 
-    /// Address and port of the client, for the log.
-    const std::string& client() const { return peer_.name; }
+    /// Who connected.
+    const Peer& peer() const { return peer_; }
 
-    /// Address by which limits count; empty: they do not.
-    const std::string& address() const { return peer_.address; }
+    /// Who sent the current request: the peer, unless a proxy is it and asks for another.
+    const Peer& client() const { return client_; }
+    void set_client(Peer client) { client_ = std::move(client); }
 
     /// Name of who sent the current request, for taking turns: its address unless it is known better.
-    const std::string& client_name() const { return client_name_.empty() ? peer_.address : client_name_; }
+    const std::string& client_name() const { return client_name_.empty() ? client_.address : client_name_; }
     void name_client(std::string name, std::string key) {
         client_name_ = std::move(name);
         key_ = std::move(key);
@@ -118,6 +124,7 @@ private:
     Clock::time_point deadline(const Transfer& transfer) const;
     bool wait(short events, const Deadline& deadline) const;
     HttpResult<void> fill(const Deadline& deadline);
+    Fill fill_head();
     HttpResult<void> fill(const std::string& body, HeldBytes& held);
     HttpResult<std::size_t> find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up);
     HttpResult<std::string_view> read_line(const Fill& fill_up);
@@ -132,7 +139,8 @@ private:
     const Patience patience_;
     Capacity* const capacity_;
     Place* const place_;
-    const Peer peer_;
+    Peer peer_;
+    Peer client_;
     std::string client_name_;
     std::string key_;
     Unread unread_;

@@ -119,10 +119,11 @@ private:
 };
 
 HttpServer::HttpServer(ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits,
-                       Handler handler, Logger logger)
+                       TrustedProxies proxies, Handler handler, Logger logger)
     : listener_(std::move(listener)),
       patience_(patience),
       capacity_(limits),
+      proxies_(std::move(proxies)),
       handler_(std::move(handler)),
       logger_(std::move(logger)) {}
 
@@ -161,7 +162,7 @@ void HttpServer::wait_for_client(RefusedClients& refused) const {
 void HttpServer::receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused) {
     const int yes = 1;
     setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
-    const auto place = std::make_shared<Place>(capacity_, peer.address);
+    const auto place = std::make_shared<Place>(capacity_, counted_address(peer));
     auto entry = place->entry();
     if (entry == Place::Entry::Admitted) {
         if (threads.run([this, socket = socket.get(), place] { serve_socket(UniqueFd(socket), *place); })) {
@@ -187,7 +188,7 @@ void HttpServer::serve_socket(const UniqueFd& socket, Place& place) {
     });
 }
 
-void HttpServer::serve_connection(Connection& connection, const Place& place) {
+void HttpServer::serve_connection(Connection& connection, Place& place) {
     AnswerWriter writer(connection, patience_.idle, kRequestsPerConnection);
     // Whoever connects has something to ask.
     auto longest = patience_.header;
@@ -196,14 +197,40 @@ void HttpServer::serve_connection(Connection& connection, const Place& place) {
         const bool pressed = capacity_.is_pressed() || idles_elsewhere || (draining_ && busy_ == 0);
         return waited >= (pressed ? std::min(longest, kIdleUnderPressure) : longest);
     };
+    if (proxies_.include(connection.peer()) && connection.wait_for_request(give_up)) {
+        const auto told = connection.read_proxy_header().and_then([&] { return count(connection.peer(), place); });
+        if (!told) {
+            answer(connection, writer, {}, told, true);
+            return;
+        }
+    }
     for (std::size_t left = kRequestsPerConnection; left > 0 && connection.wait_for_request(give_up); --left) {
         const Counted busy(busy_);
         auto request = connection.read_head();
-        const auto received = request.and_then(check_request);
+        const auto received =
+            request.and_then(check_request).and_then([&] { return take_client(*request, connection, place); });
         const bool last = !received || left == 1;
         if (!answer(connection, writer, std::move(request).value_or(Request()), received, last)) break;
+        place.count_by(counted_address(connection.peer()));
         longest = patience_.idle;
     }
+}
+
+/// Finds whose request it is, and has the connection count by that client's address until it is answered.
+HttpResult<void> HttpServer::take_client(const Request& request, Connection& connection, Place& place) const {
+    connection.set_client(client_of(request, connection.peer(), proxies_));
+    return count(connection.client(), place);
+}
+
+HttpResult<void> HttpServer::count(const Peer& client, Place& place) const {
+    if (!place.count_by(counted_address(client))) return refusal(Place::Entry::AddressFull);
+    return {};
+}
+
+/// Finds the address by which limits of connections count; empty: none. A proxy has as many as it wants: the balancer's
+/// health checks must not fail because of its clients.
+std::string HttpServer::counted_address(const Peer& client) const {
+    return proxies_.include(client) ? "" : client.address;
 }
 
 /// @param last  no further request on this connection, whatever the answer
@@ -220,7 +247,7 @@ bool HttpServer::answer(Connection& connection, AnswerWriter& writer, Request re
         written = stream_body(connection, response, !request.is_http_1_0);
     if (!written) response.status = kClientGone;
     const std::chrono::duration<double, std::milli> elapsed = Clock::now() - start;
-    logger_({std::move(request), std::move(response), connection.client(), connection.bytes_in(),
+    logger_({std::move(request), std::move(response), connection.client().name, connection.bytes_in(),
              connection.bytes_out(), elapsed.count()});
     return written && !last;
 }

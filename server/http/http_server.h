@@ -10,6 +10,7 @@
 #include "server/http/capacity.h"
 #include "server/http/connection.h"
 #include "server/http/http.h"
+#include "server/http/proxies.h"
 #include "server/http/sockets.h"
 #include "server/processes/unique_fd.h"
 
@@ -45,8 +46,9 @@ public:
     using Logger = std::function<void(const Exchange&)>;
 
     /// @param listener  where clients wait until `serve` is called
-    HttpServer(ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits, Handler handler,
-               Logger logger);
+    /// @param proxies   their clients count, not they
+    HttpServer(ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits,
+               TrustedProxies proxies, Handler handler, Logger logger);
 
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
@@ -65,7 +67,10 @@ private:
     void wait_for_client(RefusedClients& refused) const;
     void receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused);
     void serve_socket(const UniqueFd& socket, Place& place);
-    void serve_connection(Connection& connection, const Place& place);
+    void serve_connection(Connection& connection, Place& place);
+    HttpResult<void> take_client(const Request& request, Connection& connection, Place& place) const;
+    HttpResult<void> count(const Peer& client, Place& place) const;
+    std::string counted_address(const Peer& client) const;
     bool answer(Connection& connection, AnswerWriter& writer, Request request, const HttpResult<void>& received,
                 bool last);
     std::optional<Response> handle(const Request& request, const HttpResult<void>& received,
@@ -74,6 +79,7 @@ private:
     const ListeningSocket listener_;
     const Patience patience_;
     Capacity capacity_;
+    const TrustedProxies proxies_;
     const Handler handler_;
     const Logger logger_;
     std::atomic<bool> draining_ = false;

@@ -185,7 +185,7 @@ bool Routes::is_free(const Found& found, const Request& request) {
 
 /// Lets a request pass the gate, and tells its connection whose it is.
 HttpResult<void> Routes::admit(const Found& found, const Request& request, Connection& connection) {
-    auto verdict = gate_.check(request, connection.address(), is_free(found, request));
+    auto verdict = gate_.check(request, connection.client().address, is_free(found, request));
     connection.name_client(std::move(verdict.client), std::move(verdict.key));
     return std::move(verdict.admission);
 }

@@ -105,7 +105,7 @@ Service::Service(const Config& config, Parts parts, const Log& log)
                        .metrics = metrics_,
                        .missing = [this] { return missing(); }}),
       server_(
-          std::move(parts_.listener), config.patience, config.capacity,
+          std::move(parts_.listener), config.patience, config.capacity, config.trusted_proxies,
           [this](const auto& request, const auto& received, auto& connection) {
               return routes_.answer(request, received, connection);
           },

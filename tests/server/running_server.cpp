@@ -18,7 +18,7 @@ RunningServer::RunningServer(const Capacity::Limits& limits, HttpServer::Handler
 RunningServer::RunningServer(ListeningSocket listener, const Capacity::Limits& limits, HttpServer::Handler handler,
                              HttpServer::Logger logger)
     : port_(listener.port()),
-      server_(std::move(listener), {}, limits, std::move(handler), std::move(logger)),
+      server_(std::move(listener), {}, limits, {}, std::move(handler), std::move(logger)),
       thread_([this] { EXPECT_TRUE(server_.serve()); }) {}
 
 void RunningServer::stop() {

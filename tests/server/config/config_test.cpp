@@ -117,6 +117,20 @@ TEST(Config, ReadsWhatKeepsClientsInBounds) {
     EXPECT_EQ(config.rate.burst, 3u);
 }
 
+TEST(Config, ReadsWhichProxiesAreTrusted) {
+    const auto parsed = parse({"--trusted-proxy=10.0.0.0/8,fd00::/8,192.0.2.1,unix"});
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    const TrustedProxies& proxies = parsed->config.trusted_proxies;
+    EXPECT_TRUE(proxies.unix_socket);
+    std::vector<std::string> networks;
+    for (const IpNetwork& network : proxies.networks) networks.push_back(network.text());
+    EXPECT_EQ(networks, (std::vector<std::string>{"10.0.0.0/8", "fd00::/8", "192.0.2.1/32"}));
+    EXPECT_EQ(parse({}, {{"CCDT_TRUSTED_PROXY", "::1"}})->config.trusted_proxies.networks.size(), 1u);
+    EXPECT_TRUE(parse({})->config.trusted_proxies.networks.empty());
+    for (const char* value : {"", ",", "10.0.0.0/8,", "10.0.0.0/33", "balancer", "10.0.0.0/8, ::1", "UNIX"})
+        EXPECT_FALSE(parse({"--trusted-proxy", value})) << value;
+}
+
 TEST(Config, ReadsWhatJobsMayTake) {
     const auto parsed = parse({"--data-dir=jobs", "--job-ttl=5", "--job-queue=0"}, {{"CCDT_JOB_TIMEOUT", "7"}});
     ASSERT_TRUE(parsed) << parsed.error().message;

@@ -36,6 +36,24 @@ TEST(Capacity, LimitsConnectionsOfAnAddress) {
     EXPECT_EQ(capacity.counts().refused_by_address, 2u);
 }
 
+TEST(Capacity, CountsAPlaceByAnotherAddressIfThatHasNotEnough) {
+    Capacity capacity({.connections = 10, .per_address = 1});
+    Place proxied(capacity, "");
+    std::optional<Place> other(std::in_place, capacity, "b");
+    EXPECT_TRUE(proxied.count_by("a"));
+    EXPECT_TRUE(proxied.count_by("a")) << "it is its own";
+    EXPECT_EQ(Place(capacity, "a").entry(), Entry::AddressFull);
+    EXPECT_FALSE(proxied.count_by("b"));
+    EXPECT_EQ(Place(capacity, "a").entry(), Entry::AddressFull) << "it counts as before";
+    other.reset();
+    EXPECT_TRUE(proxied.count_by("b"));
+    EXPECT_EQ(Place(capacity, "a").entry(), Entry::Admitted);
+    EXPECT_TRUE(proxied.count_by(""));
+    EXPECT_EQ(Place(capacity, "b").entry(), Entry::Admitted);
+    EXPECT_EQ(capacity.counts().refused_by_address, 3u);
+    EXPECT_EQ(capacity.counts().open, 1u);
+}
+
 TEST(Capacity, DoesNotCountClientsWithoutAddress) {
     Capacity capacity({.connections = 10, .per_address = 1});
     const Place first(capacity, "");
