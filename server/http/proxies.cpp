@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <ranges>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -97,13 +96,13 @@ Hops forwarded(std::string_view field) {
 std::optional<Peer> follow(const Request& request, std::string_view header, Hops (*read)(std::string_view),
                            const Peer& peer, const TrustedProxies& proxies) {
     std::optional<Peer> client;
-    for (const Header& field : request.headers | std::views::reverse) {
-        if (!equals_ignoring_case(field.name, header)) continue;
+    for (auto field = request.headers.rbegin(); field != request.headers.rend(); ++field) {
+        if (!equals_ignoring_case(field->name, header)) continue;
         if (!client) client = peer;
-        const Hops hops = read(field.value);
-        for (const auto& hop : hops | std::views::reverse) {
-            if (!hop || !proxies.include(*client)) return client;
-            client = describe_peer(*hop);
+        const Hops hops = read(field->value);
+        for (auto hop = hops.rbegin(); hop != hops.rend(); ++hop) {
+            if (!*hop || !proxies.include(*client)) return client;
+            client = describe_peer(**hop);
         }
     }
     return client;

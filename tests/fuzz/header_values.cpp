@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <array>
+#include <string>
+#include <vector>
 
 #include "api/input/negotiation.h"
 #include "api/text/text.h"
@@ -8,6 +10,8 @@
 #include "server/http/cors.h"
 #include "server/http/entity_tag.h"
 #include "server/http/http.h"
+#include "server/http/proxies.h"
+#include "server/http/proxy_protocol.h"
 #include "server/http/trace.h"
 #include "tests/fuzz/checks.h"
 
@@ -125,6 +129,34 @@ void check_framing(std::string_view value) {
     CCDT_CHECK(!server::check_trailer("Content-length:" + std::string(value)));
 }
 
+/// Name of the client of a request with these headers that comes from a trusted proxy.
+std::string client_behind_proxy(const std::vector<server::Header>& headers) {
+    const server::TrustedProxies proxies{{*server::IpNetwork::parse("10.0.0.1")}};
+    server::Request request;
+    request.headers = headers;
+    return server::client_of(request, server::describe_peer(*server::IpAddress::parse("10.0.0.1")), proxies).name;
+}
+
+/// Whatever a client sends, it is at most not named: the address that the proxy adds is the only other one.
+void check_addresses(std::string_view value) {
+    const std::string sent(value);
+    const std::string added = "203.0.113.1";
+    CCDT_CHECK(client_behind_proxy({{"X-Forwarded-For", sent + ", " + added}}) == added);
+    CCDT_CHECK(client_behind_proxy({{"X-Forwarded-For", sent}, {"X-Forwarded-For", added}}) == added);
+    CCDT_CHECK(client_behind_proxy({{"Forwarded", sent}, {"Forwarded", "for=" + added}}) == added);
+    for (const std::string element : {"for=203.0.113.1", "for=\"203.0.113.1:80\";proto=https"}) {
+        const auto client = client_behind_proxy({{"Forwarded", sent + ", " + element}});
+        CCDT_CHECK(client == added || client == "10.0.0.1");
+    }
+    const auto header = server::parse_proxy_header(value);
+    if (header) {
+        CCDT_CHECK(header->size <= value.size());
+        CCDT_CHECK((header->state == server::ProxyHeader::State::Whole) == (header->size > 0));
+    } else {
+        check_problem(header.error());
+    }
+}
+
 }  // namespace
 }  // namespace ccdt::fuzz
 
@@ -141,5 +173,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check_if_none_match(value);
     check_origin(value);
     check_framing(value);
+    check_addresses(value);
     return 0;
 }
