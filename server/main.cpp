@@ -10,6 +10,7 @@
 #include "server/config/config.h"
 #include "server/monitoring/log.h"
 #include "server/processes/process.h"
+#include "server/service/check.h"
 #include "server/service/service.h"
 #include "server/service/shutdown.h"
 
@@ -60,6 +61,15 @@ int serve(const Config& config) {
     return serve_until_signal(**service, signals, config, log) ? EXIT_SUCCESS : kFailed;
 }
 
+int check(const CommandLine& command) {
+    const auto findings = check(command.config);
+    std::fputs(("ccdt-server " CCDT_VERSION " would run with\n" + describe(command.values) + "and finds\n" +
+                describe(findings))
+                   .c_str(),
+               stdout);
+    return would_start(findings) ? EXIT_SUCCESS : kFailed;
+}
+
 int run(std::span<const char* const> arguments) {
     const auto command = parse_command_line(arguments, [](const char* name) { return std::getenv(name); });
     if (!command) {
@@ -73,6 +83,8 @@ int run(std::span<const char* const> arguments) {
         case CommandLine::Action::Version:
             std::puts("ccdt-server " CCDT_VERSION);
             return EXIT_SUCCESS;
+        case CommandLine::Action::Check:
+            return check(*command);
         case CommandLine::Action::Serve:
             break;
     }

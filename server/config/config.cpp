@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -34,6 +35,7 @@ struct Draft {
     std::optional<std::size_t> memory;
     std::optional<std::size_t> job_bytes;
     std::optional<std::size_t> cache;
+    std::map<std::string_view, ChosenValue> given;  ///< by flag
 };
 
 /// @returns  what was expected instead, empty if the value was taken
@@ -206,9 +208,24 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"--log-format", "CCDT_LOG_FORMAT", "FORMAT", "text or json (text)", set_log_format},
 });
 
+/// The text with what stands for a password in it, as `redis://user:password@host`, made unreadable.
+std::string without_password(std::string_view text) {
+    const auto scheme = text.find("://");
+    const auto end = text.rfind('@');
+    if (scheme == std::string_view::npos || end == std::string_view::npos) return std::string(text);
+    const auto colon = text.find(':', scheme + 3);
+    if (colon >= end) return std::string(text);
+    return std::string(text.substr(0, colon + 1)) + "***" + std::string(text.substr(end));
+}
+
 Result<void> apply(const Setting& setting, std::string_view name, std::string_view value, Draft& draft) {
     const std::string expected = setting.apply(draft, value);
-    if (expected.empty()) return {};
+    if (expected.empty()) {
+        const bool by_flag = name == setting.flag;
+        const std::string_view origin = by_flag ? setting.flag : setting.variable;
+        draft.given.insert_or_assign(setting.flag, ChosenValue{setting.flag, without_password(value), origin});
+        return {};
+    }
     return failure(ErrorCode::Malformed, std::string(name) + ": '" + std::string(value) + "' is not " + expected);
 }
 
@@ -222,10 +239,15 @@ Result<void> read_environment(const Environment& environment, Draft& draft) {
 }
 
 Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, Draft& draft) {
+    auto action = CommandLine::Action::Serve;
     for (std::size_t i = 0; i < arguments.size(); ++i) {
         const std::string_view argument = arguments[i];
         if (argument == "--help" || argument == "-h") return CommandLine::Action::Help;
         if (argument == "--version") return CommandLine::Action::Version;
+        if (argument == "--check") {
+            action = CommandLine::Action::Check;
+            continue;
+        }
         const auto equals = argument.find('=');
         const auto name = argument.substr(0, equals);
         const auto setting = std::ranges::find(kSettings, name, &Setting::flag);
@@ -237,7 +259,41 @@ Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, D
         const auto value = attached ? argument.substr(equals + 1) : std::string_view(arguments[i]);
         if (auto taken = apply(*setting, name, value, draft); !taken) return tl::unexpected(taken.error());
     }
-    return CommandLine::Action::Serve;
+    return action;
+}
+
+/// The default that the help has in parentheses at its end.
+std::string default_of(const Setting& setting) {
+    const auto open = setting.help.rfind('(');
+    if (open == std::string_view::npos || !setting.help.ends_with(')')) return {};
+    return std::string(setting.help.substr(open + 1, setting.help.size() - open - 2));
+}
+
+/// Lists the values of all flags; defaults that are computed as they came out.
+std::vector<ChosenValue> chosen_values(const Draft& draft) {
+    const Config& config = draft.config;
+    const std::map<std::string_view, std::size_t> computed{
+        {"--workers", config.workers}, {"--queue", config.queue}, {"--max-connections", config.capacity.connections},
+        {"--memory", config.memory},   {"--cache", config.cache}, {"--job-bytes", config.jobs.bytes},
+    };
+    std::vector<ChosenValue> values;
+    for (const Setting& setting : kSettings) {
+        const auto given = draft.given.find(setting.flag);
+        const auto number = computed.find(setting.flag);
+        if (given != draft.given.end())
+            values.push_back(given->second);
+        else
+            values.push_back(
+                {setting.flag, number == computed.end() ? default_of(setting) : std::to_string(number->second), {}});
+    }
+    return values;
+}
+
+/// A text, and blanks up to where a column begins.
+std::string padded(std::string_view text, std::size_t width) {
+    std::string cell(text);
+    cell.resize(std::max(cell.size() + 1, width), ' ');
+    return cell;
 }
 
 }  // namespace
@@ -247,7 +303,8 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     Draft flags;
     const auto action = read_flags(arguments, flags);
     if (!action) return tl::unexpected(action.error());
-    if (*action != CommandLine::Action::Serve) return CommandLine{*action, {}};
+    if (*action == CommandLine::Action::Help || *action == CommandLine::Action::Version)
+        return CommandLine{*action, {}, {}};
 
     Draft draft;
     draft.config.workers = std::max<std::size_t>(1, std::thread::hardware_concurrency());
@@ -262,7 +319,7 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     capacity.bytes = shares.transfers;
     draft.config.cache = draft.cache.value_or(shares.cache);
     draft.config.jobs.bytes = draft.job_bytes.value_or(draft.config.data_dir.empty() ? shares.jobs : kJobBytes);
-    return CommandLine{CommandLine::Action::Serve, draft.config};
+    return CommandLine{*action, draft.config, chosen_values(draft)};
 }
 
 std::string usage() {
@@ -270,16 +327,23 @@ std::string usage() {
         "Usage: ccdt-server [options]\n"
         "Serves halftones and point sets of equal capacity over HTTP.\n\n";
     for (const Setting& setting : kSettings) {
-        std::string flag = "  " + std::string(setting.flag) + ' ' + std::string(setting.value);
-        flag.resize(std::max<std::size_t>(flag.size() + 1, 35), ' ');
-        std::string variable = setting.variable;
-        variable.resize(std::max<std::size_t>(variable.size() + 1, 33), ' ');
-        text += flag + variable + std::string(setting.help) + '\n';
+        const std::string flag = "  " + std::string(setting.flag) + ' ' + std::string(setting.value);
+        text += padded(flag, 35) + padded(setting.variable, 33) + std::string(setting.help) + '\n';
     }
     return text +
+           "  --check                                                           prints what it would run with, and "
+           "what is wrong; exits with 1 if it would not start\n"
            "  --help                                                            prints this\n"
            "  --version                                                         prints the version\n\n"
            "Each option may also be given as the environment variable beside it; the flag wins.\n";
+}
+
+std::string describe(const std::vector<ChosenValue>& values) {
+    std::string lines;
+    for (const auto& [flag, value, origin] : values)
+        lines += "  " + padded(flag, 33) + padded(value.empty() ? "none" : value, 25) +
+                 std::string(origin.empty() ? "default" : origin) + '\n';
+    return lines;
 }
 
 }  // namespace ccdt::server

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "api/run/options.h"
@@ -43,10 +44,23 @@ struct Config {
     LogFormat log_format = LogFormat::Text;
 };
 
+/// A flag's value, and where it comes from.
+struct ChosenValue {
+    std::string_view flag;
+    std::string value;        ///< as it was given, without the password of a URL; empty: none, by default
+    std::string_view origin;  ///< the flag or the variable; empty: the default
+};
+
 struct CommandLine {
-    enum class Action { Serve, Help, Version };
+    enum class Action {
+        Serve,
+        Check,  ///< whether it could
+        Help,
+        Version
+    };
     Action action = Action::Serve;
     Config config;
+    std::vector<ChosenValue> values;  ///< one for each flag, to be shown
 };
 
 /// Looks up an environment variable; null if it is not set.
@@ -60,5 +74,8 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
 
 /// The text that --help prints.
 std::string usage();
+
+/// A line for each flag: its value, and where that comes from.
+std::string describe(const std::vector<ChosenValue>& values);
 
 }  // namespace ccdt::server

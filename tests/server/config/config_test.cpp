@@ -117,6 +117,37 @@ TEST(Config, ReadsWhatKeepsClientsInBounds) {
     EXPECT_EQ(config.rate.burst, 3u);
 }
 
+/// Value and origin of a flag, as they are shown.
+std::string shown(const Result<CommandLine>& parsed, std::string_view flag) {
+    const auto found = std::ranges::find(parsed->values, flag, &ChosenValue::flag);
+    if (found == parsed->values.end()) return "?";
+    return found->value + '|' + std::string(found->origin);
+}
+
+TEST(Config, ShowsWhereValuesComeFrom) {
+    const auto parsed = parse({"--check", "--port=81", "--queue=5"},
+                              {{"BIND", "::"}, {"PORT", "80"}, {"CCDT_WORKERS", "3"}, {"CCDT_JOB_BYTES", "1MiB"}});
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    EXPECT_EQ(parsed->action, CommandLine::Action::Check);
+    EXPECT_EQ(parsed->config.port, 81);
+    EXPECT_EQ(shown(parsed, "--port"), "81|--port");
+    EXPECT_EQ(shown(parsed, "--bind"), "::|BIND");
+    EXPECT_EQ(shown(parsed, "--workers"), "3|CCDT_WORKERS");
+    EXPECT_EQ(shown(parsed, "--job-bytes"), "1MiB|CCDT_JOB_BYTES");
+    EXPECT_EQ(shown(parsed, "--max-connections"), "520|");
+    EXPECT_EQ(shown(parsed, "--memory"), std::to_string(parsed->config.memory) + '|');
+    EXPECT_EQ(shown(parsed, "--timeout"), "60|");
+    EXPECT_EQ(shown(parsed, "--api-key-file"), "|");
+}
+
+TEST(Config, ShowsNoPasswords) {
+    const auto value = [](const char* origin) { return shown(parse({"--cors-origin", origin}), "--cors-origin"); };
+    EXPECT_EQ(value("redis://user:secret@host:6379/0"), "redis://user:***@host:6379/0|--cors-origin");
+    EXPECT_EQ(value("redis://:a:b@c@host"), "redis://:***@host|--cors-origin");
+    EXPECT_EQ(value("redis://user@host:6379"), "redis://user@host:6379|--cors-origin");
+    EXPECT_EQ(value("https://host:80"), "https://host:80|--cors-origin");
+}
+
 TEST(Config, ReadsWhichProxiesAreTrusted) {
     const auto parsed = parse({"--trusted-proxy=10.0.0.0/8,fd00::/8,192.0.2.1,unix"});
     ASSERT_TRUE(parsed) << parsed.error().message;

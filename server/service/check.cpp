@@ -1,0 +1,136 @@
+#include "server/service/check.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <stop_token>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <unistd.h>
+
+#include "server/access/key_ring.h"
+#include "server/compute/compute_box.h"
+#include "server/config/memory_plan.h"
+#include "server/decoder/decoder_box.h"
+#include "server/http/sockets.h"
+#include "server/processes/child_program.h"
+#include "server/processes/process.h"
+
+namespace ccdt::server {
+namespace {
+
+using State = Finding::State;
+
+constexpr std::size_t kColumn = 10;
+
+/// A state and its words; the part is named by the table below.
+using Found = std::pair<State, std::string>;
+
+Found wrong(const Error& error) {
+    return {State::Wrong, error.message};
+}
+
+void tell_nobody(const std::string& /*message*/) {}
+
+Found check_decoder(const Config& /*config*/) {
+    const auto box = DecoderBox::start([](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
+                                       tell_nobody);
+    if (!box) return wrong(box.error());
+    const Confinement& confinement = (*box)->confinement();
+    return {confinement.is_whole() ? State::Good : State::Weak, confinement.describe()};
+}
+
+Found check_worker(const Config& config) {
+    const auto box =
+        ComputeBox::start([](UniqueFd socket) { return spawn_sibling("ccdt-worker", std::move(socket)); },
+                          {.limits = config.limits}, [](const Order&, const std::stop_token&) {}, tell_nobody);
+    if (!box) return wrong(box.error());
+    return {State::Good, std::to_string(config.workers) + " may compute at once"};
+}
+
+Found check_keys(const Config& config) {
+    if (config.api_key_file.empty()) return {State::Good, "nobody needs one"};
+    const auto ring = KeyRing::read(config.api_key_file);
+    return ring ? Found{State::Good, "those of " + config.api_key_file} : wrong(ring.error());
+}
+
+Found check_memory(const Config& config) {
+    const auto memory = memory_to_compute_with(config, resident_bytes());
+    if (!memory) return wrong(memory.error());
+    return {State::Good, std::to_string(memory->total >> 20) + " MiB of " + std::to_string(config.memory >> 20) +
+                             " are there to compute with"};
+}
+
+/// Jobs in a folder need one that may be written, or one in which it may be made.
+Found check_jobs(const Config& config) {
+    if (config.data_dir.empty()) return {State::Good, "kept in memory, and gone with the server"};
+    std::error_code none;
+    auto folder = std::filesystem::absolute(config.data_dir, none);
+    while (!std::filesystem::exists(folder, none) && folder.has_relative_path()) folder = folder.parent_path();
+    const bool is_folder = std::filesystem::is_directory(folder, none);
+    if (is_folder && access(folder.c_str(), W_OK | X_OK) == 0) return {State::Good, "kept in " + config.data_dir};
+    return {State::Wrong, folder.string() + ": " + std::strerror(is_folder ? errno : ENOTDIR)};
+}
+
+Found check_address(const Config& config) {
+    const auto listener = ListeningSocket::open(config.bind, config.port);
+    if (!listener) return wrong(listener.error());
+    const bool has_port = listener->port() > 0;
+    return {State::Good, config.bind + (has_port ? " port " + std::to_string(listener->port()) : "")};
+}
+
+/// What is checked, a line each.
+struct Check {
+    std::string_view part;
+    Found (*run)(const Config&);
+};
+
+constexpr Check kChecks[] = {
+    {"decoder", check_decoder}, {"worker", check_worker}, {"keys", check_keys},
+    {"memory", check_memory},   {"jobs", check_jobs},     {"address", check_address},
+};
+
+std::string_view name_of(State state) {
+    switch (state) {
+        case State::Weak:
+            return "weak";
+        case State::Wrong:
+            return "WRONG";
+        case State::Good:
+            break;
+    }
+    return "good";
+}
+
+std::string padded(std::string_view text) {
+    std::string cell(text);
+    cell.resize(std::max(cell.size() + 1, kColumn), ' ');
+    return cell;
+}
+
+}  // namespace
+
+std::vector<Finding> check(const Config& config) {
+    std::vector<Finding> findings;
+    for (const auto& [part, run] : kChecks) {
+        auto [state, words] = run(config);
+        findings.push_back({std::string(part), state, std::move(words)});
+    }
+    return findings;
+}
+
+bool would_start(const std::vector<Finding>& findings) {
+    return std::ranges::none_of(findings, [](const Finding& finding) { return finding.state == State::Wrong; });
+}
+
+std::string describe(const std::vector<Finding>& findings) {
+    std::string lines;
+    for (const auto& [part, state, words] : findings)
+        lines += "  " + padded(part) + padded(name_of(state)) + words + '\n';
+    return lines;
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,98 @@
+"""What --check tells before a server is started."""
+
+import os
+import pathlib
+import re
+import shutil
+import socket
+import subprocess
+import tempfile
+import unittest
+
+from harness import PATIENCE, Server, ask
+
+PARTS = ["decoder", "worker", "keys", "memory", "jobs", "address"]
+
+
+class Check(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def check(self, *flags, program=None, **environment):
+        """Exit code, value and origin of each flag, state and words of each part."""
+        done = subprocess.run([program or os.environ["CCDT_SERVER"], "--check", *flags], capture_output=True, text=True,
+                              timeout=PATIENCE, check=False, env={**os.environ, **environment})
+        self.assertEqual(done.stderr, "")
+        values, found = done.stdout.split("and finds\n")
+        rows = [re.match(r"  (\S+) +(.+?) +(\S+)$", line).groups() for line in values.splitlines()[1:]]
+        parts = [line.split(maxsplit=2) for line in found.splitlines()]
+        self.assertEqual([part for part, _, _ in parts], PARTS)
+        return (done.returncode, {flag: (value, origin) for flag, value, origin in rows},
+                {part: (state, words) for part, state, words in parts})
+
+    def wrong(self, *flags, **more):
+        code, _, parts = self.check("--port=0", *flags, **more)
+        wrong = {part: words for part, (state, words) in parts.items() if state == "WRONG"}
+        self.assertEqual(code, 1 if wrong else 0)
+        return wrong
+
+    def test_tells_what_it_would_run_with(self):
+        code, values, parts = self.check("--workers=3", f"--data-dir={self.folder / 'jobs'}", PORT="0",
+                                         CCDT_MEMORY="4GiB")
+        self.assertEqual(code, 0)
+        self.assertEqual(values["--workers"], ("3", "--workers"))
+        self.assertEqual(values["--port"], ("0", "PORT"))
+        self.assertEqual(values["--memory"], ("4GiB", "CCDT_MEMORY"))
+        self.assertEqual(values["--queue"], ("48", "default"))
+        told = subprocess.run([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
+        self.assertEqual(list(values), re.findall(r"^  (--[a-z-]+) [A-Z]", told, re.MULTILINE))
+        self.assertIn("in force: ", parts["decoder"][1])
+        self.assertEqual(parts["worker"][0], "good")
+        self.assertRegex(parts["memory"][1], r"^\d+ MiB of 4096 ")
+        self.assertIn(str(self.folder / "jobs"), parts["jobs"][1])
+        self.assertEqual(list(self.folder.iterdir()), [], "nothing is made")
+
+    def test_tells_all_that_is_wrong_at_once(self):
+        (self.folder / "file").touch()
+        alone = self.folder / "ccdt-server"
+        shutil.copy(os.environ["CCDT_SERVER"], alone)
+        with socket.create_server(("127.0.0.1", 0)) as taken:
+            wrong = self.wrong(f"--port={taken.getsockname()[1]}", "--memory=1MiB", "--api-key-file=/none",
+                               f"--data-dir={self.folder / 'file' / 'jobs'}", program=alone)
+        self.assertEqual(list(wrong), PARTS)
+        self.assertIn("ccdt-decoder", wrong["decoder"])
+        self.assertIn("ccdt-worker", wrong["worker"])
+        self.assertIn("/none", wrong["keys"])
+        self.assertIn("MiB are needed", wrong["memory"])
+        self.assertIn("Not a directory", wrong["jobs"])
+        self.assertIn("in use", wrong["address"])
+
+    def test_tells_what_is_wrong_by_itself(self):
+        (self.folder / "file").touch()
+        for part, flag in (("keys", f"--api-key-file={self.folder / 'file'}"), ("memory", "--memory=200MiB"),
+                           ("jobs", f"--data-dir={self.folder / 'file'}"), ("address", "--bind=no.such.host.invalid")):
+            with self.subTest(part=part):
+                self.assertEqual(list(self.wrong(flag)), [part])
+        self.assertEqual(self.wrong(), {})
+
+    def test_leaves_a_server_alone(self):
+        flag = f"--data-dir={self.folder}"
+        with Server(flag) as server:
+            before = sorted(self.folder.iterdir())
+            self.assertEqual(self.wrong(flag), {})
+            self.assertEqual(list(self.wrong(flag, f"--port={server.port}")), ["address"])
+            self.assertEqual(sorted(self.folder.iterdir()), before)
+            self.assertEqual(ask(server, "/health/ready").status, 200)
+            self.assertEqual(server.stop(), 0)
+
+    def test_wrong_usage_is_told_as_ever(self):
+        done = subprocess.run([os.environ["CCDT_SERVER"], "--check", "--workers=0"], capture_output=True, text=True,
+                              timeout=PATIENCE, check=False)
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertIn("--workers", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
