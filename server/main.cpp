@@ -27,8 +27,8 @@ void reload_keys(Service& service, const Log& log) {
         log.error("the API keys stay as they were: " + read.error().message);
 }
 
-/// Serves until a signal comes, or accepting fails.
-/// @returns  false if that failed
+/// Serves until a signal comes, accepting fails, or the programs beside this one do not start.
+/// @returns  false if one of these failed
 bool serve_until_signal(Service& service, const EndSignals& signals, const Config& config, const Log& log) {
     bool served = false;
     std::jthread acceptor([&] {
@@ -37,7 +37,11 @@ bool serve_until_signal(Service& service, const EndSignals& signals, const Confi
         log.error("accepting connections failed");
         kill(getpid(), SIGTERM);
     });
-    signals.wait([&] { reload_keys(service, log); });
+    const auto ready = service.wait_until_ready();
+    if (ready)
+        signals.wait([&] { reload_keys(service, log); });
+    else
+        log.error(ready.error().message);
     const ShutdownDeadline deadline(
         config.drain_timeout, [&] { service.abandon(); }, log);
     service.drain();
@@ -45,7 +49,7 @@ bool serve_until_signal(Service& service, const EndSignals& signals, const Confi
     acceptor.join();
     service.finish();
     log.info("stopped");
-    return served;
+    return served && ready;
 }
 
 int serve(const Config& config) {

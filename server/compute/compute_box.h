@@ -38,7 +38,7 @@ public:
         std::chrono::seconds to_stop{5};  ///< what a computation may take from its stop to its end
     };
 
-    /// Starts the fork server and waits until it is ready. Errors: Internal.
+    /// Starts the fork server. Errors: Internal.
     static Result<std::unique_ptr<ComputeBox>> start(SupervisedProgram::Launch launch, const Options& options,
                                                      Relay relay, SupervisedProgram::Tell tell);
 
@@ -47,12 +47,15 @@ public:
     ComputeBox(const ComputeBox&) = delete;
     ComputeBox& operator=(const ComputeBox&) = delete;
 
+    /// Waits until processes can be made for the first time. Errors: Internal; none are ever made then.
+    Result<void> wait_until_ready() { return fork_server_->wait_until_ready(); }
+
     /// Computes an answer: see Compute. The process gives way to others as much as the calling thread does. A
     /// computation that does not stop in time is ended with its process.
     Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
                                 api::Timings& timings);
 
-    /// Whether processes can be made.
+    /// Whether processes can be made now, or are about to be for the first time.
     bool is_ready() const { return fork_server_->is_ready(); }
 
     struct Counts {

@@ -20,7 +20,7 @@ Result<std::unique_ptr<DecoderBox>> DecoderBox::start(SupervisedProgram::Launch 
     };
     auto helper = SupervisedProgram::start("decoder", std::move(launch), greet, std::move(tell));
     if (!helper) return tl::unexpected(std::move(helper.error()));
-    return std::unique_ptr<DecoderBox>(new DecoderBox(*std::move(helper), *confinement));
+    return std::unique_ptr<DecoderBox>(new DecoderBox(*std::move(helper), confinement));
 }
 
 bool DecoderBox::relay(const Order& order, const std::stop_token& stop) {

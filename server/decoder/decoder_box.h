@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <stop_token>
+#include <utility>
 
 #include "core/result.h"
 #include "server/decoder/decoder_confinement.h"
@@ -20,10 +21,12 @@ struct Order;
 /// may do. Members may be called from any thread.
 class DecoderBox {
 public:
-    /// Starts the helper and waits until it is ready; ends it, and with it what it still does, in the end.
-    /// Errors: Internal.
+    /// Starts the helper; ends it, and with it what it still does, in the end. Errors: Internal.
     /// @param launch  starts a process that becomes the helper, by run_decoder_helper
     static Result<std::unique_ptr<DecoderBox>> start(SupervisedProgram::Launch launch, SupervisedProgram::Tell tell);
+
+    /// Waits until the helper is ready for the first time. Errors: Internal; it is then not started again.
+    Result<void> wait_until_ready() { return helper_->wait_until_ready(); }
 
     /// Hands an order on to the helper, waiting for one that is being started again.
     /// @returns  false if there was none for `kPatience`, or until the stop
@@ -32,20 +35,20 @@ public:
     /// Times that the helper ended, and was or is being started again.
     std::uint64_t restarts() const { return helper_->restarts(); }
 
-    /// Whether there is a helper now.
+    /// Whether there is a helper now, or about to be for the first time.
     bool is_ready() const { return helper_->is_ready(); }
 
-    /// Confinement that the first helper found in force.
-    const Confinement& confinement() const { return confinement_; }
+    /// Confinement that the first helper found in force; to be asked once it is ready.
+    const Confinement& confinement() const { return *confinement_; }
 
     static constexpr std::chrono::seconds kPatience{5};
 
 private:
-    DecoderBox(std::unique_ptr<SupervisedProgram> helper, const Confinement& confinement)
-        : helper_(std::move(helper)), confinement_(confinement) {}
+    DecoderBox(std::unique_ptr<SupervisedProgram> helper, std::shared_ptr<const Confinement> confinement)
+        : helper_(std::move(helper)), confinement_(std::move(confinement)) {}
 
     const std::unique_ptr<SupervisedProgram> helper_;
-    const Confinement confinement_;
+    const std::shared_ptr<const Confinement> confinement_;
 };
 
 }  // namespace ccdt::server

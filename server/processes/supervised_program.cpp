@@ -43,7 +43,6 @@ Result<std::unique_ptr<SupervisedProgram>> SupervisedProgram::start(std::string 
                                                                   std::move(tell), std::move(closing)));
     auto running = kept->launch();
     if (!running) return tl::unexpected(std::move(running.error()));
-    kept->set_socket(running->socket);
     kept->watcher_ = std::jthread(&SupervisedProgram::watch, kept.get(), *std::move(running));
     return kept;
 }
@@ -60,19 +59,23 @@ SupervisedProgram::~SupervisedProgram() {
 }
 
 Result<SupervisedProgram::Running> SupervisedProgram::launch() const {
-    constexpr std::chrono::seconds kLongestStart{30};
     auto sockets = make_sockets(SOCK_SEQPACKET);
     if (!sockets) return cannot_start(name_, std::strerror(errno));
     const auto started = Clock::now();
     auto program = launch_(std::move(sockets->theirs));
     if (!program) return tl::unexpected(std::move(program.error()));
-    const int ours = sockets->ours.get();
-    const int ready = wait_for_any({ours, program->ended(), closing_.get()}, started + kLongestStart);
-    if (ready == ours && greet_(ours))
-        return Running{*std::move(program), std::make_shared<const UniqueFd>(std::move(sockets->ours)), started};
+    return Running{*std::move(program), std::make_shared<const UniqueFd>(std::move(sockets->ours)), started};
+}
+
+/// Waits until the program says that it is ready; ends it if it does not.
+Result<void> SupervisedProgram::await(Running& running) const {
+    constexpr std::chrono::seconds kLongestStart{30};
+    const int ours = running.socket->get();
+    const int ready = wait_for_any({ours, running.program.ended(), closing_.get()}, running.started + kLongestStart);
+    if (ready == ours && greet_(ours)) return {};
     // Its end of the socket is closed a moment before it has ended.
-    if (ready != ours) program->kill();
-    return cannot_start(name_, "it " + program->wait());
+    if (ready != ours) running.program.kill();
+    return cannot_start(name_, "it " + running.program.wait());
 }
 
 /// @returns  none once there is to be no program any more
@@ -81,14 +84,20 @@ std::optional<SupervisedProgram::Running> SupervisedProgram::launch_again(Backof
     while (true) {
         if (wait_for_any({closing_.get()}, Clock::now() + backoff.after(lived)) >= 0) return std::nullopt;
         auto running = launch();
-        if (running) return *std::move(running);
-        tell_(running.error().message);
+        const auto ready = running.and_then([this](Running& started) { return await(started); });
+        if (ready) return *std::move(running);
+        tell_(ready.error().message);
         lived = {};
     }
 }
 
 void SupervisedProgram::watch(Running running) {
     constexpr std::chrono::seconds kToEnd{1};
+    auto ready = await(running);
+    if (ready) set_socket(running.socket);
+    const bool is_there = ready.has_value();
+    end_start(std::move(ready));
+    if (!is_there) return;
     Backoff backoff;
     while (wait_for_any({running.program.ended(), closing_.get()}) != closing_.get()) {
         set_socket(nullptr);
@@ -110,16 +119,29 @@ void SupervisedProgram::set_socket(Socket socket) {
     changed_.notify_all();
 }
 
+void SupervisedProgram::end_start(Result<void> started) {
+    const std::lock_guard lock(mutex_);
+    started_ = std::move(started);
+    changed_.notify_all();
+}
+
+Result<void> SupervisedProgram::wait_until_ready() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return started_.has_value(); });
+    return *started_;
+}
+
 SupervisedProgram::Socket SupervisedProgram::wait_for_socket(const Socket& lost, Clock::time_point deadline,
                                                              const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
+    changed_.wait(lock, stop, [this] { return started_.has_value(); });
     changed_.wait_until(lock, stop, deadline, [&] { return socket_ != nullptr && socket_ != lost; });
     return socket_ == lost ? nullptr : socket_;
 }
 
 bool SupervisedProgram::is_ready() const {
     const std::lock_guard lock(mutex_);
-    return socket_ != nullptr;
+    return socket_ != nullptr || !started_;
 }
 
 }  // namespace ccdt::server

@@ -35,7 +35,7 @@ public:
     /// Is told of each end of the program, in words; from any thread.
     using Tell = std::function<void(const std::string&)>;
 
-    /// Starts the program and waits until it is ready. Errors: Internal.
+    /// Starts the program, whose libraries may take it a while: whoever needs it waits. Errors: Internal.
     /// @param name  for people
     static Result<std::unique_ptr<SupervisedProgram>> start(std::string name, Launch launch, Greet greet, Tell tell);
 
@@ -45,12 +45,16 @@ public:
     SupervisedProgram(const SupervisedProgram&) = delete;
     SupervisedProgram& operator=(const SupervisedProgram&) = delete;
 
-    /// The socket to the program, waited for while it is being started again; another one than `lost`, whose program
-    /// is known to have ended.
+    /// Waits until the program is ready for the first time.
+    /// Errors (Internal): it ended before that, and is not started again.
+    Result<void> wait_until_ready();
+
+    /// The socket to the program, waited for while it is being started again, and for the first time even beyond the
+    /// deadline; another one than `lost`, whose program is known to have ended.
     /// @returns  none if there was none until then, or before the stop
     Socket wait_for_socket(const Socket& lost, Clock::time_point deadline, const std::stop_token& stop);
 
-    /// Whether the program is there now.
+    /// Whether the program is there now, or about to be for the first time.
     bool is_ready() const;
 
     /// Times that it ended, and was or is being started again.
@@ -66,9 +70,11 @@ private:
     SupervisedProgram(std::string name, Launch launch, Greet greet, Tell tell, UniqueFd closing);
 
     Result<Running> launch() const;
+    Result<void> await(Running& running) const;
     void watch(Running running);
     std::optional<Running> launch_again(Backoff& backoff, Clock::duration lived) const;
     void set_socket(Socket socket);
+    void end_start(Result<void> started);
 
     const std::string name_;
     const Launch launch_;
@@ -79,7 +85,8 @@ private:
 
     mutable std::mutex mutex_;
     std::condition_variable_any changed_;
-    Socket socket_;  ///< none while there is no program; guarded by the mutex
+    Socket socket_;                        ///< none while there is no program; guarded by the mutex
+    std::optional<Result<void>> started_;  ///< for the first time, or why not; none yet; guarded by the mutex
 
     std::jthread watcher_;  ///< last: it uses all the rest
 };

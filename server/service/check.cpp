@@ -39,6 +39,7 @@ Found check_decoder(const Config& /*config*/) {
     const auto box = DecoderBox::start([](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
                                        tell_nobody);
     if (!box) return wrong(box.error());
+    if (const auto ready = (*box)->wait_until_ready(); !ready) return wrong(ready.error());
     const Confinement& confinement = (*box)->confinement();
     return {confinement.is_whole() ? State::Good : State::Weak, confinement.describe()};
 }
@@ -48,6 +49,7 @@ Found check_worker(const Config& config) {
         ComputeBox::start([](UniqueFd socket) { return spawn_sibling("ccdt-worker", std::move(socket)); },
                           {.limits = config.limits}, [](const Order&, const std::stop_token&) {}, tell_nobody);
     if (!box) return wrong(box.error());
+    if (const auto ready = (*box)->wait_until_ready(); !ready) return wrong(ready.error());
     return {State::Good, std::to_string(config.workers) + " may compute at once"};
 }
 

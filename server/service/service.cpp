@@ -14,17 +14,17 @@ namespace {
 constexpr std::size_t kOtherFiles = 256;
 
 Result<std::unique_ptr<DecoderBox>> start_decoder(const Log& log) {
-    auto box = DecoderBox::start([](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
-                                 [&log](const std::string& message) { log.error(message); });
-    if (!box) return box;
-    const Confinement& confinement = (*box)->confinement();
+    return DecoderBox::start([](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
+                             [&log](const std::string& message) { log.error(message); });
+}
+
+void tell(const Confinement& confinement, const Log& log) {
     if (confinement.is_whole())
         log.info(confinement.describe());
     else if (confinement.has(Layer::Calls))
         log.warning(confinement.describe());
     else
         log.error(confinement.describe());
-    return box;
 }
 
 Result<std::unique_ptr<Gate>> start_gate(const Config& config) {
@@ -62,6 +62,8 @@ Compute compute_in(ComputeBox& box) {
 Result<Service::Parts> Service::start_parts(const Config& config, const Log& log) {
     auto decoder = start_decoder(log);
     if (!decoder) return tl::unexpected(std::move(decoder.error()));
+    auto computing = start_computing(config, **decoder, log);
+    if (!computing) return tl::unexpected(std::move(computing.error()));
     auto gate = start_gate(config);
     if (!gate) return tl::unexpected(std::move(gate.error()));
     allow_files(config.capacity);
@@ -69,8 +71,6 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
     if (!memory) return tl::unexpected(memory.error());
     auto store = start_store(config, log);
     if (!store) return tl::unexpected(std::move(store.error()));
-    auto computing = start_computing(config, **decoder, log);
-    if (!computing) return tl::unexpected(std::move(computing.error()));
     auto listener = ListeningSocket::open(config.bind, config.port);
     if (!listener) return tl::unexpected(std::move(listener.error()));
     return Parts{*std::move(decoder), *std::move(gate),      *memory,
@@ -114,6 +114,13 @@ Service::Service(const Config& config, Parts parts, const Log& log)
               log_.exchange(exchange);
           }) {
     metrics_.watch([this] { return figures(); });
+}
+
+Result<void> Service::wait_until_ready() const {
+    const auto ready = parts_.decoder->wait_until_ready();
+    if (!ready) return ready;
+    tell(parts_.decoder->confinement(), log_);
+    return parts_.computing->wait_until_ready();
 }
 
 std::string Service::address() const {

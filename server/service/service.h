@@ -25,9 +25,9 @@ namespace ccdt::server {
 /// All parts of the server, which are there from its start to its end.
 class Service {
 public:
-    /// Starts the parts in the order in which they need each other: the process that starts decoders, the keys, memory,
-    /// the store of jobs, the process that starts those that compute, the port, and the jobs that the store has from
-    /// before. Clients that connect wait until `serve` is called.
+    /// Starts the parts in the order in which they need each other: the process that starts decoders, that which starts
+    /// those that compute, the keys, memory, the store of jobs, the port, and the jobs that the store has from before.
+    /// The two processes get ready meanwhile, and longer. Clients that connect wait until `serve` is called.
     ///
     /// @param log  outlives the service
     /// Errors: those of the parts, of which those before have ended then.
@@ -35,6 +35,10 @@ public:
 
     Service(const Service&) = delete;
     Service& operator=(const Service&) = delete;
+
+    /// Waits until the programs that decode and compute are ready, for which requests wait meanwhile, and logs how the
+    /// former is confined. Errors: Internal; nothing will be decoded or computed.
+    Result<void> wait_until_ready() const;
 
     /// The place where it listens: a URL, or `unix:` and a path.
     std::string address() const;

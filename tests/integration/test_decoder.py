@@ -3,7 +3,10 @@
 import os
 import pathlib
 import re
+import shutil
 import signal
+import subprocess
+import tempfile
 import threading
 import time
 import unittest
@@ -77,9 +80,10 @@ def wait_for(condition):
 
 
 class Family:
-    """The server's process, the keeper, the helper and the children that decode."""
+    """The server's process, the keeper, the helper and the children that decode, once these are ready."""
 
     def __init__(self, server):
+        server.wait_for_log("pictures are decoded by user")
         self.server = Process(server.process.pid)
 
     def keepers(self):
@@ -143,6 +147,33 @@ class Failures(ServerCase):
         spare.kill()
         self.assert_problem(call.answer(), 422, "could not be decoded")
         self.halftone(CAMERA, "?sites=50")
+
+
+class Start(unittest.TestCase):
+    def test_of_a_decoder_is_not_waited_for(self):
+        with Server() as server:
+            self.assertEqual(ask(server, "/halftone?sites=5&scale=1", data=CAMERA).status, 200)
+            server.wait_for_log("pictures are decoded by user")
+            self.assertEqual(restarts(server), 0)
+            self.assertEqual(server.stop(), 0)
+
+    def test_fails_with_that_of_its_programs(self):
+        ours = pathlib.Path(os.environ["CCDT_SERVER"]).parent
+        for broken, told in (("ccdt-decoder", "cannot start the decoder: it exited with 3"),
+                             ("ccdt-worker", "cannot start the worker: it exited with 3")):
+            with self.subTest(broken=broken), tempfile.TemporaryDirectory() as folder:
+                for name in ("ccdt-decoder", "ccdt-server", "ccdt-worker"):
+                    (pathlib.Path(folder) / name).symlink_to(ours / name)
+                program = pathlib.Path(folder) / broken
+                program.unlink()
+                program.write_text("#!/bin/sh\nexit 3\n")
+                program.chmod(0o755)
+                (pathlib.Path(folder) / "ccdt-server").unlink()
+                shutil.copy(ours / "ccdt-server", folder)  # which looks for the others where its own file is
+                done = subprocess.run([f"{folder}/ccdt-server", "--port=0"], capture_output=True, text=True,
+                                      timeout=PATIENCE, check=False)
+                self.assertEqual(done.returncode, 1)
+                self.assertIn(told, done.stderr)
 
 
 class Restarts(unittest.TestCase):

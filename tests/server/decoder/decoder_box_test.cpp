@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <initializer_list>
 #include <iterator>
 #include <memory>
@@ -133,7 +136,9 @@ public:
                const SupervisedProgram::Tell& tell = ignore)
         : box_(DecoderBox::start(launch, tell).value()),
           client_([this](const Order& order, const std::stop_token& stop) { return box_->relay(order, stop); },
-                  limits) {}
+                  limits) {
+        EXPECT_TRUE(box_->wait_until_ready());
+    }
 
     Result<Picture> decode(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
         return client_.decode(bytes, max_pixels, stop);
@@ -545,9 +550,40 @@ TEST(DecoderBox, SaysWhyItDoesNotStart) {
         return ChildProgram(process);
     };
     const auto box = DecoderBox::start(ends_at_once, ignore);
-    ASSERT_FALSE(box);
-    EXPECT_EQ(box.error().message, "cannot start the decoder: it exited with 3");
+    ASSERT_TRUE(box);
+    const auto ready = (*box)->wait_until_ready();
+    ASSERT_FALSE(ready);
+    EXPECT_EQ(ready.error().message, "cannot start the decoder: it exited with 3");
+    EXPECT_FALSE((*box)->is_ready());
+    EXPECT_EQ((*box)->restarts(), 0U);
     EXPECT_TRUE(children_of(getpid()).empty());
+}
+
+TEST(DecoderBox, KeepsOrdersUntilItIsReady) {
+    std::array<int, 2> ends{};
+    ASSERT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
+    const UniqueFd waits(ends[0]);
+    UniqueFd lets_go(ends[1]);
+    const auto start_late = [&](UniqueFd orders) -> Result<ChildProgram> {
+        const pid_t process = fork();
+        if (process == 0) {
+            lets_go.reset();
+            char none = 0;
+            static_cast<void>(!read(waits.get(), &none, 1));
+            run_decoder_helper(std::move(orders), {obey, obey_in_colour, [] {}});
+        }
+        return ChildProgram(process);
+    };
+    const auto box = DecoderBox::start(start_late, ignore).value();
+    EXPECT_TRUE(box->is_ready());
+    DecoderClient client([&](const Order& order, const std::stop_token& stop) { return box->relay(order, stop); },
+                         limits_of_tests);
+    auto picture = std::async(std::launch::async, [&] { return client.decode("picture", kMaxPixels, {}); });
+    EXPECT_EQ(picture.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
+    lets_go.reset();
+    EXPECT_TRUE(picture.get());
+    EXPECT_TRUE(box->wait_until_ready());
+    EXPECT_EQ(box->restarts(), 0U);
 }
 
 TEST(DecoderBox, TakesItsProcessesWithIt) {
