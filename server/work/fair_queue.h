@@ -48,9 +48,28 @@ public:
 
     Item take_next() {
         const auto next = std::ranges::min_element(entries_, {}, &Entry::turn);
-        turn_ = std::max(turn_, next->turn);
-        std::erase_if(had_, [this](const auto& client) { return client.second <= turn_; });
+        pass(next->turn);
         return remove(next);
+    }
+
+    /// Takes the entry that is next of those whose items a test holds for.
+    /// @returns  none if there is none
+    template <class Test>
+    std::optional<Entry> take_next_of(Test test) {
+        auto next = entries_.end();
+        for (auto entry = entries_.begin(); entry != entries_.end(); ++entry)
+            if (test(entry->item) && (next == entries_.end() || entry->turn < next->turn)) next = entry;
+        if (next == entries_.end()) return std::nullopt;
+        pass(next->turn);
+        Entry taken{next->client, next->cost, next->turn, {}};
+        taken.item = remove(next);
+        return taken;
+    }
+
+    /// Puts an entry that was taken where it is next.
+    void put_back(Entry entry) {
+        entry.turn = std::min(entry.turn, turn_);
+        entries_.push_front(std::move(entry));
     }
 
     /// Takes out the first item that a test holds for, as if it had never been there.
@@ -64,6 +83,12 @@ public:
     }
 
 private:
+    /// Goes on to a turn that is taken.
+    void pass(double turn) {
+        turn_ = std::max(turn_, turn);
+        std::erase_if(had_, [this](const auto& client) { return client.second <= turn_; });
+    }
+
     Item remove(typename std::deque<Entry>::iterator entry) {
         Item item = std::move(entry->item);
         entries_.erase(entry);

@@ -34,5 +34,20 @@ TEST(FairQueue, ForgetsWhatWasWithdrawn) {
     EXPECT_EQ(order, "xbcd");
 }
 
+TEST(FairQueue, PutsBackWhatIsNext) {
+    FairQueue<char> queue;
+    for (const char item : {'a', 'b', 'c'}) queue.push("one", 1, item);
+    auto taken = queue.take_next_of([](char item) { return item != 'a'; });
+    ASSERT_TRUE(taken);
+    EXPECT_EQ(taken->item, 'b');
+    EXPECT_FALSE(queue.take_next_of([](char item) { return item == 'b'; }));
+    queue.push("two", 1, 'd');
+    EXPECT_EQ(queue.take_next(), 'a');
+    queue.put_back(*taken);
+    std::string order;
+    while (!queue.empty()) order += queue.take_next();
+    EXPECT_EQ(order, "bdc");
+}
+
 }  // namespace
 }  // namespace ccdt::server
