@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -42,7 +43,8 @@ struct Job {
     std::string client;  ///< whose turn it takes
     api::Cost cost;
     JobStatus status = JobStatus::Queued;
-    int starts = 0;  ///< runs begun that the server did not survive, and the one that runs
+    int starts = 0;           ///< runs begun that their server did not survive, and the one that runs
+    std::uint64_t claim = 0;  ///< number of the latest claim, greater than those of all claims before it
     Time created;
     std::optional<Time> started;
     std::optional<Time> finished;

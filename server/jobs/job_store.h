@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "core/result.h"
 #include "server/jobs/job.h"
@@ -12,56 +12,117 @@
 
 namespace ccdt::server {
 
-/// Keeps jobs: the request until they end, then the result.
+/// Whoever wants to know what happens to the jobs of a store, by the hand of any server. Called by any thread, one at a
+/// time; may not use the store.
+class JobListener {
+public:
+    virtual ~JobListener() = default;
+
+    virtual void work() = 0;                          ///< there may be a job to claim
+    virtual void changed(const std::string& id) = 0;  ///< a job stands elsewhere than before
+    virtual void stop(const std::string& id) = 0;     ///< a job was cancelled: nobody is to run it
+    virtual void missed() = 0;                        ///< any of these may have happened, unheard
+};
+
+/// Keeps jobs, the request until they end and then the result; whose turn it is; and which server runs what.
 ///
-/// What a call has changed is kept once it returns. May be used from any thread. No call takes longer for the number of
-/// jobs kept, but for `unfinished`. Errors of all: LimitExceeded if there is no room left, Unusable if what is kept is
-/// not what was written, Internal for anything else that the store's place comes up with.
+/// A job is claimed by a server that then runs it, and is that one's for a while, its lease, which `hold` renews. Once
+/// the lease has run out another may claim it, with a number greater than all before (`Job::claim`): whoever comes with
+/// a number that is not the latest is told that the job is lost, and changes nothing. So each job ends once, whatever
+/// becomes of servers. In the queue clients take turns as in FairQueue.
+///
+/// All times are of the store's clock, which all servers share. What a call has changed is kept once it returns, and
+/// jobs outlive what uses the store as long as its place does; where a job stands while it runs need not. May be used
+/// from any thread. No call takes longer for the number of jobs that have ended. Errors of all: LimitExceeded if there
+/// is no room left, Unusable if what is kept is not what was written, Stopped if the place of the store cannot be
+/// reached in time, Internal for anything else that it comes up with.
 class JobStore {
 public:
+    /// Why a job was added, or not.
+    enum class Added { Accepted, QueueFull, NoRoom };
+
+    /// Whose a job is that was claimed: still the claimer's, nobody's, another's.
+    enum class Owned { Still, Cancelled, Lost };
+
+    struct Hold {
+        Owned owned = Owned::Still;
+        Time now;
+    };
+
+    struct Load {
+        std::size_t queued = 0;   ///< jobs to claim
+        std::size_t running = 0;  ///< jobs that are claimed
+        std::size_t bytes = 0;    ///< that are kept
+    };
+
     virtual ~JobStore() = default;
 
-    virtual Result<void> add(const Job& job, const ComputeRequest& request) = 0;
+    /// Whether other servers may use the same place.
+    virtual bool is_shared() const { return false; }
 
-    /// Jobs that have not finished, in the order in which they came.
-    virtual Result<std::vector<Job>> unfinished() = 0;
+    /// Whether a job that the client adds now would find the queue full. As in the pool, a client that has nothing
+    /// there is let in where others have filled it, until it is twice as long.
+    virtual Result<bool> is_full(std::string_view client) = 0;
 
-    /// @returns  none if there is no such job
-    virtual Result<std::optional<Job>> find(const std::string& id) = 0;
+    /// Adds a job unless there is one of that id, and writes down when. Where there is no room for its bytes, results
+    /// are dropped, those of the jobs that ended first, and once there are none what is left of such jobs.
+    virtual Result<Added> add(Job& job, const ComputeRequest& request) = 0;
 
-    /// @returns  none if the job is not there or has finished
+    /// Claims the job whose turn it is, or one whose lease has run out, and counts a start.
+    /// @param memory  bytes; jobs that take more are for others
+    /// @returns       none if there is none
+    virtual Result<std::optional<Job>> claim(std::size_t memory) = 0;
+
+    /// @returns  none if the job is not there or has ended
     virtual Result<std::optional<ComputeRequest>> request(const std::string& id) = 0;
 
-    /// @returns  none if the job is not there, or its result is not
-    virtual Result<std::optional<std::string>> result(const std::string& id) = 0;
+    /// Renews the lease of a job that was claimed, and writes down where it stands: waiting or, from the time of the
+    /// first such call on, running.
+    virtual Result<Hold> hold(const Job& job) = 0;
 
-    /// Writes down where a job that has not finished stands.
-    virtual Result<void> save(const Job& job) = 0;
+    /// Has a claimed job claimed by another, first of all; the start does not count.
+    virtual Result<void> give_back(const Job& job) = 0;
 
-    /// Writes down how a job has finished: its request goes, its result stays.
-    virtual Result<void> finish(const Job& job, std::string_view result) = 0;
+    /// Writes down how a claimed job has ended: its request goes, its result stays. Makes room for it as `add` does, of
+    /// which a job without a result needs none (LimitExceeded). May be called again after an error.
+    /// @returns  when it has ended; none if it was another's, or cancelled
+    virtual Result<std::optional<Time>> finish(const Job& job, std::string_view result) = 0;
+
+    /// Cancels a job that has not ended.
+    /// @returns  the job, cancelled; none if it is not there or had ended
+    virtual Result<std::optional<Job>> cancel(const std::string& id) = 0;
 
     /// @returns  whether there was such a job
     virtual Result<bool> remove(const std::string& id) = 0;
 
-    /// Removes some of those that finished by then, oldest first.
-    /// @returns  how many
-    virtual Result<std::size_t> remove_finished(Time by, std::size_t most) = 0;
+    /// @returns  none if there is no such job, or it has expired
+    virtual Result<std::optional<Job>> find(const std::string& id) = 0;
 
-    /// Finds when the job that finished first did.
-    virtual Result<std::optional<Time>> first_finished() = 0;
+    /// @returns  none if the job is not there, or its result is not
+    virtual Result<std::optional<std::string>> result(const std::string& id) = 0;
 
-    /// Drops the result of the job that finished first of those that have one.
-    /// @returns  false if none has
-    virtual Result<bool> drop_oldest_result() = 0;
+    /// Removes some of the jobs that have expired.
+    /// @returns  whether there may be more of them
+    virtual Result<bool> forget() = 0;
 
-    /// Bytes that the jobs kept take.
-    virtual std::size_t bytes() const = 0;
+    virtual Result<Load> load() = 0;
+
+    /// Has a listener told what happens from now on; null: nobody. Returns once the last one is not told any more.
+    virtual void listen(JobListener* listener) = 0;
+
+    /// Times that something was not as it had been written.
+    virtual std::uint64_t damages() const { return 0; }
 
     /// Bytes that a job takes with its request or its result.
     static constexpr std::size_t bytes_of_job(std::size_t held) {
         constexpr std::size_t kRow = 1024;  // with its places in the indices
         return kRow + held;
+    }
+
+    /// Bytes that a request takes.
+    static std::size_t bytes_of(const ComputeRequest& request) {
+        return request.path.size() + request.query.size() + request.content_type.size() + request.accept.size() +
+               request.body.size();
     }
 };
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cerrno>
 #include <exception>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -17,18 +18,20 @@ namespace {
 
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-/// Starts after which a job that the server did not survive is not begun again. Computing cannot end the server, so
-/// that this is for faults that nobody has thought of.
-constexpr int kMostStarts = 10;
+/// Starts after which a job that no server has brought to an end is not begun again. Computing cannot end the server,
+/// so that this is for faults that nobody has thought of.
+constexpr int kMostStarts = 3;
 
-/// Jobs that are forgotten in one go, lest others wait for long.
-constexpr std::size_t kForgottenAtOnce = 100;
+/// Longest time until it is seen that the lease of another server's job has run out, or that a store can be reached
+/// again.
+constexpr std::chrono::milliseconds kLook{1000};
 
-/// Time after which the clock is looked at even so: it may have been set.
-constexpr std::chrono::seconds kLongestSleep{60};
+/// Pause between two times that the store is told how far a run is.
+constexpr std::chrono::milliseconds kTell{100};
 
-/// Least pause between two looks for jobs to forget; those that have expired are not found even before.
-constexpr Time::duration kShortestSleep{100};
+/// Bounds of the pause between two looks for jobs to forget; those that have expired are not found even before.
+constexpr std::chrono::milliseconds kLeastForgetting{100};
+constexpr std::chrono::milliseconds kMostForgetting{60'000};
 
 /// 128 bits that nobody can guess: whoever knows them may read the result.
 std::string new_id() {
@@ -45,6 +48,11 @@ std::string new_id() {
 
 /// Makes a problem of a failure of the store; that what is the client's is damaged, the client is told.
 tl::unexpected<Problem> store_problem(const Error& error) {
+    if (error.code == ErrorCode::Stopped) {
+        auto away = busy(503, "the store of jobs cannot be reached", std::chrono::ceil<std::chrono::seconds>(kLook));
+        away.value().cause = error.message;
+        return away;
+    }
     auto failed = problem(error.code == ErrorCode::LimitExceeded ? 507 : 500, error.message);
     if (error.code == ErrorCode::Unusable) failed.value().error.message = error.message;
     return failed;
@@ -61,6 +69,18 @@ Problem too_late(std::chrono::milliseconds timeout) {
              {}}};
 }
 
+Problem shut_down() {
+    return {503, {ErrorCode::Stopped, "the server shut down", {}}};
+}
+
+/// The end of a job that has no result.
+JobEnd failed(Job job, Problem failure) {
+    JobEnd end{std::move(job), {}, {}, failure.cause};
+    end.job.status = JobStatus::Failed;
+    end.job.failure = std::move(failure);
+    return end;
+}
+
 }  // namespace
 
 Jobs::Jobs(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute, Logger logger)
@@ -71,170 +91,212 @@ Jobs::Jobs(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& 
       compute_(std::move(compute)),
       logger_(std::move(logger)),
       at_once_(std::max<std::size_t>(2, pool.load().workers) - 1),
-      timekeeper_([this](const std::stop_token& closing) { keep_time(closing); }) {}
+      claimer_([this](const std::stop_token& closing) { hand_out(closing); }),
+      timekeeper_([this](const std::stop_token& closing) { keep_time(closing); }) {
+    store_.listen(this);
+}
 
 Jobs::~Jobs() {
     drain();
+    store_.listen(nullptr);
     std::unique_lock lock(mutex_);
     idle_.wait(lock, [this] { return handed_ == 0; });
 }
 
-Result<void> Jobs::start() {
-    auto jobs = store_.unfinished();
-    if (!jobs) return tl::unexpected(std::move(jobs.error()));
-    for (Job& job : *jobs) take_up(std::move(job));
+void Jobs::start() {
     const std::lock_guard lock(mutex_);
     started_ = true;
-    feed_locked();
-    return {};
-}
-
-/// Takes up a job of a server that has ended.
-void Jobs::take_up(Job job) {
-    std::optional<Problem> failure;
-    if (job.starts >= kMostStarts)
-        failure = Problem{500, {ErrorCode::Internal, "the server ended each time that it ran this job", {}}};
-    if (job.cost.memory > pool_.memory().total())
-        failure = Problem{413, {ErrorCode::LimitExceeded, "this server has too little memory for this job", {}}};
-    job.status = JobStatus::Queued;
-    job.started.reset();
-    job.progress = {};
-    LivePointer live;
-    {
-        const std::lock_guard lock(mutex_);
-        const std::string id = job.id;
-        if (live_.contains(id)) return;  // it was accepted by this one, before the start
-        admit_locked(std::move(job));
-        live = live_.at(id);
-    }
-    if (failure) fail(live, *std::move(failure));
+    has_work_ = true;
+    wake_claimer_.notify_all();
 }
 
 bool Jobs::is_full(std::string_view client) const {
-    const std::lock_guard lock(mutex_);
-    return !has_room_locked(client);
-}
-
-/// Whether a client's job is let in: as in the pool, one that has nothing there is where others have filled the queue.
-bool Jobs::has_room_locked(std::string_view client) const {
-    const std::size_t waiting = queue_.size() + arriving_;
-    return waiting < limits_.waiting || (waiting < 2 * limits_.waiting && !queue_.has(client));
+    return store_.is_full(client).value_or(false);
 }
 
 HttpResult<Job> Jobs::accept(Job job, const ComputeRequest& request) {
-    {
-        const std::lock_guard lock(mutex_);
-        if (draining_) return busy(503, "the server is shutting down", pool_.backlog());
-        if (!has_room_locked(job.client)) return busy(429, "too many jobs are waiting (job-queue)", pool_.backlog());
-        ++arriving_;
-    }
+    if (is_draining()) return busy(503, "the server is shutting down", pool_.backlog());
     job.id = new_id();
-    job.created = time_now();
-    const auto stored = store_new(job, request);
-    LivePointer live;
-    {
-        const std::lock_guard lock(mutex_);
-        --arriving_;
-        if (!stored) return tl::unexpected(stored.error());
-        admit_locked(job);
-        if (draining_ && !survives_) live = live_.at(job.id);
-        feed_locked();
-    }
-    if (live) fail(live, {503, {ErrorCode::Stopped, "the server shut down", {}}});
+    if (auto added = add(job, request); !added) return tl::unexpected(std::move(added.error()));
+    if (is_draining() && !survives_) fail_all();
     return job;
 }
 
-HttpResult<void> Jobs::store_new(const Job& job, const ComputeRequest& request) {
-    const std::size_t bytes = JobStore::bytes_of_job(request.body.size() + request.query.size());
-    if (bytes > limits_.bytes)
+HttpResult<void> Jobs::add(Job& job, const ComputeRequest& request) {
+    if (JobStore::bytes_of_job(JobStore::bytes_of(request)) > limits_.bytes)
         return problem(413, "the request is larger than what jobs may take, " + std::to_string(limits_.bytes) +
                                 " bytes (job-bytes)");
-    const std::lock_guard lock(room_);
-    if (!make_room(bytes)) return busy(429, "jobs that wait take all the room (job-bytes)", pool_.backlog());
-    if (auto added = store_.add(job, request); !added) return store_problem(added.error());
+    const auto added = store_.add(job, request);
+    if (!added) return store_problem(added.error());
+    if (*added == JobStore::Added::QueueFull)
+        return busy(429, "too many jobs are waiting (job-queue)", pool_.backlog());
+    if (*added == JobStore::Added::NoRoom)
+        return busy(429, "jobs that wait take all the room (job-bytes)", pool_.backlog());
     return {};
 }
 
-/// Drops the oldest results, and then, once there are none, what is left of the jobs that finished first.
-bool Jobs::make_room(std::size_t bytes) {
-    const auto is_enough = [&] { return store_.bytes() + bytes <= limits_.bytes; };
-    const auto drop = [&] {
-        if (store_.drop_oldest_result().value_or(false)) return true;
-        return store_.remove_finished(Time::max(), 1).value_or(0) > 0;
-    };
-    while (!is_enough() && drop()) {
-    }
-    return is_enough();
-}
-
-void Jobs::admit_locked(Job job) {
-    const auto live = std::make_shared<Live>();
-    live->job = std::move(job);
-    live_.emplace(live->job.id, live);
-    queue_.push(live->job.client, live->job.cost.seconds, live);
-}
-
-/// Hands jobs to the pool while they may have more of its workers.
-void Jobs::feed_locked() {
-    while (started_ && !draining_ && handed_ < at_once_ && !queue_.empty()) {
-        const LivePointer live = queue_.take_next();
-        ++handed_;
-        live->handed = pool_.submit_always(
-            live->job.client, [this, live](const std::stop_token& stop) { run(live, stop); }, live->job.cost);
+void Jobs::hand_out(const std::stop_token& closing) {
+    const auto pause = std::min(kLook, std::max(limits_.lease / 2, std::chrono::milliseconds(1)));
+    while (!closing.stop_requested()) {
+        while (hand_one()) {
+        }
+        std::unique_lock lock(mutex_);
+        wake_claimer_.wait_for(lock, closing, pause, [this] { return has_work_; });
+        has_work_ = false;
     }
 }
 
-/// Makes room for the next job once the pool has done one.
-void Jobs::hand_next_locked() {
+/// Claims a job if it may have one of the pool's workers.
+/// @returns  whether there may be another one
+bool Jobs::hand_one() {
+    {
+        const std::lock_guard lock(mutex_);
+        if (!started_ || draining_ || handed_ + count_left_locked() >= at_once_) return false;
+    }
+    // What is too large for a server that has the store for itself has to fail; else it is for others.
+    auto job = store_.claim(store_.is_shared() ? pool_.memory().total() : std::numeric_limits<std::size_t>::max());
+    if (!job || !*job) return false;
+    hand(**std::move(job));
+    return true;
+}
+
+/// Counts the jobs whose ends could not be stored yet.
+std::size_t Jobs::count_left_locked() const {
+    const auto count = std::ranges::count_if(runs_, [](const auto& run) { return run.second->left.has_value(); });
+    return static_cast<std::size_t>(count);
+}
+
+/// Hands a job that was claimed to the pool.
+void Jobs::hand(Job job) {
+    std::optional<Problem> failure;
+    if (job.starts > kMostStarts)
+        failure = Problem{500, {ErrorCode::Internal, "the server ended each time that it ran this job", {}}};
+    if (job.cost.memory > pool_.memory().total())
+        failure = Problem{413, {ErrorCode::LimitExceeded, "this server has too little memory for this job", {}}};
+    const auto run = std::make_shared<Run>();
+    run->job = std::move(job);
+    run->held = Clock::now();
+    {
+        const std::lock_guard lock(mutex_);
+        if (draining_ && !survives_) failure = shut_down();
+        runs_.insert_or_assign(run->job.id, run);
+        if (run->job.starts > 1) ++counts_.repeated;
+        run->settling = failure.has_value();
+        if (!draining_ && !failure) {
+            ++handed_;
+            run->handed = pool_.submit_always(
+                run->job.client, [this, run](const std::stop_token& stop) { this->run(run, stop); }, run->job.cost);
+            return;
+        }
+    }
+    if (failure)
+        settle(run, {{}, failed(run->job, *std::move(failure))});
+    else
+        give_back(run);
+}
+
+void Jobs::run(const RunPointer& run, const std::stop_token& stop) {
+    try {
+        auto end = begin(run) ? compute(run, stop) : std::nullopt;
+        if (end) settle(run, *std::move(end));
+    } catch (const std::exception& exception) {
+        settle(run, {{}, failed(run->job, problem(500, exception.what()).value())});
+    }
+    const std::lock_guard lock(mutex_);
+    release_locked();
+}
+
+/// Makes room for another job once the pool is done with one.
+void Jobs::release_locked() {
     --handed_;
-    feed_locked();
+    has_work_ = true;
+    wake_claimer_.notify_all();
     idle_.notify_all();
 }
 
-void Jobs::run(const LivePointer& live, const std::stop_token& stop) {
-    try {
-        if (const auto job = begin(live)) finish_run(live, compute(*job, live, stop));
-    } catch (const std::exception& exception) {
-        fail(live, problem(500, exception.what()).value());
-    }
-    const std::lock_guard lock(mutex_);
-    hand_next_locked();
-}
-
-/// @returns  none if the job is not to be run any more
-std::optional<Job> Jobs::begin(const LivePointer& live) {
+/// @returns  false if the job is not to be run any more
+bool Jobs::begin(const RunPointer& run) {
     Job job;
+    Stop stop{};
     {
         const std::lock_guard lock(mutex_);
-        if (live->settling || draining_) return std::nullopt;
-        live->job.status = JobStatus::Running;
-        live->job.started = time_now();
-        ++live->job.starts;
-        live->deadline = Clock::now() + limits_.timeout;
-        news_ = true;
-        wake_timekeeper_.notify_all();
-        job = live->job;
+        if (run->settling) return false;
+        job = run->job;
+        stop = run->stop;
     }
-    // If this fails the job runs all the same; it only starts once more than is known.
-    (void)store_.save(job);
-    return job;
+    if (stop == Stop::Shutdown) give_back(run);
+    if (stop != Stop::None) return false;
+    job.status = JobStatus::Running;
+    const auto held = store_.hold(job);
+    const std::lock_guard lock(mutex_);
+    if (run->settling || (held && !keep_locked(run, held->owned))) return false;
+    // If the store cannot be told the job runs all the same: nobody else has it before its lease has run out.
+    run->job.status = JobStatus::Running;
+    run->job.started = held ? held->now : time_now();
+    run->held = Clock::now();
+    run->deadline = run->held + limits_.timeout;
+    news_ = true;
+    wake_timekeeper_.notify_all();
+    return true;
 }
 
-Jobs::Run Jobs::compute(const Job& job, const LivePointer& live, const std::stop_token& stop) {
-    Run run{failure(ErrorCode::Internal, ""), {}};
-    run.stages.queue = Milliseconds(*job.started - job.created).count();
-    try {
-        const auto request = load_request(job.id);
-        if (!request) {
-            run.answer = tl::unexpected(request.error());
-            return run;
-        }
-        const Control control{stop, [&](const Progress& progress) { note(live, progress); }};
-        run.answer = compute_(*request, {}, control, run.stages.work);
-    } catch (const std::exception& exception) {
-        run.answer = failure(ErrorCode::Internal, exception.what());
+/// Gives up a run whose job is not this server's any more.
+/// @returns  false if that is so
+bool Jobs::keep_locked(const RunPointer& run, JobStore::Owned owned) {
+    if (owned == JobStore::Owned::Still || run->settling) return true;
+    if (owned == JobStore::Owned::Lost && run->stop != Stop::Gone) ++counts_.lost;
+    drop_locked(run);
+    return false;
+}
+
+/// Has a run end without anything coming of it. If its end is on the way to the store, that will refuse it.
+void Jobs::drop_locked(const RunPointer& run) {
+    if (run->settling) {
+        run->stop = Stop::Gone;
+        return;
     }
-    return run;
+    stop_locked(*run, Stop::Gone);
+    forget_locked(run);
+}
+
+void Jobs::forget_locked(const RunPointer& run) {
+    const auto found = runs_.find(run->job.id);
+    if (found != runs_.end() && found->second == run) runs_.erase(found);
+}
+
+/// Takes a run out of the pool's queue, or tells it to stop.
+/// @returns  whether it had not begun
+bool Jobs::stop_locked(Run& run, Stop why) {
+    run.stop = why;
+    if (!run.handed || pool_.cancel(*run.handed) != WorkerPool::Cancelled::Queued) return false;
+    release_locked();
+    return true;
+}
+
+/// @returns  none if the job does not end with this run
+std::optional<Jobs::End> Jobs::compute(const RunPointer& run, const std::stop_token& stop) {
+    Stages stages;
+    stages.queue = Milliseconds(*run->job.started - run->job.created).count();
+    Result<api::Answer> answer;
+    try {
+        const Control control{stop, [&](const Progress& progress) { note(run, progress); }};
+        answer = load_request(run->job.id).and_then([&](const ComputeRequest& request) {
+            return compute_(request, {}, control, stages.work);
+        });
+    } catch (const std::exception& exception) {
+        answer = failure(ErrorCode::Internal, exception.what());
+    }
+    std::unique_lock lock(mutex_);
+    run->deadline.reset();
+    if (run->settling || run->stop == Stop::Gone) return std::nullopt;
+    const bool whole = answer ? !answer->partial : answer.error().code != ErrorCode::Stopped;
+    if (run->stop == Stop::Shutdown && !whole) {
+        lock.unlock();
+        give_back(run);
+        return std::nullopt;
+    }
+    run->settling = true;
+    return end_of(run->job, std::move(answer), stages);
 }
 
 Result<ComputeRequest> Jobs::load_request(const std::string& id) const {
@@ -249,86 +311,70 @@ Result<ComputeRequest> Jobs::load_request(const std::string& id) const {
     return request;
 }
 
-void Jobs::note(const LivePointer& live, const Progress& progress) {
-    const std::lock_guard lock(mutex_);
-    if (live->settling) return;
-    live->job.progress = {progress.done(), progress.iteration, progress.variation};
-    live->steps.push_back(live->job.progress);
-    live->changed.notify_all();
-}
-
-void Jobs::finish_run(const LivePointer& live, Run run) {
-    Job job;
-    Stop stop{};
-    {
-        const std::lock_guard lock(mutex_);
-        if (live->settling) return;  // cancelled meanwhile
-        live->settling = true;
-        live->deadline.reset();
-        job = live->job;
-        stop = live->stop;
-    }
-    auto& answer = run.answer;
-    const bool whole = answer ? !answer->partial : answer.error().code != ErrorCode::Stopped;
-    if (stop == Stop::Shutdown && !whole) {
-        job.status = JobStatus::Queued;
-        job.starts = 0;
-        job.started.reset();
-        job.progress = {};
-        (void)store_.save(job);  // if this fails it runs again for having been running
-        const std::lock_guard lock(mutex_);
-        live->job = std::move(job);
-        live->settling = false;
-        return;
-    }
-    JobEnd end{{}, run.stages, {}, {}};
+Jobs::End Jobs::end_of(Job job, Result<api::Answer> answer, const Stages& stages) const {
     if (!answer) {
         const Error& error = answer.error();
-        job.status = JobStatus::Failed;
-        job.failure = error.code == ErrorCode::Stopped ? too_late(limits_.timeout) : problem(error).value();
-        end.cause = job.failure->cause;
-        settle(live, std::move(job), {}, std::move(end));
-        return;
+        JobEnd end = failed(std::move(job),
+                            error.code == ErrorCode::Stopped ? too_late(limits_.timeout) : problem(error).value());
+        end.stages = stages;
+        return {{}, std::move(end)};
     }
     job.status = JobStatus::Succeeded;
+    job.progress.fraction = 1;
     job.media_type = std::move(answer->media_type);
     job.partial = answer->partial;
     job.headers = answer_headers(*answer);
-    end.computed = Computed{answer->sites, answer->pixels};
-    settle(live, std::move(job), std::move(answer->body), std::move(end));
+    job.result_bytes = answer->body.size();
+    return {std::move(answer->body), {std::move(job), stages, Computed{answer->sites, answer->pixels}, {}}};
 }
 
-/// Stores how a job ends, which its `settling` has left to the caller, and tells those who watch it and the log.
-void Jobs::settle(const LivePointer& live, Job job, std::string result, JobEnd end) {
-    job.finished = time_now();
-    if (job.status == JobStatus::Succeeded) job.progress.fraction = 1;
-    job.result_bytes = result.size();
-    const auto stored = store_end(job, result);
-    if (!stored && end.cause.empty()) end.cause = stored.error().message;
+void Jobs::note(const RunPointer& run, const Progress& progress) {
+    const std::lock_guard lock(mutex_);
+    if (run->settling || run->stop == Stop::Gone) return;
+    run->job.progress = {progress.done(), progress.iteration, progress.variation};
+    if (const auto followed = find_followed_locked(run->job.id)) advance_locked(*followed, run->job);
+    if (!std::exchange(run->told, false)) return;
+    news_ = true;
+    wake_timekeeper_.notify_all();
+}
+
+/// Leaves a job to the next server, or to others.
+void Jobs::give_back(const RunPointer& run) {
+    (void)store_.give_back(run->job);  // if this fails it runs again for its lease running out
+    const std::lock_guard lock(mutex_);
+    forget_locked(run);
+}
+
+/// Stores how a job ends, which its `settling` has left to the caller, and tells those who follow it and the log.
+void Jobs::settle(const RunPointer& run, End end) {
+    const auto stored = store_end(end);
+    Job& job = end.told.job;
     {
         const std::lock_guard lock(mutex_);
-        live->job = job;
-        if (stored) live_.erase(job.id);
-        live->changed.notify_all();
-        news_ = true;
-        wake_timekeeper_.notify_all();
+        if (!stored && stored.error().code == ErrorCode::Stopped) {
+            run->left = std::move(end);
+            return;
+        }
+        forget_locked(run);
+        if (stored && *stored) {
+            job.finished = **stored;
+            publish_locked(job);
+        } else if (stored) {
+            if (run->stop != Stop::Gone) ++counts_.lost;
+            return;
+        }
     }
-    end.job = std::move(job);
-    logger_(end);
+    if (!stored && end.told.cause.empty()) end.told.cause = stored.error().message;
+    logger_(end.told);
 }
 
 /// Stores how a job ends; a result that cannot be stored makes a failure, which takes no room.
-Result<void> Jobs::store_end(Job& job, std::string_view result) {
-    Result<void> stored;
-    {
-        const std::lock_guard lock(room_);
-        if (!result.empty() && !make_room(result.size()))
-            stored = failure(ErrorCode::LimitExceeded, "the result has " + std::to_string(result.size()) +
-                                                           " bytes, more than there is room for (job-bytes)");
-        else
-            stored = store_.finish(job, result);
-    }
-    if (stored || result.empty()) return stored;
+Result<std::optional<Time>> Jobs::store_end(End& end) {
+    Job& job = end.told.job;
+    auto stored = store_.finish(job, end.result);
+    if (stored || end.result.empty() || stored.error().code == ErrorCode::Stopped) return stored;
+    end.result.clear();
+    end.told.cause = stored.error().message;
     job.status = JobStatus::Failed;
     job.failure = Problem{507, stored.error()};
     job.media_type.clear();
@@ -336,48 +382,37 @@ Result<void> Jobs::store_end(Job& job, std::string_view result) {
     return store_.finish(job, {});
 }
 
-/// Ends a job that does not run.
-void Jobs::fail(const LivePointer& live, Problem failure) {
-    Job job;
-    {
-        const std::lock_guard lock(mutex_);
-        if (live->settling) return;
-        live->settling = true;
-        withdraw_locked(*live);
-        job = live->job;
-    }
-    job.status = JobStatus::Failed;
-    job.failure = std::move(failure);
-    settle(live, std::move(job), {}, {});
+/// Tells those who follow a job how it has ended.
+void Jobs::publish_locked(const Job& job) {
+    if (const auto followed = find_followed_locked(job.id)) advance_locked(*followed, job);
 }
 
-/// Takes a job out of the queues, or tells its run to stop.
-/// @returns  whether it was not running
-bool Jobs::withdraw_locked(Live& live) {
-    if (!live.handed) {
-        queue_.withdraw([&](const LivePointer& waiting) { return waiting.get() == &live; });
-        return true;
+/// Fails all jobs that nobody runs.
+void Jobs::fail_all() {
+    while (auto job = store_.claim(std::numeric_limits<std::size_t>::max()).value_or(std::nullopt)) {
+        const auto run = std::make_shared<Run>();
+        run->job = *std::move(job);
+        settle(run, {{}, failed(run->job, shut_down())});
     }
-    if (pool_.cancel(*live.handed) != WorkerPool::Cancelled::Queued) return false;
-    hand_next_locked();
-    return true;
-}
-
-Jobs::LivePointer Jobs::find_live_locked(const std::string& id, const std::string& owner) const {
-    const auto found = live_.find(id);
-    return found == live_.end() || found->second->job.owner != owner ? nullptr : found->second;
 }
 
 HttpResult<Job> Jobs::find(const std::string& id, const std::string& owner) const {
-    {
-        const std::lock_guard lock(mutex_);
-        if (const auto live = find_live_locked(id, owner)) return live->job;
-    }
     auto found = store_.find(id);
     if (!found) return store_problem(found.error());
-    const bool is_there = *found && (*found)->owner == owner;
-    if (!is_there || ((*found)->finished && *(*found)->finished + limits_.ttl <= time_now())) return no_such_job();
-    return **std::move(found);
+    if (!*found || (*found)->owner != owner) return no_such_job();
+    Job job = **std::move(found);
+    add_latest(job);
+    return job;
+}
+
+/// Adds what is known here before the store is told.
+void Jobs::add_latest(Job& job) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = runs_.find(job.id);
+    if (found == runs_.end() || is_finished(job.status) || found->second->job.claim != job.claim) return;
+    job.status = found->second->job.status;
+    job.started = found->second->job.started;
+    job.progress = found->second->job.progress;
 }
 
 HttpResult<std::string> Jobs::result(const std::string& id) {
@@ -388,75 +423,157 @@ HttpResult<std::string> Jobs::result(const std::string& id) {
 }
 
 HttpResult<void> Jobs::remove(const std::string& id, const std::string& owner) {
-    LivePointer live;
-    Job job;
-    {
-        std::unique_lock lock(mutex_);
-        live = find_live_locked(id, owner);
-        if (live && live->settling) {
-            live->changed.wait(lock, [&] { return is_finished(live->job.status); });
-            live_.erase(id);
-            live.reset();
-        } else if (live) {
-            live->settling = true;
-            withdraw_locked(*live);
-            job = live->job;
+    const auto found = find(id, owner);
+    if (!found) return tl::unexpected(found.error());
+    if (!is_finished(found->status)) {
+        const auto cancelled = store_.cancel(id);
+        if (!cancelled) return store_problem(cancelled.error());
+        if (*cancelled) {
+            stop(id);
+            const Job& job = **cancelled;
+            {
+                const std::lock_guard lock(mutex_);
+                publish_locked(job);
+            }
+            logger_({job, {}, {}, {}});
+            return {};
         }
     }
-    if (live) {
-        job.status = JobStatus::Cancelled;
-        settle(live, std::move(job), {}, {});
-        return {};
-    }
-    if (auto found = find(id, owner); !found) return tl::unexpected(std::move(found.error()));
     if (auto removed = store_.remove(id); !removed) return store_problem(removed.error());
     return {};
 }
 
+void Jobs::work() {
+    const std::lock_guard lock(mutex_);
+    has_work_ = true;
+    wake_claimer_.notify_all();
+}
+
+void Jobs::changed(const std::string& id) {
+    const std::lock_guard lock(mutex_);
+    const auto followed = find_followed_locked(id);
+    if (!followed) return;
+    followed->stale = true;
+    followed->changed.notify_all();
+}
+
+void Jobs::stop(const std::string& id) {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = runs_.find(id); found != runs_.end()) drop_locked(RunPointer(found->second));
+}
+
+void Jobs::missed() {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, other] : followed_) {
+        const auto followed = other.lock();
+        if (!followed) continue;
+        followed->stale = true;
+        followed->changed.notify_all();
+    }
+    for (const auto& [id, run] : runs_) run->told = false;
+    has_work_ = news_ = true;
+    wake_claimer_.notify_all();
+    wake_timekeeper_.notify_all();
+}
+
 HttpResult<Jobs::Watch> Jobs::watch(const std::string& id, const std::string& owner) const {
+    FollowedPointer followed;
     {
         const std::lock_guard lock(mutex_);
-        if (auto live = find_live_locked(id, owner)) return Watch(*this, std::move(live));
+        std::erase_if(followed_, [](const auto& other) { return other.second.expired(); });
+        followed = find_followed_locked(id);
+        if (!followed) followed = std::make_shared<Followed>();
+        followed_[id] = followed;  // first, lest news be missed
     }
-    auto found = find(id, owner);
-    if (!found) return tl::unexpected(std::move(found.error()));
-    const auto live = std::make_shared<Live>();
-    live->job = *std::move(found);
-    return Watch(*this, live);
+    const auto job = find(id, owner);
+    if (!job) return tl::unexpected(job.error());
+    const std::lock_guard lock(mutex_);
+    advance_locked(*followed, *job);
+    return Watch(*this, followed);
+}
+
+Jobs::FollowedPointer Jobs::find_followed_locked(const std::string& id) const {
+    const auto found = followed_.find(id);
+    return found == followed_.end() ? nullptr : found->second.lock();
+}
+
+/// Takes over where a job stands, unless it is known to be further.
+void Jobs::advance_locked(Followed& followed, const Job& job) {
+    const Job& known = followed.job;
+    if (is_finished(known.status)) return;
+    const bool is_first = known.id.empty();
+    const bool is_later = job.claim > known.claim;
+    const bool is_further = job.progress.fraction > (is_later ? 0 : known.progress.fraction);
+    if (!is_first && !is_later && !is_further && !is_finished(job.status)) return;
+    if (!is_first && is_further && !is_finished(job.status)) followed.steps.push_back(job.progress);
+    followed.job = job;
+    followed.changed.notify_all();
+}
+
+/// Finds where a job stands that another server may run.
+void Jobs::look_again(Followed& followed) const {
+    auto found = store_.find(followed.job.id);
+    if (!found) return;  // once the store can be reached again, it will be told that something was missed
+    if (*found) add_latest(**found);
+    const std::lock_guard lock(mutex_);
+    if (*found) {
+        advance_locked(followed, **found);
+    } else {
+        followed.gone = true;
+        followed.changed.notify_all();
+    }
 }
 
 std::optional<Job> Jobs::Watch::next(Clock::time_point until) {
     std::unique_lock lock(jobs_.mutex_);
-    const auto has_ended = [this] { return is_finished(live_->job.status); };
-    const auto has_steps = [this] { return seen_ && *seen_ < live_->steps.size(); };
-    const auto has_news = [&] { return !seen_ || has_steps() || (has_ended() && !over_); };
-    if (!live_->changed.wait_until(lock, until, has_news)) return std::nullopt;
-    Job job = live_->job;
-    if (has_steps()) {
-        job.status = JobStatus::Running;
-        job.finished.reset();
-        job.failure.reset();
-        job.progress = live_->steps[(*seen_)++];
-        return job;
+    const Followed& followed = *job_;
+    while (!over_) {
+        if (seen_ && *seen_ < followed.steps.size()) {
+            Job job = followed.job;
+            job.status = JobStatus::Running;
+            job.finished.reset();
+            job.failure.reset();
+            job.progress = followed.steps[(*seen_)++];
+            return job;
+        }
+        const bool first = !seen_;
+        seen_ = followed.steps.size();
+        over_ = is_finished(followed.job.status) || followed.gone;
+        if (first || is_finished(followed.job.status)) return followed.job;
+        if (std::exchange(job_->stale, false)) {
+            lock.unlock();
+            jobs_.look_again(*job_);
+            lock.lock();
+            continue;
+        }
+        const auto has_news = [&] {
+            return *seen_ < followed.steps.size() || is_finished(followed.job.status) || followed.gone ||
+                   followed.stale;
+        };
+        if (!over_ && !job_->changed.wait_until(lock, until, has_news)) return std::nullopt;
     }
-    seen_ = live_->steps.size();
-    over_ = has_ended();
-    return job;
+    return std::nullopt;
 }
 
 void Jobs::drain() {
-    std::vector<LivePointer> lost;
+    std::vector<RunPointer> left;
     {
         const std::lock_guard lock(mutex_);
         if (std::exchange(draining_, true)) return;
-        for (const auto& [id, live] : live_) {
-            if (!survives_) lost.push_back(live);
-            if (!survives_ || live->settling || !live->handed) continue;
-            live->stop = Stop::Shutdown;
-            withdraw_locked(*live);
+        for (const auto& [id, run] : runs_) {
+            if (run->settling) continue;
+            const bool waited = stop_locked(*run, Stop::Shutdown);
+            run->settling = !survives_;
+            if (waited || !survives_) left.push_back(run);
         }
     }
-    for (const auto& live : lost) fail(live, {503, {ErrorCode::Stopped, "the server shut down", {}}});
+    for (const auto& run : left) {
+        if (survives_)
+            give_back(run);
+        else
+            settle(run, {{}, failed(run->job, shut_down())});
+    }
+    if (!survives_) fail_all();
 }
 
 bool Jobs::is_draining() const {
@@ -464,50 +581,94 @@ bool Jobs::is_draining() const {
     return draining_;
 }
 
+std::optional<JobStore::Load> Jobs::load() const {
+    const auto load = store_.load();
+    return load ? std::optional(*load) : std::nullopt;
+}
+
 Jobs::Counts Jobs::counts() const {
     const std::lock_guard lock(mutex_);
-    Counts counts;
-    for (const auto& [id, live] : live_) {
-        if (live->job.status == JobStatus::Queued) ++counts.queued;
-        if (live->job.status == JobStatus::Running) ++counts.running;
-    }
-    return counts;
+    return counts_;
 }
 
 void Jobs::keep_time(const std::stop_token& closing) {
+    const auto forgetting = std::clamp(limits_.ttl, kLeastForgetting, kMostForgetting);
+    auto next_forgetting = Clock::now();
+    auto settled = Clock::now();
     while (!closing.stop_requested()) {
-        const auto expiry = forget_expired();
+        if (next_forgetting <= Clock::now()) {
+            while (store_.forget().value_or(false)) {
+            }
+            next_forgetting = Clock::now() + forgetting;
+        }
+        if (settled + kLook <= Clock::now()) {
+            settle_what_is_left();
+            settled = Clock::now();
+        }
+        renew_leases();
         std::unique_lock lock(mutex_);
-        auto until = Clock::now() + kLongestSleep;
-        if (const auto deadline = stop_overdue_locked()) until = std::min(until, *deadline);
-        if (expiry) until = std::min(until, Clock::now() + std::max(*expiry - time_now(), kShortestSleep));
+        const auto next_settling = count_left_locked() > 0 ? settled + kLook : next_forgetting;
+        const auto until = std::min({next_forgetting, next_settling, stop_overdue_locked(), next_renewal_locked()});
         wake_timekeeper_.wait_until(lock, closing, until, [this] { return news_; });
         news_ = false;
     }
 }
 
 /// @returns  when the next run has to end
-std::optional<Jobs::Clock::time_point> Jobs::stop_overdue_locked() {
-    std::optional<Clock::time_point> next;
-    for (const auto& [id, live] : live_) {
-        if (!live->deadline || live->settling || live->stop != Stop::None) continue;
-        if (*live->deadline > Clock::now()) {
-            next = std::min(next.value_or(*live->deadline), *live->deadline);
-            continue;
-        }
-        live->stop = Stop::Deadline;
-        pool_.cancel(*live->handed);
+Jobs::Clock::time_point Jobs::stop_overdue_locked() {
+    auto next = Clock::time_point::max();
+    for (const auto& [id, run] : runs_) {
+        if (!run->deadline || run->settling || run->stop != Stop::None) continue;
+        if (*run->deadline > Clock::now())
+            next = std::min(next, *run->deadline);
+        else
+            stop_locked(*run, Stop::Deadline);
     }
     return next;
 }
 
-/// @returns  when the next job expires
-std::optional<Time> Jobs::forget_expired() {
-    while (store_.remove_finished(time_now() - limits_.ttl, kForgottenAtOnce).value_or(0) == kForgottenAtOnce) {
+/// Finds when the lease of a run has to be renewed, or the store to be told how far it is.
+Jobs::Clock::time_point Jobs::next_renewal_locked(const Run& run) const {
+    const auto renewal = std::max(limits_.lease / 3, std::chrono::milliseconds(1));
+    return run.held + (run.told ? renewal : std::min(kTell, renewal));
+}
+
+Jobs::Clock::time_point Jobs::next_renewal_locked() const {
+    auto next = Clock::time_point::max();
+    for (const auto& [id, run] : runs_) next = std::min(next, next_renewal_locked(*run));
+    return next;
+}
+
+void Jobs::renew_leases() {
+    std::vector<std::pair<RunPointer, Job>> due;
+    {
+        const std::lock_guard lock(mutex_);
+        for (const auto& [id, run] : runs_)
+            if (next_renewal_locked(*run) <= Clock::now()) due.emplace_back(run, run->job);
+        for (const auto& [run, job] : due) run->told = true;
     }
-    const auto first = store_.first_finished().value_or(std::nullopt);
-    if (!first) return std::nullopt;
-    return *first + limits_.ttl;
+    for (const auto& [run, job] : due) {
+        const auto held = store_.hold(job);
+        const std::lock_guard lock(mutex_);
+        run->held = Clock::now();
+        if (held)
+            keep_locked(run, held->owned);
+        else
+            run->told = false;
+    }
+}
+
+/// Tries again to store how jobs have ended.
+void Jobs::settle_what_is_left() {
+    std::vector<std::pair<RunPointer, End>> left;
+    {
+        const std::lock_guard lock(mutex_);
+        for (const auto& [id, run] : runs_)
+            if (auto end = std::exchange(run->left, std::nullopt)) left.emplace_back(run, *std::move(end));
+    }
+    for (auto& [run, end] : left) settle(run, std::move(end));
+    if (left.empty()) return;
+    work();  // there may be room for others
 }
 
 }  // namespace ccdt::server

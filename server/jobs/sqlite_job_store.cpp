@@ -31,6 +31,9 @@ constexpr std::size_t kReserve = std::size_t{16} << 20;
 /// Free pages that are given back to the disk at a time, and that are kept.
 constexpr std::int64_t kGivenBack = 1024;
 
+/// Jobs that are forgotten in one go, lest others wait for long.
+constexpr std::size_t kForgottenAtOnce = 100;
+
 constexpr const char* kFile = "/jobs.sqlite";
 
 constexpr const char* kDamagedJob = "what is stored of this job is damaged";
@@ -188,11 +191,6 @@ std::string digest_of(std::string_view id, std::string_view result) {
     throw SqliteError(SQLITE_CORRUPT, message);
 }
 
-std::size_t size_of(const ComputeRequest& request) {
-    return request.path.size() + request.query.size() + request.content_type.size() + request.accept.size() +
-           request.body.size();
-}
-
 ErrorCode code_of(const SqliteError& error) {
     switch (error.code()) {
         case SQLITE_FULL:
@@ -238,20 +236,20 @@ struct SqliteJobStore::Sealed {
     std::string digest;
 };
 
-Result<std::unique_ptr<SqliteJobStore>> SqliteJobStore::open(const std::string& folder) {
+Result<std::unique_ptr<SqliteJobStore>> SqliteJobStore::open(const std::string& folder, const JobLimits& limits) {
     const std::string path = folder.empty() ? ":memory:" : folder + kFile;
     if (!folder.empty()) {
         if (auto made = make_file(folder, path); !made) return tl::unexpected(made.error());
     }
     try {
-        return std::unique_ptr<SqliteJobStore>(new SqliteJobStore(path));
+        return std::unique_ptr<SqliteJobStore>(new SqliteJobStore(path, limits));
     } catch (const SqliteError& error) {
         const std::string reason = error.code() == SQLITE_BUSY ? "another server uses it" : error.what();
         return failure(ErrorCode::Unusable, "the jobs of " + path + " cannot be used: " + reason);
     }
 }
 
-SqliteJobStore::SqliteJobStore(const std::string& path) : database_(path) {
+SqliteJobStore::SqliteJobStore(const std::string& path, const JobLimits& limits) : limits_(limits), database_(path) {
     database_.execute("PRAGMA locking_mode = EXCLUSIVE");
     const auto application = database_.value_of("PRAGMA application_id");
     const auto version = database_.value_of("PRAGMA user_version");
@@ -269,6 +267,7 @@ SqliteJobStore::SqliteJobStore(const std::string& path) : database_(path) {
     if (empty || version < kVersion) prepare_tables(empty ? 0 : version);
     fail_damaged();
     bytes_ = static_cast<std::size_t>(database_.value_of("SELECT sum(bytes) FROM jobs"));
+    queue_unfinished();
     cut_log();
 }
 
@@ -407,31 +406,173 @@ void SqliteJobStore::give_back() {
     }
 }
 
-Result<void> SqliteJobStore::add(const Job& job, const ComputeRequest& request) {
-    return attempt([&] {
-        const std::size_t bytes = bytes_of_job(size_of(request));
-        take_room(bytes);
-        Transaction transaction(database_);
-        Statement(
-            database_,
-            "INSERT INTO jobs (id, owner, client, memory, seconds, status, starts, created, fraction, iteration, "
-            "media_type, result_bytes, partial, dropped, bytes) VALUES (?, ?, ?, ?, ?, ?, 0, ?, 0, 0, '', 0, 0, 0, ?)",
-            job.id, job.owner, job.client, number_of(job.cost.memory), job.cost.seconds,
-            static_cast<std::int64_t>(job.status), number_of(job.created), number_of(bytes))
-            .run();
-        const auto row = database_.last_row();
-        seal(row);
-        Statement(database_,
-                  "INSERT INTO questions (row, path, query, content_type, accept, body, digest) "
-                  "VALUES (?, ?, ?, ?, ?, zeroblob(?), ?)",
-                  row, request.path, request.query, request.content_type, request.accept,
-                  number_of(request.body.size()), digest_of(job.id, request))
-            .run();
-        database_.write_body("questions", row, request.body);
-        transaction.commit();
-        bytes_ += bytes;
-        if (bytes > kReserve / 2) cut_log();
+/// Queues what the last server has left, in the order in which it came.
+void SqliteJobStore::queue_unfinished() {
+    Statement query(database_, select_jobs("WHERE finished IS NULL ORDER BY row").c_str());
+    while (query.step()) {
+        const Job job = Kept::at(query).job;
+        queue_.push(job.client, job.cost.seconds, {job.id, job.cost.memory});
+    }
+}
+
+Result<bool> SqliteJobStore::is_full(std::string_view client) {
+    const std::lock_guard lock(mutex_);
+    return !has_room_for(client);
+}
+
+bool SqliteJobStore::has_room_for(std::string_view client) const {
+    return queue_.size() < limits_.waiting || (queue_.size() < 2 * limits_.waiting && !queue_.has(client));
+}
+
+Result<JobStore::Added> SqliteJobStore::add(Job& job, const ComputeRequest& request) {
+    const std::size_t bytes = bytes_of_job(bytes_of(request));
+    const std::lock_guard room(room_);
+    if (is_full(job.client).value()) return Added::QueueFull;
+    if (!make_room(bytes)) return Added::NoRoom;
+    auto added = attempt([&] {
+        if (look_up(job.id)) return Added::Accepted;
+        job.created = time_now();
+        insert(job, request, bytes);
+        queue_.push(job.client, job.cost.seconds, {job.id, job.cost.memory});
+        return Added::Accepted;
     });
+    if (added == Added::Accepted) news_.tell([](JobListener& listener) { listener.work(); });
+    return added;
+}
+
+/// Drops the oldest results, and then, once there are none, what is left of the jobs that finished first.
+bool SqliteJobStore::make_room(std::size_t bytes) {
+    const auto is_enough = [&] { return bytes_ + bytes <= limits_.bytes; };
+    const auto drop = [&] {
+        if (free_room([this] { return drop_oldest_result(); }).value_or(false)) return true;
+        return free_room([this] { return remove_finished(Time::max(), 1); }).value_or(0) > 0;
+    };
+    while (!is_enough() && drop()) {
+    }
+    return is_enough();
+}
+
+/// Adds a job that is not there.
+void SqliteJobStore::insert(const Job& job, const ComputeRequest& request, std::size_t bytes) {
+    take_room(bytes);
+    Transaction transaction(database_);
+    Statement(
+        database_,
+        "INSERT INTO jobs (id, owner, client, memory, seconds, status, starts, created, fraction, iteration, "
+        "media_type, result_bytes, partial, dropped, bytes) VALUES (?, ?, ?, ?, ?, ?, 0, ?, 0, 0, '', 0, 0, 0, ?)",
+        job.id, job.owner, job.client, number_of(job.cost.memory), job.cost.seconds,
+        static_cast<std::int64_t>(job.status), number_of(job.created), number_of(bytes))
+        .run();
+    const auto row = database_.last_row();
+    seal(row);
+    Statement(database_,
+              "INSERT INTO questions (row, path, query, content_type, accept, body, digest) "
+              "VALUES (?, ?, ?, ?, ?, zeroblob(?), ?)",
+              row, request.path, request.query, request.content_type, request.accept, number_of(request.body.size()),
+              digest_of(job.id, request))
+        .run();
+    database_.write_body("questions", row, request.body);
+    transaction.commit();
+    bytes_ += bytes;
+    if (bytes > kReserve / 2) cut_log();
+}
+
+Result<std::optional<Job>> SqliteJobStore::claim(std::size_t memory) {
+    return attempt([&]() -> std::optional<Job> {
+        take_back_lost();
+        while (auto entry = queue_.take_next_of([&](const Waiting& job) { return job.memory <= memory; }))
+            if (auto job = begin(*std::move(entry))) return job;
+        return std::nullopt;
+    });
+}
+
+/// Queues the jobs again whose leases have run out.
+void SqliteJobStore::take_back_lost() {
+    const auto now = Clock::now();
+    for (auto claimed = claimed_.begin(); claimed != claimed_.end();) {
+        if (claimed->second.until > now) {
+            ++claimed;
+            continue;
+        }
+        queue_.put_back(std::move(claimed->second.entry));
+        claimed = claimed_.erase(claimed);
+    }
+}
+
+/// Begins a start of a job that was taken from the queue.
+/// @returns  none if it cannot be run: the disk has changed it
+std::optional<Job> SqliteJobStore::begin(Queue::Entry entry) {
+    try {
+        auto kept = look_up(entry.item.id);
+        if (!kept) return std::nullopt;
+        Job& job = kept->job;
+        job.status = JobStatus::Queued;
+        job.started.reset();
+        job.progress = {};
+        ++job.starts;
+        Transaction transaction(database_);
+        update(job, kept->row, kept->bytes);
+        transaction.commit();
+        job.claim = ++last_claim_;
+        claimed_.insert_or_assign(job.id, Claimed{std::move(entry), job, Clock::now() + limits_.lease});
+        return std::move(job);
+    } catch (const SqliteError& error) {
+        if (code_of(error) != ErrorCode::Unusable) {
+            queue_.put_back(std::move(entry));
+            throw;
+        }
+        ++damages_;
+        return std::nullopt;
+    }
+}
+
+/// @returns  null if the job is not the claimer's any more
+SqliteJobStore::Claimed* SqliteJobStore::find_claimed(const Job& job) {
+    const auto found = claimed_.find(job.id);
+    return found == claimed_.end() || found->second.job.claim != job.claim ? nullptr : &found->second;
+}
+
+Result<JobStore::Hold> SqliteJobStore::hold(const Job& job) {
+    auto held = attempt([&] {
+        const Time now = time_now();
+        if (Claimed* claimed = find_claimed(job)) {
+            claimed->until = Clock::now() + limits_.lease;
+            if (job.status == JobStatus::Running && !claimed->job.started) claimed->job.started = now;
+            claimed->job.status = job.status;
+            claimed->job.progress = job.progress;
+            return Hold{Owned::Still, now};
+        }
+        const auto kept = look_up(job.id);
+        return Hold{kept && kept->job.status == JobStatus::Cancelled ? Owned::Cancelled : Owned::Lost, now};
+    });
+    if (held && held->owned == Owned::Still) news_.tell([&](JobListener& listener) { listener.changed(job.id); });
+    return held;
+}
+
+Result<void> SqliteJobStore::give_back(const Job& job) {
+    auto given = attempt([&] {
+        Claimed* claimed = find_claimed(job);
+        if (claimed == nullptr) return;
+        queue_.put_back(std::move(claimed->entry));
+        claimed_.erase(job.id);
+        auto kept = look_up(job.id);
+        if (!kept) return;
+        --kept->job.starts;
+        Transaction transaction(database_);
+        update(kept->job, kept->row, kept->bytes);
+        transaction.commit();
+    });
+    news_.tell([&](JobListener& listener) {
+        listener.changed(job.id);
+        listener.work();
+    });
+    return given;
+}
+
+/// Takes a job from where it waits, or from whoever has claimed it.
+void SqliteJobStore::withdraw(const std::string& id) {
+    claimed_.erase(id);
+    queue_.withdraw([&](const Waiting& job) { return job.id == id; });
 }
 
 /// @returns  none if there is none such
@@ -464,18 +605,26 @@ std::optional<SqliteJobStore::Sealed<std::string>> SqliteJobStore::result_of(con
     return Sealed<std::string>{database_.read_body("results", kept.row, kept.bytes), query.text(0)};
 }
 
-Result<std::vector<Job>> SqliteJobStore::unfinished() {
-    return attempt([&] {
-        std::vector<Job> jobs;
-        Statement query(database_, select_jobs("WHERE finished IS NULL ORDER BY row").c_str());
-        while (query.step()) jobs.push_back(Kept::at(query).job);
-        return jobs;
-    });
+/// Finds a job as it stands, which for one that runs the database does not know.
+std::optional<SqliteJobStore::Kept> SqliteJobStore::find_kept(const std::string& id) {
+    auto kept = look_up(id);
+    if (!kept) return std::nullopt;
+    Job& job = kept->job;
+    if (job.finished) return *job.finished + limits_.ttl <= time_now() ? std::nullopt : std::move(kept);
+    const auto claimed = claimed_.find(id);
+    if (claimed != claimed_.end()) {
+        job = claimed->second.job;
+        return kept;
+    }
+    job.status = JobStatus::Queued;
+    job.started.reset();
+    job.progress = {};
+    return kept;
 }
 
 Result<std::optional<Job>> SqliteJobStore::find(const std::string& id) {
     return attempt([&]() -> std::optional<Job> {
-        auto kept = look_up(id);
+        auto kept = find_kept(id);
         if (!kept) return std::nullopt;
         return std::move(kept->job);
     });
@@ -525,36 +674,63 @@ void SqliteJobStore::update(const Job& job, std::int64_t row, std::size_t bytes)
     seal(row);
 }
 
-Result<void> SqliteJobStore::save(const Job& job) {
-    return attempt([&] {
-        const auto kept = look_up(job.id);
-        if (!kept) return;
-        Transaction transaction(database_);
-        update(job, kept->row, kept->bytes);
-        transaction.commit();
+Result<std::optional<Time>> SqliteJobStore::finish(const Job& job, std::string_view result) {
+    const std::lock_guard room(room_);
+    if (!result.empty() && !make_room(result.size()))
+        return failure(ErrorCode::LimitExceeded, "the result has " + std::to_string(result.size()) +
+                                                     " bytes, more than there is room for (job-bytes)");
+    auto finished = attempt([&]() -> std::optional<Time> {
+        const Claimed* claimed = find_claimed(job);
+        const auto kept = claimed != nullptr ? look_up(job.id) : std::nullopt;
+        if (!kept) return std::nullopt;
+        Job ended = job;
+        ended.finished = time_now();
+        ended.result_bytes = result.size();
+        exchange(ended, *kept, result);
+        claimed_.erase(job.id);
+        return ended.finished;
     });
+    if (finished && *finished) news_.tell([&](JobListener& listener) { listener.changed(job.id); });
+    return finished;
 }
 
-Result<void> SqliteJobStore::finish(const Job& job, std::string_view result) {
-    return attempt([&] {
-        const auto kept = look_up(job.id);
-        if (!kept) return;
-        const std::size_t after = bytes_of_job(result.size());
-        take_room(after);
-        Transaction transaction(database_);
-        remove_bodies(kept->row);
-        if (!result.empty()) {
-            Statement(database_, "INSERT INTO results (row, body, digest) VALUES (?, zeroblob(?), ?)", kept->row,
-                      number_of(result.size()), digest_of(job.id, result))
-                .run();
-            database_.write_body("results", kept->row, result);
-        }
-        update(job, kept->row, after);
-        transaction.commit();
-        bytes_ += after;
-        release(kept->bytes);
-        if (after > kReserve / 2) cut_log();
+/// Exchanges the request of a job for its result, if it has one.
+void SqliteJobStore::exchange(const Job& job, const Kept& kept, std::string_view result) {
+    const std::size_t after = bytes_of_job(result.size());
+    take_room(after);
+    Transaction transaction(database_);
+    remove_bodies(kept.row);
+    if (!result.empty()) {
+        Statement(database_, "INSERT INTO results (row, body, digest) VALUES (?, zeroblob(?), ?)", kept.row,
+                  number_of(result.size()), digest_of(job.id, result))
+            .run();
+        database_.write_body("results", kept.row, result);
+    }
+    update(job, kept.row, after);
+    transaction.commit();
+    bytes_ += after;
+    release(kept.bytes);
+    if (after > kReserve / 2) cut_log();
+}
+
+Result<std::optional<Job>> SqliteJobStore::cancel(const std::string& id) {
+    auto cancelled = free_room([&]() -> std::optional<Job> {
+        auto kept = find_kept(id);
+        if (!kept || kept->job.finished) return std::nullopt;
+        Job job = std::move(kept->job);
+        job.status = JobStatus::Cancelled;
+        job.finished = time_now();
+        exchange(job, *kept, {});
+        withdraw(id);
+        return job;
     });
+    if (cancelled && *cancelled) {
+        news_.tell([&](JobListener& listener) {
+            listener.stop(id);
+            listener.changed(id);
+        });
+    }
+    return cancelled;
 }
 
 /// Counts bytes as free; a damaged row may say that it held more than it did.
@@ -586,58 +762,63 @@ Result<bool> SqliteJobStore::remove(const std::string& id) {
         const std::size_t bytes = remove_row(*row);
         transaction.commit();
         release(bytes);
+        withdraw(id);
         return true;
     });
 }
 
-Result<std::size_t> SqliteJobStore::remove_finished(Time by, std::size_t most) {
-    auto removed = free_room([&] {
-        Transaction transaction(database_);
-        std::vector<std::int64_t> rows;
-        Statement query(database_, "SELECT row FROM jobs WHERE finished <= ? ORDER BY finished LIMIT ?", number_of(by),
-                        number_of(most));
-        while (query.step()) rows.push_back(query.integer(0));
-        std::size_t bytes = 0;
-        for (const auto row : rows) bytes += remove_row(row);
-        transaction.commit();
-        release(bytes);
-        return rows.size();
-    });
-    const bool no_room = !removed && removed.error().code == ErrorCode::LimitExceeded;
-    return no_room && most > 1 ? remove_finished(by, 1) : removed;
+/// Removes some of the jobs that had finished by then, oldest first.
+/// @returns  how many
+std::size_t SqliteJobStore::remove_finished(Time by, std::size_t most) {
+    Transaction transaction(database_);
+    std::vector<std::int64_t> rows;
+    Statement query(database_, "SELECT row FROM jobs WHERE finished <= ? ORDER BY finished LIMIT ?", number_of(by),
+                    number_of(most));
+    while (query.step()) rows.push_back(query.integer(0));
+    std::size_t bytes = 0;
+    for (const auto row : rows) bytes += remove_row(row);
+    transaction.commit();
+    release(bytes);
+    return rows.size();
 }
 
-Result<std::optional<Time>> SqliteJobStore::first_finished() {
-    return attempt([&] {
-        Statement query(database_, "SELECT finished FROM jobs WHERE finished IS NOT NULL ORDER BY finished LIMIT 1");
-        return query.step() ? time_at(query, 0) : std::nullopt;
-    });
+Result<bool> SqliteJobStore::forget() {
+    const auto remove = [this](std::size_t most) {
+        return free_room([&] { return remove_finished(time_now() - limits_.ttl, most); });
+    };
+    auto removed = remove(kForgottenAtOnce);
+    if (!removed && removed.error().code == ErrorCode::LimitExceeded) removed = remove(1);
+    return removed.map([](std::size_t count) { return count == kForgottenAtOnce; });
 }
 
-Result<bool> SqliteJobStore::drop_oldest_result() {
-    return free_room([&] {
-        Transaction transaction(database_);
-        Statement oldest(database_,
-                         select_jobs("WHERE result_bytes > 0 AND dropped = 0 ORDER BY finished LIMIT 1").c_str());
-        if (!oldest.step()) return false;
-        const auto row = oldest.integer(kRow);
-        const auto before = static_cast<std::size_t>(oldest.integer(kBytes));
-        const bool sound = is_sound(oldest);
-        oldest.run();
-        if (sound) {
-            remove_bodies(row);
-            Statement(database_, "UPDATE jobs SET dropped = 1, bytes = ? WHERE row = ?", number_of(bytes_of_job(0)),
-                      row)
-                .run();
-            seal(row);
-        } else {
-            fail_damaged(row);
-        }
-        transaction.commit();
-        bytes_ += bytes_of_job(0);
-        release(before);
-        return true;
-    });
+Result<JobStore::Load> SqliteJobStore::load() {
+    const std::lock_guard lock(mutex_);
+    return Load{queue_.size(), claimed_.size(), bytes_};
+}
+
+/// Drops the result of the job that finished first of those that have one.
+/// @returns  false if none has
+bool SqliteJobStore::drop_oldest_result() {
+    Transaction transaction(database_);
+    Statement oldest(database_,
+                     select_jobs("WHERE result_bytes > 0 AND dropped = 0 ORDER BY finished LIMIT 1").c_str());
+    if (!oldest.step()) return false;
+    const auto row = oldest.integer(kRow);
+    const auto before = static_cast<std::size_t>(oldest.integer(kBytes));
+    const bool sound = is_sound(oldest);
+    oldest.run();
+    if (sound) {
+        remove_bodies(row);
+        Statement(database_, "UPDATE jobs SET dropped = 1, bytes = ? WHERE row = ?", number_of(bytes_of_job(0)), row)
+            .run();
+        seal(row);
+    } else {
+        fail_damaged(row);
+    }
+    transaction.commit();
+    bytes_ += bytes_of_job(0);
+    release(before);
+    return true;
 }
 
 }  // namespace ccdt::server

@@ -1,56 +1,79 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "server/jobs/job_limits.h"
+#include "server/jobs/job_news.h"
 #include "server/jobs/job_store.h"
 #include "server/jobs/sqlite.h"
+#include "server/work/fair_queue.h"
 
 namespace ccdt::server {
 
 /// Jobs in a SQLite database, in a file or in memory.
 ///
 /// A file is written ahead (WAL) and synchronised with every commit, so that jobs survive the process and the machine.
-/// It belongs to one server at a time. All that is kept has a digest, with which it is compared when it is read: what
-/// the disk has changed is told, and never taken for what was written. The file has a reserve of the disk, so that jobs
-/// can be removed when the disk is full, and gives back what it does not need. One thread uses the database, the others
-/// wait: as long as a large result takes to be written.
+/// It belongs to one server at a time, which remembers by itself who has claimed what: what had not ended when a file
+/// is opened waits, in the order in which it came. All that is kept has a digest, with which it is compared when it is
+/// read: what the disk has changed is told, and never taken for what was written. The file has a reserve of the disk,
+/// so that jobs can be removed when the disk is full, and gives back what it does not need. One thread uses the
+/// database, the others wait: as long as a large result takes to be written.
 class SqliteJobStore : public JobStore {
 public:
     /// @param folder  where the database's files are, made if it is missing; empty: in memory
     /// Errors (Unusable): the folder cannot be used, another server uses it, the file is damaged beyond single
     /// jobs, something else's or of a later version of this program. The message names it. Files of earlier versions
     /// are taken over; jobs that are damaged fail.
-    static Result<std::unique_ptr<SqliteJobStore>> open(const std::string& folder);
+    static Result<std::unique_ptr<SqliteJobStore>> open(const std::string& folder, const JobLimits& limits = {});
 
-    Result<void> add(const Job& job, const ComputeRequest& request) override;
-    Result<std::vector<Job>> unfinished() override;
-    Result<std::optional<Job>> find(const std::string& id) override;
+    Result<bool> is_full(std::string_view client) override;
+    Result<Added> add(Job& job, const ComputeRequest& request) override;
+    Result<std::optional<Job>> claim(std::size_t memory) override;
     Result<std::optional<ComputeRequest>> request(const std::string& id) override;
-    Result<std::optional<std::string>> result(const std::string& id) override;
-    Result<void> save(const Job& job) override;
-    Result<void> finish(const Job& job, std::string_view result) override;
+    Result<Hold> hold(const Job& job) override;
+    Result<void> give_back(const Job& job) override;
+    Result<std::optional<Time>> finish(const Job& job, std::string_view result) override;
+    Result<std::optional<Job>> cancel(const std::string& id) override;
     Result<bool> remove(const std::string& id) override;
-    Result<std::size_t> remove_finished(Time by, std::size_t most) override;
-    Result<std::optional<Time>> first_finished() override;
-    Result<bool> drop_oldest_result() override;
-    std::size_t bytes() const override { return bytes_; }
-
-    /// Times that something was not as it had been written.
-    std::uint64_t damages() const { return damages_; }
+    Result<std::optional<Job>> find(const std::string& id) override;
+    Result<std::optional<std::string>> result(const std::string& id) override;
+    Result<bool> forget() override;
+    Result<Load> load() override;
+    void listen(JobListener* listener) override { news_.listen(listener); }
+    std::uint64_t damages() const override { return damages_; }
 
 private:
+    using Clock = std::chrono::steady_clock;
+
+    /// A job that waits to be claimed.
+    struct Waiting {
+        std::string id;
+        std::size_t memory = 0;
+    };
+    using Queue = FairQueue<Waiting>;
+
+    /// A job that was claimed, and where it stands.
+    struct Claimed {
+        Queue::Entry entry;
+        Job job;
+        Clock::time_point until;
+    };
+
     struct Kept;
     template <class T>
     struct Sealed;
 
-    explicit SqliteJobStore(const std::string& path);
+    SqliteJobStore(const std::string& path, const JobLimits& limits);
 
     /// Does something with the database that no other thread uses meanwhile.
     template <class Do>
@@ -77,13 +100,34 @@ private:
     std::optional<Sealed<ComputeRequest>> request_of(const Kept& kept);
     std::optional<Sealed<std::string>> result_of(const Kept& kept);
 
+    void queue_unfinished();
+    bool has_room_for(std::string_view client) const;
+    bool make_room(std::size_t bytes);
+    bool drop_oldest_result();
+    std::size_t remove_finished(Time by, std::size_t most);
+    void insert(const Job& job, const ComputeRequest& request, std::size_t bytes);
+    void take_back_lost();
+    std::optional<Job> begin(Queue::Entry entry);
+    Claimed* find_claimed(const Job& job);
+    void withdraw(const std::string& id);
+    void exchange(const Job& job, const Kept& kept, std::string_view result);
+    std::optional<Kept> find_kept(const std::string& id);
+
     void update(const Job& job, std::int64_t row, std::size_t bytes);
     void remove_bodies(std::int64_t row);
     std::size_t remove_row(std::int64_t row);
     void release(std::size_t bytes);
 
-    std::mutex mutex_;  ///< guards the database
+    const JobLimits limits_;
+    JobNews news_;
+    std::mutex room_;  ///< held while room is made and used; before the next one
+
+    std::mutex mutex_;  ///< guards the members from here to `last_claim_`
     Database database_;
+    Queue queue_;
+    std::map<std::string, Claimed> claimed_;
+    std::uint64_t last_claim_ = 0;
+
     std::atomic<std::size_t> bytes_ = 0;  ///< written under the mutex
     std::atomic<std::uint64_t> damages_ = 0;
 };

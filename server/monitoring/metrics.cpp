@@ -106,6 +106,10 @@ struct Metrics::Families {
     Gauge& job_capacity = make_gauge(registry, "ccdt_job_store_capacity_bytes", "What may be kept of jobs.");
     Counter& job_damages = make_counter(registry, "ccdt_job_store_damages_total",
                                         "Jobs, their requests and results that the disk had changed.");
+    Counter& leases_lost = make_counter(registry, "ccdt_job_leases_lost_total",
+                                        "Runs given up, for others had claimed their jobs meanwhile.");
+    Counter& runs_repeated = make_counter(registry, "ccdt_job_runs_repeated_total",
+                                          "Runs of jobs that a run before had not brought to an end.");
     Counter& cache_hits = make_counter(registry, "ccdt_cache_hits_total", "Answers given again.");
     Counter& cache_misses = make_counter(registry, "ccdt_cache_misses_total", "Answers looked for in vain.");
     Gauge& cache_bytes = make_gauge(registry, "ccdt_cache_bytes", "Of answers that are kept.");
@@ -185,14 +189,18 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
         raise(all.deaths, watched.computing.decoder_deaths);
         raise(all.decoder_restarts, watched.decoder_restarts);
         raise(all.job_damages, watched.job_damages);
+        raise(all.leases_lost, watched.job_runs.lost);
+        raise(all.runs_repeated, watched.job_runs.repeated);
         raise(all.crashes, watched.computing.crashes);
         raise(all.restarts, watched.computing.restarts);
         raise(all.cache_hits, watched.cache.hits);
         raise(all.cache_misses, watched.cache.misses);
     }
-    all.jobs_queued.Set(static_cast<double>(watched.jobs.queued));
-    all.jobs_running.Set(static_cast<double>(watched.jobs.running));
-    all.job_bytes.Set(static_cast<double>(watched.job_bytes));
+    if (watched.jobs) {
+        all.jobs_queued.Set(static_cast<double>(watched.jobs->queued));
+        all.jobs_running.Set(static_cast<double>(watched.jobs->running));
+        all.job_bytes.Set(static_cast<double>(watched.jobs->bytes));
+    }
     all.job_capacity.Set(static_cast<double>(watched.job_capacity));
     all.cache_bytes.Set(static_cast<double>(watched.cache.bytes));
     all.waiting.Set(static_cast<double>(load.waiting));

@@ -32,8 +32,8 @@ public:
         std::size_t memory_reserved = 0;  ///< of them
         std::uint64_t decoder_restarts = 0;
         ComputeBox::Counts computing;
-        Jobs::Counts jobs;
-        std::size_t job_bytes = 0;     ///< kept
+        std::optional<JobStore::Load> jobs;  ///< none: they stay as they were
+        Jobs::Counts job_runs;
         std::size_t job_capacity = 0;  ///< bytes that may be kept
         std::uint64_t job_damages = 0;
         ResultCache::Load cache;

@@ -4,6 +4,7 @@
 #include <stop_token>
 #include <utility>
 
+#include "server/jobs/sqlite_job_store.h"
 #include "server/processes/child_program.h"
 #include "server/processes/process.h"
 
@@ -32,12 +33,13 @@ Result<std::unique_ptr<Gate>> start_gate(const Config& config) {
     return gate->read_keys().map([&] { return std::move(gate); });
 }
 
-Result<std::unique_ptr<SqliteJobStore>> start_store(const Config& config, const Log& log) {
-    auto store = SqliteJobStore::open(config.data_dir);
-    if (const std::uint64_t count = store ? (*store)->damages() : 0; count > 0)
+Result<std::unique_ptr<JobStore>> start_store(const Config& config, const Log& log) {
+    auto store = SqliteJobStore::open(config.data_dir, config.jobs);
+    if (!store) return tl::unexpected(std::move(store.error()));
+    if (const std::uint64_t count = (*store)->damages(); count > 0)
         log.error("the disk has changed what is stored of jobs: " + std::to_string(count) +
                   " faults were found, and the jobs that cannot be believed have failed");
-    return store;
+    return *std::move(store);
 }
 
 Result<std::unique_ptr<ComputeBox>> start_computing(const Config& config, DecoderBox& decoder, const Log& log) {
@@ -81,7 +83,8 @@ Result<std::unique_ptr<Service>> Service::start(const Config& config, const Log&
     auto parts = start_parts(config, log);
     if (!parts) return tl::unexpected(std::move(parts.error()));
     std::unique_ptr<Service> service(new Service(config, *std::move(parts), log));
-    return service->jobs_.start().map([&] { return std::move(service); });
+    service->jobs_.start();
+    return service;
 }
 
 Service::Service(const Config& config, Parts parts, const Log& log)
@@ -148,8 +151,8 @@ Metrics::Watched Service::figures() const {
             .memory_reserved = pool_.memory().taken() + waiting_memory_.taken(),
             .decoder_restarts = parts_.decoder->restarts(),
             .computing = parts_.computing->counts(),
-            .jobs = jobs_.counts(),
-            .job_bytes = jobs_.stored_bytes(),
+            .jobs = jobs_.load(),
+            .job_runs = jobs_.counts(),
             .job_capacity = config_.jobs.bytes,
             .job_damages = parts_.store->damages(),
             .cache = routes_.cache().load()};

@@ -12,8 +12,8 @@
 #include "server/decoder/decoder_box.h"
 #include "server/http/http_server.h"
 #include "server/http/sockets.h"
+#include "server/jobs/job_store.h"
 #include "server/jobs/jobs.h"
-#include "server/jobs/sqlite_job_store.h"
 #include "server/monitoring/log.h"
 #include "server/monitoring/metrics.h"
 #include "server/routes/routes.h"
@@ -65,7 +65,7 @@ private:
         std::unique_ptr<DecoderBox> decoder;
         std::unique_ptr<Gate> gate;
         ComputeMemory memory;
-        std::unique_ptr<SqliteJobStore> store;
+        std::unique_ptr<JobStore> store;
         std::unique_ptr<ComputeBox> computing;
         ListeningSocket listener;
     };

@@ -17,19 +17,29 @@ inline Job job_named(const std::string& id) {
     job.owner = "alice";
     job.client = "key alice";
     job.cost = {1000, 0.5};
-    job.created = time_now();
     return job;
 }
 
-/// Adds a job and finishes it.
-inline void add_finished(JobStore& store, const std::string& id, Time finished, const std::string& result) {
-    Job job = job_named(id);
-    ASSERT_TRUE(store.add(job, kComputeRequest));
+inline void add(JobStore& store, Job job) {
+    ASSERT_EQ(store.add(job, kComputeRequest), JobStore::Added::Accepted);
+}
+
+/// The job as it would be stored for a result.
+inline Job succeeded(Job job, const std::string& result) {
     job.status = JobStatus::Succeeded;
-    job.finished = finished;
     job.media_type = "text/plain";
     job.result_bytes = result.size();
-    ASSERT_TRUE(store.finish(job, result));
+    return job;
+}
+
+/// Adds a job and finishes it; no other waits.
+inline void add_finished(JobStore& store, const std::string& id, const std::string& result) {
+    add(store, job_named(id));
+    const auto job = store.claim(1000);
+    ASSERT_TRUE(job && *job);
+    ASSERT_EQ((*job)->id, id);
+    const auto finished = store.finish(succeeded(**job, result), result);
+    ASSERT_TRUE(finished && *finished);
 }
 
 }  // namespace ccdt::server::test

@@ -1,8 +1,12 @@
 #include "server/jobs/job_store.h"
 
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -15,22 +19,26 @@
 namespace ccdt::server {
 namespace {
 
+using test::add;
 using test::add_finished;
 using test::job_named;
 using test::kComputeRequest;
+using test::succeeded;
 
 /// Where a test keeps jobs: empty at first, gone at its end.
 class Place {
 public:
     virtual ~Place() = default;
 
-    /// Opens a store there; no other is open. Null if that fails.
-    virtual std::unique_ptr<JobStore> open() = 0;
+    /// Opens a store there; no other is open, unless stores of this kind are shared. Null if that fails.
+    virtual std::unique_ptr<JobStore> open(const JobLimits& limits) = 0;
 };
 
 class Memory : public Place {
 public:
-    std::unique_ptr<JobStore> open() override { return SqliteJobStore::open("").value_or(nullptr); }
+    std::unique_ptr<JobStore> open(const JobLimits& limits) override {
+        return SqliteJobStore::open("", limits).value_or(nullptr);
+    }
 };
 
 class Folder : public Place {
@@ -42,7 +50,9 @@ public:
     }
     ~Folder() override { std::filesystem::remove_all(path_); }
 
-    std::unique_ptr<JobStore> open() override { return SqliteJobStore::open(path_.string()).value_or(nullptr); }
+    std::unique_ptr<JobStore> open(const JobLimits& limits) override {
+        return SqliteJobStore::open(path_.string(), limits).value_or(nullptr);
+    }
 
 private:
     std::filesystem::path path_;
@@ -60,16 +70,72 @@ const Kind kKinds[] = {
     {"SqliteInAFolder", true, [] { return std::unique_ptr<Place>(std::make_unique<Folder>()); }},
 };
 
+/// What a store has told, a word each.
+class Heard : public JobListener {
+public:
+    void work() override { add("work"); }
+    void changed(const std::string& id) override { add("changed " + id); }
+    void stop(const std::string& id) override { add("stop " + id); }
+    void missed() override {}
+
+    /// Waits until it was told something.
+    bool has(const std::string& news) {
+        std::unique_lock lock(mutex_);
+        return more_.wait_for(lock, kPatience, [&] { return std::ranges::count(heard_, news) > 0; });
+    }
+
+private:
+    static constexpr std::chrono::minutes kPatience{2};
+
+    void add(std::string news) {
+        const std::lock_guard lock(mutex_);
+        heard_.push_back(std::move(news));
+        more_.notify_all();
+    }
+
+    std::mutex mutex_;
+    std::condition_variable more_;
+    std::vector<std::string> heard_;
+};
+
 class JobStoreTest : public testing::TestWithParam<Kind> {
 protected:
-    void SetUp() override { open_again(); }
+    void SetUp() override { open_with({}); }
 
     /// Opens another store where the last one was, which is closed.
-    void open_again() {
+    void open_with(const JobLimits& limits) {
         store_.reset();
-        store_ = place_->open();
+        store_ = place_->open(limits);
         ASSERT_NE(store_, nullptr);
     }
+
+    /// Claims a job, which there has to be.
+    Job claim(std::size_t memory = kMemory) {
+        auto job = store_->claim(memory);
+        EXPECT_TRUE(job && *job);
+        return job && *job ? **std::move(job) : Job{};
+    }
+
+    /// Waits until a lease has run out.
+    Job claim_again() {
+        while (true) {
+            auto job = store_->claim(kMemory);
+            EXPECT_TRUE(job);
+            if (!job || *job) return job ? **std::move(job) : Job{};
+            std::this_thread::yield();
+        }
+    }
+
+    Job find(const std::string& id) {
+        auto job = store_->find(id);
+        EXPECT_TRUE(job && *job) << id;
+        return job && *job ? **std::move(job) : Job{};
+    }
+
+    bool is_there(const std::string& id) { return store_->find(id)->has_value(); }
+    std::size_t bytes() { return store_->load()->bytes; }
+
+    static constexpr std::size_t kMemory = 1000;
 
     const std::unique_ptr<Place> place_ = GetParam().make();
     std::unique_ptr<JobStore> store_;
@@ -78,35 +144,27 @@ protected:
 INSTANTIATE_TEST_SUITE_P(Any, JobStoreTest, testing::ValuesIn(kKinds),
                          [](const auto& kind) { return kind.param.name; });
 
-void expect_equal(const Job& found, const Job& job) {
+constexpr JobLimits kBrief{.lease = std::chrono::milliseconds(1)};
+
+TEST_P(JobStoreTest, KeepsJobsAndQuestionsAsTheyAre) {
+    Job job = job_named("a");
+    const Time before = time_now();
+    ASSERT_EQ(store_->add(job, kComputeRequest), JobStore::Added::Accepted);
+    EXPECT_GE(job.created, before - std::chrono::seconds(1));
+    add(*store_, job_named("b"));
+    if (GetParam().outlives_its_server) open_with({});
+
+    const Job found = find("a");
     EXPECT_EQ(found.id, job.id);
     EXPECT_EQ(found.owner, job.owner);
     EXPECT_EQ(found.client, job.client);
     EXPECT_EQ(found.cost.memory, job.cost.memory);
     EXPECT_EQ(found.cost.seconds, job.cost.seconds);
-    EXPECT_EQ(found.status, job.status);
-    EXPECT_EQ(found.starts, job.starts);
+    EXPECT_EQ(found.status, JobStatus::Queued);
+    EXPECT_EQ(found.starts, 0);
     EXPECT_EQ(found.created, job.created);
-    EXPECT_EQ(found.started, job.started);
-    EXPECT_EQ(found.finished, job.finished);
-}
-
-TEST_P(JobStoreTest, KeepsJobsAndQuestionsAsTheyAre) {
-    Job job = job_named("a");
-    ASSERT_TRUE(store_->add(job, kComputeRequest));
-    ASSERT_TRUE(store_->add(job_named("b"), kComputeRequest));
-    job.status = JobStatus::Running;
-    job.starts = 2;
-    job.started = time_now();
-    ASSERT_TRUE(store_->save(job));
-    if (GetParam().outlives_its_server) open_again();
-
-    const auto unfinished = store_->unfinished();
-    ASSERT_TRUE(unfinished);
-    ASSERT_EQ(unfinished->size(), 2u);
-    expect_equal(unfinished->front(), job);
-    expect_equal(**store_->find("a"), job);
-    EXPECT_EQ(unfinished->back().id, "b");
+    EXPECT_EQ(found.started, std::nullopt);
+    EXPECT_EQ(found.finished, std::nullopt);
     const auto request = store_->request("a");
     ASSERT_TRUE(request && *request);
     EXPECT_EQ((*request)->path, kComputeRequest.path);
@@ -114,20 +172,32 @@ TEST_P(JobStoreTest, KeepsJobsAndQuestionsAsTheyAre) {
     EXPECT_EQ((*request)->content_type, kComputeRequest.content_type);
     EXPECT_EQ((*request)->accept, kComputeRequest.accept);
     EXPECT_EQ((*request)->body, kComputeRequest.body);
-    EXPECT_EQ(store_->bytes(), 2 * JobStore::bytes_of_job(kComputeRequest.path.size() + kComputeRequest.query.size() +
-                                                          kComputeRequest.content_type.size() +
-                                                          kComputeRequest.accept.size() + kComputeRequest.body.size()));
+    EXPECT_EQ(bytes(), 2 * JobStore::bytes_of_job(JobStore::bytes_of(kComputeRequest)));
+    EXPECT_EQ(claim().id, "a") << "in the order in which they came";
+    EXPECT_EQ(claim().id, "b");
 }
 
 TEST_P(JobStoreTest, KnowsNothingOfOtherJobs) {
     EXPECT_EQ(*store_->find("a"), std::nullopt);
     EXPECT_EQ(*store_->request("a"), std::nullopt);
     EXPECT_EQ(*store_->result("a"), std::nullopt);
-    EXPECT_TRUE(store_->save(job_named("a")));
-    EXPECT_TRUE(store_->finish(job_named("a"), "result"));
+    EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
+    EXPECT_EQ(store_->hold(job_named("a"))->owned, JobStore::Owned::Lost);
+    EXPECT_TRUE(store_->give_back(job_named("a")));
+    EXPECT_EQ(*store_->finish(job_named("a"), "result"), std::nullopt);
+    EXPECT_EQ(*store_->cancel("a"), std::nullopt);
     EXPECT_FALSE(*store_->remove("a"));
     EXPECT_EQ(*store_->find("a"), std::nullopt);
-    EXPECT_EQ(store_->bytes(), 0u);
+    EXPECT_EQ(bytes(), 0u);
+}
+
+TEST_P(JobStoreTest, AddsAJobOnce) {
+    add(*store_, job_named("a"));
+    add(*store_, job_named("a"));
+    EXPECT_EQ(store_->load()->queued, 1u);
+    EXPECT_EQ(claim().id, "a");
+    EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
+    EXPECT_EQ(bytes(), JobStore::bytes_of_job(JobStore::bytes_of(kComputeRequest)));
 }
 
 TEST_P(JobStoreTest, ExchangesTheQuestionForTheResult) {
@@ -135,33 +205,50 @@ TEST_P(JobStoreTest, ExchangesTheQuestionForTheResult) {
         "\0\xff"
         "bytes",
         7);
-    add_finished(*store_, "a", time_now(), result);
+    add_finished(*store_, "a", result);
+    if (GetParam().outlives_its_server) open_with({});
     EXPECT_EQ(*store_->request("a"), std::nullopt);
     EXPECT_EQ(**store_->result("a"), result);
-    EXPECT_EQ((*store_->find("a"))->result_bytes, result.size());
-    EXPECT_EQ((*store_->find("a"))->media_type, "text/plain");
-    EXPECT_EQ(store_->bytes(), JobStore::bytes_of_job(result.size()));
-    EXPECT_TRUE(store_->unfinished()->empty());
+    const Job job = find("a");
+    EXPECT_EQ(job.status, JobStatus::Succeeded);
+    EXPECT_EQ(job.result_bytes, result.size());
+    EXPECT_EQ(job.media_type, "text/plain");
+    EXPECT_GE(job.finished, job.created);
+    EXPECT_EQ(bytes(), JobStore::bytes_of_job(result.size()));
+    EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
     EXPECT_TRUE(*store_->remove("a"));
     EXPECT_FALSE(*store_->remove("a"));
     EXPECT_EQ(*store_->find("a"), std::nullopt);
     EXPECT_EQ(*store_->result("a"), std::nullopt);
-    EXPECT_EQ(store_->bytes(), 0u);
+    EXPECT_EQ(bytes(), 0u);
+}
+
+TEST_P(JobStoreTest, KeepsLargeRequestsAndResults) {
+    std::string large(5'000'001, 'x');
+    for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<char>(i * i / 7);
+    Job job = job_named("a");
+    ComputeRequest request = kComputeRequest;
+    request.body = large;
+    ASSERT_EQ(store_->add(job, request), JobStore::Added::Accepted);
+    EXPECT_EQ((**store_->request("a")).body, large);
+    ASSERT_TRUE(*store_->finish(succeeded(claim(), large), large));
+    EXPECT_EQ(**store_->result("a"), large);
+    EXPECT_EQ(bytes(), JobStore::bytes_of_job(large.size()));
 }
 
 TEST_P(JobStoreTest, KeepsFailures) {
-    Job job = job_named("a");
-    ASSERT_TRUE(store_->add(job, kComputeRequest));
+    add(*store_, job_named("a"));
+    Job job = claim();
     job.status = JobStatus::Failed;
-    job.finished = time_now();
-    job.progress = {0.5, 3, 0.25};
+    job.progress = {0.5, 3, 0.1};
     job.failure = Problem{422, {ErrorCode::Unusable, "crossing", "/polygon/2"}};
-    ASSERT_TRUE(store_->finish(job, {}));
-    const Job found = **store_->find("a");
+    ASSERT_TRUE(*store_->finish(job, {}));
+    if (GetParam().outlives_its_server) open_with({});
+    const Job found = find("a");
     EXPECT_EQ(found.status, JobStatus::Failed);
     EXPECT_EQ(found.progress.fraction, 0.5);
     EXPECT_EQ(found.progress.iteration, 3);
-    EXPECT_EQ(found.progress.variation, 0.25);
+    EXPECT_EQ(found.progress.variation, 0.1);
     ASSERT_TRUE(found.failure);
     EXPECT_EQ(found.failure->status, 422);
     EXPECT_EQ(found.failure->error.message, "crossing");
@@ -169,13 +256,13 @@ TEST_P(JobStoreTest, KeepsFailures) {
 }
 
 TEST_P(JobStoreTest, KeepsTheHeadersOfResults) {
-    Job job = job_named("a");
-    ASSERT_TRUE(store_->add(job, kComputeRequest));
-    job.status = JobStatus::Succeeded;
-    job.finished = time_now();
+    add(*store_, job_named("a"));
+    Job job = succeeded(claim(), "result");
+    job.partial = true;
     job.headers = {{"X-Radius", "0.5"}, {"X-Repaired", R"([{"pointer":"/polygon","detail":"crosses: itself"}])"}};
-    ASSERT_TRUE(store_->finish(job, "result"));
-    const Job found = **store_->find("a");
+    ASSERT_TRUE(*store_->finish(job, "result"));
+    const Job found = find("a");
+    EXPECT_TRUE(found.partial);
     ASSERT_EQ(found.headers.size(), 2U);
     for (std::size_t i = 0; i < 2; ++i) {
         EXPECT_EQ(found.headers[i].name, job.headers[i].name);
@@ -184,51 +271,255 @@ TEST_P(JobStoreTest, KeepsTheHeadersOfResults) {
     EXPECT_FALSE(found.failure);
 }
 
-TEST_P(JobStoreTest, RemovesAndDropsTheOldestFirst) {
-    const Time now = time_now();
-    const std::chrono::milliseconds second(1000);
-    add_finished(*store_, "newest", now, "result");
-    add_finished(*store_, "oldest", now - 3 * second, "result");
-    add_finished(*store_, "older", now - 2 * second, "result");
-    ASSERT_TRUE(store_->add(job_named("waits"), kComputeRequest));
-    EXPECT_EQ(*store_->first_finished(), now - 3 * second);
+TEST_P(JobStoreTest, TellsWhereAClaimedJobStands) {
+    add(*store_, job_named("a"));
+    Job job = claim();
+    EXPECT_EQ(job.starts, 1);
+    EXPECT_GT(job.claim, 0u);
+    EXPECT_EQ(find("a").status, JobStatus::Queued) << "it may have to wait where it was claimed";
+    EXPECT_EQ(store_->hold(job)->owned, JobStore::Owned::Still);
+    EXPECT_EQ(find("a").started, std::nullopt);
+    job.status = JobStatus::Running;
+    const auto began = store_->hold(job);
+    job.progress = {0.25, 2, 0.1};
+    EXPECT_EQ(store_->hold(job)->owned, JobStore::Owned::Still);
+    const Job found = find("a");
+    EXPECT_EQ(found.status, JobStatus::Running);
+    EXPECT_EQ(found.started, began->now) << "the first time";
+    EXPECT_EQ(found.progress.fraction, 0.25);
+    EXPECT_EQ(found.progress.iteration, 2);
+    EXPECT_EQ(found.progress.variation, 0.1);
+    EXPECT_EQ(found.claim, job.claim);
+    EXPECT_EQ(store_->load()->queued, 0u);
+    EXPECT_EQ(store_->load()->running, 1u);
+}
 
-    EXPECT_TRUE(*store_->drop_oldest_result());
-    EXPECT_TRUE((*store_->find("oldest"))->dropped);
+TEST_P(JobStoreTest, GivesBackWithoutCountingTheStart) {
+    add(*store_, job_named("a"));
+    add(*store_, job_named("b"));
+    Job job = claim();
+    job.status = JobStatus::Running;
+    ASSERT_TRUE(store_->hold(job));
+    ASSERT_TRUE(store_->give_back(job));
+    EXPECT_EQ(find("a").status, JobStatus::Queued);
+    EXPECT_EQ(find("a").started, std::nullopt);
+    EXPECT_EQ(find("a").starts, 0);
+    const Job again = claim();
+    EXPECT_EQ(again.id, "a") << "its turn has come";
+    EXPECT_EQ(again.starts, 1);
+    EXPECT_GT(again.claim, job.claim);
+    EXPECT_EQ(*store_->finish(succeeded(job, "late"), "late"), std::nullopt);
+    EXPECT_TRUE(*store_->finish(succeeded(again, "good"), "good"));
+    EXPECT_EQ(**store_->result("a"), "good");
+}
+
+TEST_P(JobStoreTest, HasAJobClaimedAgainOnceItsLeaseHasRunOut) {
+    open_with(kBrief);
+    add(*store_, job_named("a"));
+    const Job lost = claim();
+    const Job job = claim_again();
+    EXPECT_EQ(job.id, "a");
+    EXPECT_EQ(job.starts, 2);
+    EXPECT_GT(job.claim, lost.claim);
+    EXPECT_EQ(store_->hold(lost)->owned, JobStore::Owned::Lost);
+    EXPECT_TRUE(store_->give_back(lost));
+    EXPECT_EQ(*store_->finish(succeeded(lost, "late"), "late"), std::nullopt);
+    EXPECT_EQ(find("a").claim, job.claim);
+    EXPECT_TRUE(*store_->finish(succeeded(job, "good"), "good")) << "late, but nobody else has it";
+    EXPECT_EQ(**store_->result("a"), "good");
+    EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
+}
+
+TEST_P(JobStoreTest, QueuesWhatHadBegunWhereNobodyIsLeft) {
+    if (!GetParam().outlives_its_server) GTEST_SKIP() << "it ends with its server";
+    open_with(kBrief);
+    add(*store_, job_named("a"));
+    Job job = claim();
+    job.status = JobStatus::Running;
+    ASSERT_TRUE(store_->hold(job));
+    open_with(kBrief);
+    EXPECT_EQ(claim_again().starts, 2);
+}
+
+TEST_P(JobStoreTest, ClaimsNothingThatIsTooLarge) {
+    Job large = job_named("large");
+    large.cost.memory = kMemory + 1;
+    add(*store_, large);
+    add(*store_, job_named("small"));
+    EXPECT_EQ(claim().id, "small");
+    EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
+    EXPECT_EQ(claim(kMemory + 1).id, "large");
+}
+
+TEST_P(JobStoreTest, LetsClientsTakeTurns) {
+    for (const std::string id : {"a1", "a2", "a3", "b1", "b2"}) {
+        Job job = job_named(id);
+        job.client = id.substr(0, 1);
+        add(*store_, job);
+    }
+    std::string order;
+    for (int i = 0; i < 5; ++i) order += claim().id + ' ';
+    EXPECT_EQ(order, "a1 b1 a2 b2 a3 ");
+}
+
+TEST_P(JobStoreTest, RefusesWhatTheQueueHasNoRoomFor) {
+    open_with({.waiting = 2});
+    const auto add_for = [this](const std::string& client, const std::string& id) {
+        Job job = job_named(id);
+        job.client = client;
+        return *store_->add(job, kComputeRequest);
+    };
+    EXPECT_EQ(add_for("a", "1"), JobStore::Added::Accepted);
+    EXPECT_FALSE(*store_->is_full("a"));
+    EXPECT_EQ(add_for("a", "2"), JobStore::Added::Accepted);
+    EXPECT_TRUE(*store_->is_full("a"));
+    EXPECT_EQ(add_for("a", "3"), JobStore::Added::QueueFull);
+    EXPECT_FALSE(is_there("3"));
+    EXPECT_FALSE(*store_->is_full("b"));
+    EXPECT_EQ(add_for("b", "4"), JobStore::Added::Accepted) << "others are let in";
+    EXPECT_EQ(add_for("b", "5"), JobStore::Added::QueueFull);
+    EXPECT_EQ(add_for("c", "6"), JobStore::Added::Accepted);
+    EXPECT_EQ(add_for("d", "7"), JobStore::Added::QueueFull) << "twice as long";
+    EXPECT_TRUE(*store_->cancel("4"));
+    EXPECT_FALSE(*store_->is_full("b"));
+    EXPECT_TRUE(*store_->remove("6"));
+    EXPECT_EQ(store_->load()->queued, 2u);
+}
+
+TEST_P(JobStoreTest, DropsTheOldestToMakeRoom) {
+    const std::string result(4000, 'x');
+    constexpr std::size_t kRoom = 16'000;  // for three results and a request
+    open_with({.bytes = kRoom});
+    for (const char* id : {"oldest", "older", "newest"}) add_finished(*store_, id, result);
+    EXPECT_TRUE(*store_->result("oldest"));
+    add(*store_, job_named("a"));
+    EXPECT_TRUE(find("oldest").dropped);
     EXPECT_EQ(*store_->result("oldest"), std::nullopt);
-    EXPECT_FALSE((*store_->find("older"))->dropped);
+    EXPECT_FALSE(find("older").dropped);
+    const std::string large(6000, 'x');
+    EXPECT_TRUE(*store_->finish(succeeded(claim(), large), large));
+    EXPECT_TRUE(find("older").dropped);
+    EXPECT_FALSE(find("newest").dropped);
+    EXPECT_LE(bytes(), kRoom);
+}
 
-    EXPECT_EQ(*store_->remove_finished(now - second, 1), 1u);
-    EXPECT_EQ(*store_->find("oldest"), std::nullopt);
-    EXPECT_EQ(*store_->remove_finished(now - second, 5), 1u);
-    EXPECT_EQ(*store_->first_finished(), now);
-    EXPECT_TRUE(*store_->drop_oldest_result());
-    EXPECT_FALSE(*store_->drop_oldest_result());
-    EXPECT_EQ(*store_->remove_finished(now, 5), 1u);
-    EXPECT_EQ(*store_->first_finished(), std::nullopt);
-    EXPECT_TRUE(*store_->find("waits"));
+TEST_P(JobStoreTest, RefusesWhatThereIsNoRoomFor) {
+    const std::size_t one = JobStore::bytes_of_job(JobStore::bytes_of(kComputeRequest));
+    open_with({.bytes = 2 * one});
+    add_finished(*store_, "done", "result");
+    add(*store_, job_named("a"));
+    add(*store_, job_named("b"));
+    EXPECT_FALSE(is_there("done")) << "it made room";
+    Job refused = job_named("c");
+    EXPECT_EQ(*store_->add(refused, kComputeRequest), JobStore::Added::NoRoom);
+    EXPECT_FALSE(is_there("c"));
+    Job job = claim();
+    const std::string large(2 * one, 'x');
+    const auto finished = store_->finish(succeeded(job, large), large);
+    ASSERT_FALSE(finished);
+    EXPECT_EQ(finished.error().code, ErrorCode::LimitExceeded);
+    job.status = JobStatus::Failed;
+    EXPECT_TRUE(*store_->finish(job, {})) << "takes no room";
+}
+
+TEST_P(JobStoreTest, CancelsWhatHasNotEnded) {
+    add(*store_, job_named("runs"));
+    add(*store_, job_named("waits"));
+    Job job = claim();
+    job.status = JobStatus::Running;
+    job.progress = {0.25, 2, 0.1};
+    ASSERT_TRUE(store_->hold(job));
+    for (const char* id : {"runs", "waits"}) {
+        const auto cancelled = store_->cancel(id);
+        ASSERT_TRUE(cancelled && *cancelled);
+        EXPECT_EQ((*cancelled)->status, JobStatus::Cancelled);
+        const Job found = find(id);
+        EXPECT_EQ(found.status, JobStatus::Cancelled);
+        EXPECT_EQ(found.finished, (*cancelled)->finished);
+        EXPECT_EQ(*store_->request(id), std::nullopt);
+        EXPECT_EQ(*store_->cancel(id), std::nullopt);
+    }
+    EXPECT_EQ(find("runs").progress.fraction, 0.25);
+    EXPECT_EQ(store_->hold(job)->owned, JobStore::Owned::Cancelled);
+    EXPECT_EQ(*store_->finish(succeeded(job, "late"), "late"), std::nullopt);
+    EXPECT_EQ(find("runs").status, JobStatus::Cancelled);
+    EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
+    EXPECT_EQ(bytes(), 2 * JobStore::bytes_of_job(0));
+    EXPECT_TRUE(*store_->remove("runs"));
+    EXPECT_TRUE(*store_->remove("waits"));
+    EXPECT_EQ(bytes(), 0u);
+}
+
+TEST_P(JobStoreTest, RemovesJobsThatHaveNotEnded) {
+    add(*store_, job_named("runs"));
+    add(*store_, job_named("waits"));
+    const Job job = claim();
+    EXPECT_TRUE(*store_->remove("runs"));
+    EXPECT_TRUE(*store_->remove("waits"));
+    EXPECT_EQ(store_->hold(job)->owned, JobStore::Owned::Lost);
+    EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
+    EXPECT_EQ(store_->load()->queued + store_->load()->running + bytes(), 0u);
+}
+
+TEST_P(JobStoreTest, ForgetsWhatHasExpired) {
+    add_finished(*store_, "a", "result");
+    EXPECT_FALSE(*store_->forget());
+    EXPECT_TRUE(is_there("a"));
+    open_with({.ttl = std::chrono::milliseconds(1)});
+    if (!GetParam().outlives_its_server) add_finished(*store_, "a", "result");
+    add(*store_, job_named("waits"));
+    while (is_there("a")) std::this_thread::yield();
+    EXPECT_FALSE(*store_->forget());
+    EXPECT_TRUE(is_there("waits"));
+    EXPECT_EQ(bytes(), JobStore::bytes_of_job(JobStore::bytes_of(kComputeRequest)));
+}
+
+TEST_P(JobStoreTest, ForgetsAFewAtATime) {
+    open_with({.ttl = std::chrono::milliseconds(1)});
+    for (int i = 0; i < 150; ++i) add_finished(*store_, std::to_string(i), "result");
+    while (is_there("149")) std::this_thread::yield();
+    EXPECT_TRUE(*store_->forget());
+    EXPECT_GT(bytes(), 0u);
+    EXPECT_FALSE(*store_->forget());
+    EXPECT_EQ(bytes(), 0u);
+}
+
+TEST_P(JobStoreTest, TellsWhatHappens) {
+    Heard heard;
+    store_->listen(&heard);
+    add(*store_, job_named("a"));
+    EXPECT_TRUE(heard.has("work"));
+    const Job job = claim();
+    ASSERT_TRUE(store_->hold(job));
+    EXPECT_TRUE(heard.has("changed a"));
+    ASSERT_TRUE(*store_->cancel("a"));
+    EXPECT_TRUE(heard.has("stop a"));
+    store_->listen(nullptr);
 }
 
 TEST_P(JobStoreTest, IsUsedByManyThreads) {
     constexpr int kThreads = 4;
     constexpr int kJobs = 25;
+    const auto work = [this](int thread) {
+        for (int i = 0; i < kJobs; ++i) {
+            const std::string id = std::to_string(thread) + "-" + std::to_string(i);
+            add(*store_, job_named(id));
+            const Job job = claim();  // any
+            ASSERT_TRUE(*store_->finish(succeeded(job, job.id), job.id));
+            EXPECT_EQ(**store_->result(job.id), job.id);
+            if (i % 2 == 0) {
+                EXPECT_TRUE(*store_->remove(job.id));
+            }
+        }
+    };
     {
         std::vector<std::jthread> threads;
-        for (int thread = 0; thread < kThreads; ++thread) {
-            threads.emplace_back([this, thread] {
-                for (int i = 0; i < kJobs; ++i) {
-                    const std::string id = std::to_string(thread) + "-" + std::to_string(i);
-                    add_finished(*store_, id, time_now(), id);
-                    EXPECT_EQ(**store_->result(id), id);
-                    if (i % 2 == 0) {
-                        EXPECT_TRUE(*store_->remove(id));
-                    }
-                }
-            });
-        }
+        for (int thread = 0; thread < kThreads; ++thread) threads.emplace_back(work, thread);
     }
-    EXPECT_EQ(*store_->remove_finished(Time::max(), kThreads * kJobs), kThreads * (kJobs / 2));
-    EXPECT_EQ(store_->bytes(), 0u);
+    const auto left = kThreads * (kJobs / 2);
+    EXPECT_EQ(store_->load()->queued + store_->load()->running, 0u);
+    EXPECT_GT(bytes(), left * JobStore::bytes_of_job(0));
+    EXPECT_LT(bytes(), left * JobStore::bytes_of_job(10));
 }
 
 }  // namespace

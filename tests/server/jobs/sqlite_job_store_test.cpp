@@ -6,12 +6,14 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include "tests/server/jobs/example_jobs.h"
 
 namespace ccdt::server {
 namespace {
 
+using test::add;
 using test::add_finished;
 using test::job_named;
 using test::kComputeRequest;
@@ -37,8 +39,8 @@ protected:
     }
     ~SqliteJobStoreTest() override { std::filesystem::remove_all(folder_); }
 
-    std::unique_ptr<SqliteJobStore> open() {
-        auto store = SqliteJobStore::open(folder_.string());
+    std::unique_ptr<SqliteJobStore> open(const JobLimits& limits = {}) {
+        auto store = SqliteJobStore::open(folder_.string(), limits);
         if (store) return *std::move(store);
         ADD_FAILURE() << store.error().message;
         return nullptr;
@@ -56,24 +58,20 @@ protected:
 
 TEST_F(SqliteJobStoreTest, DoesNoMoreForHavingManyJobs) {
     ASSERT_EQ(sqlite3_auto_extension(reinterpret_cast<void (*)()>(install_counter)), SQLITE_OK);
-    const auto store = *SqliteJobStore::open("");
+    const auto store = *SqliteJobStore::open("", {.bytes = std::numeric_limits<std::size_t>::max()});
     sqlite3_cancel_auto_extension(reinterpret_cast<void (*)()>(install_counter));
-    const Time start = time_now();
     int added = 0;
     const auto grow_to = [&](int count) {
-        for (; added < count; ++added)
-            add_finished(*store, "old-" + std::to_string(added), start - std::chrono::milliseconds(added), "result");
+        for (; added < count; ++added) add_finished(*store, "old-" + std::to_string(added), "result");
     };
     const auto work = [&](const std::string& id) {
         instructions = 0;
-        add_finished(*store, id, start, "result");
+        add_finished(*store, id, "result");
         EXPECT_TRUE(*store->find(id));
         EXPECT_TRUE(*store->result(id));
-        EXPECT_TRUE(*store->first_finished());
-        EXPECT_TRUE(*store->drop_oldest_result());
-        EXPECT_EQ(*store->remove_finished(start, 1), 1u);
+        EXPECT_FALSE(*store->forget());
         EXPECT_TRUE(*store->remove(id));
-        EXPECT_TRUE(store->unfinished()->empty());
+        EXPECT_EQ(*store->claim(1000), std::nullopt);
         return instructions;
     };
     grow_to(10);
@@ -106,7 +104,7 @@ TEST_F(SqliteJobStoreTest, TakesNoOtherVersionsFile) {
 TEST_F(SqliteJobStoreTest, TakesNoDamagedFile) {
     {
         const auto store = open();
-        for (int i = 0; i < 100; ++i) ASSERT_TRUE(store->add(job_named(std::to_string(i)), kComputeRequest));
+        for (int i = 0; i < 100; ++i) add(*store, job_named(std::to_string(i)));
     }
     std::fstream damaged(file(), std::ios::in | std::ios::out | std::ios::binary);
     damaged.seekp(4096);
@@ -163,13 +161,16 @@ constexpr const char* kFirstVersion = R"(
     INSERT INTO results VALUES (2, X'0001FF');
 )";
 
+/// Jobs are kept though they ended years ago.
+constexpr JobLimits kLasting{.ttl = std::chrono::hours(1'000'000)};
+
 TEST_F(SqliteJobStoreTest, TakesOverTheFirstVersionsFile) {
     Database(file()).execute(kFirstVersion);
     for (int time = 0; time < 2; ++time) {
-        const auto store = open();
-        EXPECT_EQ(store->bytes(), 2074u);
-        ASSERT_EQ(store->unfinished()->size(), 1u);
-        EXPECT_EQ(store->unfinished()->front().owner, "alice");
+        const auto store = open(kLasting);
+        EXPECT_EQ(store->load()->bytes, 2074u);
+        EXPECT_EQ(store->load()->queued, 1u);
+        EXPECT_EQ((*store->find("waits"))->owner, "alice");
         EXPECT_EQ((**store->request("waits")).body, std::string("\0\xff", 2));
         EXPECT_EQ((*store->find("done"))->media_type, "text/csv");
         EXPECT_EQ(**store->result("done"), std::string("\0\1\xff", 3));
@@ -179,7 +180,7 @@ TEST_F(SqliteJobStoreTest, TakesOverTheFirstVersionsFile) {
 }
 
 TEST_F(SqliteJobStoreTest, NeverTellsAResultThatTheDiskHasChanged) {
-    add_finished(*open(), "a", time_now(), "result");
+    add_finished(*open(), "a", "result");
     Database(file()).execute("UPDATE results SET body = CAST('resulT' AS BLOB)");
     const auto store = open();
     const auto result = store->result("a");
@@ -187,11 +188,11 @@ TEST_F(SqliteJobStoreTest, NeverTellsAResultThatTheDiskHasChanged) {
     EXPECT_EQ(result.error().code, ErrorCode::Unusable);
     EXPECT_EQ(store->damages(), 1u);
     EXPECT_TRUE(*store->remove("a"));
-    EXPECT_EQ(store->bytes(), 0u);
+    EXPECT_EQ(store->load()->bytes, 0u);
 }
 
 TEST_F(SqliteJobStoreTest, TellsThatAResultIsLost) {
-    add_finished(*open(), "a", time_now(), "result");
+    add_finished(*open(), "a", "result");
     Database(file()).execute("DELETE FROM results");
     EXPECT_EQ(open()->result("a").error().code, ErrorCode::Unusable);
 }
@@ -199,8 +200,8 @@ TEST_F(SqliteJobStoreTest, TellsThatAResultIsLost) {
 TEST_F(SqliteJobStoreTest, TellsNoResultOfAnotherJob) {
     {
         const auto store = open();
-        add_finished(*store, "a", time_now(), "this");
-        add_finished(*store, "b", time_now(), "that");
+        add_finished(*store, "a", "this");
+        add_finished(*store, "b", "that");
     }
     Database(file()).execute("UPDATE results SET row = row + 10; UPDATE results SET row = 13 - row");
     const auto store = open();
@@ -211,7 +212,7 @@ TEST_F(SqliteJobStoreTest, TellsNoResultOfAnotherJob) {
 TEST_F(SqliteJobStoreTest, NeverAsksAQuestionThatTheDiskHasChanged) {
     for (const char* change : {"path = '/halftone'", "query = 'a=c'", "content_type = ''", "accept = ''",
                                "body = CAST('a body' AS BLOB)", "path = '/samplea', query = '=b'"}) {
-        ASSERT_TRUE(open()->add(job_named(change), kComputeRequest));
+        add(*open(), job_named(change));
         Database(file()).execute(("UPDATE questions SET " + std::string(change)).c_str());
         const auto store = open();
         const auto request = store->request(change);
@@ -224,10 +225,10 @@ TEST_F(SqliteJobStoreTest, NeverAsksAQuestionThatTheDiskHasChanged) {
 TEST_F(SqliteJobStoreTest, FailsJobsThatTheDiskHasChanged) {
     for (const char* change :
          {"owner = 'bob'",    "client = 'b'",  "memory = 1",    "seconds = 0",  "status = 1",
-          "starts = 1",       "created = 1",   "started = 1",   "fraction = 1", "iteration = 1",
+          "starts = 7",       "created = 1",   "started = 1",   "fraction = 1", "iteration = 1",
           "variation = 1",    "failure = 400", "message = 'm'", "field = 'f'",  "media_type = 'text/html'",
           "result_bytes = 7", "partial = 1",   "dropped = 1",   "bytes = 1",    "digest = ''"}) {
-        add_finished(*open(), change, time_now(), "result");
+        add_finished(*open(), change, "result");
         Database(file()).execute(("UPDATE jobs SET " + std::string(change)).c_str());
         const auto store = open();
         const auto job = store->find(change);
@@ -237,26 +238,24 @@ TEST_F(SqliteJobStoreTest, FailsJobsThatTheDiskHasChanged) {
         EXPECT_EQ((*job)->failure->status, 500);
         EXPECT_EQ(*store->result(change), std::nullopt);
         EXPECT_EQ(store->damages(), 1u);
-        EXPECT_EQ(store->bytes(), JobStore::bytes_of_job(0));
+        EXPECT_EQ(store->load()->bytes, JobStore::bytes_of_job(0));
         EXPECT_TRUE(*store->remove(change));
     }
 }
 
 TEST_F(SqliteJobStoreTest, FailsWhatWaitsIfTheDiskHasChangedIt) {
-    ASSERT_TRUE(open()->add(job_named("a"), kComputeRequest));
+    add(*open(), job_named("a"));
     Database(file()).execute("UPDATE jobs SET memory = 1");
     const auto store = open();
-    EXPECT_TRUE(store->unfinished()->empty());
+    EXPECT_EQ(*store->claim(1000), std::nullopt);
     EXPECT_EQ((*store->find("a"))->status, JobStatus::Failed);
-    EXPECT_EQ(*store->remove_finished(time_now(), 1), 1u);
 }
 
 TEST_F(SqliteJobStoreTest, MakesIndicesAgainThatDoNotMatch) {
-    const Time now = time_now();
     {
         const auto store = open();
-        add_finished(*store, "gone", now - std::chrono::seconds(1), "result");
-        add_finished(*store, "there", now, "result");
+        add_finished(*store, "gone", "result");
+        add_finished(*store, "there", "result");
     }
     const auto root = Database(file()).value_of("SELECT rootpage FROM sqlite_schema WHERE name = 'finished_jobs'");
     Database(file()).execute("PRAGMA writable_schema = ON; DELETE FROM sqlite_schema WHERE name = 'finished_jobs'");
@@ -266,11 +265,14 @@ TEST_F(SqliteJobStoreTest, MakesIndicesAgainThatDoNotMatch) {
          "'jobs', " +
          std::to_string(root) + ", 'CREATE INDEX finished_jobs ON jobs (finished) WHERE finished IS NOT NULL')")
             .c_str());
-    const auto store = open();
-    EXPECT_EQ(store->damages(), 1u);
-    EXPECT_EQ(*store->first_finished(), now);
-    EXPECT_EQ(**store->result("there"), "result");
-    EXPECT_EQ(*store->remove_finished(now, 5), 1u);
+    {
+        const auto store = open();
+        EXPECT_EQ(store->damages(), 1u);
+        EXPECT_EQ(**store->result("there"), "result");
+    }
+    const auto store = open({.ttl = std::chrono::milliseconds(0)});
+    EXPECT_FALSE(*store->forget());
+    EXPECT_EQ(store->load()->bytes, 0u);
 }
 
 TEST_F(SqliteJobStoreTest, GivesRoomBackToTheDisk) {
@@ -280,13 +282,13 @@ TEST_F(SqliteJobStoreTest, GivesRoomBackToTheDisk) {
     const auto store = open();
     const auto reserve = log();
     EXPECT_GE(reserve, std::size_t{1} << 20);
-    for (const char* id : {"a", "b", "c"}) add_finished(*store, id, time_now(), large);
+    for (const char* id : {"a", "b", "c"}) add_finished(*store, id, large);
     EXPECT_EQ(log(), reserve);
     EXPECT_GT(size(), 3 * large.size());
     EXPECT_TRUE(*store->remove("a"));
     EXPECT_LT(size(), 5 * large.size() / 2);
-    EXPECT_TRUE(*store->drop_oldest_result());
-    EXPECT_EQ(*store->remove_finished(time_now(), 5), 2u);
+    EXPECT_TRUE(*store->remove("b"));
+    EXPECT_TRUE(*store->remove("c"));
     EXPECT_LT(size(), large.size() / 2);
     EXPECT_EQ(log(), reserve);
 }

@@ -45,8 +45,8 @@ TEST(Metrics, CountsRequestsByRouteAndStatus) {
 TEST(Metrics, CountsJobsByHowTheyEnd) {
     Metrics metrics("1");
     Metrics::Watched watched;
-    watched.jobs = {.queued = 4, .running = 2};
-    watched.job_bytes = 99;
+    watched.jobs = {.queued = 4, .running = 2, .bytes = 99};
+    watched.job_runs = {.lost = 5, .repeated = 6};
     watched.job_capacity = 1000;
     metrics.watch([&] { return watched; });
     JobEnd end;
@@ -64,6 +64,8 @@ TEST(Metrics, CountsJobsByHowTheyEnd) {
     EXPECT_EQ(value(text, R"(ccdt_jobs{status="queued"})"), 4);
     EXPECT_EQ(value(text, R"(ccdt_jobs{status="running"})"), 2);
     EXPECT_EQ(value(text, "ccdt_job_store_bytes"), 99);
+    EXPECT_EQ(value(text, "ccdt_job_leases_lost_total"), 5);
+    EXPECT_EQ(value(text, "ccdt_job_runs_repeated_total"), 6);
     EXPECT_EQ(value(text, "ccdt_job_store_capacity_bytes"), 1000);
     EXPECT_EQ(value(text, "ccdt_sites_total"), 5000);
     EXPECT_EQ(value(text, R"(ccdt_stage_duration_seconds_count{stage="optimise"})"), 1);
@@ -119,7 +121,7 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
                              .decoder_restarts = 2,
                              .computing = {.crashes = 8, .restarts = 9, .decoder_deaths = 3},
                              .jobs = {},
-                             .job_bytes = 0,
+                             .job_runs = {},
                              .job_capacity = 0,
                              .job_damages = 6,
                              .cache = {.answers = 2, .bytes = 77, .hits = 5, .misses = 4}};
