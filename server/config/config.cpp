@@ -10,6 +10,7 @@
 
 #include "api/text/text.h"
 #include "server/config/memory_plan.h"
+#include "server/http/cors.h"
 #include "server/processes/process.h"
 
 namespace ccdt::server {
@@ -35,6 +36,7 @@ struct Draft {
     std::optional<std::size_t> memory;
     std::optional<std::size_t> job_bytes;
     std::optional<std::size_t> cache;
+    std::optional<std::vector<std::string>> cors_origins;
     std::map<std::string_view, ChosenValue> given;  ///< by flag
 };
 
@@ -93,12 +95,13 @@ std::string set_log_format(Draft& draft, std::string_view text) {
 
 /// The values end up in a header.
 std::string set_cors_origins(Draft& draft, std::string_view text) {
-    draft.config.cors_origins.clear();
+    draft.cors_origins.emplace();
+    if (text == "none") return {};
     while (true) {
         const auto origin = text.substr(0, text.find(','));
         if (origin.empty() || !std::ranges::all_of(origin, [](char c) { return c > ' ' && c < 0x7f; }))
-            return "* or origins such as https://example.org, separated by commas";
-        draft.config.cors_origins.emplace_back(origin);
+            return "*, loopback, none, or origins such as https://example.org, separated by commas";
+        draft.cors_origins->emplace_back(origin);
         if (origin.size() == text.size()) return {};
         text.remove_prefix(origin.size() + 1);
     }
@@ -138,6 +141,12 @@ std::string set_bind(Draft& draft, std::string_view text) {
     if (text.empty()) return "an address or host name";
     draft.config.bind = text;
     return {};
+}
+
+/// Pages of this machine may call what nobody else can reach.
+std::vector<std::string> default_cors_origins(std::string_view bind) {
+    if (!is_loopback(bind)) return {};
+    return {std::string(kLoopbackOrigins)};
 }
 
 constexpr auto kSettings = std::to_array<Setting>({
@@ -195,8 +204,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      [](Draft& draft, std::string_view text) { return set_bytes(draft.cache.emplace(), text, 0); }},
     {"--cache-shared", "CCDT_CACHE_SHARED", "BOOL", "true: API keys share answers, and can tell by the time (false)",
      set_cache_shared},
-    {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGINS", "whose pages may call, separated by commas; * for all (none)",
-     set_cors_origins},
+    {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGINS",
+     "whose pages may call, by commas; *: all, loopback: this machine's (if --bind is), none", set_cors_origins},
     {"--api-key-file", "CCDT_API_KEY_FILE", "FILE", "lines of name:key; whoever asks needs one, SIGHUP reads it again",
      [](Draft& draft, std::string_view text) {
          draft.config.api_key_file = text;
@@ -310,6 +319,7 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     draft.config.workers = std::max<std::size_t>(1, std::thread::hardware_concurrency());
     if (auto read = read_environment(environment, draft); !read) return tl::unexpected(read.error());
     if (auto read = read_flags(arguments, draft); !read) return tl::unexpected(read.error());
+    draft.config.cors_origins = draft.cors_origins.value_or(default_cors_origins(draft.config.bind));
     draft.config.queue = draft.queue.value_or(kQueuePerWorker * draft.config.workers);
     auto& capacity = draft.config.capacity;
     capacity.connections = draft.connections.value_or(kSpareConnections + draft.config.workers + draft.config.queue);

@@ -38,7 +38,7 @@ struct Config {
     std::size_t cache = 0;                  ///< bytes of answers to keep; 0: none
     bool cache_shared = false;              ///< what is kept for one API key is given to all
     std::string data_dir;                   ///< where jobs are kept; empty: in memory
-    std::vector<std::string> cors_origins;  ///< whose pages may call, `*` for all; empty: no CORS headers
+    std::vector<std::string> cors_origins;  ///< whose pages may call, as cors_headers takes them; empty: none
     std::string api_key_file;               ///< empty: whoever asks is answered
     RateLimiter::Rate rate;                 ///< of requests, for each key or address
     LogFormat log_format = LogFormat::Text;

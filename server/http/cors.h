@@ -8,12 +8,27 @@
 
 namespace ccdt::server {
 
+/// Stands in a list of origins for all those on this machine.
+inline constexpr std::string_view kLoopbackOrigins = "loopback";
+
+/// Whether a host is this machine and no other can mean it: `localhost`, 127.0.0.1, ::1 and their like.
+/// @param host  a name or an address, without brackets
+bool is_loopback(std::string_view host);
+
+/// Whether pages of an origin may call.
+/// @param allowed  origins, `loopback`, or `*` for all
+bool allows_origin(const std::vector<std::string>& allowed, std::string_view origin);
+
 /// Headers that let pages of other origins read an answer.
-/// @param allowed  origins, or `*` for all; empty: none
+/// @param allowed  as above; empty: none
 /// @param origin   of the page that asks; empty: no browser, or a page of our own
 std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::string_view origin);
 
 /// Headers that let them ask, in the answer to an OPTIONS.
 std::vector<Header> preflight_headers(std::string_view methods);
+
+/// Whether a browser asks for a page of another origin, which needs our leave: before its request or, if that is simple
+/// enough, by it.
+bool asks_for_other_origin(const Request& request);
 
 }  // namespace ccdt::server

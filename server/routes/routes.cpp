@@ -25,6 +25,9 @@ constexpr std::string_view kJson = "application/json";
 constexpr std::string_view kProblem = "application/problem+json";
 constexpr std::size_t kLongestId = 64;
 
+/// Bytes of a page's origin that are told: its host has at most 253.
+constexpr std::size_t kLongestOrigin = 300;
+
 /// Bytes of a text: longer ones are compressed by workers.
 constexpr std::size_t kQuickToCompress = 262'144;
 
@@ -124,6 +127,7 @@ Routes::Routes(const Config& config, Parts parts)
       pool_(parts.pool),
       metrics_(parts.metrics),
       missing_(std::move(parts.missing)),
+      warn_(std::move(parts.warn)),
       computing_(config, parts.pool, parts.waiting_memory, std::move(parts.compute), parts.jobs),
       job_routes_(parts.jobs, parts.pool.memory(), config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
@@ -150,6 +154,7 @@ Response Routes::answer(const Request& request, const HttpResult<void>& received
     }
     response.record = std::move(record);
     add_common_headers(request, response);
+    warn_of_refused_origin(request);
     return response;
 }
 
@@ -308,6 +313,15 @@ void Routes::negotiate_coding(const Request& request, Response& response) {
         response.coding = "gzip";
     }
     if (!response.coding.empty()) response.headers.push_back({"Content-Encoding", response.coding});
+}
+
+/// Tells once, of the first page that may not call, what would let it: in the browser nothing does.
+void Routes::warn_of_refused_origin(const Request& request) {
+    const auto origin = request.header("Origin").substr(0, kLongestOrigin);
+    if (!asks_for_other_origin(request) || allows_origin(config_.cors_origins, origin)) return;
+    if (warned_of_origins_.exchange(true)) return;
+    warn_("a page of " + std::string(origin) + " may not call this server; --cors-origin " + std::string(origin) +
+          " would let it. Pages of other origins are refused without a word from now on");
 }
 
 void Routes::add_common_headers(const Request& request, Response& response) const {

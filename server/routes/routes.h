@@ -36,6 +36,7 @@ public:
         Jobs& jobs;
         const Metrics& metrics;
         Missing missing;
+        std::function<void(const std::string&)> warn;  ///< whoever runs the server, in words
     };
 
     Routes(const Config& config, Parts parts);
@@ -102,6 +103,7 @@ private:
     std::string request_id(const Request& request);
     static Response describe(Problem problem, Record& record);
     static void negotiate_coding(const Request& request, Response& response);
+    void warn_of_refused_origin(const Request& request);
     void add_common_headers(const Request& request, Response& response) const;
 
     const Config config_;
@@ -109,9 +111,11 @@ private:
     WorkerPool& pool_;
     const Metrics& metrics_;
     const Missing missing_;
+    const std::function<void(const std::string&)> warn_;
     Computing computing_;
     JobRoutes job_routes_;
     std::atomic<bool> draining_ = false;
+    std::atomic<bool> warned_of_origins_ = false;
     std::atomic<std::uint64_t> requests_ = 0;
     const std::string id_prefix_;  ///< differs between processes
 };

@@ -106,7 +106,8 @@ Service::Service(const Config& config, Parts parts, const Log& log)
                        .compute = compute_in(*parts_.computing),
                        .jobs = jobs_,
                        .metrics = metrics_,
-                       .missing = [this] { return missing(); }}),
+                       .missing = [this] { return missing(); },
+                       .warn = [this](const std::string& what) { log_.warning(what); }}),
       server_(
           std::move(parts_.listener), config.patience, config.capacity, config.trusted_proxies,
           [this](const auto& request, const auto& received, auto& connection) {

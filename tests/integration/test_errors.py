@@ -119,7 +119,7 @@ class HalftoneOptions(ServerCase):
         for accept in ("image/gif", "text/html;q=1", "image/*;q=0, application/*;q=0, text/*;q=0, */*;q=0"):
             answer = self.ask("/halftone", "--header", "Accept: " + accept, data=GREY)
             self.assert_problem(answer, 406, "image/png", "application/json", "text/csv", "application/x-npy")
-            self.assertEqual(answer.headers["vary"], "Accept")
+            self.assertIn("Accept", answer.headers["vary"].split(", "))
 
     def test_form_without_a_picture_or_with_two(self):
         picture = f"@{PICTURES / 'camera.png'}"

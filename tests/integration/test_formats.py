@@ -295,7 +295,7 @@ class Accepted(FormatCase):
             with self.subTest(accept=accept):
                 answer = post_json(self.server, "/sample", body, "--header", "Accept: " + accept)
                 self.assertEqual((answer.status, answer.type), (200, type_))
-                self.assertEqual(answer.headers["vary"], "Accept")
+                self.assertIn("Accept", answer.headers["vary"].split(", "))
 
     def test_of_a_halftone(self):
         for accept, type_ in (("image/*", "image/png"), ("image/webp, */*;q=0.1", "image/webp"),
@@ -303,7 +303,8 @@ class Accepted(FormatCase):
                               ("*/*", "image/png")):
             with self.subTest(accept=accept):
                 answer = self.dots("?sites=5", "--header", "Accept: " + accept)
-                self.assertEqual((answer.type, answer.headers["vary"]), (type_, "Accept"))
+                self.assertEqual(answer.type, type_)
+                self.assertIn("Accept", answer.headers["vary"].split(", "))
 
     def test_format_wins(self):
         body = {"sites": 5, "domain": {"type": "rectangle", "width": 1, "height": 1}, "format": "csv"}

@@ -9,7 +9,7 @@ import { after, before, test } from "node:test";
 
 import { data, useBrowser } from "./harness.js";
 
-const world = useBrowser({ flags: ["--cors-origin=*"] });
+const world = useBrowser();
 
 let origin;
 
@@ -18,7 +18,7 @@ before(async () => {
   const [, example] = readme.match(/^```html\n(.*?)^```$/ms);
   origin = createServer((request, response) => {
     response.setHeader("Content-Type", "text/html");
-    response.end(`<!DOCTYPE html>${example.replace("http://localhost:8080", world.url)}`);
+    response.end(example.replace("http://localhost:8080", world.url));
   });
   origin.listen(0, "127.0.0.1");
   await once(origin, "listening");

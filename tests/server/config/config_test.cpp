@@ -45,7 +45,7 @@ TEST(Config, HasTheDocumentedDefaults) {
     EXPECT_EQ(config.jobs.bytes, std::min(std::size_t{256} << 20, config.memory / 16));
     EXPECT_EQ(config.jobs.ttl, std::chrono::hours(1));
     EXPECT_EQ(config.jobs.timeout, std::chrono::minutes(10));
-    EXPECT_TRUE(config.cors_origins.empty());
+    EXPECT_EQ(config.cors_origins, std::vector<std::string>{"loopback"});
     EXPECT_EQ(config.api_key_file, "");
     EXPECT_EQ(config.rate.per_second, 0);
     EXPECT_EQ(config.rate.burst, 20u);
@@ -68,6 +68,16 @@ TEST(Config, ReadsFlagsInBothSpellings) {
     EXPECT_EQ(config.timeout, std::chrono::milliseconds(1500));
     EXPECT_EQ(config.cors_origins, std::vector<std::string>{"*"});
     EXPECT_EQ(config.log_format, LogFormat::Json);
+}
+
+TEST(Config, LetsPagesOfThisMachineCallWhatOnlyItCanReach) {
+    const auto origins = [](const std::vector<const char*>& flags) { return parse(flags)->config.cors_origins; };
+    for (const char* bind : {"127.0.0.1", "::1", "localhost"})
+        EXPECT_EQ(origins({"--bind", bind}), std::vector<std::string>{"loopback"}) << bind;
+    for (const char* bind : {"0.0.0.0", "::", "10.0.0.1", "unix:/run/socket"})
+        EXPECT_TRUE(origins({"--bind", bind}).empty()) << bind;
+    EXPECT_TRUE(origins({"--cors-origin=none"}).empty());
+    EXPECT_EQ(origins({"--cors-origin=https://a.example"}), std::vector<std::string>{"https://a.example"});
 }
 
 TEST(Config, ReadsTheEnvironment) {

@@ -37,11 +37,13 @@ protected:
     int socket() const { return sockets_[0]; }
 
     Routes make(const Config& config) {
-        return Routes(config, {gate_, pool_, waiting_memory_, compute_, jobs_, metrics_, [this] { return missing_; }});
+        return Routes(config, {gate_, pool_, waiting_memory_, compute_, jobs_, metrics_, [this] { return missing_; },
+                               [this](const std::string& warning) { warnings_.push_back(warning); }});
     }
 
     Config config_;
     std::string missing_;
+    std::vector<std::string> warnings_;
     WorkerPool pool_{1, 1};
     Metrics metrics_{"1.2.3"};
     Compute compute_ = test::compute_in_process(config_.limits);
@@ -121,7 +123,7 @@ TEST_F(RoutesTest, AskForAKeyButForThePageAndHealthChecks) {
     Gate gate(file, {.per_second = 0.001, .burst = 1000});
     ASSERT_TRUE(gate.read_keys());
     std::filesystem::remove(file);
-    Routes routes(config_, {gate, pool_, waiting_memory_, compute_, jobs_, metrics_, [] { return ""; }});
+    Routes routes(config_, {gate, pool_, waiting_memory_, compute_, jobs_, metrics_, [] { return ""; }, {}});
     const auto status = [&](const std::string& line, const std::string& headers = "") {
         Connection connection(socket());
         return routes.answer(*parse_head(line + " HTTP/1.1\r\n" + headers + "\r\n"), {}, connection).status;
@@ -170,6 +172,19 @@ TEST_F(RoutesTest, NamesTheConfiguredOrigin) {
     EXPECT_EQ(header(response, "Access-Control-Allow-Origin"), "https://example.org");
     EXPECT_EQ(header(response, "Access-Control-Allow-Methods"), "POST, OPTIONS");
     EXPECT_EQ(header(response, "Vary"), "Origin");
+}
+
+TEST_F(RoutesTest, WarnsOnceOfOriginsThatAreRefused) {
+    const std::string preflight =
+        "OPTIONS /halftone HTTP/1.1\r\nAccess-Control-Request-Method: POST\r\nOrigin: http://localhost:5500";
+    ask("GET /health HTTP/1.1\r\nOrigin: http://localhost:5500");
+    ask("POST /sample HTTP/1.1\r\nOrigin: http://h\r\nSec-Fetch-Mode: cors\r\nSec-Fetch-Site: same-origin");
+    EXPECT_TRUE(warnings_.empty()) << "may be a page of our own";
+    EXPECT_EQ(header(ask(preflight), "Access-Control-Allow-Methods"), "");
+    ask(preflight);
+    ask("POST /sample HTTP/1.1\r\nOrigin: http://h\r\nSec-Fetch-Mode: cors\r\nSec-Fetch-Site: cross-site");
+    ASSERT_EQ(warnings_.size(), 1u);
+    EXPECT_NE(warnings_.front().find("--cors-origin http://localhost:5500 would"), std::string::npos);
 }
 
 TEST_F(RoutesTest, CompressesLongTextsForThoseWhoWantIt) {
