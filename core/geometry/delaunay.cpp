@@ -413,6 +413,12 @@ int exact_orientation(Point a, Point b, Point c) {
     return static_cast<int>(CGAL::orientation(to_cgal(a), to_cgal(b), to_cgal(c)));
 }
 
+double exact_ordinate(Point a, Point b, double x) {
+    using Number = CGAL::Exact_predicates_exact_constructions_kernel::FT;
+    const Number share = (Number(x) - Number(a.x)) / (Number(b.x) - Number(a.x));
+    return CGAL::to_double(CGAL::exact(Number(a.y) + share * (Number(b.y) - Number(a.y))));
+}
+
 int exact_in_circle(Point a, Point b, Point c, Point d) {
     return static_cast<int>(CGAL::side_of_oriented_circle(to_cgal(a), to_cgal(b), to_cgal(c), to_cgal(d)));
 }

@@ -114,6 +114,10 @@ tl::expected<Arrangement, TooManyCrossings> arrange(const Chains& chains, double
 /// Sign of the doubled area of triangle abc: 1 if it runs counter-clockwise, 0 if collinear. Exact.
 int exact_orientation(Point a, Point b, Point c);
 
+/// The ordinate of a segment at an abscissa that lies between those of its ends, which differ; exact, but for one
+/// rounding.
+double exact_ordinate(Point a, Point b, double x);
+
 /// 1 if d lies inside the circle through the counter-clockwise triangle abc, 0 if on it, else -1. Exact.
 int exact_in_circle(Point a, Point b, Point c, Point d);
 

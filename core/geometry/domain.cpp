@@ -1,6 +1,7 @@
 #include "core/geometry/domain.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -67,6 +68,11 @@ double length(const Ring& ring) {
     return sum;
 }
 
+Point to_unit(const UnitFrame& frame, Point p) {
+    const Point from_corner = p - frame.bounds.min;
+    return {to_unit(from_corner.x, frame.scale), to_unit(from_corner.y, frame.scale)};
+}
+
 void orient(RingInput& ring) {
     if ((signed_area(ring.corners) < 0) == ring.is_hole()) return;
     std::reverse(ring.corners.begin(), ring.corners.end());
@@ -74,9 +80,24 @@ void orient(RingInput& ring) {
 }
 
 void move_to(const UnitFrame& frame, RingInput& ring) {
-    const auto [min, scale] = std::pair(frame.bounds.min, frame.scale);
-    for (Point& p : ring.corners) p = {to_unit(p.x - min.x, scale), to_unit(p.y - min.y, scale)};
+    for (Point& p : ring.corners) p = to_unit(frame, p);
     ring.drop_repeated();
+}
+
+/// Rings in their unit frame.
+struct FramedRings {
+    std::vector<RingInput> rings;
+    UnitFrame frame;
+};
+
+Result<FramedRings> to_frame(const std::vector<PolygonPart>& parts) {
+    auto given = read_rings(parts);
+    if (!given) return tl::unexpected(given.error());
+    const auto frame =
+        find_frame(bounds_of(*given, [](const RingInput& ring) -> const Ring& { return ring.corners; }), *given);
+    if (!frame) return tl::unexpected(frame.error());
+    for (RingInput& ring : *given) move_to(*frame, ring);
+    return FramedRings{*std::move(given), *frame};
 }
 
 /// What was dropped may have lain farther out than the rest, which is then taken to a frame of its own.
@@ -117,45 +138,65 @@ Result<Domain> Domain::create(const std::vector<PolygonPart>& parts, const std::
 }
 
 Result<RepairedDomain> Domain::repair(const std::vector<PolygonPart>& parts, const std::stop_token& stop) {
-    auto given = read_rings(parts);
-    if (!given) return tl::unexpected(given.error());
-    const auto frame =
-        find_frame(bounds_of(*given, [](const RingInput& ring) -> const Ring& { return ring.corners; }), *given);
-    if (!frame) return tl::unexpected(frame.error());
-    for (RingInput& ring : *given) {
-        move_to(*frame, ring);
-        orient(ring);
-    }
-    auto enclosed = enclosed_area(*given, *frame, stop);
+    auto framed = to_frame(parts);
+    if (!framed) return tl::unexpected(framed.error());
+    auto& [given, frame] = *framed;
+    for (RingInput& ring : given) orient(ring);
+    auto enclosed = enclosed_area(given, frame, stop);
     if (!enclosed) return tl::unexpected(enclosed.error());
 
-    UnitFrame own = *frame;
-    auto kept =
-        enclosed->repairs.empty() ? std::move(enclosed->rings) : tighten(std::move(enclosed->rings), own, *given, stop);
+    auto kept = enclosed->repairs.empty() ? std::move(enclosed->rings)
+                                          : tighten(std::move(enclosed->rings), frame, given, stop);
     if (!kept) return tl::unexpected(kept.error());
-    auto domain = make(*std::move(kept), own, *given);
+    auto domain = make(*std::move(kept), frame, given);
     if (!domain) return tl::unexpected(domain.error());
     return RepairedDomain{*std::move(domain), std::move(enclosed->repairs)};
+}
+
+Result<RepairedArea> Domain::repair_area(const std::vector<PolygonPart>& parts, const std::stop_token& stop) {
+    auto framed = to_frame(parts);
+    if (!framed) return tl::unexpected(framed.error());
+    for (RingInput& ring : framed->rings) orient(ring);
+    auto enclosed = enclosed_area(framed->rings, framed->frame, stop);
+    if (!enclosed) return tl::unexpected(enclosed.error());
+    RepairedArea area{{}, std::move(enclosed->repairs)};
+    if (area.repairs.empty()) {
+        // What is valid is kept to the last digit.
+        for (const auto& [outer, holes] : parts) {
+            area.rings.push_back(outer);
+            area.rings.insert(area.rings.end(), holes.begin(), holes.end());
+        }
+        return area;
+    }
+    area.rings = std::move(enclosed->rings);
+    for (Ring& ring : area.rings) {
+        for (Point& p : ring) p = framed->frame.to_user(p);
+    }
+    return area;
 }
 
 Result<Domain> Domain::enclosed_by(const std::vector<Ring>& rings, const std::stop_token& stop) {
     std::vector<PolygonPart> parts;
     for (const Ring& ring : rings) parts.push_back({ring, {}});
-    auto given = read_rings(parts);
-    if (!given) return tl::unexpected(given.error());
-    auto frame =
-        find_frame(bounds_of(*given, [](const RingInput& ring) -> const Ring& { return ring.corners; }), *given);
-    if (!frame) return tl::unexpected(frame.error());
+    auto framed = to_frame(parts);
+    if (!framed) return tl::unexpected(framed.error());
+    auto& [given, frame] = *framed;
     std::vector<Ring> moved;
-    for (RingInput& ring : *given) {
-        move_to(*frame, ring);
-        moved.push_back(std::move(ring.corners));
-    }
-    auto enclosed = enclosed_together(moved, *frame, stop);
+    for (RingInput& ring : given) moved.push_back(std::move(ring.corners));
+    auto enclosed = enclosed_together(moved, frame, stop);
     if (!enclosed) return tl::unexpected(enclosed.error());
-    auto kept = tighten(*std::move(enclosed), *frame, *given, stop);
+    auto kept = tighten(*std::move(enclosed), frame, given, stop);
     if (!kept) return tl::unexpected(kept.error());
-    return make(*std::move(kept), *frame, *given);
+    return make(*std::move(kept), frame, given);
+}
+
+Result<Domain> Domain::without(std::span<const Area> areas, const std::stop_token& stop) const {
+    assert(!is_torus_);
+    auto left = difference(rings_, areas, frame_, stop);
+    if (!left) return tl::unexpected(left.error());
+    auto domain = make(*std::move(left), frame_, {});
+    if (!domain) return failure(ErrorCode::Unusable, "nothing is left of the polygon");
+    return domain;
 }
 
 Result<Domain> Domain::make(std::vector<Ring> rings, const UnitFrame& frame, const std::vector<RingInput>& given) {
@@ -212,6 +253,11 @@ Point Domain::to_user(Point unit) const {
     if (!is_torus_) return frame_.to_user(unit);
     const Point p = frame_.scale * wrapped(unit, unit_size_);  // may round up to the upper sides
     return {p.x < bounds().max.x ? p.x : 0, p.y < bounds().max.y ? p.y : 0};
+}
+
+Point Domain::to_unit(Point user) const {
+    if (!is_torus_) return ccdt::to_unit(frame_, user);
+    return wrapped((1 / frame_.scale) * user, unit_size_);
 }
 
 }  // namespace ccdt

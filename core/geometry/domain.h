@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -14,6 +15,7 @@
 namespace ccdt {
 
 struct RepairedDomain;
+struct RepairedArea;
 
 /// A bounded region of the plane, polygons with holes, or a torus. Valid by construction.
 ///
@@ -53,12 +55,21 @@ public:
     /// what runs there and back encloses nothing. Errors: as repair().
     static Result<Domain> enclosed_by(const std::vector<Ring>& rings, const std::stop_token& stop = {});
 
+    /// What a domain made by repair() would enclose, of whatever extent, be it too little for a domain.
+    /// Errors: as repair(), but for those of an extent.
+    static Result<RepairedArea> repair_area(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
+
     /// Rectangle [0, width] x [0, height].
     static Result<Domain> rectangle(double width, double height);
 
     /// Torus [0, width) x [0, height), opposite sides joined: a set of points on it tiles the plane.
     /// Errors (Unusable): a side that is not finite and positive, sides further apart than 1 to 1000.
     static Result<Domain> torus(double width, double height);
+
+    /// What is left of the domain without areas. The unit frame and the bounding box stay what they are.
+    /// @param areas  in the unit frame, within the bounding box
+    /// Not of a torus. Errors (Unusable): nothing is left; areas that cross too often.
+    Result<Domain> without(std::span<const Area> areas, const std::stop_token& stop = {}) const;
 
     /// Outer rings and holes in the unit frame; none of a torus, which has no border.
     const std::vector<Ring>& rings() const { return rings_; }
@@ -87,6 +98,9 @@ public:
     /// width) x [0, height) is returned.
     Point to_user(Point unit) const;
 
+    /// Converts a point of the caller's coordinates to the unit frame; on a torus, to its copy in the box.
+    Point to_unit(Point user) const;
+
     /// Distance by which to_user() may move a point by rounding, in the unit frame.
     double resolution() const { return frame_.resolution(); }
 
@@ -102,6 +116,12 @@ private:
     double unit_area_ = 0;
     bool is_box_ = false;
     bool is_torus_ = false;
+};
+
+/// An area in the caller's coordinates, and what was wrong with the polygon that it was made of.
+struct RepairedArea {
+    Area rings;
+    std::vector<Repair> repairs;  ///< in the order of the rings
 };
 
 /// A domain, and what was wrong with the polygon that it was made of.

@@ -65,13 +65,24 @@ Result<Enclosed> enclosed_area(const std::vector<RingInput>& rings, const UnitFr
 
 Result<std::vector<Ring>> enclosed_together(const std::vector<Ring>& rings, const UnitFrame& frame,
                                             const std::stop_token& stop) {
+    return difference(rings, {}, frame, stop);
+}
+
+Result<std::vector<Ring>> difference(const Area& area, std::span<const Area> others, const UnitFrame& frame,
+                                     const std::stop_token& stop) {
+    // The rule for a part and its holes, whose rings may be many each.
     Chains chains;
-    for (const Ring& ring : rings) append_chain(ring, 0, chains);
-    chains.groups = 1;
+    std::vector<Cover::Kind> kinds;
+    const auto append = [&](const Area& rings, bool is_hole) {
+        for (const Ring& ring : rings) append_chain(ring, static_cast<std::uint32_t>(kinds.size()), chains);
+        kinds.push_back({0, is_hole});
+    };
+    append(area, false);
+    for (const Area& other : others) append(other, true);
+    chains.groups = static_cast<std::uint32_t>(kinds.size());
     const auto map = arrange(chains, frame.resolution(), stop);
     if (!map) return failure(ErrorCode::Unusable, "the polygon crosses itself too often to be repaired");
     if (stop.stop_requested()) return stopped();
-    const std::vector<Cover::Kind> kinds(1);
     return Cover(chains, *map, kinds, frame.resolution()).trace();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -49,5 +50,10 @@ Result<Enclosed> enclosed_area(const std::vector<RingInput>& rings, const UnitFr
 /// The same for rings that all together enclose, by the even-odd rule, one area; what is wrong is not told.
 Result<std::vector<Ring>> enclosed_together(const std::vector<Ring>& rings, const UnitFrame& frame,
                                             const std::stop_token& stop = {});
+
+/// The border of what is in an area and in none of others; otherwise as enclosed_area(), and nothing is told.
+/// @param area, others  in the unit frame, within the unit square
+Result<std::vector<Ring>> difference(const Area& area, std::span<const Area> others, const UnitFrame& frame,
+                                     const std::stop_token& stop = {});
 
 }  // namespace ccdt
