@@ -64,17 +64,29 @@ Estimate decoding(const HalftoneRequest& request) {
            Estimate{0, (pixels + kTable * inks_of(request) * inks_of(request)) * kSeparating};
 }
 
-Estimate bounding(const std::variant<PolygonInput, Rectangle>& domain) {
+/// Validates a polygon of so many corners.
+Estimate bounding(std::size_t corner_count) {
     constexpr double kBytes = 420, kPieceBytes = 160;
     constexpr double kTime = 2.5 * kMicrosecond;
-    const auto* polygon = std::get_if<PolygonInput>(&domain);
-    if (polygon == nullptr) return {};
-    const auto corners = static_cast<double>(polygon->corner_count());
+    if (corner_count == 0) return {};
+    const auto corners = static_cast<double>(corner_count);
     // Each edge may cross all others, which is not known yet. Few do: of the time it counts as much as keeps a polygon
     // that may be a tangle from passing for a short request.
     constexpr double kPieceTime = 6 * kMicrosecond, kMostTime = 25'000 * kMicrosecond;
-    const double pieces = std::min(2 * corners * corners, static_cast<double>(most_pieces(polygon->corner_count())));
+    const double pieces = std::min(2 * corners * corners, static_cast<double>(most_pieces(corner_count)));
     return {corners * kBytes + pieces * kPieceBytes, corners * kTime + std::min(pieces * kPieceTime, kMostTime)};
+}
+
+std::size_t corners_of(const std::variant<PolygonInput, Rectangle>& domain) {
+    const auto* polygon = std::get_if<PolygonInput>(&domain);
+    return polygon == nullptr ? 0 : polygon->corner_count();
+}
+
+/// Makes the domain: validates it and what it is to avoid, and takes that from it.
+Estimate bounding(const SampleRequest& request) {
+    const std::size_t corners = corners_of(request.domain), avoided = request.avoid.corner_count();
+    const Estimate made = then(bounding(corners), bounding(avoided));
+    return avoided == 0 ? made : then(made, bounding(corners + avoided));
 }
 
 /// Makes a grid's integrals, over whose cells the passes walk.
@@ -88,7 +100,8 @@ Estimate charting(const SampleRequest& request) {
     constexpr double kCells = 1'024 * 1'024, kCellsOfDensity = 2'048 * 2'048, kTime = 0.2 * kMicrosecond;
     const bool is_even = std::holds_alternative<std::monostate>(request.density);
     const double cells = is_even ? kCells : kCellsOfDensity;
-    return bounding(request.domain) * 2 + weighing(cells) + Estimate{cells * sizeof(double), cells * kTime};
+    return bounding(corners_of(request.domain) + request.avoid.corner_count()) * 2 + weighing(cells) +
+           Estimate{cells * sizeof(double), cells * kTime};
 }
 
 /// Makes grids: of several inks one each, and one of all together.
@@ -259,7 +272,7 @@ Cost cost_of(const SampleRequest& request, const Limits& limits) {
     if (grid != nullptr) density = weighing(static_cast<double>(grid->values.size()));
     const bool is_uniform = image == nullptr && grid == nullptr && request.coordinates == Coordinates::Plane;
     const Estimate placing =
-        bounding(request.domain) + charting(request) + density + request.method->cost(request.run, is_uniform);
+        bounding(request) + charting(request) + density + request.method->cost(request.run, is_uniform);
     const Estimate made = then(placing, writing(request, limits));
     return cost(image != nullptr ? then(decoding(image->file), made) : made);
 }
@@ -288,7 +301,7 @@ std::size_t size_of(const HalftoneRequest& request) {
 }
 
 std::size_t size_of(const SampleRequest& request) {
-    std::size_t size = 0;
+    std::size_t size = bytes_of(request.avoid);
     if (const auto* polygon = std::get_if<PolygonInput>(&request.domain)) size += bytes_of(*polygon);
     if (const auto* grid = std::get_if<DensityGrid>(&request.density)) size += grid->values.size() * sizeof(double);
     if (const auto* image = std::get_if<DensityImage>(&request.density)) size += bytes_of(image->file);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "api/exclusions.h"
 #include "api/image/embedded_image.h"
 #include "api/image/overlay.h"
 #include "api/input/degrees.h"
@@ -127,12 +128,13 @@ Result<void> read_density(const Input& input, const Limits& limits, Draft& draft
 }
 
 /// Members of a JSON body alone: they have members of their own.
-constexpr std::array<OptionRule<Draft>, 5> kShapeRules = {{
+constexpr std::array<OptionRule<Draft>, 6> kShapeRules = {{
     {"polygon", [](const Input& i, const Limits&, Draft& d) { return assign(d.polygon, read_ring(i)); }},
     {"holes", [](const Input& i, const Limits&, Draft& d) { return assign(d.holes, read_rings(i)); }},
     {"geometry", [](const Input& i, const Limits&, Draft& d) { return assign(d.geometry, read_geometry(i)); }},
     {"domain", [](const Input& i, const Limits&, Draft& d) { return assign(d.rectangle, read_rectangle(i)); }},
     {"density", read_density},
+    {"avoid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.avoid, read_areas(i)); }},
 }};
 
 /// Members of a JSON body, or parameters beside a GeoJSON document.
@@ -189,10 +191,22 @@ Error error_of_options(const SampleRequest& request, Error error) {
     return error;
 }
 
+/// Checks what is taken from the domain.
+Result<void> check_exclusions(const Draft& draft) {
+    const PolygonInput& avoid = draft.request.avoid;
+    if (avoid.parts.empty()) return {};
+    if (draft.rectangle && draft.rectangle->periodic)
+        return failure(ErrorCode::Malformed, "a torus is without border: it has nothing to avoid", "/avoid");
+    auto checked = check_size(avoid);
+    if (!checked) checked.error().field = "/avoid";
+    return checked;
+}
+
 Result<void> settle_domain(Draft& draft) {
     const int given = (draft.polygon ? 1 : 0) + (draft.geometry ? 1 : 0) + (draft.rectangle ? 1 : 0);
     if (given != 1) return failure(ErrorCode::Malformed, "exactly one of polygon, geometry and domain must be given");
     if (draft.holes && !draft.polygon) return failure(ErrorCode::Malformed, "holes belong to a polygon", "/holes");
+    if (auto checked = check_exclusions(draft); !checked) return checked;
     if (draft.rectangle) {
         draft.request.domain = *draft.rectangle;
         if (draft.request.coordinates == Coordinates::Plane) return {};
@@ -409,7 +423,9 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
                           const Control& control, Timings& timings) {
     Stopwatch watch;
-    const auto made = make_domain(request, control.stop);
+    const auto made = make_domain(request, control.stop).and_then([&](RepairedDomain&& given) {
+        return without_exclusions(std::move(given), request, control.stop);
+    });
     if (!made) return tl::unexpected(made.error());
     const auto& [domain, repairs] = *made;
     const auto page = plan_page(request, domain, limits);

@@ -44,6 +44,7 @@ enum class OnInvalid { Repair, Reject };
 /// Request to /sample, with its options.
 struct SampleRequest {
     std::variant<PolygonInput, Rectangle> domain;
+    PolygonInput avoid{{}, {}};  ///< taken from the domain, which is no torus; no parts: nothing
     OnInvalid on_invalid = OnInvalid::Repair;
     Coordinates coordinates = Coordinates::Plane;                     ///< LonLat of polygons alone
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
@@ -84,7 +85,8 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
 /// @param decode   reads a density image
 /// @param control  a stop ends it within a pass, with nothing to show for it unless its part is asked for
 /// @param timings  filled as far as it came
-/// Errors: Unusable for a polygon without area, or not valid if such are to be rejected, or a density of zero; those
+/// Errors: Unusable for a polygon without area, also after what is avoided is taken from it, or not valid if such are
+/// to be rejected, or a density of zero; those
 /// of `decode`; LimitExceeded if a drawing would have more than limits.max_pixels; Stopped. The field is a JSON
 /// Pointer. Same request, same bytes, but for `elapsed_ms` in JSON.
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,

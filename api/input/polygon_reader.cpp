@@ -194,6 +194,11 @@ std::string PolygonInput::locate(std::string_view field) const {
     const auto after = std::ranges::upper_bound(sources, part, {}, &Source::first_part);
     const Source& source = *std::prev(after);
     switch (source.nesting) {
+        case Nesting::Rings: {
+            std::string pointer = pointer_below(source.coordinates, part - source.first_part);
+            if (!field.empty()) take_index(field);  // the part's only ring
+            return pointer.append(field);
+        }
         case Nesting::Polygon:
             return source.coordinates + std::string(field);
         case Nesting::MultiPolygon:
@@ -223,6 +228,19 @@ Result<PolygonInput> read_geometry(const Input& input) {
     if (auto read = append_geometry(input, polygon); !read) return tl::unexpected(read.error());
     if (polygon.parts.empty()) return failure(ErrorCode::Unusable, input.name + " holds no polygon", input.field);
     return polygon;
+}
+
+Result<PolygonInput> read_areas(const Input& input) {
+    PolygonInput areas{{}, {}};
+    if (!json_of(input).is_array()) {
+        if (auto read = append_geometry(input, areas); !read) return tl::unexpected(read.error());
+        return areas;
+    }
+    auto rings = read_rings(input);
+    if (!rings) return tl::unexpected(rings.error());
+    for (Ring& ring : *rings) areas.parts.push_back({std::move(ring), {}});
+    areas.sources.push_back({0, PolygonInput::Nesting::Rings, input.field});
+    return areas;
 }
 
 Result<void> check_size(const PolygonInput& polygon) {

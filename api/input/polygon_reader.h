@@ -16,6 +16,7 @@ struct PolygonInput {
     /// Nesting of positions in the request.
     enum class Nesting {
         Members,       ///< /polygon/vertex and /holes/ring/vertex
+        Rings,         ///< .../part/vertex
         Polygon,       ///< .../coordinates/ring/vertex
         MultiPolygon,  ///< .../coordinates/part/ring/vertex
     };
@@ -26,7 +27,7 @@ struct PolygonInput {
     struct Source {
         std::size_t first_part = 0;
         Nesting nesting = Nesting::Members;
-        std::string coordinates;  ///< JSON Pointer to them; not used for Members
+        std::string coordinates;  ///< JSON Pointer to them, or to the list of rings; not used for Members
     };
 
     std::vector<PolygonPart> parts;
@@ -56,6 +57,10 @@ bool is_geojson(JsonValue value);
 /// not geometry, and features of a collection that have none are passed over.
 /// Errors: Malformed, with a JSON Pointer to what is wrong; Unusable if it is empty.
 Result<PolygonInput> read_geometry(const Input& input);
+
+/// Reads areas: a list of rings, each a part, or GeoJSON as above, which may be empty.
+/// Errors: as read_geometry().
+Result<PolygonInput> read_areas(const Input& input);
 
 /// Checks the number of corners. Errors: LimitExceeded for more than kMaxCorners.
 Result<void> check_size(const PolygonInput& polygon);

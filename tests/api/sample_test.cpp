@@ -206,6 +206,20 @@ TEST(SampleRequest, PointsAtWhatIsWrong) {
     }
 }
 
+TEST(SampleRequest, ReadsWhatIsAvoided) {
+    const std::string body = '{' + kSquare + R"(,"sites":1,"avoid":)";
+    EXPECT_TRUE(parse('{' + kSquare + R"(,"sites":1})")->avoid.parts.empty());
+    const auto rings = parse(body + "[[[1,1],[2,1],[2,2]],[[3,3],[4,3],[4,4]]]}");
+    ASSERT_TRUE(rings) << rings.error().message;
+    ASSERT_EQ(rings->avoid.parts.size(), 2U);
+    EXPECT_EQ(rings->avoid.parts[1].outer[0], (Point{3, 3}));
+    EXPECT_EQ(rings->avoid.locate("/1/0/2"), "/avoid/1/2");
+    const auto polygon = parse(body + R"({"type":"Polygon","coordinates":[[[1,1],[2,1],[2,2]]]}})");
+    ASSERT_TRUE(polygon) << polygon.error().message;
+    EXPECT_EQ(polygon->avoid.locate("/0/0/2"), "/avoid/coordinates/0/2");
+    EXPECT_TRUE(parse(body + R"({"type":"FeatureCollection","features":[]}})")->avoid.parts.empty());
+}
+
 TEST(SampleRequest, RefusesEmptyGeometry) {
     for (const auto* geometry :
          {R"({"type":"Polygon","coordinates":[]})", R"({"type":"MultiPolygon","coordinates":[]})",

@@ -9,6 +9,7 @@
 #include "tests/fuzz/extreme_pictures.h"
 #include "tests/fuzz/extremes.h"
 #include "tests/fuzz/shape_checks.h"
+#include "tests/support/shapes.h"
 
 namespace ccdt::fuzz {
 namespace {
@@ -30,6 +31,7 @@ enum class Given : std::uint16_t {
     Dot = 256,
     Partial = 512,
     Reject = 1024,
+    Avoid = 2048,
 };
 
 /// A JSON object of the members that are told one after the other.
@@ -127,6 +129,8 @@ std::string take_request(Bytes& input) {
     if (given(Given::Reject)) members.add_word("invalid", "reject");
     take_domain(input, members);
     take_density(input, members);
+    if (given(Given::Avoid))
+        members.add("avoid", '[' + coordinates(take_ring(input)) + ',' + coordinates(take_ring(input)) + ']');
     return members.finish();
 }
 
@@ -144,12 +148,20 @@ Made make(const api::SampleRequest& request) {
     return {std::move(repaired.domain), repaired.repairs.empty() ? parts : std::vector<PolygonPart>()};
 }
 
+/// No point lies where none may, as far as that was told without crossings, whose places are rounded.
+void check_exclusions(const api::SampleRequest& request, const std::vector<Point>& points) {
+    const auto& avoid = request.avoid.parts;
+    if (avoid.empty() || !Domain::repair_area(avoid)->repairs.empty()) return;
+    CCDT_CHECK(test::count_outside(avoid, points) == points.size());
+}
+
 void check_answer(const api::SampleRequest& request, const api::Answer& answer) {
     CCDT_CHECK(answer.sites == request.run.sites && !answer.partial && !answer.media_type.empty() &&
                !answer.body.empty());
     const auto check = [&](const std::vector<Point>& points) {
         const auto made = make(request);
         check_points(points, request.run.sites, made.domain, made.parts);
+        check_exclusions(request, points);
     };
     const std::string_view format = request.format->file.name;
     if (format == "svg") return check_svg(answer.body);

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "api/sample.h"
+#include "core/geometry/domain.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Takes what a request wants to be avoided from its area. The bounding box stays what it is.
+///
+/// @param area  of the request, and what was repaired in it; repairs of what is avoided are added
+/// @param stop  asked now and then: Error Stopped
+/// Errors: Unusable if nothing is left, and for what is to be avoided as for the area itself. Fields are JSON Pointers.
+Result<RepairedDomain> without_exclusions(RepairedDomain area, const SampleRequest& request,
+                                          const std::stop_token& stop);
+
+}  // namespace ccdt::api
