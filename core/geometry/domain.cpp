@@ -190,9 +190,34 @@ Result<Domain> Domain::enclosed_by(const std::vector<Ring>& rings, const std::st
     return make(*std::move(kept), frame, given);
 }
 
+Result<Domain> Domain::united(std::span<const Domain* const> domains, const std::stop_token& stop) {
+    Box box = domains.front()->bounds();
+    for (const Domain* each : domains) {
+        box.include(each->bounds().min);
+        box.include(each->bounds().max);
+    }
+    auto frame = find_frame(box, {});
+    if (!frame) return tl::unexpected(frame.error());
+    std::vector<Area> areas;
+    for (const Domain* each : domains) {
+        Area& area = areas.emplace_back();
+        for (const Ring& ring : each->rings()) {
+            RingInput moved{0, 0, {}, std::vector<std::size_t>(ring.size())};
+            for (const Point& p : ring) moved.corners.push_back(each->to_user(p));
+            move_to(*frame, moved);
+            area.push_back(std::move(moved.corners));
+        }
+    }
+    auto covered = ccdt::united(areas, frame->resolution(), stop);
+    if (!covered) return tl::unexpected(covered.error());
+    auto kept = tighten(*std::move(covered), *frame, {}, stop);
+    if (!kept) return tl::unexpected(kept.error());
+    return make(*std::move(kept), *frame, {});
+}
+
 Result<Domain> Domain::without(std::span<const Area> areas, const std::stop_token& stop) const {
     assert(!is_torus_);
-    auto left = difference(rings_, areas, frame_, stop);
+    auto left = difference(rings_, areas, frame_.resolution(), stop);
     if (!left) return tl::unexpected(left.error());
     auto domain = make(*std::move(left), frame_, {});
     if (!domain) return failure(ErrorCode::Unusable, "nothing is left of the polygon");

@@ -59,6 +59,11 @@ public:
     /// Errors: as repair(), but for those of an extent.
     static Result<RepairedArea> repair_area(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
 
+    /// The area that any of several domains covers, none of them a torus; they may touch, overlap, and have edges in
+    /// common. Errors: as repair().
+    /// @param domains  at least one
+    static Result<Domain> united(std::span<const Domain* const> domains, const std::stop_token& stop = {});
+
     /// Rectangle [0, width] x [0, height].
     static Result<Domain> rectangle(double width, double height);
 

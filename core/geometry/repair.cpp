@@ -31,6 +31,28 @@ tl::unexpected<Error> stopped() {
     return failure(ErrorCode::Stopped, "stopped before the polygon was validated");
 }
 
+/// Groups of chains by which an area is told.
+class Groups {
+public:
+    void append(const Area& rings, Cover::Kind kind) {
+        for (const Ring& ring : rings) append_chain(ring, static_cast<std::uint32_t>(kinds_.size()), chains_);
+        kinds_.push_back(kind);
+    }
+
+    /// The border of what they cover.
+    Result<Area> trace(double resolution, const std::stop_token& stop) {
+        chains_.groups = static_cast<std::uint32_t>(kinds_.size());
+        const auto map = arrange(chains_, resolution, stop);
+        if (!map) return failure(ErrorCode::Unusable, "the polygon crosses itself too often to be repaired");
+        if (stop.stop_requested()) return stopped();
+        return Cover(chains_, *map, kinds_, resolution).trace();
+    }
+
+private:
+    Chains chains_;
+    std::vector<Cover::Kind> kinds_;
+};
+
 }  // namespace
 
 Result<Enclosed> enclosed_area(const std::vector<RingInput>& rings, const UnitFrame& frame,
@@ -65,25 +87,22 @@ Result<Enclosed> enclosed_area(const std::vector<RingInput>& rings, const UnitFr
 
 Result<std::vector<Ring>> enclosed_together(const std::vector<Ring>& rings, const UnitFrame& frame,
                                             const std::stop_token& stop) {
-    return difference(rings, {}, frame, stop);
+    return difference(rings, {}, frame.resolution(), stop);
 }
 
-Result<std::vector<Ring>> difference(const Area& area, std::span<const Area> others, const UnitFrame& frame,
-                                     const std::stop_token& stop) {
+Result<Area> difference(const Area& area, std::span<const Area> others, double resolution,
+                        const std::stop_token& stop) {
     // The rule for a part and its holes, whose rings may be many each.
-    Chains chains;
-    std::vector<Cover::Kind> kinds;
-    const auto append = [&](const Area& rings, bool is_hole) {
-        for (const Ring& ring : rings) append_chain(ring, static_cast<std::uint32_t>(kinds.size()), chains);
-        kinds.push_back({0, is_hole});
-    };
-    append(area, false);
-    for (const Area& other : others) append(other, true);
-    chains.groups = static_cast<std::uint32_t>(kinds.size());
-    const auto map = arrange(chains, frame.resolution(), stop);
-    if (!map) return failure(ErrorCode::Unusable, "the polygon crosses itself too often to be repaired");
-    if (stop.stop_requested()) return stopped();
-    return Cover(chains, *map, kinds, frame.resolution()).trace();
+    Groups groups;
+    groups.append(area, {0, false});
+    for (const Area& other : others) groups.append(other, {0, true});
+    return groups.trace(resolution, stop);
+}
+
+Result<Area> united(std::span<const Area> areas, double resolution, const std::stop_token& stop) {
+    Groups groups;
+    for (std::size_t part = 0; part < areas.size(); ++part) groups.append(areas[part], {part, false});
+    return groups.trace(resolution, stop);
 }
 
 }  // namespace ccdt

@@ -53,7 +53,11 @@ Result<std::vector<Ring>> enclosed_together(const std::vector<Ring>& rings, cons
 
 /// The border of what is in an area and in none of others; otherwise as enclosed_area(), and nothing is told.
 /// @param area, others  in the unit frame, within the unit square
-Result<std::vector<Ring>> difference(const Area& area, std::span<const Area> others, const UnitFrame& frame,
-                                     const std::stop_token& stop = {});
+Result<Area> difference(const Area& area, std::span<const Area> others, double resolution,
+                        const std::stop_token& stop = {});
+
+/// The border of what is in any of several areas.
+/// @param resolution  what is no thicker than this, about, is nothing
+Result<Area> united(std::span<const Area> areas, double resolution, const std::stop_token& stop = {});
 
 }  // namespace ccdt
