@@ -21,23 +21,26 @@ std::vector<double> spacings_along(Point a, Point b, const CapacityIntegral& cap
     return sums;
 }
 
-double length_in_spacings(const Domain& domain, const CapacityIntegral& capacity, double sites_per_capacity) {
-    double length = 0;
+double length_in_sites(const Domain& domain, const LengthInSites& length) {
+    double sum = 0;
     for (const Ring& ring : domain.rings()) {
-        for (std::size_t i = 0; i < ring.size(); ++i) {
-            length += spacings_along(ring[i], ring[(i + 1) % ring.size()], capacity, sites_per_capacity).back();
-        }
+        for (std::size_t i = 0; i < ring.size(); ++i) sum += length(ring[i], ring[(i + 1) % ring.size()]).back();
     }
-    return length;
+    return sum;
 }
 
 }  // namespace
 
 Border make_border(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites) {
     const double sites_per_capacity = static_cast<double>(sites) / capacity.total();
+    return make_border(
+        domain, [&](Point a, Point b) { return spacings_along(a, b, capacity, sites_per_capacity); }, sites);
+}
+
+Border make_border(const Domain& domain, const LengthInSites& length, std::size_t sites) {
     // Along a domain thinner than the spacing of its sites, fewer do.
     const double most = 4.0 * static_cast<double>(sites) + 64;
-    const double wanted = length_in_spacings(domain, capacity, sites_per_capacity);
+    const double wanted = length_in_sites(domain, length);
     const double thinning = wanted > most ? most / wanted : 1;
     Border border;
     for (const Ring& ring : domain.rings()) {
@@ -46,7 +49,7 @@ Border make_border(const Domain& domain, const CapacityIntegral& capacity, std::
             const Point a = ring[i], b = ring[(i + 1) % ring.size()];
             loop.push_back(a);
             border.corner.push_back(true);
-            const auto sums = spacings_along(a, b, capacity, sites_per_capacity);
+            const auto sums = length(a, b);
             const auto count = std::lround(thinning * sums.back());
             const auto samples = static_cast<double>(sums.size() - 1);
             std::size_t k = 0;

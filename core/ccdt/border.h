@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <stop_token>
 #include <vector>
 
@@ -18,8 +19,13 @@ struct Border {
     std::vector<bool> corner;               ///< [vertices of all loops in turn]: a corner of the domain
 };
 
+/// Measures an edge in the distances that neighbouring sites have there: from its begin to each of some equal steps
+/// [steps + 1], the first of which is 0.
+using LengthInSites = std::function<std::vector<double>(Point begin, Point end)>;
+
 /// The domain's corners and, between them, vertices about as far apart as sites are there; but no more than a few for
 /// every site.
+Border make_border(const Domain& domain, const LengthInSites& length, std::size_t sites);
 Border make_border(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites);
 
 /// The domain's corners alone.

@@ -22,7 +22,10 @@ std::vector<Point> to_user(const Domain& domain, std::span<const Point> places) 
 Result<DomainMesh> empty_mesh(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites,
                               const std::stop_token& stop) {
     if (domain.is_torus()) return DomainMesh{{}, Triangulation(sites, domain.unit_bounds().max)};
-    Border border = make_border(domain, capacity, sites);
+    return empty_mesh(domain, make_border(domain, capacity, sites), sites, stop);
+}
+
+Result<DomainMesh> empty_mesh(const Domain& domain, Border border, std::size_t sites, const std::stop_token& stop) {
     auto scaffold = triangulate(border, stop);
     if (!scaffold) {
         // Vertices set on the edges round off them; where two edges almost touch, that can make them cross.

@@ -22,8 +22,12 @@ struct DomainMesh {
 };
 
 /// Triangulates the border alone, for sites to be inserted.
-/// @param sites  how many will be
-/// @param stop   asked now and then: Error Stopped
+/// @param border  of the domain, which is no torus
+/// @param sites   how many will be
+/// @param stop    asked now and then: Error Stopped
+Result<DomainMesh> empty_mesh(const Domain& domain, Border border, std::size_t sites, const std::stop_token& stop = {});
+
+/// The same with the border that the capacity wants, or of a torus without any.
 Result<DomainMesh> empty_mesh(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites,
                               const std::stop_token& stop = {});
 

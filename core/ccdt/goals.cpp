@@ -55,9 +55,14 @@ void aim(const Triangulation& mesh, std::uint32_t triangle, const std::vector<do
 
 double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals) {
+    return set_goals(mesh, capacity.total(), capacity.densest(), capacities, goals);
+}
+
+double set_goals(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities,
+                 std::vector<TriangleGoal>& goals) {
     constexpr double kLeastTarget = 1e-9;  // less is rounding
-    const double unit = 2 * static_cast<double>(mesh.site_count()) / capacity.total();
-    const double largest_weight = unit * capacity.densest();
+    const double unit = 2 * static_cast<double>(mesh.site_count()) / total;
+    const double largest_weight = unit * densest;
     const auto reached_by = [&](std::uint32_t t) { return unit * std::max(0.0, capacities[t]); };
     std::vector<double> faced(mesh.site_count(), 0);
     goals.resize(mesh.triangle_count());

@@ -27,4 +27,10 @@ namespace ccdt {
 double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals);
 
+/// The same where capacities come from elsewhere.
+/// @param total    that the sites are to share
+/// @param densest  largest capacity per area of the unit frame
+double set_goals(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities,
+                 std::vector<TriangleGoal>& goals);
+
 }  // namespace ccdt

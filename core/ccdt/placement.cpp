@@ -1,43 +1,11 @@
 #include "core/ccdt/placement.h"
 
-#include <algorithm>
-#include <array>
 #include <string>
-#include <utility>
-#include <vector>
 
+#include "core/ccdt/interior_sampler.h"
 #include "core/random.h"
 
 namespace ccdt {
-
-namespace {
-
-/// Draws points evenly from the inside of a triangulation.
-class InteriorSampler {
-public:
-    explicit InteriorSampler(std::vector<std::array<Point, 3>> triangles) : triangles_(std::move(triangles)) {
-        double sum = 0;
-        for (const auto& [a, b, c] : triangles_) areas_.push_back(sum += cross(b - a, c - a));
-    }
-
-    Point draw(Random& random) const {
-        const double level = areas_.back() * random.uniform();
-        const auto i = std::lower_bound(areas_.begin(), areas_.end(), level) - areas_.begin();
-        const auto& [a, b, c] = triangles_[std::min(static_cast<std::size_t>(i), triangles_.size() - 1)];
-        double u = random.uniform(), v = random.uniform();
-        if (u + v > 1) {
-            u = 1 - u;
-            v = 1 - v;
-        }
-        return a + u * (b - a) + v * (c - a);
-    }
-
-private:
-    std::vector<std::array<Point, 3>> triangles_;
-    std::vector<double> areas_;  ///< doubled, up to and with each triangle
-};
-
-}  // namespace
 
 std::optional<Error> place_sites(Triangulation& mesh, std::span<const Point> first, const StartSites& start,
                                  std::uint64_t seed, double margin, const std::stop_token& stop) {

@@ -77,7 +77,7 @@ Relaxation::Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool unifor
       magic_(mesh.is_torus() ? kSnapping : 0) {}
 
 void Relaxation::prepare(std::span<const TriangleGoal> goals, const std::stop_token& stop) {
-    if (kinds_.empty()) small_ = kSmall * mean_doubled_area();
+    if (kinds_.empty()) small_ = options_.small_area ? *options_.small_area : kSmall * mean_doubled_area();
     set_terms(goals);
     old_batches_.swap(batches_);
     clear_lists();
@@ -287,7 +287,8 @@ void Relaxation::move_few(const std::uint32_t* record) {
         pull = {0.5 * options_.spring * sum(spring_x), 0.5 * options_.spring * sum(spring_y)};
     }
     const Point gradient{sum(gx) - pull.x, sum(gy) - pull.y};
-    const Point by = options_.relaxation * minimum(sum(xx) + stiffness, sum(xy), sum(yy) + stiffness, gradient);
+    const Point by =
+        fenced(vertex, options_.relaxation * minimum(sum(xx) + stiffness, sum(xy), sum(yy) + stiffness, gradient));
 
     const Pair move_x{by.x, by.x}, move_y{by.y, by.y};
     const Pair small{small_, small_};
@@ -328,8 +329,8 @@ Relaxation::NormalEquations Relaxation::equations_of(const Fan& fan) const {
 
 void Relaxation::move_site(const Fan& fan) {
     const NormalEquations equations = equations_of(fan);
-    move(fan.vertex, options_.relaxation * minimum(equations.xx, equations.xy, equations.yy, equations.gradient),
-         ring_of(fan), fan.triangles);
+    const Point by = options_.relaxation * minimum(equations.xx, equations.xy, equations.yy, equations.gradient);
+    move(fan.vertex, fenced(fan.vertex, by), ring_of(fan), fan.triangles);
 }
 
 void Relaxation::slide(const Fan& fan) {
@@ -366,6 +367,7 @@ void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::siz
         const Point from = place(ring, i), to = place(ring, i + 1);
         if (from != to && orientation(moved, from, to) <= 0) return;
     }
+    if (share < 1 && options_.fence && mesh_.is_site(vertex) && options_.fence(vertex, moved) != moved) return;
     mesh_.points()[vertex] = moved;
 }
 
@@ -401,7 +403,7 @@ void Relaxation::move_exactly(std::uint32_t site, double unit) {
         h = after;
     } while (h != first);
     const Point before = mesh_.point(site);
-    move(site, minimum(equations.xx, equations.xy, equations.yy, equations.gradient),
+    move(site, fenced(site, minimum(equations.xx, equations.xy, equations.yy, equations.gradient)),
          {ring_vertices_, ring_lifts_.data()}, ring_vertices_.size());
     const Point by = mesh_.point(site) - before;
     for (const Point gradient : ring_gradients_) {

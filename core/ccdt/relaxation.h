@@ -3,6 +3,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -21,6 +23,9 @@ struct TriangleGoal {
     double share = 1;  ///< of a triangle of common size that it is, > 0: less than 1 for one of many in a narrow fan
 };
 
+/// Says where a site may go instead of a place: there, if it may stand there, or somewhere on the way.
+using Fence = std::function<Point(std::uint32_t site, Point to)>;
+
 struct RelaxationOptions {
     // Stiffer springs and longer moves gain distance between neighbours and lose tone: benchmarks TorusPattern and
     // PictureTone. Without springs along the border more sites crowd there: benchmark BorderPattern.
@@ -28,6 +33,10 @@ struct RelaxationOptions {
     double border_spring = 0.1;  ///< further stiffness of edges of the border, which keeps its vertices apart
     double relaxation = 1.2;     ///< length of a move over the one that minimises, in [1, 2)
     double least_height = 1e-9;  ///< that a move leaves a triangle, in the unit frame
+    /// Doubled area below which it is looked at whether a triangle is a needle; none: by the mean of all triangles,
+    /// which are about as large as each other then.
+    std::optional<double> small_area;
+    Fence fence;  ///< of all sites; may be empty
 };
 
 /// Moves vertices, one at a time, to where the capacities of the triangles around them come closest to their targets:
@@ -126,6 +135,9 @@ private:
     void move_exactly(std::uint32_t site, double unit);
     void slide(const Fan& fan);
     void move(std::uint32_t vertex, Point by, const Ring& ring, std::size_t triangles);
+    Point fenced(std::uint32_t site, Point by) const {
+        return options_.fence ? options_.fence(site, mesh_.point(site) + by) - mesh_.point(site) : by;
+    }
     Point rounded(Point p) const { return {(p.x + magic_) - magic_, (p.y + magic_) - magic_}; }
 
     Triangulation& mesh_;
