@@ -15,6 +15,7 @@ namespace {
 
 /// Degrees that coordinates at the ends of their ranges may be off by: ten micrometres.
 constexpr double kClose = 1e-10;
+constexpr double kTolerance = 1e-3;  ///< to which edges are straight on a chart, over the pitch of sites
 
 Result<void> check_positions(const Ring& ring, const std::string& pointer) {
     constexpr double kFarthest = 540;
@@ -122,6 +123,12 @@ public:
 
     Result<std::vector<ChartedPart>> execute();
 
+    /// Distance of sites, on the sphere.
+    double pitch() const;
+
+    /// Lays the region onto a chart that is there already.
+    Result<Domain> lay_on(const Chart& chart, double pitch);
+
 private:
     bool is_seam(Point a, Point b) const { return closes_ && a.x == b.x && (a.x == west_ || a.x == east_); }
     static bool is_pole(Point a, Point b) { return a.y == b.y && std::abs(a.y) == 90; }
@@ -140,7 +147,6 @@ private:
     void improve(Far& far) const;
     Far far_from_border() const;
     std::optional<Chart> simple_chart() const;
-    double pitch() const;
     double deviation(const Chart& chart, Point a, Point b) const;
     void lay(const Chart& chart, Point a, Point b, Ring& plane) const;
     std::vector<Ring> lay_all(const Chart& chart) const;
@@ -294,7 +300,6 @@ std::optional<Chart> Charting::simple_chart() const {
     return Chart(mean);
 }
 
-/// Distance of sites, on the sphere.
 double Charting::pitch() const {
     double area = 0;
     for_edges([&](Point a, Point b) { area -= std::sin((a.y + b.y) / 2 * kDegree) * (b.x - a.x) * kDegree; });
@@ -397,6 +402,12 @@ Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
     return parts;
 }
 
+Result<Domain> Charting::lay_on(const Chart& chart, double pitch) {
+    find_seam();
+    tolerance_ = kTolerance * pitch;
+    return Domain::enclosed_by(lay_all(chart), stop_);
+}
+
 Result<std::vector<ChartedPart>> Charting::execute() {
     constexpr double kLeastExtent = 1e-7;  // degrees: a centimetre
     find_seam();
@@ -405,7 +416,6 @@ Result<std::vector<ChartedPart>> Charting::execute() {
     const double distance = pitch();
     if (distance * std::sqrt(sites_) < kLeastExtent * kDegree)
         return failure(ErrorCode::Unusable, "the polygon is too small on the globe");
-    constexpr double kTolerance = 1e-3;
     tolerance_ = kTolerance * distance;
     const Direction in_the_pacific = direction_of({-150, -30});
     if (border_.empty()) return on_two_charts({in_the_pacific, std::numbers::pi, true});
@@ -451,6 +461,14 @@ Result<Domain> in_one_turn(const Domain& degrees, const std::stop_token& stop) {
 
 Result<std::vector<ChartedPart>> chart_region(const Domain& degrees, std::size_t sites, const std::stop_token& stop) {
     return Charting(degrees, sites, stop).execute();
+}
+
+double ground_pitch(const Domain& degrees, std::size_t sites) {
+    return Charting(degrees, sites, {}).pitch();
+}
+
+Result<Domain> lay_on_chart(const Chart& chart, const Domain& degrees, double pitch, const std::stop_token& stop) {
+    return Charting(degrees, 1, stop).lay_on(chart, pitch);
 }
 
 }  // namespace ccdt

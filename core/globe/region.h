@@ -44,4 +44,11 @@ struct ChartedPart {
 Result<std::vector<ChartedPart>> chart_region(const Domain& degrees, std::size_t sites,
                                               const std::stop_token& stop = {});
 
+/// Distance that so many sites have in a region, in one turn of the globe: on the sphere of a chart.
+double ground_pitch(const Domain& degrees, std::size_t sites);
+
+/// Lays another region, in one turn, onto a chart, which must reach it. Edges are bent as chart_region() has it.
+/// @param pitch  of the sites, on the chart's sphere
+Result<Domain> lay_on_chart(const Chart& chart, const Domain& degrees, double pitch, const std::stop_token& stop = {});
+
 }  // namespace ccdt
