@@ -1,0 +1,220 @@
+#include "core/dotmap/dot_ground.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/ccdt/border.h"
+#include "core/ccdt/capacity_integral.h"
+#include "core/ccdt/start.h"
+#include "core/mesh/triangulation.h"
+#include "core/random.h"
+
+namespace ccdt {
+
+namespace {
+
+std::string field_of(std::size_t feature) {
+    return "features/" + std::to_string(feature);
+}
+
+tl::unexpected<Error> too_thin(std::size_t feature) {
+    return failure(ErrorCode::Unusable, "the feature is too thin to hold its points strictly inside",
+                   field_of(feature));
+}
+
+/// Seed of a feature's dots of a class: below 2^53, as those of all runs.
+std::uint64_t seed_of(std::uint64_t seed, std::size_t number, std::size_t feature) {
+    constexpr int kSeedBits = 53, kClassBits = 40;
+    return Random(seed, (static_cast<std::uint64_t>(number) << kClassBits) + feature).bits() >> (64 - kSeedBits);
+}
+
+/// Draws points of a domain in its unit frame.
+std::optional<InteriorSampler> interior_of(const Domain& area) {
+    const auto scaffold = triangulate(bare_border(area));
+    if (!scaffold) return std::nullopt;
+    return InteriorSampler(Triangulation(0, *scaffold).inside_triangles());
+}
+
+/// Place on Morton's curve.
+std::uint64_t along_curve(Point share) {
+    std::uint64_t place = 0;
+    for (int bit = 15; bit >= 0; --bit) {
+        const auto digit = [bit](double v) { return static_cast<std::uint64_t>(v * 0xffff) >> bit & 1; };
+        place = place << 2 | digit(share.y) << 1 | digit(share.x);
+    }
+    return place;
+}
+
+}  // namespace
+
+Result<DotGround> DotGround::create(const Map& map, std::size_t number) {
+    DotGround ground(map, number);
+    for (std::size_t i = 0; i < map.features.size(); ++i) {
+        const MapFeature& feature = map.features[i];
+        const std::size_t dots = feature.dots[number];
+        ground.dots_ += dots;
+        double capacity = feature.area.area();
+        if (dots > 0 && !map.density.is_uniform()) {
+            double largest = 0;
+            const auto own = ground.cut_out(feature.area, largest);
+            const double cells = own ? CapacityIntegral(feature.area, *own).total() : 0;
+            if (!(cells > 0)) {
+                return failure(ErrorCode::Unusable, "the density is zero all over a feature that has points",
+                               field_of(i));
+            }
+            const Box& box = feature.area.bounds();
+            const double cell = box.width() / own->width() * (box.height() / own->height());
+            capacity = std::ldexp(cells * cell, std::ilogb(largest));
+        }
+        ground.wanted_.push_back(static_cast<double>(dots) / capacity);
+    }
+    ground.overlaps_.resize(map.features.size());
+    return ground;
+}
+
+/// What the ground wants, as the density has it.
+double DotGround::wanted(Point p) const {
+    const Density& density = map_.density;
+    if (density.is_uniform()) return 1;
+    const auto index = [](double share, int cells) {
+        return std::clamp(static_cast<int>(std::clamp(share, 0.0, 1.0) * cells), 0, cells - 1);
+    };
+    return density.value(index((p.x - map_.box.min.x) / map_.box.width(), density.width()),
+                         index((p.y - map_.box.min.y) / map_.box.height(), density.height()));
+}
+
+/// The part of the density that lies over a domain, stretched over its bounding box.
+/// @param largest  out: value before it is scaled
+Result<Density> DotGround::cut_out(const Domain& area, double& largest) const {
+    static constexpr double kFiner = 2, kMost = 1024;
+    const Box& box = area.bounds();
+    const auto cells = [](double share, int of) {
+        return static_cast<int>(std::clamp(std::ceil(kFiner * share * of), 1.0, kMost));
+    };
+    const int columns = cells(box.width() / map_.box.width(), map_.density.width());
+    const int rows = cells(box.height() / map_.box.height(), map_.density.height());
+    std::vector<double> values;
+    for (int row = 0; row < rows; ++row) {
+        for (int column = 0; column < columns; ++column)
+            values.push_back(wanted(
+                {box.min.x + (column + 0.5) / columns * box.width(), box.min.y + (row + 0.5) / rows * box.height()}));
+    }
+    largest = *std::ranges::max_element(values);
+    return Density::grid(columns, rows, std::span<const double>(values));
+}
+
+std::vector<std::uint32_t> DotGround::order() const {
+    std::vector<std::uint64_t> places;
+    for (const MapFeature& feature : map_.features) {
+        const Box& box = feature.area.bounds();
+        const Point middle = 0.5 * (box.min + box.max) - map_.box.min;
+        places.push_back(along_curve(
+            {std::clamp(middle.x / map_.box.width(), 0.0, 1.0), std::clamp(middle.y / map_.box.height(), 0.0, 1.0)}));
+    }
+    std::vector<std::uint32_t> order(places.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return places[i]; });
+    return order;
+}
+
+Result<std::vector<FeatureDot>> DotGround::draw(std::uint64_t seed, const std::function<Point(Point)>& rounded,
+                                                const std::stop_token& stop) const {
+    std::vector<FeatureDot> all;
+    all.reserve(dots_);
+    for (const std::uint32_t feature : order()) {
+        if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
+        if (dots(feature) == 0) continue;
+        if (auto drawn = draw(feature, seed_of(seed, class_, feature), rounded, all); !drawn)
+            return tl::unexpected(drawn.error());
+    }
+    return all;
+}
+
+Result<void> DotGround::draw(std::uint32_t feature, std::uint64_t seed, const std::function<Point(Point)>& rounded,
+                             std::vector<FeatureDot>& all) const {
+    constexpr int kAttempts = 16;  // where the feature covers half of a dot's cell, one of 65,536 is still unplaced
+    const Domain& area = map_.features[feature].area;
+    double largest = 0;
+    const auto density = is_uniform() ? Result<Density>(Density::uniform()) : cut_out(area, largest);
+    if (!density) return tl::unexpected(density.error());
+    Options options;
+    options.sites = dots(feature);
+    options.seed = seed;
+    const StartSites start(area, *density, options);
+    std::optional<InteriorSampler> interior;
+    for (std::size_t site = 0; site < options.sites; ++site) {
+        std::optional<Point> place;
+        for (int attempt = 0; attempt < kAttempts && !place; ++attempt) {
+            const Point p = rounded(area.to_user(start.draw(site, attempt)));
+            if (may_be(feature, p)) place = p;
+        }
+        if (!place) {
+            const auto accept = [&](Point p) {
+                p = rounded(p);
+                if (may_be(feature, p)) place = p;
+                return place.has_value();
+            };
+            if (auto drawn = draw_again(feature, seed + site, accept, interior); !drawn) return drawn;
+        }
+        all.push_back({*place, feature});
+    }
+    return {};
+}
+
+Result<void> DotGround::draw_again(std::uint32_t feature, std::uint64_t seed, const std::function<bool(Point)>& accept,
+                                   std::optional<InteriorSampler>& interior) const {
+    constexpr int kAttempts = 1000;
+    constexpr std::uint64_t kStream = 0x616e797768657265;
+    const Domain& area = map_.features[feature].area;
+    if (!interior) interior = interior_of(area);
+    if (!interior) return too_thin(feature);
+    Random random(seed, kStream);
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+        if (accept(area.to_user(interior->draw(random)))) return {};
+    }
+    return too_thin(feature);
+}
+
+void DotGround::find_overlaps(std::span<const FeatureDot> dots) {
+    for (const auto& [place, feature] : dots) {
+        map_.index.for_near(place, [&, place = place, feature = feature](std::uint32_t other) {
+            if (other == feature || this->dots(other) == 0) return;
+            std::vector<std::uint32_t>& known = overlaps_[feature];
+            if (std::ranges::find(known, other) != known.end() || !map_.areas[other].contains(place)) return;
+            known.push_back(other);
+            std::vector<std::uint32_t>& back = overlaps_[other];
+            if (std::ranges::find(back, feature) == back.end()) back.push_back(feature);
+        });
+    }
+}
+
+double DotGround::at(std::uint32_t feature, Point p) const {
+    double density = own(feature, p);
+    for (const std::uint32_t other : overlaps_[feature]) {
+        if (map_.areas[other].contains(p)) density += own(other, p);
+    }
+    return density;
+}
+
+double DotGround::around(Point p) const {
+    double density = 0;
+    map_.index.for_near(p, [&](std::uint32_t feature) {
+        if (dots(feature) > 0 && map_.areas[feature].contains(p)) density += own(feature, p);
+    });
+    return density;
+}
+
+bool DotGround::may_be(std::uint32_t feature, Point p) const {
+    return map_.areas[feature].contains(p) && (is_uniform() || wanted(p) > 0);
+}
+
+Point DotGround::towards(std::uint32_t feature, Point from, Point to) const {
+    const Point there = map_.areas[feature].towards(from, to);
+    return is_uniform() || wanted(there) > 0 ? there : from;
+}
+
+}  // namespace ccdt

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/ccdt/interior_sampler.h"
+#include "core/density/density.h"
+#include "core/dotmap/dot_map.h"
+#include "core/dotmap/feature_area.h"
+#include "core/dotmap/feature_index.h"
+#include "core/geometry/domain.h"
+#include "core/geometry/point.h"
+#include "core/result.h"
+
+namespace ccdt {
+
+/// A dot, and the feature that it belongs to for life.
+struct FeatureDot {
+    Point place;
+    std::uint32_t feature = 0;
+};
+
+/// How densely the dots of one class are to lie in the features of a map, and where they may. All places are in the
+/// caller's coordinates.
+class DotGround {
+public:
+    /// What all classes of a map share; must outlive their grounds.
+    struct Map {
+        std::span<const MapFeature> features;
+        std::span<const FeatureArea> areas;  ///< of the features
+        const FeatureIndex& index;           ///< of the areas
+        const Box& box;                      ///< that the density is stretched over
+        const Density& density;
+    };
+
+    /// Errors: Unusable if the density is zero all over a feature that has dots.
+    static Result<DotGround> create(const Map& map, std::size_t number);
+
+    std::size_t dots() const { return dots_; }
+    std::size_t dots(std::size_t feature) const { return map_.features[feature].dots[class_]; }
+    bool is_uniform() const { return map_.density.is_uniform(); }
+
+    /// Draws the first dots: of each feature a few in each of many cells that want as many, at random. Features come in
+    /// an order in which neighbours follow each other, mostly.
+    /// @param rounded  takes a place to where it will be, by rounding
+    /// Errors: Unusable for a feature that is too thin; Stopped.
+    Result<std::vector<FeatureDot>> draw(std::uint64_t seed, const std::function<Point(Point)>& rounded,
+                                         const std::stop_token& stop) const;
+
+    /// Draws a dot anew, anywhere in its feature, until it is accepted. Errors: Unusable.
+    /// @param interior  of the feature; made if it is not there yet
+    Result<void> draw_again(std::uint32_t feature, std::uint64_t seed, const std::function<bool(Point)>& accept,
+                            std::optional<InteriorSampler>& interior) const;
+
+    /// Finds out which features overlap, from where dots are.
+    void find_overlaps(std::span<const FeatureDot> dots);
+
+    /// Dots to a squared unit at a place of a feature, those of others that overlap with it there included.
+    double at(std::uint32_t feature, Point p) const;
+
+    /// The same at any place, of all features there.
+    double around(Point p) const;
+
+    /// Tells whether the density is the same all over a feature.
+    bool is_even(std::uint32_t feature) const { return is_uniform() && overlaps_[feature].empty(); }
+
+    /// Tells whether a dot may be at a place.
+    bool may_be(std::uint32_t feature, Point p) const;
+
+    /// Where a dot gets that is to go from one place to another.
+    Point towards(std::uint32_t feature, Point from, Point to) const;
+
+private:
+    DotGround(const Map& map, std::size_t number) : map_(map), class_(number) {}
+
+    double wanted(Point p) const;
+    double own(std::uint32_t feature, Point p) const { return wanted_[feature] * wanted(p); }
+    Result<Density> cut_out(const Domain& area, double& largest) const;
+    std::vector<std::uint32_t> order() const;
+    Result<void> draw(std::uint32_t feature, std::uint64_t seed, const std::function<Point(Point)>& rounded,
+                      std::vector<FeatureDot>& dots) const;
+
+    Map map_;
+    std::size_t class_;
+    std::size_t dots_ = 0;
+    std::vector<double> wanted_;                        ///< [features] dots to a squared unit where the density is 1
+    std::vector<std::vector<std::uint32_t>> overlaps_;  ///< [features] others of which a part lies in it
+};
+
+}  // namespace ccdt

@@ -1,0 +1,274 @@
+#include "core/dotmap/dot_layer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "core/ccdt/border.h"
+#include "core/ccdt/construction.h"
+#include "core/ccdt/goals.h"
+#include "core/geometry/hexagonal_spacing.h"
+#include "core/geometry/predicates.h"
+
+namespace ccdt {
+
+namespace {
+
+constexpr double kLongestPush = 0.4;  ///< of a dot's radius: neighbours keep over half of their distance
+constexpr double kKeptArea = 0.1;     ///< least share of its area that a triangle keeps, as in a relaxation
+constexpr double kSmall = 0.01;       ///< of the area it should have, below which a triangle may be a needle
+
+/// Doubled area of a triangle between discs of these radii: between three alike that of the hexagonal grid, else such
+/// that along a straight border between small and large ones the strip between their first rows is half a row of each.
+double doubled_area(double a, double b, double c) {
+    const auto [least, most] = std::minmax({a, b, c});
+    if (!(most > 0)) return 0;
+    return std::sqrt(3.0) / 2 * (a + b) * (b + c) * (c + a) / (least + most);
+}
+
+}  // namespace
+
+DotLayer::DotLayer(DotGround& ground, Domain land, const Options& options, const std::stop_token& stop)
+    : ground_(ground), land_(std::move(land)), options_(options), stop_(stop) {
+    options_.sites = ground.dots();
+}
+
+/// Units of the caller per unit of the unit frame.
+double DotLayer::scale() const {
+    return std::max(land_.bounds().width(), land_.bounds().height());
+}
+
+double DotLayer::radius(double density) const {
+    return 0.5 * hexagonal_spacing(density) / scale();
+}
+
+/// Measures an edge of the border in the distances of dots inside of it.
+std::vector<double> DotLayer::length_in_dots(Point a, Point b) const {
+    constexpr double kInward = 1e-3;
+    constexpr int kSteps = 8;
+    const Point along = b - a, inward{-along.y, along.x};
+    const int steps = ground_.is_uniform() ? 1 : kSteps;
+    std::vector<double> sums{0};
+    for (int i = 0; i < steps; ++i) {
+        const double density = ground_.around(land_.to_user(a + (i + 0.5) / steps * along + kInward * inward));
+        const double length = std::sqrt(dot(along, along)) / steps;
+        sums.push_back(sums.back() + (density > 0 ? length / (2 * radius(density)) : 0));
+    }
+    return sums;
+}
+
+Result<void> DotLayer::start() {
+    const auto rounded = [this](Point p) { return land_.to_user(land_.to_unit(p)); };
+    auto drawn = ground_.draw(options_.seed, rounded, stop_);
+    if (!drawn) return tl::unexpected(drawn.error());
+    dots_ = *std::move(drawn);
+    ground_.find_overlaps(dots_);
+    auto empty = empty_mesh(land_,
+                            make_border(
+                                land_, [this](Point a, Point b) { return length_in_dots(a, b); }, dots_.size()),
+                            dots_.size(), stop_);
+    if (!empty) return tl::unexpected(empty.error());
+    placed_ = *std::move(empty);
+    if (auto inserted = insert_all(); !inserted) return inserted;
+    mesh().trim();
+    radii_.resize(dots_.size());
+    moves_.resize(dots_.size());
+    before_.resize(dots_.size());
+    result_.trace.push_back(measure());
+    if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
+    return {};
+}
+
+/// Inserts the dots, coarse to fine: points far apart first keep the triangles round, neighbours in turn keep walks
+/// short.
+Result<void> DotLayer::insert_all() {
+    constexpr std::size_t kStopStride = 4096;
+    std::size_t placed = 0;
+    for (std::size_t stride = 64, coarser = 0; stride >= 1; coarser = stride, stride /= 4) {
+        for (std::size_t dot = 0; dot < dots_.size(); dot += stride) {
+            if (coarser != 0 && dot % coarser == 0) continue;
+            if (++placed % kStopStride == 0 && stopping())
+                return failure(ErrorCode::Stopped, "stopped before there was a result");
+            if (auto inserted = insert(static_cast<std::uint32_t>(dot)); !inserted) return inserted;
+        }
+    }
+    return {};
+}
+
+Result<void> DotLayer::insert(std::uint32_t dot) {
+    const auto accept = [&](Point user) {
+        const Point p = land_.to_unit(user);
+        return ground_.may_be(dots_[dot].feature, land_.to_user(p)) && mesh().insert(dot, p, land_.resolution());
+    };
+    if (accept(dots_[dot].place)) return {};
+    std::optional<InteriorSampler> interior;
+    return ground_.draw_again(dots_[dot].feature, options_.seed + dot, accept, interior);
+}
+
+/// Finds how large the discs of the dots are where they stand.
+void DotLayer::find_radii() {
+    for (std::size_t dot = 0; dot < dots_.size(); ++dot) {
+        const std::uint32_t feature = dots_[dot].feature;
+        const bool is_known = dot > 0 && dots_[dot - 1].feature == feature && ground_.is_even(feature);
+        radii_[dot] = is_known ? radii_[dot - 1] : radius(ground_.at(feature, place(dot)));
+    }
+}
+
+/// Finds how large triangles should be. A vertex of the border has the disc of the dots beside it.
+void DotLayer::find_aims() {
+    find_radii();
+    aims_.resize(mesh().triangle_count());
+    for (std::uint32_t t = 0; t < aims_.size(); ++t) {
+        const auto corners = mesh().corners(t);
+        double sum = 0, dots = 0;
+        for (const std::uint32_t v : corners) {
+            if (!mesh().is_site(v)) continue;
+            sum += radii_[v];
+            dots += 1;
+        }
+        const auto radius = [&](std::uint32_t v) { return mesh().is_site(v) ? radii_[v] : sum / dots; };
+        aims_[t] = dots > 0 ? doubled_area(radius(corners[0]), radius(corners[1]), radius(corners[2])) : 0;
+    }
+}
+
+/// @returns  the capacity variation
+double DotLayer::measure() {
+    find_aims();
+    capacities_.resize(aims_.size());
+    for (std::uint32_t t = 0; t < aims_.size(); ++t)
+        capacities_[t] = aims_[t] > 0 ? 0.5 * mesh().doubled_area(t) / aims_[t] : 0;
+    return set_goals(mesh(), static_cast<double>(dots_.size()), std::numeric_limits<double>::max(), capacities_,
+                     goals_);
+}
+
+bool DotLayer::goes_on() const {
+    if (stopping() || result_.iterations >= options_.iterations) return false;
+    return !(options_.tolerance && variation() < *options_.tolerance);
+}
+
+Point DotLayer::fenced(std::uint32_t dot, Point to) const {
+    if (!std::isfinite(to.x) || !std::isfinite(to.y)) return mesh().point(dot);
+    const Point wanted = land_.to_user(to);
+    const Point there = ground_.towards(dots_[dot].feature, place(dot), wanted);
+    if (there == wanted) return to;
+    const Point rounded = land_.to_unit(there);
+    return ground_.may_be(dots_[dot].feature, land_.to_user(rounded)) ? rounded : mesh().point(dot);
+}
+
+bool DotLayer::iterate() {
+    RelaxationOptions settings;
+    constexpr double kPolishedSpring = 0.03;
+    if (has_polish(options_) && ground_.is_uniform()) settings.spring = kPolishedSpring;
+    settings.least_height = std::max(settings.least_height, land_.resolution());
+    const double least = *std::ranges::min_element(radii_);
+    settings.small_area = kSmall * doubled_area(least, least, least);
+    settings.fence = [this](std::uint32_t dot, Point to) { return fenced(dot, to); };
+    Relaxation relaxation(mesh(), placed_->border.corner, false, settings);
+    relaxation.prepare(goals_, stop_);
+    for (int pass = 0; pass < options_.passes && !stopping(); ++pass) relaxation.pass();
+    if (!stopping()) mesh().restore_delaunay(stop_);
+    if (stopping()) return false;
+    result_.trace.push_back(measure());
+    ++result_.iterations;
+    return true;
+}
+
+void DotLayer::begin() {
+    find_aims();
+    edges_.clear();
+    areas_.resize(mesh().triangle_count());
+    for (std::uint32_t t = 0; t < areas_.size(); ++t) {
+        areas_[t] = mesh().doubled_area(t);
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t h = Triangulation::edge(t, i), twin = mesh().twin(h);
+            if (twin == Triangulation::kNone || twin < h) continue;
+            if (mesh().is_site(mesh().origin(h)) && mesh().is_site(mesh().target(h))) edges_.push_back(h);
+        }
+    }
+}
+
+void DotLayer::push_apart(double reach, double push, std::span<const Point> pushed) {
+    std::ranges::fill(moves_, Point{});
+    for (std::size_t dot = 0; dot < pushed.size(); ++dot) moves_[dot] = 1 / scale() * pushed[dot];
+    for (const std::uint32_t h : edges_) {
+        const std::uint32_t a = mesh().origin(h), b = mesh().target(h);
+        const Point along = mesh().along(h);
+        const double both = radii_[a] + radii_[b], least = reach * both;
+        const double squared = dot(along, along);
+        if (squared >= least * least) continue;
+        const Point by = 2 * push * (least / std::sqrt(squared) - 1) * along;
+        moves_[a] = moves_[a] - radii_[a] / both * by;
+        moves_[b] = moves_[b] + radii_[b] / both * by;
+    }
+    for (std::size_t dot = 0; dot < moves_.size(); ++dot) {
+        const double longest = kLongestPush * radii_[dot], length = std::hypot(moves_[dot].x, moves_[dot].y);
+        if (length > longest) moves_[dot] = (longest / length) * moves_[dot];
+    }
+    if (!stopping()) apply();
+}
+
+void DotLayer::apply() {
+    for (std::uint32_t dot = 0; dot < dots_.size(); ++dot) {
+        before_[dot] = mesh().point(dot);
+        if (!(moves_[dot] == Point{})) mesh().points()[dot] = fenced(dot, before_[dot] + moves_[dot]);
+    }
+    take_back();
+}
+
+/// Tells whether a triangle has kept enough of its area, and is no needle unless it was one.
+bool DotLayer::is_sound(std::uint32_t triangle, double area) const {
+    constexpr double kLeastShape = 1e-5;  // doubled area over the longest edge squared
+    if (area < kKeptArea * areas_[triangle]) return false;
+    if (aims_[triangle] > 0 && area >= kSmall * aims_[triangle]) return true;
+    const auto [a, b, c] = mesh().places(triangle);
+    const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
+    const double least = std::max(kLeastShape * longest, land_.resolution() * std::sqrt(longest));
+    return area >= std::min(areas_[triangle], least) && orientation(a, b, c) > 0;
+}
+
+/// Takes back moves next to triangles that would turn over, or lose most of their area, until there is none.
+void DotLayer::take_back() {
+    for (bool found = true; found;) {
+        found = false;
+        for (std::uint32_t t = 0; t < areas_.size(); ++t) {
+            if (is_sound(t, mesh().doubled_area(t))) continue;
+            for (const std::uint32_t v : mesh().corners(t)) {
+                if (!mesh().is_site(v) || mesh().point(v) == before_[v]) continue;
+                mesh().points()[v] = before_[v];
+                found = true;
+            }
+        }
+    }
+    for (std::uint32_t t = 0; t < areas_.size(); ++t) areas_[t] = mesh().doubled_area(t);
+}
+
+void DotLayer::restore() {
+    mesh().restore_delaunay(stop_);
+    if (!stopping()) begin();
+}
+
+void DotLayer::finish() {
+    if (stopping()) return;
+    mesh().restore_delaunay(stop_);
+    const double variation = measure();
+    if (!stopping()) result_.polished = variation;
+}
+
+ClassDots DotLayer::collect() {
+    ClassDots all;
+    std::vector<std::uint32_t> order(dots_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t dot) { return dots_[dot].feature; });
+    for (const std::uint32_t dot : order) {
+        result_.points.push_back(place(dot));
+        all.feature_of.push_back(dots_[dot].feature);
+    }
+    result_.stopped = stopping();
+    all.dots = std::move(result_);
+    return all;
+}
+
+}  // namespace ccdt

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/ccdt/ccdt.h"
+#include "core/ccdt/domain_mesh.h"
+#include "core/ccdt/relaxation.h"
+#include "core/dotmap/dot_ground.h"
+#include "core/geometry/domain.h"
+#include "core/geometry/point.h"
+#include "core/result.h"
+
+namespace ccdt {
+
+/// The dots of one class of a map and their triangulation, moved step by step: start(); iterate() as long as it goes
+/// on; then, if there is a polish, begin() and its steps, and after steps that move far restore(). After the start,
+/// collect() gives what there is.
+class DotLayer {
+public:
+    /// @param ground  must outlive this
+    /// @param land    all the ground that has dots
+    DotLayer(DotGround& ground, Domain land, const Options& options, const std::stop_token& stop);
+    DotLayer(const DotLayer&) = delete;  // relaxations hold on to it
+    DotLayer& operator=(const DotLayer&) = delete;
+
+    /// Draws and triangulates the first dots. Errors: Unusable for a feature that is too thin; Stopped.
+    Result<void> start();
+
+    bool goes_on() const;
+    /// @returns  false if it was stopped
+    bool iterate();
+
+    std::size_t size() const { return dots_.size(); }
+    std::uint32_t feature_of(std::size_t dot) const { return dots_[dot].feature; }
+    Point place(std::size_t dot) const { return land_.to_user(mesh().point(static_cast<std::uint32_t>(dot))); }
+
+    /// Lists neighbours, and what triangles are like before the first step of a polish.
+    void begin();
+
+    /// Moves neighbours apart that are nearer than a share of the distance that they should have, and dots as others
+    /// push them.
+    /// @param push    share of what is missing by which each of the two moves in the mean
+    /// @param pushed  [dots] or empty: how far others push each
+    void push_apart(double reach, double push, std::span<const Point> pushed);
+
+    /// Makes the triangulation Delaunay again, and begins anew.
+    void restore();
+
+    /// Measures once more, after the polish.
+    void finish();
+
+    ClassDots collect();
+
+    int iterations() const { return result_.iterations; }
+    double variation() const { return result_.variation(); }
+
+private:
+    bool stopping() const { return stop_.stop_requested(); }
+    const Triangulation& mesh() const { return placed_->mesh; }
+    Triangulation& mesh() { return placed_->mesh; }
+    double scale() const;
+    double radius(double density) const;
+    std::vector<double> length_in_dots(Point a, Point b) const;
+    Result<void> insert_all();
+    Result<void> insert(std::uint32_t dot);
+    void find_radii();
+    void find_aims();
+    double measure();
+    Point fenced(std::uint32_t dot, Point to) const;
+    void apply();
+    void take_back();
+    bool is_sound(std::uint32_t triangle, double area) const;
+
+    DotGround& ground_;
+    Domain land_;
+    Options options_;
+    std::stop_token stop_;
+    std::optional<DomainMesh> placed_;
+    std::vector<FeatureDot> dots_;       ///< in the order of their sites; places are those of the start
+    std::vector<double> radii_;          ///< [dots] half the distance that neighbours should have, in the unit frame
+    std::vector<double> aims_;           ///< [triangles] doubled area that each should have
+    std::vector<double> capacities_;     ///< [triangles] area over what it should be, in halves of a dot
+    std::vector<TriangleGoal> goals_;    ///< [triangles]
+    std::vector<std::uint32_t> edges_;   ///< half-edges between dots
+    std::vector<Point> moves_, before_;  ///< [dots]
+    std::vector<double> areas_;          ///< doubled [triangles], before the last move
+    Distribution result_;
+};
+
+}  // namespace ccdt

@@ -1,0 +1,220 @@
+#include "core/dotmap/dot_map.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "core/ccdt/construction.h"
+#include "core/dotmap/dot_ground.h"
+#include "core/dotmap/dot_layer.h"
+#include "core/dotmap/feature_area.h"
+#include "core/dotmap/feature_index.h"
+#include "core/polish/ink_push.h"
+#include "core/polish/settings.h"
+
+namespace ccdt {
+
+namespace {
+
+/// All ground that features with dots cover.
+/// @param number  of the class; none: dots of any
+Result<Domain> land_of(std::span<const MapFeature> features, std::optional<std::size_t> number,
+                       const std::stop_token& stop) {
+    std::vector<const Domain*> areas;
+    for (const MapFeature& feature : features) {
+        const bool has_dots = number ? feature.dots[*number] > 0
+                                     : std::ranges::any_of(feature.dots, [](std::size_t dots) { return dots > 0; });
+        if (has_dots) areas.push_back(&feature.area);
+    }
+    return Domain::united(areas, stop);
+}
+
+/// The dots of all classes, moved in step and polished together.
+class DotMap {
+public:
+    DotMap(std::span<const MapFeature> features, const Box& box, const Density& density, const Options& options,
+           const Control& control)
+        : features_(features),
+          areas_(areas_of(features)),
+          index_(areas_),
+          map_{features, areas_, index_, box, density},
+          options_(options),
+          control_(control) {}
+
+    Result<std::vector<ClassDots>> execute();
+
+private:
+    static std::vector<FeatureArea> areas_of(std::span<const MapFeature> features);
+    bool stopping() const { return control_.stop.stop_requested(); }
+    Result<void> make_layers();
+    Result<void> start();
+    void iterate();
+    void polish();
+    template <class Step>
+    void repeat(int rounds, Step&& step);
+    void push_apart(double reach, double push, double class_reach);
+    std::vector<Point> pushes(double reach, double push);
+    void report();
+    std::vector<ClassDots> collect();
+
+    std::span<const MapFeature> features_;
+    std::vector<FeatureArea> areas_;
+    FeatureIndex index_;
+    DotGround::Map map_;
+    const Options& options_;
+    const Control& control_;
+    std::optional<Domain> land_;                       ///< of all classes; none if there is one alone
+    std::vector<std::unique_ptr<DotGround>> grounds_;  ///< [classes]; null for those without dots
+    std::vector<std::unique_ptr<DotLayer>> layers_;    ///< [classes]
+    std::vector<DotLayer*> used_;                      ///< those that there are
+    std::optional<PolishSettings> settings_;           ///< none if there is no polish
+    int round_ = 0;
+};
+
+std::vector<FeatureArea> DotMap::areas_of(std::span<const MapFeature> features) {
+    std::vector<FeatureArea> areas;
+    areas.reserve(features.size());
+    for (const MapFeature& feature : features) areas.emplace_back(feature.area);
+    return areas;
+}
+
+Result<std::vector<ClassDots>> DotMap::execute() {
+    if (auto made = make_layers(); !made) return tl::unexpected(made.error());
+    if (auto started = start(); !started) return tl::unexpected(started.error());
+    iterate();
+    polish();
+    return collect();
+}
+
+Result<void> DotMap::make_layers() {
+    for (std::size_t number = 0; number < features_.front().dots.size(); ++number) {
+        auto ground = DotGround::create(map_, number);
+        if (!ground) return tl::unexpected(ground.error());
+        grounds_.emplace_back();
+        layers_.emplace_back();
+        if (ground->dots() == 0) continue;
+        grounds_.back() = std::make_unique<DotGround>(*std::move(ground));
+        auto land = land_of(features_, number, control_.stop);
+        if (!land) return tl::unexpected(land.error());
+        layers_.back() = std::make_unique<DotLayer>(*grounds_.back(), *std::move(land), options_, control_.stop);
+        used_.push_back(layers_.back().get());
+    }
+    if (has_polish(options_)) settings_ = polish_settings(options_.quality, used_.size(), map_.density.is_uniform());
+    if (settings_) settings_->retouch_rounds = settings_->even_rounds = settings_->last_rounds = 0;
+    if (used_.size() < 2) return {};
+    auto land = land_of(features_, std::nullopt, control_.stop);
+    if (!land) return tl::unexpected(land.error());
+    land_ = *std::move(land);
+    return {};
+}
+
+Result<void> DotMap::start() {
+    for (DotLayer* layer : used_) {
+        if (auto started = layer->start(); !started) return started;
+    }
+    report();
+    return {};
+}
+
+void DotMap::iterate() {
+    while (std::ranges::any_of(used_, &DotLayer::goes_on)) {
+        for (DotLayer* layer : used_) {
+            if (layer->goes_on()) layer->iterate();
+        }
+        if (!stopping()) report();
+    }
+}
+
+void DotMap::polish() {
+    if (!settings_ || stopping()) return;
+    const PolishSettings& s = *settings_;
+    for (DotLayer* layer : used_) layer->begin();
+    repeat(s.rounds, [&](int round) {
+        push_apart(s.reach, s.push, s.ink_reach);
+        if (s.mesh_every == 0 || (round + 1) % s.mesh_every != 0) return;
+        for (DotLayer* layer : used_) layer->restore();
+    });
+    repeat(s.near_rounds, [&](int) { push_apart(s.nearest, s.push, s.ink_nearest); });
+    for (DotLayer* layer : used_) layer->finish();
+}
+
+template <class Step>
+void DotMap::repeat(int rounds, Step&& step) {
+    for (int i = 0; i < rounds && !stopping(); ++i) {
+        step(i);
+        ++round_;
+        if (!stopping()) report();
+    }
+}
+
+void DotMap::push_apart(double reach, double push, double class_reach) {
+    const std::vector<Point> moves = pushes(class_reach, push);
+    std::span<const Point> rest = moves;
+    for (DotLayer* layer : used_) {
+        const std::size_t own = rest.empty() ? 0 : layer->size();
+        layer->push_apart(reach, push, rest.first(own));
+        rest = rest.subspan(own);
+    }
+}
+
+/// How far dots of other classes push each dot, of one class after the other; empty if there is one alone.
+std::vector<Point> DotMap::pushes(double reach, double push) {
+    if (!land_) return {};
+    const double scale = std::max(land_->bounds().width(), land_->bounds().height());
+    std::vector<InkSite> sites;
+    std::uint32_t number = 0;
+    for (std::size_t c = 0; c < layers_.size(); ++c) {
+        if (!layers_[c]) continue;
+        const DotLayer& layer = *layers_[c];
+        for (std::size_t dot = 0; dot < layer.size(); ++dot) {
+            const Point place = layer.place(dot);
+            double all = 0;
+            for (const auto& ground : grounds_) {
+                if (ground) all += ground->at(layer.feature_of(dot), place);
+            }
+            const double own = grounds_[c]->at(layer.feature_of(dot), place);
+            sites.push_back({land_->to_unit(place), 1 / std::sqrt(all) / scale, number, 1 / std::sqrt(own) / scale});
+        }
+        ++number;
+    }
+    auto moves = push_inks_apart(*land_, sites, reach, push, control_.stop);
+    for (Point& move : moves) move = scale * move;
+    return moves;
+}
+
+void DotMap::report() {
+    if (!control_.progress) return;
+    Progress progress{0, options_.iterations, 0, round_, settings_ ? settings_->all_rounds() : 0};
+    for (const DotLayer* layer : used_) {
+        progress.iteration = std::max(progress.iteration, layer->iterations());
+        progress.variation = std::max(progress.variation, layer->variation());
+    }
+    control_.progress(progress);
+}
+
+std::vector<ClassDots> DotMap::collect() {
+    std::vector<ClassDots> classes;
+    for (const auto& layer : layers_) {
+        classes.push_back(layer ? layer->collect() : ClassDots{});
+        if (!layer) classes.back().dots.trace = {0};
+    }
+    return classes;
+}
+
+}  // namespace
+
+Result<std::vector<ClassDots>> distribute_dots(std::span<const MapFeature> features, const Box& box,
+                                               const Density& density, const Options& options, const Control& control) {
+    Options whole = options;
+    whole.sites = 0;
+    for (const MapFeature& feature : features) {
+        for (const std::size_t dots : feature.dots) whole.sites += dots;
+    }
+    assert(whole.sites > 0);
+    if (auto checked = check(whole); !checked) return tl::unexpected(checked.error());
+    return DotMap(features, box, density, options, control).execute();
+}
+
+}  // namespace ccdt

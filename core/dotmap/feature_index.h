@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/dotmap/feature_area.h"
+#include "core/geometry/point.h"
+
+namespace ccdt {
+
+/// Finds the features at a place: a grid of about as many cells as there are features.
+class FeatureIndex {
+public:
+    /// @param areas  [n >= 1]; must outlive this
+    explicit FeatureIndex(std::span<const FeatureArea> areas);
+
+    /// Calls function(number) with each feature whose bounding box may hold a place.
+    template <class Function>
+    void for_near(Point p, Function&& function) const {
+        const std::size_t cell = row(p.y) * columns_ + column(p.x);
+        for (std::size_t i = first_[cell]; i < first_[cell + 1]; ++i) function(members_[i]);
+    }
+
+private:
+    std::size_t column(double x) const { return index((x - box_.min.x) / box_.width(), columns_); }
+    std::size_t row(double y) const { return index((y - box_.min.y) / box_.height(), rows_); }
+    static std::size_t index(double share, std::size_t cells);
+    template <class Visit>
+    void for_cells(const Box& box, Visit visit) const;
+
+    Box box_;
+    std::size_t columns_ = 1, rows_ = 1;
+    std::vector<std::size_t> first_;  ///< of each cell's members [cells + 1]
+    std::vector<std::uint32_t> members_;
+};
+
+}  // namespace ccdt

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/ccdt/ccdt.h"
+#include "core/density/density.h"
+#include "core/dotmap/dot_map.h"
+#include "core/geometry/domain.h"
+#include "core/result.h"
+
+namespace ccdt {
+
+struct GlobeDots {
+    std::vector<ClassDots> classes;  ///< points in longitude, within [-180, 180], and latitude, degrees
+    double pitch = 0;                ///< metres: the square root of the ground to each dot
+};
+
+/// Distributes dots as distribute_dots() does, evenly on the ground in each feature.
+///
+/// @param features  in longitude and latitude
+/// @param region    all of them together, in longitude and latitude, as distribute_on_globe() has it
+/// @param density   stretched over the bounding box of the region: what ground of one feature wants
+/// Errors: those of distribute_dots() and chart_region(); Unusable for features that cover the globe.
+Result<GlobeDots> distribute_dots_on_globe(std::span<const MapFeature> features, const Domain& region,
+                                           const Density& density, const Options& options, const Control& control = {});
+
+}  // namespace ccdt
