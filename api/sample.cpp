@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "api/dot_map.h"
 #include "api/exclusions.h"
 #include "api/image/embedded_image.h"
 #include "api/image/overlay.h"
@@ -18,6 +19,7 @@
 #include "api/output/point_drawing.h"
 #include "api/run/deadline.h"
 #include "api/run/stopwatch.h"
+#include "api/sample_steps.h"
 #include "core/density/density.h"
 #include "core/globe/globe.h"
 #include "core/globe/region.h"
@@ -49,7 +51,9 @@ struct Draft {
     std::optional<Ring> polygon;
     std::optional<std::vector<Ring>> holes;
     std::optional<PolygonInput> geometry;
+    std::optional<Input> collection;  ///< that the geometry is, as long as the document is there
     std::optional<Rectangle> rectangle;
+    Counting counting;
     MethodOptions given{};
 };
 
@@ -62,6 +66,11 @@ Result<void> read_given(const Input& input, const Limits&, Draft& draft) {
 
 Result<void> read_tolerance(const Input& input, Options& options) {
     return assign(options.tolerance, read_number(input, kPositive));
+}
+
+Result<void> read_per(const Input& input, Counting& counting) {
+    if (counting.per) return malformed(input, "is told in sites already: give one of the two");
+    return assign(counting.per, read_per(input));
 }
 
 Result<OnInvalid> read_invalid(const Input& input) {
@@ -127,19 +136,34 @@ Result<void> read_density(const Input& input, const Limits& limits, Draft& draft
     return settle_density(input, std::move(density), draft.request);
 }
 
+/// Reads GeoJSON, and keeps where the counts of a collection's features are.
+Result<void> read_geometry(const Input& input, Draft& draft) {
+    auto read = assign(draft.geometry, read_geometry(input));
+    if (read && is_collection(std::get<JsonValue>(input.value))) draft.collection = input;
+    return read;
+}
+
+/// Reads the number of sites, or what counts them.
+Result<void> read_sites(const Input& input, const Limits& limits, Draft& draft) {
+    if (is_counted(input)) return read_counted(input, draft.counting);
+    return assign(draft.request.run.sites, read_sites(input, limits));
+}
+
 /// Members of a JSON body alone: they have members of their own.
 constexpr std::array<OptionRule<Draft>, 6> kShapeRules = {{
     {"polygon", [](const Input& i, const Limits&, Draft& d) { return assign(d.polygon, read_ring(i)); }},
     {"holes", [](const Input& i, const Limits&, Draft& d) { return assign(d.holes, read_rings(i)); }},
-    {"geometry", [](const Input& i, const Limits&, Draft& d) { return assign(d.geometry, read_geometry(i)); }},
+    {"geometry", [](const Input& i, const Limits&, Draft& d) { return read_geometry(i, d); }},
     {"domain", [](const Input& i, const Limits&, Draft& d) { return assign(d.rectangle, read_rectangle(i)); }},
     {"density", read_density},
     {"avoid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.avoid, read_areas(i)); }},
 }};
 
 /// Members of a JSON body, or parameters beside a GeoJSON document.
-constexpr std::array<OptionRule<Draft>, 16> kOptionRules = {{
-    {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.run.sites, read_sites(i, l)); }},
+constexpr std::array<OptionRule<Draft>, 18> kOptionRules = {{
+    {"sites", read_sites},
+    {"per", [](const Input& i, const Limits&, Draft& d) { return read_per(i, d.counting); }},
+    {"classes", [](const Input& i, const Limits&, Draft& d) { return assign(d.counting.classes, read_classes(i)); }},
     {"invalid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_invalid, read_invalid(i)); }},
     {"coordinates",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.coordinates, read_coordinates(i)); }},
@@ -172,23 +196,57 @@ Result<void> read_document(JsonValue root, const std::vector<TextOption>& option
     draft.request.is_document = true;
     const auto inputs = inputs_of(options);
     if (auto read = read_options<Draft>(kOptionRules, inputs, limits, draft); !read) return read;
-    return assign(draft.geometry, read_geometry({"the body", "", root}));
+    return read_geometry({"the body", "", root}, draft);
+}
+
+/// Makes an error about options that do not fit together.
+tl::unexpected<Error> misfit(const Draft& draft, std::string_view option, std::string_view what) {
+    return failure(ErrorCode::Malformed, std::string(option).append(" ").append(what), draft.request.field_of(option));
+}
+
+/// Counts the points of each feature, if that is asked for.
+Result<void> settle_counts(const Limits& limits, Draft& draft) {
+    const Counting& counting = draft.counting;
+    if (!counting.is_asked_for()) return {};
+    const std::string_view option = counting.property ? "sites" : counting.classes.empty() ? "per" : "classes";
+    if (draft.request.run.sites != 0) return misfit(draft, option, "counts points, but sites is a number already");
+    if (counting.property && !counting.classes.empty())
+        return misfit(draft, "classes", "are properties, but sites is one already");
+    if (!counting.property && counting.classes.empty())
+        return misfit(draft, option, "is of a property that sites is to name, or of classes");
+    if (!draft.collection) return misfit(draft, option, "wants the features of a GeoJSON FeatureCollection");
+    auto counts = count_features(*draft.collection, counting, limits, draft.request.field_of("sites"));
+    if (!counts) return tl::unexpected(counts.error());
+    counts->first_part = draft.geometry->features;
+    counts->first_part.push_back(draft.geometry->parts.size());
+    draft.request.run.sites = counts->total();
+    draft.request.counts = *std::move(counts);
+    return {};
 }
 
 Result<void> read_request(std::string_view body, const std::vector<TextOption>& options, const Limits& limits,
                           Draft& draft) {
     const auto document = JsonDocument::parse(body);
     if (!document) return tl::unexpected(document.error());
-    if (is_geojson(document->root())) return read_document(document->root(), options, limits, draft);
-    if (options.empty()) return read_members<Draft>(kRules, document->root(), "", limits, draft);
-    return failure(ErrorCode::Malformed, "options are members of the JSON body, unless it is a GeoJSON document",
-                   excerpt(options.front().name));
+    if (is_geojson(document->root())) {
+        if (auto read = read_document(document->root(), options, limits, draft); !read) return read;
+        return settle_counts(limits, draft);
+    }
+    if (!options.empty())
+        return failure(ErrorCode::Malformed, "options are members of the JSON body, unless it is a GeoJSON document",
+                       excerpt(options.front().name));
+    if (auto read = read_members<Draft>(kRules, document->root(), "", limits, draft); !read) return read;
+    return settle_counts(limits, draft);
 }
 
-/// Makes an error about options one about the request: they are members of its body, or parameters.
-Error error_of_options(const SampleRequest& request, Error error) {
-    if (request.is_document && error.field.starts_with('/')) error.field.erase(0, 1);
-    return error;
+/// Checks that a map of dots is asked for nothing that it has not.
+Result<void> check_map(const Draft& draft) {
+    if (!draft.request.counts) return {};
+    if (draft.request.method != &methods().front())
+        return misfit(draft, "method", "must be " + std::string(methods().front().name) + " for a map of dots");
+    if (draft.request.run.keep_mesh) return misfit(draft, "mesh", "is not kept of a map of dots");
+    if (!draft.request.avoid.parts.empty()) return misfit(draft, "avoid", "is not known to a map of dots");
+    return {};
 }
 
 /// Checks what is taken from the domain.
@@ -277,17 +335,6 @@ Result<Density> make_density(const DensityImage& image, const Limits& limits, co
     return density;
 }
 
-Result<Density> make_density(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                             const Control& control) {
-    if (const auto* image = std::get_if<DensityImage>(&request.density))
-        return make_density(*image, limits, decode, control);
-    const auto* grid = std::get_if<DensityGrid>(&request.density);
-    if (grid == nullptr) return Density::uniform();
-    auto density = Density::grid(grid->width, grid->height, std::span<const double>(grid->values));
-    if (!density) return tl::unexpected(error_below(density.error(), "/density"));
-    return density;
-}
-
 /// Points, and the distance in metres that they would have in a square grid, if they are on the ground.
 struct PlacedPoints {
     Distribution distribution;
@@ -320,39 +367,6 @@ Result<PlacedPoints> place_points(const SampleRequest& request, const Domain& do
 /// Distance from dot to dot, in units of the domain, if they were evenly spread.
 double pitch_of(const Domain& domain, std::size_t sites) {
     return std::sqrt(domain.area() / static_cast<double>(sites));
-}
-
-/// Plans the sheet. A width that was asked for is kept, and may be too much; a chosen one gives way to the limit.
-Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const Limits& limits) {
-    Page page{domain.bounds(), true, domain.is_torus(), {}, request.drawing.width_mm};
-    const Box& box = page.box;
-    const double longer = std::max(box.width(), box.height());
-    const RasterWriter* const pixels = request.format->raster();
-    const double most_side = pixels == nullptr ? kMostSide : std::min<double>(kMostSide, pixels->max_side);
-    const double wished =
-        std::clamp(kPixelPitch / pitch_of(domain, request.run.sites), kLeastSide / longer, most_side / longer);
-    const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMostCanvasPixels));
-    page.canvas = canvas_of(box, request.width ? *request.width / box.width() : fitting_scale(box, wished, most));
-    if (auto checked = request.format->check_side(page.canvas, "width", request.field_of("width")); !checked)
-        return tl::unexpected(checked.error());
-    if (pixels == nullptr || fits(page.canvas, limits.max_pixels)) return page;
-    return failure(ErrorCode::LimitExceeded,
-                   "width makes a picture of " + std::to_string(page.canvas.width) + " x " +
-                       std::to_string(page.canvas.height) + " pixels; this server's limit (max-pixels) is " +
-                       std::to_string(limits.max_pixels),
-                   request.field_of("width"));
-}
-
-/// Brings points, whose longitudes are within half a turn, to the turn of the globe that is drawn.
-void bring_into(const Box& box, std::vector<Point>& points) {
-    if (box.min.x >= -kTurn / 2 && box.max.x <= kTurn / 2) return;
-    for (Point& p : points) p.x += shift_to(p.x, box.min.x);
-}
-
-/// Radius of the dots, in units of the domain: a dot of twice its box's longer side covers it from anywhere inside.
-double radius_of(const SampleRequest& request, const Domain& domain) {
-    const double largest = 2 * std::max(domain.bounds().width(), domain.bounds().height());
-    return std::min(request.dot.value_or(pitch_of(domain, request.run.sites) / 4), largest);
 }
 
 /// Writes points in the way that a format's writer takes them.
@@ -398,6 +412,58 @@ Result<std::string> encode(const SampleRequest& request, const Domain& domain, c
 
 }  // namespace
 
+Result<Density> make_density(const SampleRequest& request, const Limits& limits, const Decode& decode,
+                             const Control& control) {
+    if (const auto* image = std::get_if<DensityImage>(&request.density))
+        return make_density(*image, limits, decode, control);
+    const auto* grid = std::get_if<DensityGrid>(&request.density);
+    if (grid == nullptr) return Density::uniform();
+    auto density = Density::grid(grid->width, grid->height, std::span<const double>(grid->values));
+    if (!density) return tl::unexpected(error_below(density.error(), "/density"));
+    return density;
+}
+
+Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const Limits& limits) {
+    Page page{domain.bounds(), true, domain.is_torus(), {}, request.drawing.width_mm};
+    const Box& box = page.box;
+    const double longer = std::max(box.width(), box.height());
+    const RasterWriter* const pixels = request.format->raster();
+    const double most_side = pixels == nullptr ? kMostSide : std::min<double>(kMostSide, pixels->max_side);
+    const double wished =
+        std::clamp(kPixelPitch / pitch_of(domain, request.run.sites), kLeastSide / longer, most_side / longer);
+    const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMostCanvasPixels));
+    page.canvas = canvas_of(box, request.width ? *request.width / box.width() : fitting_scale(box, wished, most));
+    if (auto checked = request.format->check_side(page.canvas, "width", request.field_of("width")); !checked)
+        return tl::unexpected(checked.error());
+    if (pixels == nullptr || fits(page.canvas, limits.max_pixels)) return page;
+    return failure(ErrorCode::LimitExceeded,
+                   "width makes a picture of " + std::to_string(page.canvas.width) + " x " +
+                       std::to_string(page.canvas.height) + " pixels; this server's limit (max-pixels) is " +
+                       std::to_string(limits.max_pixels),
+                   request.field_of("width"));
+}
+
+void bring_into(const Box& box, std::vector<Point>& points) {
+    if (box.min.x >= -kTurn / 2 && box.max.x <= kTurn / 2) return;
+    for (Point& p : points) p.x += shift_to(p.x, box.min.x);
+}
+
+double radius_of(const SampleRequest& request, const Domain& domain) {
+    const double largest = 2 * std::max(domain.bounds().width(), domain.bounds().height());
+    return std::min(request.dot.value_or(pitch_of(domain, request.run.sites) / 4), largest);
+}
+
+Error error_of_options(const SampleRequest& request, Error error) {
+    if (request.is_document && error.field.starts_with('/')) error.field.erase(0, 1);
+    return error;
+}
+
+void tell(const std::vector<Repair>& repairs, const std::vector<Warning>& warnings, Answer& answer) {
+    if (!repairs.empty())
+        answer.repaired = write_repairs(std::span(repairs).first(std::min(repairs.size(), kMostInHeader)));
+    if (!warnings.empty()) answer.warnings = write_warnings(warnings);
+}
+
 std::string SampleRequest::field_of(std::string_view option) const {
     return is_document ? std::string(option) : pointer_below("", option);
 }
@@ -412,6 +478,7 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
     if (auto read = read_request(body, options, limits, draft); !read) return tl::unexpected(read.error());
     if (draft.request.run.sites == 0)
         return failure(ErrorCode::Malformed, "sites is missing", draft.request.field_of("sites"));
+    if (auto checked = check_map(draft); !checked) return tl::unexpected(checked.error());
     if (auto settled = settle_method(*draft.request.method, draft.given, draft.request.run); !settled)
         return tl::unexpected(error_of_options(draft.request, settled.error()));
     if (auto settled = settle_domain(draft); !settled) return tl::unexpected(settled.error());
@@ -422,6 +489,7 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
 
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
                           const Control& control, Timings& timings) {
+    if (request.counts) return run_dot_map(request, limits, decode, control, timings);
     Stopwatch watch;
     const auto made = make_domain(request, control.stop).and_then([&](RepairedDomain&& given) {
         return without_exclusions(std::move(given), request, control.stop);
@@ -451,11 +519,7 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     answer.body = *std::move(body);
     answer.sites = request.run.sites;
     answer.partial = distribution.stopped;
-    if (request.format->file.name != "json") {
-        if (!repairs.empty())
-            answer.repaired = write_repairs(std::span(repairs).first(std::min(repairs.size(), kMostInHeader)));
-        if (!warnings.empty()) answer.warnings = write_warnings(warnings);
-    }
+    if (request.format->file.name != "json") tell(repairs, warnings, answer);
     // A stop may have made the path of a drawing longer.
     answer.repeats = request.format->repeats() && !control.stop.stop_requested();
     return answer;

@@ -10,6 +10,7 @@
 #include "api/image/image_header.h"
 #include "api/input/domain_reader.h"
 #include "api/input/drawing_options.h"
+#include "api/input/feature_counts.h"
 #include "api/input/polygon_reader.h"
 #include "api/input/run_options.h"
 #include "api/method.h"
@@ -44,7 +45,7 @@ enum class OnInvalid { Repair, Reject };
 /// Request to /sample, with its options.
 struct SampleRequest {
     std::variant<PolygonInput, Rectangle> domain;
-    PolygonInput avoid{{}, {}};  ///< taken from the domain, which is no torus; no parts: nothing
+    PolygonInput avoid{};  ///< taken from the domain, which is no torus; no parts: nothing
     OnInvalid on_invalid = OnInvalid::Repair;
     Coordinates coordinates = Coordinates::Plane;                     ///< LonLat of polygons alone
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
@@ -55,7 +56,8 @@ struct SampleRequest {
     std::optional<int> width;   ///< of a drawing, in pixels; none: chosen
     std::optional<double> dot;  ///< radius in units of the domain, > 0; none: chosen
     OnStop on_deadline = OnStop::Error;
-    bool is_document = false;  ///< the body is GeoJSON: options came as text
+    std::optional<FeatureCounts> counts;  ///< of a map of dots, whose features' parts are those of the polygon
+    bool is_document = false;             ///< the body is GeoJSON: options came as text
 
     /// What errors about an option call it.
     std::string field_of(std::string_view option) const;

@@ -126,13 +126,16 @@ Result<void> append_each(const Input& collection, std::string_view member, Polyg
     if (!list) return tl::unexpected(list.error());
     if (!json_of(*list).is_array()) return wrong(list->field, "must be a list of GeoJSON objects");
     std::size_t index = 0;
+    std::vector<std::size_t> first_parts;
     for (const JsonValue element : json_of(*list)) {
+        first_parts.push_back(polygon.parts.size());
         const auto geometry = element.is_object() ? element.find("geometry") : std::nullopt;
         if (!geometry || !geometry->is_null()) {
             if (auto read = append_geometry(element_of(*list, index, element), polygon); !read) return read;
         }
         ++index;
     }
+    if (member == "features") polygon.features = std::move(first_parts);
     return {};
 }
 
@@ -223,15 +226,20 @@ bool is_geojson(JsonValue value) {
     return value.is_object() && value.find("type");
 }
 
+bool is_collection(JsonValue value) {
+    const auto type = value.is_object() ? value.find("type") : std::nullopt;
+    return type && type->is_string() && type->text() == "FeatureCollection";
+}
+
 Result<PolygonInput> read_geometry(const Input& input) {
-    PolygonInput polygon{{}, {}};
+    PolygonInput polygon{{}, {}, {}};
     if (auto read = append_geometry(input, polygon); !read) return tl::unexpected(read.error());
     if (polygon.parts.empty()) return failure(ErrorCode::Unusable, input.name + " holds no polygon", input.field);
     return polygon;
 }
 
 Result<PolygonInput> read_areas(const Input& input) {
-    PolygonInput areas{{}, {}};
+    PolygonInput areas{};
     if (!json_of(input).is_array()) {
         if (auto read = append_geometry(input, areas); !read) return tl::unexpected(read.error());
         return areas;

@@ -32,6 +32,8 @@ struct PolygonInput {
 
     std::vector<PolygonPart> parts;
     std::vector<Source> sources = {{}};  ///< in the order of their parts; never empty
+    /// Of each feature of a FeatureCollection, if that is what it was, its first part; of one without, the next one's.
+    std::vector<std::size_t> features;
 
     std::size_t corner_count() const;
 
@@ -51,6 +53,9 @@ Result<std::vector<Ring>> read_rings(const Input& input);
 
 /// Tells whether an object is GeoJSON: no request has a member `type`, which every GeoJSON object has.
 bool is_geojson(JsonValue value);
+
+/// Tells whether GeoJSON is a FeatureCollection.
+bool is_collection(JsonValue value);
 
 /// Reads GeoJSON (RFC 7946): a Polygon, a MultiPolygon, a Feature of one, or a GeometryCollection or
 /// FeatureCollection of such, whose parts all together are the polygon. Ordinates after the second, members that are

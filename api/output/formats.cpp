@@ -26,20 +26,30 @@ std::string list_npy(std::span<const InkDots> inks, const Report&, const std::st
     return write_npy(inks);
 }
 
+std::string list_map_csv(const MapOfDots& map, const Report&, const std::stop_token& stop) {
+    return write_map_csv(map, stop);
+}
+
+std::string list_map_npy(const MapOfDots& map, const Report&, const std::stop_token&) {
+    return write_map_npy(map);
+}
+
 constexpr PointFormat kPngPoints{kPng, {}, {}, RasterWriter{kAnySide, write_png}};
 constexpr PointFormat kTiffPoints{
     {"tiff", "TIFF", "tiff", "image/tiff", ""}, {}, {}, RasterWriter{kAnySide, write_tiff}};
 constexpr PointFormat kWebPPoints{
     {"webp", "WebP", "webp", "image/webp", ""}, {}, kColours, RasterWriter{kMaxWebPSide, write_webp}};
-constexpr PointFormat kSvgPoints{kSvg, kPath, {}, VectorWriter{write_svg}};
-constexpr PointFormat kJsonPoints{kJson, kNumbers, {}, ListWriter{false, write_json}};
-constexpr PointFormat kGeoJsonPoints{
-    {"geojson", "GeoJSON", "geojson", "application/geo+json", ""}, kNumbers, {}, ListWriter{true, write_feature}};
+constexpr PointFormat kSvgPoints{kSvg, kPath, {}, VectorWriter{write_svg, write_map_svg}};
+constexpr PointFormat kJsonPoints{kJson, kNumbers, {}, ListWriter{false, write_json, write_map_json}};
+constexpr PointFormat kGeoJsonPoints{{"geojson", "GeoJSON", "geojson", "application/geo+json", ""},
+                                     kNumbers,
+                                     {},
+                                     ListWriter{true, write_feature, write_map_features}};
 constexpr PointFormat kCsvPoints{
-    {"csv", "CSV", "csv", "text/csv", "; header=present"}, kNumbers, {}, ListWriter{true, list_csv}};
+    {"csv", "CSV", "csv", "text/csv", "; header=present"}, kNumbers, {}, ListWriter{true, list_csv, list_map_csv}};
 // NumPy has registered no media type.
 constexpr PointFormat kNpyPoints{
-    {"npy", "NPY", "npy", "application/x-npy", ""}, kNumbers, {}, ListWriter{true, list_npy}};
+    {"npy", "NPY", "npy", "application/x-npy", ""}, kNumbers, {}, ListWriter{true, list_npy, list_map_npy}};
 
 constexpr const PointFormat* kHalftoneFormats[] = {&kPngPoints, &kJsonPoints, &kSvgPoints, &kCsvPoints,
                                                    &kNpyPoints, &kWebPPoints, &kTiffPoints};

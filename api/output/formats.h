@@ -12,6 +12,7 @@
 #include "api/input/palette.h"
 #include "api/output/ink_dots.h"
 #include "api/output/json_writer.h"
+#include "api/output/map_dots.h"
 #include "api/output/point_drawing.h"
 #include "api/run/estimate.h"
 #include "core/result.h"
@@ -22,12 +23,15 @@ namespace ccdt::api {
 struct ListWriter {
     bool repeats;  ///< the same bytes each time; not so if it tells how long computing took
     std::string (&write)(std::span<const InkDots> inks, const Report& report, const std::stop_token& stop);
+    std::string (&write_map)(const MapOfDots& map, const Report& report, const std::stop_token& stop);
 };
 
-/// Writer of drawings as shapes; its parameters are those of write_svg().
+/// Writer of drawings as shapes; its parameters are those of write_svg() and write_map_svg().
 struct VectorWriter {
     std::string (&write)(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style,
                          const std::stop_token& hurry, const std::stop_token& stop);
+    std::string (&write_map)(const MapOfDots& map, const Palette& palette, const Page& page, DotStyle style,
+                             const std::stop_token& hurry, const std::stop_token& stop);
 };
 
 /// Writer of drawings as pixels. Errors: Stopped; Internal if memory runs out.

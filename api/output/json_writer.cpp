@@ -4,9 +4,11 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <stdexcept>
 #include <string_view>
+#include <vector>
 
 #include "api/text/numbers.h"
 
@@ -110,15 +112,20 @@ void append_order(std::string& out, std::size_t sites, const Report& report) {
     out.append(",\"method\":\"").append(report.method).append("\"");
 }
 
+/// Appends members that tell what a run came to, and what there is to tell about the request.
+void append_remarks(std::string& out, bool stopped, const Report& report) {
+    if (stopped) out += ",\"partial\":true";
+    if (!report.repairs.empty()) out.append(",\"repaired\":").append(write_repairs(report.repairs));
+    if (!report.warnings.empty()) out.append(",\"warnings\":").append(write_warnings(report.warnings));
+    if (report.pitch_m) append_member(out, "pitch_m", *report.pitch_m);
+}
+
 /// Appends members that tell where points come from.
 void append_run(std::string& out, const Distribution& distribution, const Report& report) {
     append_order(out, distribution.points.size(), report);
     append_member(out, "iterations", static_cast<std::uint64_t>(distribution.iterations));
     append_member(out, "variation", distribution.variation());
-    if (distribution.stopped) out += ",\"partial\":true";
-    if (!report.repairs.empty()) out.append(",\"repaired\":").append(write_repairs(report.repairs));
-    if (!report.warnings.empty()) out.append(",\"warnings\":").append(write_warnings(report.warnings));
-    if (report.pitch_m) append_member(out, "pitch_m", *report.pitch_m);
+    append_remarks(out, distribution.stopped, report);
 }
 
 /// Writes repairs or warnings. Both are our own words and numbers: nothing needs to be escaped.
@@ -186,6 +193,100 @@ void append_inks(std::string& out, std::span<const InkDots> inks, const Report& 
     append_report(out, report);
 }
 
+/// Appends a text in quotes, with escapes where it needs them.
+void append_text(std::string& out, std::string_view text) {
+    out += nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// Appends members that tell where the points of a map come from.
+void append_map_run(std::string& out, const MapOfDots& map, const Report& report) {
+    append_order(out, map.size(), report);
+    std::uint64_t iterations = 0;
+    double variation = 0;
+    bool stopped = false;
+    for (const MapDots& each : map.classes) {
+        iterations = std::max(iterations, static_cast<std::uint64_t>(each.dots.dots.iterations));
+        variation = std::max(variation, each.dots.dots.variation());
+        stopped = stopped || each.dots.dots.stopped;
+    }
+    append_member(out, "iterations", iterations);
+    append_member(out, "variation", variation);
+    append_remarks(out, stopped, report);
+}
+
+/// Appends `,"name":[...]` with a number for each point.
+template <class NumberOf>
+void append_column(std::string& out, std::string_view name, const MapOfDots& map, NumberOf number_of) {
+    out.append(",\"").append(name).append("\":[");
+    bool first = true;
+    for (std::size_t c = 0; c < map.classes.size(); ++c) {
+        for (const std::uint32_t feature : map.classes[c].dots.feature_of) {
+            if (!first) out += ',';
+            first = false;
+            append_number(out, static_cast<std::uint64_t>(number_of(c, feature)));
+        }
+    }
+    out += ']';
+}
+
+/// Counts the points of each class in each feature [classes][features].
+std::vector<std::vector<std::uint64_t>> counts_of(const MapOfDots& map) {
+    std::vector<std::vector<std::uint64_t>> counts;
+    for (const MapDots& each : map.classes) {
+        counts.emplace_back(map.feature_ids.size(), 0);
+        for (const std::uint32_t feature : each.dots.feature_of) ++counts.back()[feature];
+    }
+    return counts;
+}
+
+/// Appends the features and how many points each has.
+void append_features(std::string& out, const MapOfDots& map) {
+    const auto counts = counts_of(map);
+    std::size_t feature = 0;
+    append_array(out, map.feature_ids, [&](std::string& to, const std::string& id) {
+        to += '{';
+        if (!id.empty()) to.append("\"id\":").append(id).append(",");
+        std::uint64_t all = 0;
+        for (const auto& of_class : counts) all += of_class[feature];
+        to += "\"sites\":";
+        append_number(to, all);
+        if (map.are_named()) {
+            to += ",\"classes\":";
+            append_array(to, counts, [&](std::string& list, const auto& each) { append_number(list, each[feature]); });
+        }
+        to += '}';
+        ++feature;
+    });
+}
+
+void append_classes(std::string& out, const MapOfDots& map) {
+    append_array(out, map.classes, [](std::string& to, const MapDots& each) {
+        to += "{\"name\":";
+        append_text(to, each.ink.name);
+        to.append(",\"color\":\"").append(hexadecimal(each.ink.colour)).append("\"");
+        append_member(to, "sites", std::uint64_t{each.dots.dots.points.size()});
+        to += '}';
+    });
+}
+
+/// Appends the points of one class in one feature, as a Feature.
+void append_feature(std::string& out, const MapOfDots& map, const MapDots& dots, std::uint32_t feature,
+                    std::span<const Point> points, const std::stop_token& stop) {
+    out += R"({"type":"Feature")";
+    if (!map.feature_ids[feature].empty()) out.append(",\"id\":").append(map.feature_ids[feature]);
+    out += R"(,"properties":{"feature":)";
+    append_number(out, std::uint64_t{feature});
+    if (map.are_named()) {
+        out += ",\"class\":";
+        append_text(out, dots.ink.name);
+        out.append(",\"color\":\"").append(hexadecimal(dots.ink.colour)).append("\"");
+    }
+    append_member(out, "sites", std::uint64_t{points.size()});
+    out += R"(},"geometry":{"type":"MultiPoint","coordinates":)";
+    append_points(out, points, stop);
+    out += "}}";
+}
+
 }  // namespace
 
 std::string write_repairs(std::span<const Repair> repairs) {
@@ -214,6 +315,44 @@ std::string write_feature(std::span<const InkDots> inks, const Report& report, c
     out += R"(},"geometry":{"type":"MultiPoint","coordinates":)";
     append_points(out, distribution.points, stop);
     out += "}}\n";
+    return out;
+}
+
+std::string write_map_json(const MapOfDots& map, const Report& report, const std::stop_token& stop) {
+    std::vector<Point> points;
+    points.reserve(map.size());
+    for (const MapDots& each : map.classes)
+        points.insert(points.end(), each.dots.dots.points.begin(), each.dots.dots.points.end());
+    std::string out = "{\"points\":";
+    append_points(out, points, stop);
+    append_column(out, "feature", map, [](std::size_t, std::uint32_t feature) { return feature; });
+    if (map.are_named()) {
+        append_column(out, "class", map, [](std::size_t number, std::uint32_t) { return number; });
+        out += ",\"classes\":";
+        append_classes(out, map);
+    }
+    out += ",\"features\":";
+    append_features(out, map);
+    out += ',';
+    append_map_run(out, map, report);
+    append_report(out, report);
+    out += "}\n";
+    return out;
+}
+
+std::string write_map_features(const MapOfDots& map, const Report& report, const std::stop_token& stop) {
+    std::string out = R"({"type":"FeatureCollection",)";
+    append_map_run(out, map, report);
+    out += ",\"features\":[";
+    bool first = true;
+    for (const MapDots& each : map.classes) {
+        for_features(each.dots, [&](std::uint32_t feature, std::size_t begin, std::size_t count) {
+            if (!first) out += ",\n";
+            first = false;
+            append_feature(out, map, each, feature, std::span(each.dots.dots.points).subspan(begin, count), stop);
+        });
+    }
+    out += "]}\n";
     return out;
 }
 

@@ -77,6 +77,8 @@ public:
         write(R"(<g inkscape:groupmode="layer" inkscape:label=")", name, R"(" style="mix-blend-mode:)", blend, "\">\n");
     }
 
+    void begin_group(std::string_view id) { write(R"(<g id=")", id, "\">\n"); }
+
     void end_layer() { write("</g>\n"); }
 
     void dots(std::span<const Point> centres, double radius, DotStyle style, const Colour& colour,
@@ -139,6 +141,28 @@ std::vector<Point> placed(std::span<const Point> points, const Placing& place) {
     return result;
 }
 
+/// Writes a text as the value of an attribute.
+std::string escaped(std::string_view text) {
+    std::string out;
+    for (const char c : text) {
+        switch (c) {
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            default:
+                // Characters that XML 1.0 has no way to write.
+                out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+        }
+    }
+    return out;
+}
+
 /// Adds the copies of dots that reach in from beyond the border of a torus.
 void add_copies(std::vector<Point>& dots, Point size, double radius) {
     for (const bool along_x : {true, false}) {
@@ -197,6 +221,28 @@ std::string write_svg(std::span<const InkDots> inks, const Palette& palette, con
         const std::vector<Point> dots = order(distribution.points, radius, page, document, hurry);
         if (!layered && has_paper) document.paper(palette.paper);
         document.dots(dots, radius * document.unit(), style, ink.colour, stop);
+        if (layered) document.end_layer();
+    }
+    return document.finish();
+}
+
+std::string write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, DotStyle style,
+                          const std::stop_token& hurry, const std::stop_token& stop) {
+    const bool layered = map.are_named();
+    DotDocument document(page, map.size(), layered ? kLayers : "");
+    if (style == DotStyle::Fill) document.paper(palette.paper);
+    std::size_t number = 0;
+    for (const auto& [ink, dots, radius] : map.classes) {
+        if (layered) document.begin_layer(escaped(ink.name), "multiply");
+        const std::string prefix = layered ? "class-" + std::to_string(number++) + "-feature-" : "feature-";
+        for_features(dots, [&, &ink = ink, &radius = radius, &points = dots.dots.points](
+                               std::uint32_t feature, std::size_t first, std::size_t count) {
+            if (stop.stop_requested()) return;
+            document.begin_group(prefix + std::to_string(feature));
+            const auto path = order(std::span(points).subspan(first, count), radius, page, document, hurry);
+            document.dots(path, radius * document.unit(), style, ink.colour, stop);
+            document.end_layer();
+        });
         if (layered) document.end_layer();
     }
     return document.finish();

@@ -8,6 +8,7 @@
 #include "api/input/drawing_options.h"
 #include "api/input/palette.h"
 #include "api/output/ink_dots.h"
+#include "api/output/map_dots.h"
 #include "core/geometry/point.h"
 #include "core/halftone/dots.h"
 
@@ -46,6 +47,12 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 /// @param stop     stopped, it ends early, with nothing of use
 std::string write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style,
                       const std::stop_token& hurry = {}, const std::stop_token& stop = {});
+
+/// Writes the dots of a map as SVG, as write_svg() does: in each class, which is a layer if it has a name, a group for
+/// each feature, whose id is `feature-` and the index of the feature, of classes with names with the class' number in
+/// front. Paths are short within a group.
+std::string write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, DotStyle style,
+                          const std::stop_token& hurry = {}, const std::stop_token& stop = {});
 
 /// Draws dots antialiased; on a torus they come in again where they leave it, so that the picture tiles.
 ///

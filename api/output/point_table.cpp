@@ -44,6 +44,14 @@ std::string npy_header(std::size_t rows, std::size_t columns) {
     return out;
 }
 
+/// Quotes a field that has what parts fields (RFC 4180).
+std::string quoted(std::string_view text) {
+    if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+    std::string out = "\"";
+    for (const char c : text) out.append(c == '"' ? 2 : 1, c);
+    return out + '"';
+}
+
 }  // namespace
 
 std::string write_csv(std::span<const InkDots> inks, const std::stop_token& stop) {
@@ -63,6 +71,36 @@ std::string write_npy(std::span<const InkDots> inks) {
     for (const InkDots& each : inks) {
         for (const Point& point : each.dots.points) {
             const std::array<double, 3> row = {point.x, point.y, number};
+            out.append(reinterpret_cast<const char*>(row.data()), columns * sizeof(double));
+        }
+        ++number;
+    }
+    return out;
+}
+
+std::string write_map_csv(const MapOfDots& map, const std::stop_token& stop) {
+    const bool named = map.are_named();
+    std::string out;
+    out.reserve((map.size() + 1) * (kUsualLine + kUsualName));
+    out += named ? "x,y,feature,class\r\n" : "x,y,feature\r\n";
+    for (const auto& [ink, dots, radius] : map.classes) {
+        const std::string end = named ? ',' + quoted(ink.name) + "\r\n" : "\r\n";
+        for_features(dots, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
+            append_lines(out, std::span(dots.dots.points).subspan(first, count), ',' + std::to_string(feature) + end,
+                         stop);
+        });
+    }
+    return out;
+}
+
+std::string write_map_npy(const MapOfDots& map) {
+    const std::size_t columns = map.are_named() ? 4 : 3;
+    std::string out = npy_header(map.size(), columns);
+    double number = 0;
+    for (const MapDots& each : map.classes) {
+        for (std::size_t i = 0; i < each.dots.feature_of.size(); ++i) {
+            const Point point = each.dots.dots.points[i];
+            const std::array<double, 4> row = {point.x, point.y, static_cast<double>(each.dots.feature_of[i]), number};
             out.append(reinterpret_cast<const char*>(row.data()), columns * sizeof(double));
         }
         ++number;

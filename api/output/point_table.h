@@ -5,6 +5,7 @@
 #include <string>
 
 #include "api/output/ink_dots.h"
+#include "api/output/map_dots.h"
 
 namespace ccdt::api {
 
@@ -16,5 +17,13 @@ std::string write_csv(std::span<const InkDots> inks, const std::stop_token& stop
 /// Writes points as an array of NumPy, float64 [n, 2]; those of inks with names as [n, 3], last the number of the ink,
 /// from 0. Source: NEP 1, format version 1.0.
 std::string write_npy(std::span<const InkDots> inks);
+
+/// Writes the dots of a map as comma-separated values, with a third column `feature`, its index, and of classes with
+/// names a fourth one `class`. Stopped, it ends early, with nothing of use.
+std::string write_map_csv(const MapOfDots& map, const std::stop_token& stop = {});
+
+/// Writes the dots of a map as an array of NumPy, float64 [n, 3], last the index of the feature; of classes with names
+/// [n, 4], last the number of the class, from 0.
+std::string write_map_npy(const MapOfDots& map);
 
 }  // namespace ccdt::api

@@ -1,0 +1,290 @@
+#include "api/dot_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "api/image/overlay.h"
+#include "api/input/degrees.h"
+#include "api/output/json_writer.h"
+#include "api/output/map_dots.h"
+#include "api/output/point_drawing.h"
+#include "api/run/deadline.h"
+#include "api/run/stopwatch.h"
+#include "api/sample_steps.h"
+#include "core/dotmap/dot_map.h"
+#include "core/dotmap/globe_dots.h"
+#include "core/globe/region.h"
+#include "core/halftone/overprint.h"
+
+namespace ccdt::api {
+namespace {
+
+/// Colours of classes: Okabe and Ito's, which all people tell apart, those first that are easily seen on white.
+constexpr std::array<Colour, kMostInks> kColours = {
+    {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {230, 159, 0}, {86, 180, 233}}};
+
+/// Features that have an area, and what there is to tell of all.
+struct Areas {
+    std::vector<MapFeature> features;
+    std::vector<std::uint32_t> numbers;  ///< [features] among those of the request
+    std::vector<Repair> repairs;         ///< fields are JSON Pointers in the request
+    std::vector<Warning> warnings;
+};
+
+/// Puts points into words.
+std::string points(std::size_t count) {
+    return std::to_string(count) + (count == 1 ? " point" : " points");
+}
+
+/// Makes the areas of features, one after the other.
+class AreaMaker {
+public:
+    explicit AreaMaker(const SampleRequest& request)
+        : request_(request), polygon_(std::get<PolygonInput>(request.domain)), counts_(*request.counts) {}
+
+    Result<Areas> execute(const std::stop_token& stop) {
+        warn_of_missing();
+        for (std::size_t i = 0; i < counts_.features(); ++i) {
+            if (auto going = check_stop(stop); !going) return tl::unexpected(going.error());
+            if (auto added = add(i, stop); !added) return tl::unexpected(added.error());
+        }
+        const auto has_points = [](const MapFeature& each) {
+            return std::ranges::any_of(each.dots, [](std::size_t dots) { return dots > 0; });
+        };
+        if (std::ranges::none_of(areas_.features, has_points))
+            return failure(ErrorCode::Unusable, "no feature that has points has an area", counts_.pointer);
+        return std::move(areas_);
+    }
+
+private:
+    std::size_t points_of(std::size_t feature) const {
+        std::size_t sum = 0;
+        for (std::size_t number = 0; number < counts_.classes.size(); ++number) sum += counts_.count(feature, number);
+        return sum;
+    }
+
+    void warn_of_missing() {
+        for (std::size_t number = 0; number < counts_.classes.size(); ++number) {
+            const auto& missing = counts_.missing[number];
+            if (missing.features == 0) continue;
+            const std::string features =
+                missing.features == 1 ? "a feature has no such property, or null"
+                                      : std::to_string(missing.features) + " features have no such property, or null";
+            areas_.warnings.push_back({missing.first, features + ": that counts as 0"});
+        }
+    }
+
+    /// Parts of a feature, unrolled if they are on the globe.
+    Result<std::vector<PolygonPart>> parts_of(std::size_t feature) const {
+        const auto begin = polygon_.parts.begin();
+        std::vector<PolygonPart> parts(begin + static_cast<std::ptrdiff_t>(counts_.first_part[feature]),
+                                       begin + static_cast<std::ptrdiff_t>(counts_.first_part[feature + 1]));
+        return request_.coordinates == Coordinates::Plane ? parts : unrolled(std::move(parts));
+    }
+
+    /// Makes a field below a feature's parts a pointer.
+    std::string locate(std::size_t feature, const std::string& field) const {
+        const std::string own = pointer_below(counts_.pointer, feature);
+        if (field.empty()) return own;
+        const std::size_t slash = field.find('/', 1);
+        const std::size_t part = std::stoul(field.substr(1, slash - 1)) + counts_.first_part[feature];
+        return polygon_.locate('/' + std::to_string(part) + (slash == std::string::npos ? "" : field.substr(slash)));
+    }
+
+    Result<void> add(std::size_t feature, const std::stop_token& stop) {
+        const auto parts = parts_of(feature);
+        if (!parts) return leave_out(feature, parts.error());
+        if (parts->empty()) return leave_out(feature, {ErrorCode::Unusable, "the feature has no geometry", ""});
+        auto made = Domain::repair(*parts, stop);
+        if (!made) return leave_out(feature, made.error());
+        for (Repair& repair : made->repairs) {
+            repair.field = locate(feature, repair.field);
+            if (request_.on_invalid == OnInvalid::Reject)
+                return failure(ErrorCode::Unusable, repair.detail, repair.field);
+            areas_.repairs.push_back(std::move(repair));
+        }
+        MapFeature own{std::move(made->domain), {}};
+        for (std::size_t number = 0; number < counts_.classes.size(); ++number)
+            own.dots.push_back(counts_.count(feature, number));
+        areas_.features.push_back(std::move(own));
+        areas_.numbers.push_back(static_cast<std::uint32_t>(feature));
+        return {};
+    }
+
+    /// Leaves out a feature of which nothing can be made; with a word, if it has points.
+    Result<void> leave_out(std::size_t feature, const Error& error) {
+        const std::size_t count = points_of(feature);
+        const std::string pointer = locate(feature, error.field);
+        if (error.code != ErrorCode::Unusable) return failure(error.code, error.message, pointer);
+        if (count == 0) return {};
+        if (request_.on_invalid == OnInvalid::Reject) return failure(error.code, error.message, pointer);
+        areas_.warnings.push_back({pointer, error.message + ": " + points(count) + " left out"});
+        return {};
+    }
+
+    const SampleRequest& request_;
+    const PolygonInput& polygon_;
+    const FeatureCounts& counts_;
+    Areas areas_;
+};
+
+Result<Domain> united(const Areas& areas, const std::stop_token& stop) {
+    std::vector<const Domain*> domains;
+    for (const MapFeature& feature : areas.features) domains.push_back(&feature.area);
+    return Domain::united(domains, stop);
+}
+
+/// Dots, and the distance in metres that they would have in a square grid, if they are on the ground.
+struct PlacedDots {
+    std::vector<ClassDots> classes;
+    std::optional<double> pitch;
+};
+
+Result<PlacedDots> distribute(const SampleRequest& request, const Areas& areas, const Domain& whole,
+                              const Density& density, const Control& control) {
+    if (request.coordinates == Coordinates::Plane) {
+        return distribute_dots(areas.features, whole.bounds(), density, request.run, control)
+            .map([](std::vector<ClassDots>&& classes) {
+                return PlacedDots{std::move(classes), {}};
+            });
+    }
+    return distribute_dots_on_globe(areas.features, whole, density, request.run, control).map([](GlobeDots&& placed) {
+        return PlacedDots{std::move(placed.classes), placed.pitch};
+    });
+}
+
+/// Makes an error about a feature that has an area one about the request.
+Error located(const SampleRequest& request, const Areas& areas, Error error) {
+    constexpr std::string_view kFeature = "features/";
+    if (!error.field.starts_with(kFeature)) return error_of_options(request, error_below(std::move(error), ""));
+    const std::size_t feature = std::stoul(error.field.substr(kFeature.size()));
+    error.field = pointer_below(request.counts->pointer, areas.numbers[feature]);
+    return error;
+}
+
+Result<PlacedDots> place(const SampleRequest& request, const Areas& areas, const Domain& whole, const Density& density,
+                         const Control& control) {
+    if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
+    auto placed = distribute(request, areas, whole, density, control);
+    if (!placed) return tl::unexpected(located(request, areas, placed.error()));
+    for (ClassDots& each : placed->classes) {
+        if (auto going = check_whole(each.dots, request.on_deadline); !going) return tl::unexpected(going.error());
+        for (std::uint32_t& feature : each.feature_of) feature = areas.numbers[feature];
+    }
+    return placed;
+}
+
+/// Inks of the classes; one black one without a name, if answers tell of none.
+Palette palette_of(const FeatureCounts& counts) {
+    if (!counts.are_told) return {};
+    Palette palette{{}, kWhite, Mixing::Multiply};
+    for (std::size_t i = 0; i < counts.classes.size(); ++i) palette.inks.push_back({counts.classes[i], kColours[i]});
+    return palette;
+}
+
+/// Writes a map in the way that a format's writer takes it.
+class Writing {
+public:
+    Writing(const SampleRequest& request, const Page& page, const Report& report, const Palette& palette,
+            const MapOfDots& map, const Control& control)
+        : request_(request),
+          page_(page),
+          report_(report),
+          palette_(palette),
+          map_(map),
+          hurry_(control.stop),
+          stop_(stop_of_writing(control, request.on_deadline)) {}
+
+    Result<std::string> operator()(const ListWriter& writer) const { return writer.write_map(map_, report_, stop_); }
+
+    Result<std::string> operator()(const VectorWriter& writer) const {
+        return writer.write_map(map_, palette_, page_, request_.drawing.style, hurry_, stop_);
+    }
+
+    Result<std::string> operator()(const RasterWriter& writer) const {
+        std::vector<Raster> rasters;
+        for (const MapDots& each : map_.classes)
+            rasters.push_back(draw_points(each.dots.dots.points, page_, each.radius, stop_));
+        return writer.write(overlay(std::move(rasters), palette_, true, stop_), page_.width_mm, stop_);
+    }
+
+private:
+    const SampleRequest& request_;
+    const Page& page_;
+    const Report& report_;
+    const Palette& palette_;
+    const MapOfDots& map_;
+    std::stop_token hurry_;
+    std::stop_token stop_;
+};
+
+Result<std::string> encode(const SampleRequest& request, const Domain& whole, const Page& page,
+                           const std::vector<ClassDots>& dots, const Report& report, const Control& control) {
+    const Palette palette = palette_of(*request.counts);
+    std::vector<MapDots> classes;
+    for (std::size_t i = 0; i < dots.size(); ++i)
+        classes.push_back({palette.inks[i], dots[i], radius_of(request, whole)});
+    const MapOfDots map{classes, request.counts->ids};
+    auto body = std::visit(Writing(request, page, report, palette, map, control), request.format->writer);
+    if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going)
+        return tl::unexpected(going.error());
+    return body;
+}
+
+void warn_of_degrees(const SampleRequest& request, const Domain& whole, std::vector<Warning>& warnings) {
+    if (request.coordinates != Coordinates::Plane) return;
+    if (const auto detail = warning_of_degrees(whole.bounds()))
+        warnings.push_back({std::get<PolygonInput>(request.domain).locate({}), *detail});
+}
+
+}  // namespace
+
+Result<Answer> run_dot_map(const SampleRequest& request, const Limits& limits, const Decode& decode,
+                           const Control& control, Timings& timings) {
+    Stopwatch watch;
+    auto areas = AreaMaker(request).execute(control.stop);
+    if (!areas) return tl::unexpected(areas.error());
+    const auto whole = united(*areas, control.stop);
+    if (!whole) return tl::unexpected(whole.error());
+    const auto page = plan_page(request, *whole, limits);
+    if (!page) return tl::unexpected(page.error());
+    const auto density = make_density(request, limits, decode, control);
+    timings.decode = watch.lap();
+    if (!density) return tl::unexpected(density.error());
+
+    auto placed = place(request, *areas, *whole, *density, control);
+    timings.optimise = watch.lap();
+    if (!placed) return tl::unexpected(placed.error());
+    Answer answer;
+    for (ClassDots& each : placed->classes) {
+        if (request.format->is_drawn() && placed->pitch) bring_into(page->box, each.dots.points);
+        answer.sites += each.dots.points.size();
+        answer.partial = answer.partial || each.dots.stopped;
+    }
+    warn_of_degrees(request, *whole, areas->warnings);
+    const Report report{request.run.seed,
+                        timings.decode + timings.optimise,
+                        {},
+                        request.method->name,
+                        areas->repairs,
+                        {},
+                        areas->warnings,
+                        placed->pitch};
+    auto body = encode(request, *whole, *page, placed->classes, report, control);
+    timings.encode = watch.lap();
+    if (!body) return tl::unexpected(body.error());
+    answer.media_type = request.format->file.content_type();
+    answer.body = *std::move(body);
+    if (request.format->file.name != "json") tell(areas->repairs, areas->warnings, answer);
+    // A stop may have made the path of a drawing longer.
+    answer.repeats = request.format->repeats() && !control.stop.stop_requested();
+    return answer;
+}
+
+}  // namespace ccdt::api

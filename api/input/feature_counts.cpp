@@ -1,0 +1,164 @@
+#include "api/input/feature_counts.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <string_view>
+#include <utility>
+
+#include "api/text/numbers.h"
+#include "api/text/text.h"
+#include "core/halftone/overprint.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr std::array<OptionRule<Counting>, 2> kRules = {{
+    {"/sites/property", [](const Input& i, const Limits&, Counting& c) { return assign(c.property, read_text(i)); }},
+    {"/sites/per", [](const Input& i, const Limits&, Counting& c) { return assign(c.per, read_per(i)); }},
+}};
+
+/// Finds a member of an object, if it is one.
+std::optional<JsonValue> member(std::optional<JsonValue> value, std::string_view name) {
+    return value && value->is_object() ? value->find(name) : std::nullopt;
+}
+
+/// Reads a count; none of what is neither a number of at least 0, nor one in a string.
+std::optional<double> number_of(JsonValue value) {
+    const auto number = value.is_string()   ? parse_number<double>(trim(value.text()), std::chars_format::general)
+                        : value.is_number() ? std::optional(value.number())
+                                            : std::nullopt;
+    return number && *number >= 0 && std::isfinite(*number) ? number : std::nullopt;
+}
+
+std::string id_of(JsonValue feature) {
+    const auto id = member(feature, "id");
+    if (id && id->is_string()) return nlohmann::json(id->text()).dump();
+    std::string text;
+    if (id && id->is_number()) append_shortest(text, id->number());
+    return text;
+}
+
+/// Reads the counts of one class.
+Result<std::vector<double>> read_values(const Input& features, const std::string& property,
+                                        FeatureCounts::Missing& missing) {
+    std::vector<double> values;
+    for (const JsonValue feature : std::get<JsonValue>(features.value)) {
+        const auto value = member(member(feature, "properties"), property);
+        const auto pointer = [&] {
+            const std::string below = pointer_below(features.field, values.size());
+            return pointer_below(pointer_below(below, "properties"), property);
+        };
+        if (!value || value->is_null()) {
+            if (missing.features++ == 0) missing.first = pointer();
+            values.push_back(0);
+            continue;
+        }
+        const auto number = number_of(*value);
+        if (!number) {
+            return failure(ErrorCode::Malformed, pointer() + " must be a number of at least 0", pointer());
+        }
+        values.push_back(*number);
+    }
+    return values;
+}
+
+/// Rounds quotas so that they add up to their rounded sum. Source: the method of Hamilton.
+std::vector<std::size_t> rounded(const std::vector<double>& quotas, double sum) {
+    std::vector<std::size_t> counts;
+    for (const double quota : quotas) counts.push_back(static_cast<std::size_t>(quota));
+    const auto all = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+    const auto wanted = static_cast<std::size_t>(std::llround(sum));
+    std::vector<std::size_t> order(quotas.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return quotas[i] - std::floor(quotas[i]); });
+    // Of many quotas the sum may be off by rounding, and there be fewer remainders than are wanted.
+    const std::size_t more = wanted > all ? std::min(wanted - all, quotas.size()) : 0;
+    for (std::size_t i = 0; i < more; ++i) ++counts[order[i]];
+    return counts;
+}
+
+Result<void> check_total(double total, const Limits& limits, const std::string& sites) {
+    if (total <= static_cast<double>(limits.max_sites)) return {};
+    std::string number;
+    append_rounded(number, std::min(total, 1e18), 0);
+    return failure(ErrorCode::LimitExceeded,
+                   "the features have " + number + " points; this server's limit (max-sites) is " +
+                       std::to_string(limits.max_sites) + ": take a larger per",
+                   sites);
+}
+
+}  // namespace
+
+bool is_counted(const Input& input) {
+    const auto* text = std::get_if<std::string_view>(&input.value);
+    if (text != nullptr) return !text->empty() && !parse_number<double>(*text, std::chars_format::general);
+    const auto value = std::get<JsonValue>(input.value);
+    return value.is_string() || value.is_object();
+}
+
+Result<void> read_counted(const Input& input, Counting& counting) {
+    const auto* json = std::get_if<JsonValue>(&input.value);
+    if (json == nullptr || !json->is_object()) return assign(counting.property, read_text(input));
+    Counting own;
+    if (auto read = read_members<Counting>(kRules, *json, input.field, {}, own); !read) return read;
+    if (own.per && counting.per) return malformed(input, "tells per, and so does the request: give one of the two");
+    if (!own.is_asked_for()) return malformed(input, "must have the member property, or per beside classes");
+    counting.property = std::move(own.property);
+    if (own.per) counting.per = own.per;
+    return {};
+}
+
+Result<double> read_per(const Input& input) {
+    return read_number(input, kPositive);
+}
+
+Result<std::vector<std::string>> read_classes(const Input& input) {
+    const auto parts = read_list(input, kMostInks, "class");
+    if (!parts) return tl::unexpected(parts.error());
+    if (parts->empty()) return malformed(input, "must have 1 to " + std::to_string(kMostInks) + " properties");
+    std::vector<std::string> classes;
+    for (const Input& part : *parts) {
+        const auto name = read_text(part);
+        if (!name) return tl::unexpected(name.error());
+        if (name->empty()) return malformed(part, "must be the name of a property");
+        if (std::ranges::find(classes, *name) != classes.end()) return malformed(part, "is there already");
+        classes.emplace_back(*name);
+    }
+    return classes;
+}
+
+std::size_t FeatureCounts::total() const {
+    return std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+}
+
+Result<FeatureCounts> count_features(const Input& collection, const Counting& counting, const Limits& limits,
+                                     const std::string& sites) {
+    const JsonValue root = std::get<JsonValue>(collection.value);
+    const std::string pointer = pointer_below(collection.field, "features");
+    const Input features{pointer, pointer, *root.find("features")};
+    FeatureCounts result;
+    result.pointer = pointer;
+    result.are_told = !counting.classes.empty();
+    result.classes = result.are_told ? counting.classes : std::vector<std::string>{*counting.property};
+    for (const JsonValue feature : std::get<JsonValue>(features.value)) result.ids.push_back(id_of(feature));
+    result.counts.resize(result.ids.size() * result.classes.size());
+    double total = 0;
+    for (std::size_t number = 0; number < result.classes.size(); ++number) {
+        result.missing.emplace_back();
+        auto quotas = read_values(features, result.classes[number], result.missing.back());
+        if (!quotas) return tl::unexpected(quotas.error());
+        double sum = 0;
+        for (double& quota : *quotas) sum += quota /= counting.per.value_or(1);
+        if (auto checked = check_total(total += sum, limits, sites); !checked) return tl::unexpected(checked.error());
+        const auto counts = rounded(*quotas, sum);
+        for (std::size_t i = 0; i < counts.size(); ++i) result.counts[i * result.classes.size() + number] = counts[i];
+    }
+    if (result.total() == 0) return failure(ErrorCode::Unusable, "the features' counts make no point", sites);
+    return check_total(static_cast<double>(result.total()), limits, sites).map([&] { return std::move(result); });
+}
+
+}  // namespace ccdt::api

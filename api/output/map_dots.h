@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "api/input/palette.h"
+#include "core/dotmap/dot_map.h"
+
+namespace ccdt::api {
+
+/// Dots of one class of a map, as writers of answers take them; what they refer to must outlive them.
+struct MapDots {
+    const Ink& ink;  ///< its name is that of the class; empty: of the only one, which answers do not tell of
+    const ClassDots& dots;
+    double radius = 0;  ///< of each dot, in the points' units; only drawings ask for it
+};
+
+/// Dots of a map, of all classes, and its features.
+struct MapOfDots {
+    std::span<const MapDots> classes;          ///< at least one
+    std::span<const std::string> feature_ids;  ///< [features] as JSON; empty where there is none
+
+    bool are_named() const { return !classes.front().ink.name.empty(); }
+    std::size_t size() const {
+        std::size_t points = 0;
+        for (const MapDots& each : classes) points += each.dots.dots.points.size();
+        return points;
+    }
+};
+
+/// Calls function(feature, first, count) with each run of points of one feature.
+template <class Function>
+void for_features(const ClassDots& dots, Function&& function) {
+    const auto& features = dots.feature_of;
+    for (std::size_t first = 0; first < features.size();) {
+        std::size_t end = first + 1;
+        while (end < features.size() && features[end] == features[first]) ++end;
+        function(features[first], first, end - first);
+        first = end;
+    }
+}
+
+}  // namespace ccdt::api
