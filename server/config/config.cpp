@@ -25,7 +25,7 @@ constexpr std::size_t kSpareConnections = 512;
 constexpr std::size_t kLeastReserve = 16;
 constexpr std::size_t kConnectionsPerReserved = 4;
 
-/// Bytes that jobs may keep on disk.
+/// Bytes that jobs may keep on disk, or in Redis.
 constexpr std::size_t kJobBytes = std::size_t{1} << 30;
 
 /// Values that flags and variables set; some defaults wait for the number of workers.
@@ -49,6 +49,7 @@ struct Setting {
     std::string_view value;
     std::string_view help;
     Apply apply;
+    bool is_secret = false;  ///< errors do not show the value
 };
 
 std::string set_whole(std::size_t& target, std::string_view text, std::uint64_t low, std::uint64_t high) {
@@ -137,6 +138,13 @@ std::string set_cache_shared(Draft& draft, std::string_view text) {
     return {};
 }
 
+std::string set_redis(std::optional<RedisAddress>& target, std::string_view text) {
+    auto address = RedisAddress::parse(text);
+    if (!address) return address.error().message;
+    target = *std::move(address);
+    return {};
+}
+
 std::string set_bind(Draft& draft, std::string_view text) {
     if (text.empty()) return "an address or host name";
     draft.config.bind = text;
@@ -192,6 +200,11 @@ constexpr auto kSettings = std::to_array<Setting>({
          draft.config.data_dir = text;
          return std::string(text.empty() ? "a folder's name" : "");
      }},
+    {"--redis", "CCDT_REDIS", "URL",
+     "where jobs are kept that servers share: redis://HOST, rediss://HOST for TLS (none)",
+     [](Draft& draft, std::string_view text) { return set_redis(draft.config.redis, text); }, true},
+    {"--job-lease", "CCDT_JOB_LEASE", "SECONDS", "after which others take the jobs of a server not heard of (15)",
+     [](Draft& draft, std::string_view text) { return set_seconds(draft.config.jobs.lease, text); }},
     {"--job-ttl", "CCDT_JOB_TTL", "SECONDS", "that a job is kept after its end (3600)",
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.jobs.ttl, text); }},
     {"--job-timeout", "CCDT_JOB_TIMEOUT", "SECONDS", "longest run of a job (600)",
@@ -235,6 +248,7 @@ Result<void> apply(const Setting& setting, std::string_view name, std::string_vi
         draft.given.insert_or_assign(setting.flag, ChosenValue{setting.flag, without_password(value), origin});
         return {};
     }
+    if (setting.is_secret) return failure(ErrorCode::Malformed, std::string(name) + ": " + expected);
     return failure(ErrorCode::Malformed, std::string(name) + ": '" + std::string(value) + "' is not " + expected);
 }
 
@@ -320,6 +334,8 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     if (auto read = read_environment(environment, draft); !read) return tl::unexpected(read.error());
     if (auto read = read_flags(arguments, draft); !read) return tl::unexpected(read.error());
     draft.config.cors_origins = draft.cors_origins.value_or(default_cors_origins(draft.config.bind));
+    if (draft.config.redis && !draft.config.data_dir.empty())
+        return failure(ErrorCode::Malformed, "--data-dir and --redis: jobs are kept in one place");
     draft.config.queue = draft.queue.value_or(kQueuePerWorker * draft.config.workers);
     auto& capacity = draft.config.capacity;
     capacity.connections = draft.connections.value_or(kSpareConnections + draft.config.workers + draft.config.queue);
@@ -328,7 +344,8 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     const MemoryShares shares = share_memory(draft.config.memory, draft.config.max_body);
     capacity.bytes = shares.transfers;
     draft.config.cache = draft.cache.value_or(shares.cache);
-    draft.config.jobs.bytes = draft.job_bytes.value_or(draft.config.data_dir.empty() ? shares.jobs : kJobBytes);
+    const bool in_memory = draft.config.data_dir.empty() && !draft.config.redis;
+    draft.config.jobs.bytes = draft.job_bytes.value_or(in_memory ? shares.jobs : kJobBytes);
     return CommandLine{*action, draft.config, chosen_values(draft)};
 }
 

@@ -16,6 +16,7 @@
 #include "server/http/connection.h"
 #include "server/http/proxies.h"
 #include "server/jobs/job_limits.h"
+#include "server/redis/redis_address.h"
 
 namespace ccdt::server {
 
@@ -37,7 +38,8 @@ struct Config {
     JobLimits jobs;
     std::size_t cache = 0;                  ///< bytes of answers to keep; 0: none
     bool cache_shared = false;              ///< what is kept for one API key is given to all
-    std::string data_dir;                   ///< where jobs are kept; empty: in memory
+    std::string data_dir;                   ///< where jobs are kept; empty: in memory, or in Redis
+    std::optional<RedisAddress> redis;      ///< where jobs are kept that servers share
     std::vector<std::string> cors_origins;  ///< whose pages may call, as cors_headers takes them; empty: none
     std::string api_key_file;               ///< empty: whoever asks is answered
     RateLimiter::Rate rate;                 ///< of requests, for each key or address

@@ -33,7 +33,7 @@ MemoryShares share_memory(std::size_t memory, std::size_t max_body) {
 }
 
 Result<ComputeMemory> memory_to_compute_with(const Config& config, std::size_t resident) {
-    const std::size_t kept = config.data_dir.empty() ? config.jobs.bytes : 0;
+    const std::size_t kept = config.data_dir.empty() && !config.redis ? config.jobs.bytes : 0;
     const std::size_t processes = (config.workers + 2) * kProcess;  // that for short requests, and what makes them
     const std::size_t taken = resident + kOthers + processes + config.capacity.bytes + config.cache + kept;
     if (config.memory < taken + kLeast)

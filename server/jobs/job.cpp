@@ -1,15 +1,20 @@
 #include "server/jobs/job.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <ctime>
+#include <iterator>
 
 #include "api/json/job_document.h"
 #include "api/problem.h"
+#include "api/text/text.h"
 #include "server/http/http.h"
 #include "server/http/problem.h"
 
 namespace ccdt::server {
 namespace {
+
+constexpr std::string_view kNames[] = {"queued", "running", "succeeded", "failed", "cancelled"};
 
 /// Writes a time as RFC 3339 has it, in UTC.
 std::string text_of(Time time) {
@@ -32,8 +37,30 @@ std::optional<std::string> text_of(std::optional<Time> time) {
 }  // namespace
 
 std::string_view name_of(JobStatus status) {
-    constexpr std::string_view kNames[] = {"queued", "running", "succeeded", "failed", "cancelled"};
     return kNames[static_cast<std::size_t>(status)];
+}
+
+std::optional<JobStatus> status_named(std::string_view name) {
+    const auto found = std::ranges::find(kNames, name);
+    if (found == std::end(kNames)) return std::nullopt;
+    return static_cast<JobStatus>(found - std::begin(kNames));
+}
+
+std::string text_of(const std::vector<Header>& headers) {
+    std::string text;
+    for (const auto& [name, value] : headers) text.append(name).append(": ").append(value) += '\n';
+    return text;
+}
+
+std::vector<Header> headers_in(std::string_view text) {
+    constexpr std::size_t kLongestName = 64;
+    std::vector<Header> headers;
+    while (!text.empty()) {
+        auto line = api::take_until(text, "\n");
+        const auto name = api::take_until(line, ": ");
+        if (api::is_plain_name(name, kLongestName)) headers.push_back({std::string(name), std::string(line)});
+    }
+    return headers;
 }
 
 std::string status_json(const Job& job) {

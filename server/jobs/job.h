@@ -16,8 +16,11 @@ namespace ccdt::server {
 
 enum class JobStatus { Queued, Running, Succeeded, Failed, Cancelled };
 
-/// The word for clients, logs and figures.
+/// The word for clients, logs, figures and stores.
 std::string_view name_of(JobStatus status);
+
+/// @returns  none if there is no such word
+std::optional<JobStatus> status_named(std::string_view name);
 
 inline bool is_finished(JobStatus status) {
     return status != JobStatus::Queued && status != JobStatus::Running;
@@ -58,6 +61,12 @@ struct Job {
     std::vector<Header> headers;  ///< that tell what the body may not
     bool dropped = false;         ///< the result had to make room
 };
+
+/// Writes headers as stores keep them, such that headers_in() reads the same.
+std::string text_of(const std::vector<Header>& headers);
+
+/// Reads headers that were stored; lines that are none, which earlier versions kept there, are taken for nothing.
+std::vector<Header> headers_in(std::string_view text);
 
 /// The job's status document, application/json.
 std::string status_json(const Job& job);

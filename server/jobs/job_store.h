@@ -108,6 +108,7 @@ public:
     virtual Result<Load> load() = 0;
 
     /// Has a listener told what happens from now on; null: nobody. Returns once the last one is not told any more.
+    /// Where news come from afar it is told that it missed some once they do.
     virtual void listen(JobListener* listener) = 0;
 
     /// Times that something was not as it had been written.
@@ -117,6 +118,11 @@ public:
     static constexpr std::size_t bytes_of_job(std::size_t held) {
         constexpr std::size_t kRow = 1024;  // with its places in the indices
         return kRow + held;
+    }
+
+    static tl::unexpected<Error> no_room_for(std::size_t result) {
+        return failure(ErrorCode::LimitExceeded,
+                       "the result has " + std::to_string(result) + " bytes, more than there is room for (job-bytes)");
     }
 
     /// Bytes that a request takes.

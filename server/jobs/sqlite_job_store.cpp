@@ -11,7 +11,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "api/text/text.h"
 #include "server/processes/unique_fd.h"
 #include "server/work/digest.h"
 
@@ -127,25 +126,6 @@ std::string digest_of(const Statement& row) {
 /// Whether a row is what was written.
 bool is_sound(const Statement& row) {
     return row.text(kDigest) == digest_of(row);
-}
-
-/// Writes headers, such that headers_in() reads the same.
-std::string text_of(const std::vector<Header>& headers) {
-    std::string text;
-    for (const auto& [name, value] : headers) text.append(name).append(": ").append(value) += '\n';
-    return text;
-}
-
-/// Takes lines that are none, which earlier versions kept there, for nothing.
-std::vector<Header> headers_in(std::string_view text) {
-    constexpr std::size_t kLongestName = 64;
-    std::vector<Header> headers;
-    while (!text.empty()) {
-        auto line = api::take_until(text, "\n");
-        const auto name = api::take_until(line, ": ");
-        if (api::is_plain_name(name, kLongestName)) headers.push_back({std::string(name), std::string(line)});
-    }
-    return headers;
 }
 
 Job job_at(const Statement& row) {
@@ -676,9 +656,7 @@ void SqliteJobStore::update(const Job& job, std::int64_t row, std::size_t bytes)
 
 Result<std::optional<Time>> SqliteJobStore::finish(const Job& job, std::string_view result) {
     const std::lock_guard room(room_);
-    if (!result.empty() && !make_room(result.size()))
-        return failure(ErrorCode::LimitExceeded, "the result has " + std::to_string(result.size()) +
-                                                     " bytes, more than there is room for (job-bytes)");
+    if (!result.empty() && !make_room(result.size())) return no_room_for(result.size());
     auto finished = attempt([&]() -> std::optional<Time> {
         const Claimed* claimed = find_claimed(job);
         const auto kept = claimed != nullptr ? look_up(job.id) : std::nullopt;

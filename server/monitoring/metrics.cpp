@@ -35,8 +35,12 @@ Counter& make_counter(prometheus::Registry& registry, const char* name, const ch
 }
 
 /// Raises a counter to what is counted elsewhere; counters know no other way than up.
+void raise(Counter& counter, double total) {
+    counter.Increment(std::max(0.0, total - counter.Value()));
+}
+
 void raise(Counter& counter, std::uint64_t count) {
-    counter.Increment(std::max(0.0, static_cast<double>(count) - counter.Value()));
+    raise(counter, static_cast<double>(count));
 }
 
 std::string label(std::string_view value) {
@@ -110,6 +114,10 @@ struct Metrics::Families {
                                         "Runs given up, for others had claimed their jobs meanwhile.");
     Counter& runs_repeated = make_counter(registry, "ccdt_job_runs_repeated_total",
                                           "Runs of jobs that a run before had not brought to an end.");
+    Counter& redis_calls = make_counter(registry, "ccdt_redis_calls_total", "Times that Redis was asked something.");
+    Counter& redis_failures =
+        make_counter(registry, "ccdt_redis_failures_total", "Times that Redis did not do what it was asked.");
+    Counter& redis_seconds = make_counter(registry, "ccdt_redis_seconds_total", "Time that Redis was waited for.");
     Counter& cache_hits = make_counter(registry, "ccdt_cache_hits_total", "Answers given again.");
     Counter& cache_misses = make_counter(registry, "ccdt_cache_misses_total", "Answers looked for in vain.");
     Gauge& cache_bytes = make_gauge(registry, "ccdt_cache_bytes", "Of answers that are kept.");
@@ -191,6 +199,9 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
         raise(all.job_damages, watched.job_damages);
         raise(all.leases_lost, watched.job_runs.lost);
         raise(all.runs_repeated, watched.job_runs.repeated);
+        raise(all.redis_calls, watched.redis.calls);
+        raise(all.redis_failures, watched.redis.failures);
+        raise(all.redis_seconds, watched.redis.seconds);
         raise(all.crashes, watched.computing.crashes);
         raise(all.restarts, watched.computing.restarts);
         raise(all.cache_hits, watched.cache.hits);

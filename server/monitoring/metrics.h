@@ -12,6 +12,7 @@
 #include "server/http/capacity.h"
 #include "server/http/http_server.h"
 #include "server/jobs/jobs.h"
+#include "server/redis/redis_client.h"
 #include "server/work/worker_pool.h"
 
 namespace ccdt::server {
@@ -34,6 +35,7 @@ public:
         ComputeBox::Counts computing;
         std::optional<JobStore::Load> jobs;  ///< none: they stay as they were
         Jobs::Counts job_runs;
+        RedisClient::Counts redis;
         std::size_t job_capacity = 0;  ///< bytes that may be kept
         std::uint64_t job_damages = 0;
         ResultCache::Load cache;

@@ -4,6 +4,7 @@
 #include <stop_token>
 #include <utility>
 
+#include "server/jobs/redis_job_store.h"
 #include "server/jobs/sqlite_job_store.h"
 #include "server/processes/child_program.h"
 #include "server/processes/process.h"
@@ -33,7 +34,14 @@ Result<std::unique_ptr<Gate>> start_gate(const Config& config) {
     return gate->read_keys().map([&] { return std::move(gate); });
 }
 
-Result<std::unique_ptr<JobStore>> start_store(const Config& config, const Log& log) {
+/// @param redis  null: jobs are kept here
+Result<std::unique_ptr<JobStore>> start_store(const Config& config, RedisClient* redis, const Log& log) {
+    if (redis != nullptr)
+        return std::make_unique<RedisJobStore>(
+            *redis, config.jobs,
+            RedisJobStore::Notes{.info = [&log](const std::string& note) { log.info(note); },
+                                 .warning = [&log](const std::string& note) { log.warning(note); },
+                                 .error = [&log](const std::string& note) { log.error(note); }});
     auto store = SqliteJobStore::open(config.data_dir, config.jobs);
     if (!store) return tl::unexpected(std::move(store.error()));
     if (const std::uint64_t count = (*store)->damages(); count > 0)
@@ -71,12 +79,13 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
     allow_files(config.capacity);
     const auto memory = memory_to_compute_with(config, resident_bytes());
     if (!memory) return tl::unexpected(memory.error());
-    auto store = start_store(config, log);
+    auto redis = config.redis ? std::make_unique<RedisClient>(*config.redis) : nullptr;
+    auto store = start_store(config, redis.get(), log);
     if (!store) return tl::unexpected(std::move(store.error()));
     auto listener = ListeningSocket::open(config.bind, config.port);
     if (!listener) return tl::unexpected(std::move(listener.error()));
-    return Parts{*std::move(decoder), *std::move(gate),      *memory,
-                 *std::move(store),   *std::move(computing), *std::move(listener)};
+    return Parts{*std::move(decoder),   *std::move(gate),    *memory, std::move(redis), *std::move(store),
+                 *std::move(computing), *std::move(listener)};
 }
 
 Result<std::unique_ptr<Service>> Service::start(const Config& config, const Log& log) {
@@ -95,7 +104,7 @@ Service::Service(const Config& config, Parts parts, const Log& log)
       waiting_memory_(parts_.memory.requests),
       pool_(config.workers, config.queue, parts_.memory.jobs),
       metrics_(CCDT_VERSION),
-      jobs_(config.jobs, *parts_.store, !config.data_dir.empty(), pool_, compute_in(*parts_.computing),
+      jobs_(config.jobs, *parts_.store, !config.data_dir.empty() || config.redis, pool_, compute_in(*parts_.computing),
             [this](const JobEnd& end) {
                 metrics_.add(end);
                 log_.job(end);
@@ -154,6 +163,7 @@ Metrics::Watched Service::figures() const {
             .computing = parts_.computing->counts(),
             .jobs = jobs_.load(),
             .job_runs = jobs_.counts(),
+            .redis = parts_.redis ? parts_.redis->counts() : RedisClient::Counts(),
             .job_capacity = config_.jobs.bytes,
             .job_damages = parts_.store->damages(),
             .cache = routes_.cache().load()};

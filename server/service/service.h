@@ -16,6 +16,7 @@
 #include "server/jobs/jobs.h"
 #include "server/monitoring/log.h"
 #include "server/monitoring/metrics.h"
+#include "server/redis/redis_client.h"
 #include "server/routes/routes.h"
 #include "server/work/memory_budget.h"
 #include "server/work/worker_pool.h"
@@ -65,6 +66,7 @@ private:
         std::unique_ptr<DecoderBox> decoder;
         std::unique_ptr<Gate> gate;
         ComputeMemory memory;
+        std::unique_ptr<RedisClient> redis;  ///< null: none is used
         std::unique_ptr<JobStore> store;
         std::unique_ptr<ComputeBox> computing;
         ListeningSocket listener;

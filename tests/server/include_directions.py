@@ -26,6 +26,8 @@ RULES = (
     (re.compile(r"^nlohmann/|^png\.h$"), ("api/",)),
     (re.compile(r"^librsvg/|^cairo"), ("api/output/svg_renderer.cpp",)),
     (re.compile(r"^sqlite3\.h$"), ("server/jobs/sqlite.",)),
+    (re.compile(r"^hiredis/"), ("server/redis/redis_connection.cpp",)),
+    (re.compile(r"^openssl/ssl"), ("server/redis/redis_connection.cpp",)),
     (re.compile(r"^seccomp\.h$"), ("server/decoder/decoder_sandbox.cpp",)),
     (re.compile(r"^httplib\.h$"), ("server/http/answer_writer.cpp",)),
     (re.compile(r"^spdlog/|^fmt/"), ("server/",)),
@@ -91,6 +93,7 @@ def self_check():
         "server/http/v.cpp": "httplib.h",
         "server/t.cpp": "seccomp.h",
         "server/jobs/u.cpp": "sqlite3.h",
+        "server/redis/w.cpp": "hiredis/hiredis.h",
     }
     harmless = {
         "core/geometry/delaunay.cpp": "CGAL/Polygon_2.h",
@@ -103,6 +106,7 @@ def self_check():
         "server/decoder/decoder_sandbox.cpp": "seccomp.h",
         "server/http/answer_writer.cpp": "httplib.h",
         "server/jobs/sqlite.h": "sqlite3.h",
+        "server/redis/redis_connection.cpp": "hiredis/hiredis.h",
         "server/p.cpp": "api/run/options.h",
         "core/q.cpp": "vector",
     }

@@ -184,6 +184,18 @@ TEST(Config, ReadsWhatJobsMayTake) {
     EXPECT_EQ(parse({"--memory=1GiB"})->config.jobs.bytes, std::size_t{64} << 20);
 }
 
+TEST(Config, ReadsWhereJobsAreShared) {
+    const auto parsed = parse({"--redis=redis://:secret@example.org:7000", "--job-lease=2", "--memory=1GiB"});
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    ASSERT_TRUE(parsed->config.redis);
+    EXPECT_EQ(parsed->config.redis->name(), "example.org:7000");
+    EXPECT_EQ(parsed->config.jobs.lease, std::chrono::seconds(2));
+    EXPECT_EQ(parsed->config.jobs.bytes, std::size_t{1} << 30);
+    const auto wrong = parse({"--redis=redis://:secret@a:99999"});
+    ASSERT_FALSE(wrong);
+    EXPECT_EQ(wrong.error().message.find("secret"), std::string::npos) << wrong.error().message;
+}
+
 TEST(Config, KeepsAnswersInAPartOfTheMemory) {
     EXPECT_EQ(parse({"--memory=8GiB"})->config.cache, std::size_t{64} << 20);
     EXPECT_EQ(parse({"--memory=512MiB"})->config.cache, std::size_t{32} << 20);
@@ -244,6 +256,10 @@ TEST(Config, ListsEveryFlagAndVariableInItsHelp) {
                              "CCDT_MAX_CONNECTIONS_PER_ADDRESS",
                              "--data-dir",
                              "CCDT_DATA_DIR",
+                             "--redis",
+                             "CCDT_REDIS",
+                             "--job-lease",
+                             "CCDT_JOB_LEASE",
                              "--job-ttl",
                              "CCDT_JOB_TTL",
                              "--job-timeout",
@@ -297,6 +313,10 @@ TEST(Config, NamesWhatIsWrong) {
         {{"--max-streams=x"}, {}, "--max-streams"},
         {{"--api-key-file="}, {}, "--api-key-file"},
         {{"--data-dir="}, {}, "--data-dir"},
+        {{"--redis=http://a"}, {}, "--redis"},
+        {{}, {{"CCDT_REDIS", "redis-sentinel://a"}}, "CCDT_REDIS"},
+        {{"--redis=redis://a", "--data-dir=b"}, {}, "--data-dir and --redis"},
+        {{"--job-lease=0"}, {}, "--job-lease"},
         {{"--job-ttl=0"}, {}, "--job-ttl"},
         {{"--job-timeout=x"}, {}, "--job-timeout"},
         {{"--job-queue=-1"}, {}, "--job-queue"},

@@ -41,6 +41,9 @@ TEST(MemoryPlan, ComputesWithWhatIsLeft) {
     EXPECT_EQ(in_memory->requests, in_memory->total / 4);
     config.data_dir = "/jobs";
     EXPECT_EQ(memory_to_compute_with(config, 100 * kMebibyte)->total, in_memory->total + 100 * kMebibyte);
+    config.data_dir.clear();
+    config.redis.emplace();
+    EXPECT_EQ(memory_to_compute_with(config, 100 * kMebibyte)->total, in_memory->total + 100 * kMebibyte);
 }
 
 TEST(MemoryPlan, SaysHowMuchIsNeeded) {

@@ -13,8 +13,10 @@
 
 #include <gtest/gtest.h>
 
+#include "server/jobs/redis_job_store.h"
 #include "server/jobs/sqlite_job_store.h"
 #include "tests/server/jobs/example_jobs.h"
+#include "tests/server/redis/local_redis.h"
 
 namespace ccdt::server {
 namespace {
@@ -58,6 +60,18 @@ private:
     std::filesystem::path path_;
 };
 
+class Redis : public Place {
+public:
+    std::unique_ptr<JobStore> open(const JobLimits& limits) override {
+        const auto ignore = [](const std::string&) {};
+        return std::make_unique<RedisJobStore>(client_, limits, RedisJobStore::Notes{ignore, ignore, ignore});
+    }
+
+private:
+    test::LocalRedis redis_;
+    RedisClient client_{redis_.address()};
+};
+
 /// A kind of store that has to keep what JobStore promises: another one is another row.
 struct Kind {
     const char* name;
@@ -68,6 +82,7 @@ struct Kind {
 const Kind kKinds[] = {
     {"SqliteInMemory", false, [] { return std::unique_ptr<Place>(std::make_unique<Memory>()); }},
     {"SqliteInAFolder", true, [] { return std::unique_ptr<Place>(std::make_unique<Folder>()); }},
+    {"Redis", true, [] { return std::unique_ptr<Place>(std::make_unique<Redis>()); }},
 };
 
 /// What a store has told, a word each.
@@ -76,7 +91,7 @@ public:
     void work() override { add("work"); }
     void changed(const std::string& id) override { add("changed " + id); }
     void stop(const std::string& id) override { add("stop " + id); }
-    void missed() override {}
+    void missed() override { add("missed"); }
 
     /// Waits until it was told something.
     bool has(const std::string& news) {
@@ -130,6 +145,14 @@ protected:
         auto job = store_->find(id);
         EXPECT_TRUE(job && *job) << id;
         return job && *job ? **std::move(job) : Job{};
+    }
+
+    /// Listens, which may begin later where others use the place as well.
+    static void listen(JobStore& store, Heard& heard) {
+        store.listen(&heard);
+        if (store.is_shared()) {
+            EXPECT_TRUE(heard.has("missed"));
+        }
     }
 
     bool is_there(const std::string& id) { return store_->find(id)->has_value(); }
@@ -486,15 +509,37 @@ TEST_P(JobStoreTest, ForgetsAFewAtATime) {
 
 TEST_P(JobStoreTest, TellsWhatHappens) {
     Heard heard;
-    store_->listen(&heard);
+    listen(*store_, heard);
     add(*store_, job_named("a"));
     EXPECT_TRUE(heard.has("work"));
-    const Job job = claim();
+    Job job = claim();
+    job.status = JobStatus::Running;
     ASSERT_TRUE(store_->hold(job));
     EXPECT_TRUE(heard.has("changed a"));
     ASSERT_TRUE(*store_->cancel("a"));
     EXPECT_TRUE(heard.has("stop a"));
     store_->listen(nullptr);
+}
+
+TEST_P(JobStoreTest, IsOneForAllWhoShareIt) {
+    if (!store_->is_shared()) GTEST_SKIP() << "it is one server's";
+    const auto other = place_->open({});
+    Heard heard;
+    listen(*other, heard);
+    add(*store_, job_named("a"));
+    EXPECT_TRUE(heard.has("work"));
+    EXPECT_EQ((*other->find("a"))->status, JobStatus::Queued);
+    Job job = **other->claim(kMemory);
+    EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
+    job.status = JobStatus::Running;
+    job.progress = {0.5, 3, {}};
+    ASSERT_TRUE(store_->hold(job)) << "whose a claim is its number tells";
+    EXPECT_TRUE(heard.has("changed a"));
+    EXPECT_EQ(find("a").progress.iteration, 3);
+    EXPECT_TRUE(*store_->cancel("a"));
+    EXPECT_TRUE(heard.has("stop a"));
+    EXPECT_EQ(other->hold(job)->owned, JobStore::Owned::Cancelled);
+    other->listen(nullptr);
 }
 
 TEST_P(JobStoreTest, IsUsedByManyThreads) {

@@ -47,6 +47,7 @@ TEST(Metrics, CountsJobsByHowTheyEnd) {
     Metrics::Watched watched;
     watched.jobs = {.queued = 4, .running = 2, .bytes = 99};
     watched.job_runs = {.lost = 5, .repeated = 6};
+    watched.redis = {.calls = 9, .failures = 8, .seconds = 0.5};
     watched.job_capacity = 1000;
     metrics.watch([&] { return watched; });
     JobEnd end;
@@ -64,6 +65,9 @@ TEST(Metrics, CountsJobsByHowTheyEnd) {
     EXPECT_EQ(value(text, R"(ccdt_jobs{status="queued"})"), 4);
     EXPECT_EQ(value(text, R"(ccdt_jobs{status="running"})"), 2);
     EXPECT_EQ(value(text, "ccdt_job_store_bytes"), 99);
+    EXPECT_EQ(value(text, "ccdt_redis_calls_total"), 9);
+    EXPECT_EQ(value(text, "ccdt_redis_failures_total"), 8);
+    EXPECT_EQ(value(text, "ccdt_redis_seconds_total"), 0.5);
     EXPECT_EQ(value(text, "ccdt_job_leases_lost_total"), 5);
     EXPECT_EQ(value(text, "ccdt_job_runs_repeated_total"), 6);
     EXPECT_EQ(value(text, "ccdt_job_store_capacity_bytes"), 1000);
@@ -122,6 +126,7 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
                              .computing = {.crashes = 8, .restarts = 9, .decoder_deaths = 3},
                              .jobs = {},
                              .job_runs = {},
+                             .redis = {},
                              .job_capacity = 0,
                              .job_damages = 6,
                              .cache = {.answers = 2, .bytes = 77, .hits = 5, .misses = 4}};

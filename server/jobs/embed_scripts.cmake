@@ -1,0 +1,19 @@
+# Writes a header with the scripts in it: cmake -DFOLDER=... -DSCRIPTS=common,add,... -DOUTPUT=... -P embed_scripts.cmake
+# Each is a text of its own name.
+
+string(REPLACE "," ";" names "${SCRIPTS}")
+set(texts)
+foreach(name IN LISTS names)
+    file(READ "${FOLDER}/${name}.lua" text)
+    string(APPEND texts "inline constexpr std::string_view ${name} = R\"lua(${text})lua\";\n")
+endforeach()
+
+file(WRITE "${OUTPUT}" "#pragma once
+
+#include <string_view>
+
+namespace ccdt::server::redis_scripts {
+
+${texts}
+}  // namespace ccdt::server::redis_scripts
+")

@@ -1,0 +1,395 @@
+#include "server/jobs/redis_job_store.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "api/text/text.h"
+#include "server/jobs/redis_scripts.h"
+
+namespace ccdt::server {
+namespace {
+
+/// Of all keys; the number is the version of their layout.
+constexpr std::string_view kPrefix = "ccdt:1:";
+
+/// Bytes of a body that are sent at a time: larger ones would keep others waiting.
+constexpr std::size_t kPiece = std::size_t{1} << 20;
+
+/// Seconds that pieces are kept of which nothing came.
+constexpr std::string_view kPiecesKept = "120";
+
+/// Jobs that are forgotten in one go, lest others wait for long.
+constexpr std::int64_t kForgottenAtOnce = 100;
+
+/// The first version that has flags for scripts.
+constexpr int kLeastVersion = 7;
+
+/// May be run while the memory is full: what makes room, and what takes hardly any.
+constexpr std::string_view kAnyway = "allow-oom";
+constexpr std::string_view kReads = "no-writes,allow-oom";
+
+RedisScript script(std::string_view flags, std::string_view text) {
+    return {flags, {redis_scripts::common, text}};
+}
+
+const RedisScript kIsFull = script(kReads, redis_scripts::is_full);
+const RedisScript kAdd = script("", redis_scripts::add);
+const RedisScript kClaim = script(kAnyway, redis_scripts::claim);
+const RedisScript kHold = script(kAnyway, redis_scripts::hold);
+const RedisScript kGiveBack = script(kAnyway, redis_scripts::give_back);
+const RedisScript kFinish = script(kAnyway, redis_scripts::finish);
+const RedisScript kCancel = script(kAnyway, redis_scripts::cancel);
+const RedisScript kRemove = script(kAnyway, redis_scripts::remove);
+const RedisScript kFind = script(kReads, redis_scripts::find);
+const RedisScript kForget = script(kAnyway, redis_scripts::forget);
+const RedisScript kLoad = script(kReads, redis_scripts::load);
+
+std::string key_of(std::string_view kind, const std::string& id) {
+    return std::string(kPrefix).append(kind).append(":").append(id);
+}
+
+/// Where a body is until it is whole.
+std::string key_of_pieces(const Job& job) {
+    return key_of("pieces", job.id) + ':' + std::to_string(job.claim);
+}
+
+template <class Number>
+std::string text_of(Number number) {
+    char text[32];
+    return {text, std::to_chars(std::begin(text), std::end(text), number).ptr};
+}
+
+std::string text_of(std::chrono::milliseconds time) {
+    return std::to_string(time.count());
+}
+
+tl::unexpected<Error> not_understood(const std::string& what) {
+    return failure(ErrorCode::Unusable, "what Redis has of " + what + " is not what was written");
+}
+
+/// Names and values of a hash.
+class Fields {
+public:
+    explicit Fields(const RedisReply& reply) {
+        for (std::size_t i = 0; i + 1 < reply.items.size(); i += 2)
+            values_.emplace(reply.items[i].text, reply.items[i + 1].text);
+    }
+
+    std::string text(std::string_view name) const {
+        const auto found = values_.find(name);
+        return found == values_.end() ? "" : std::string(found->second);
+    }
+
+    template <class Number>
+    std::optional<Number> find(std::string_view name) const {
+        const auto found = values_.find(name);
+        return found == values_.end() ? std::nullopt : api::parse_number<Number>(found->second);
+    }
+
+    template <class Number>
+    Number number(std::string_view name) const {
+        return find<Number>(name).value_or(Number{});
+    }
+
+    std::optional<Time> time(std::string_view name) const {
+        const auto number = find<std::int64_t>(name);
+        return number ? std::optional(Time(std::chrono::milliseconds(*number))) : std::nullopt;
+    }
+
+private:
+    std::map<std::string_view, std::string_view> values_;
+};
+
+/// What is written down of how a job has ended, names and values.
+std::vector<std::string> fields_of_end(const Job& job) {
+    std::vector<std::string> fields{
+        "status",    std::string(name_of(job.status)), "fraction",   text_of(job.progress.fraction),
+        "iteration", text_of(job.progress.iteration),  "media_type", job.media_type,
+        "partial",   job.partial ? "1" : "0",          "headers",    server::text_of(job.headers)};
+    const auto add = [&](const char* name, std::string value) {
+        fields.emplace_back(name);
+        fields.push_back(std::move(value));
+    };
+    if (job.progress.variation) add("variation", text_of(*job.progress.variation));
+    if (job.failure) {
+        add("failure", text_of(job.failure->status));
+        add("message", job.failure->error.message);
+        add("field", job.failure->error.field);
+    }
+    return fields;
+}
+
+/// The value of a line `name:value` of what Redis tells about itself.
+std::string line_of(const std::string& told, std::string_view name) {
+    std::string_view rest = told;
+    while (!rest.empty()) {
+        auto line = api::take_until(rest, "\r\n");
+        if (api::take_until(line, ":") == name) return std::string(line);
+    }
+    return {};
+}
+
+}  // namespace
+
+RedisJobStore::RedisJobStore(RedisClient& client, const JobLimits& limits, Notes notes)
+    : limits_(limits),
+      notes_(std::move(notes)),
+      client_(client),
+      subscription_(client.address(), std::string(kPrefix) + "news", hear()) {}
+
+RedisSubscription::Told RedisJobStore::hear() {
+    return {.message = [this](std::string_view message) { tell(message); },
+            .begun =
+                [this] {
+                    notes_.info("jobs are kept by Redis at " + client_.address().name());
+                    advise();
+                    hears_since_ = Clock::now();
+                    news_.tell([](JobListener& listener) { listener.missed(); });
+                },
+            .ended =
+                [this](const Error& error) {
+                    hears_since_ = Clock::time_point::max();
+                    notes_.error("jobs have to wait: " + error.message);
+                }};
+}
+
+void RedisJobStore::listen(JobListener* listener) {
+    news_.listen(listener);
+    if (hears_since_.load() != Clock::time_point::max())
+        news_.tell([](JobListener& now) { now.missed(); });  // else it is told once news come
+}
+
+void RedisJobStore::tell(std::string_view news) {
+    const auto what = api::take_until(news, " ");
+    const std::string id(news);
+    news_.tell([&](JobListener& listener) {
+        if (what == "work") listener.work();
+        if (what == "changed") listener.changed(id);
+        if (what == "stop") listener.stop(id);
+    });
+}
+
+/// Tells what of the settings of Redis loses jobs. It need not tell its settings to us.
+void RedisJobStore::advise() {
+    const auto setting = [this](std::string_view name) -> std::string {
+        const auto reply = client_.run(RedisCommand{"CONFIG", "GET", name});
+        return reply && reply->items.size() == 2 ? reply->items[1].text : "";
+    };
+    const std::string place = "Redis at " + client_.address().name();
+    const auto server = client_.run(RedisCommand{"INFO", "server"});
+    const std::string version = server ? line_of(server->text, "redis_version") : "";
+    std::string_view major = version;
+    if (!version.empty() && api::parse_number<int>(api::take_until(major, ".")).value_or(0) < kLeastVersion)
+        notes_.error(place + " is of version " + version + "; jobs need 7.0 or later");
+    if (setting("appendonly") == "no")
+        notes_.warning(place + " keeps no append-only file: jobs end with it (appendonly yes)");
+    if (const auto policy = setting("maxmemory-policy"); policy.starts_with("allkeys"))
+        notes_.warning(place + " drops jobs when its memory is full (maxmemory-policy noeviction)");
+}
+
+Result<RedisReply> RedisJobStore::run(const RedisScript& script, const RedisCommand& arguments) {
+    return client_.run(script, kPrefix, arguments);
+}
+
+/// Sends fields, and a body in pieces, to where they are forgotten unless they are renamed.
+Result<void> RedisJobStore::upload(const std::string& key, RedisCommand fields, std::string_view body) {
+    const std::string size = std::to_string(body.size());
+    fields.insert(fields.begin(), {"HSET", key, "size", size});
+    std::size_t number = 0;
+    do {
+        const std::string name = std::to_string(number++);
+        fields.insert(fields.end(), {name, body.substr(0, kPiece)});
+        body.remove_prefix(std::min(kPiece, body.size()));
+        const std::vector<RedisCommand> commands{std::move(fields), {"EXPIRE", key, kPiecesKept}};
+        if (const auto sent = client_.run(commands); !sent) return tl::unexpected(sent.error());
+        fields = {"HSET", key};
+    } while (!body.empty());
+    return {};
+}
+
+/// Reads the other pieces of a body.
+/// @returns  none if they are not there any more
+Result<std::optional<std::string>> RedisJobStore::download(const std::string& key, std::string first,
+                                                           std::size_t size) {
+    std::string body = std::move(first);
+    body.reserve(size);
+    for (std::size_t number = 1; body.size() < size; ++number) {
+        const std::string name = std::to_string(number);
+        const auto piece = client_.run(RedisCommand{"HGET", key, name});
+        if (!piece) return tl::unexpected(piece.error());
+        if (piece->text.empty()) return std::nullopt;
+        body += piece->text;
+    }
+    if (body.size() != size) return not_understood(key);
+    return body;
+}
+
+Result<std::optional<Job>> RedisJobStore::job_of(const std::string& id, const Result<RedisReply>& reply) const {
+    if (!reply) return tl::unexpected(reply.error());
+    if (reply->kind == RedisReply::Kind::Nothing) return std::nullopt;
+    const Fields fields(*reply);
+    const auto status = status_named(fields.text("status"));
+    const auto created = fields.time("created");
+    if (!status || !created) return not_understood("job " + id);
+    Job job;
+    job.id = id;
+    job.owner = fields.text("owner");
+    job.client = fields.text("client");
+    job.cost = {fields.number<std::size_t>("memory"), fields.number<double>("seconds")};
+    job.status = *status;
+    job.starts = fields.number<int>("starts");
+    job.claim = fields.number<std::uint64_t>("claim");
+    job.created = *created;
+    job.started = fields.time("started");
+    job.finished = fields.time("finished");
+    job.progress = {fields.number<double>("fraction"), fields.number<int>("iteration"),
+                    fields.find<double>("variation")};
+    if (const auto failed = fields.find<int>("failure"))
+        job.failure = Problem{*failed, {ErrorCode::Internal, fields.text("message"), fields.text("field")}};
+    job.media_type = fields.text("media_type");
+    job.result_bytes = fields.number<std::size_t>("result_bytes");
+    job.partial = fields.number<int>("partial") != 0;
+    job.headers = headers_in(fields.text("headers"));
+    job.dropped = fields.number<int>("dropped") != 0;
+    return job;
+}
+
+Result<bool> RedisJobStore::is_full(std::string_view client) {
+    const std::string most = std::to_string(limits_.waiting);
+    return run(kIsFull, {client, most}).map([](const RedisReply& reply) { return reply.number != 0; });
+}
+
+Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& request) {
+    const std::string pieces = key_of_pieces(job);
+    const auto uploaded = upload(
+        pieces,
+        {"path", request.path, "query", request.query, "content_type", request.content_type, "accept", request.accept},
+        request.body);
+    if (!uploaded) return tl::unexpected(uploaded.error());
+    const std::string bytes = std::to_string(bytes_of_job(bytes_of(request)));
+    const std::string waiting = std::to_string(limits_.waiting);
+    const std::string most = std::to_string(limits_.bytes);
+    const std::string memory = std::to_string(job.cost.memory);
+    const std::string seconds = text_of(job.cost.seconds);
+    const auto reply = run(kAdd, {job.id, pieces, bytes, waiting, most, job.owner, job.client, memory, seconds});
+    if (!reply) return tl::unexpected(reply.error());
+    if (reply->items.empty()) return not_understood("job " + job.id);
+    if (reply->items[0].text == "full") return Added::QueueFull;
+    if (reply->items[0].text == "no room") return Added::NoRoom;
+    const auto created = api::parse_number<std::int64_t>(reply->items.back().text);
+    job.created = Time(std::chrono::milliseconds(created.value_or(0)));
+    return Added::Accepted;
+}
+
+Result<std::optional<Job>> RedisJobStore::claim(std::size_t memory) {
+    const std::string most = std::to_string(memory);
+    const std::string lease = text_of(limits_.lease);
+    const auto since = hears_since_.load();
+    const bool all_had_time = since < Clock::now() && Clock::now() - since >= limits_.lease;
+    const auto reply = run(kClaim, {most, lease, all_had_time ? "1" : "0"});
+    if (!reply) return tl::unexpected(reply.error());
+    if (reply->items.size() != 2) return std::nullopt;
+    return job_of(reply->items[0].text, reply->items[1]);
+}
+
+Result<std::optional<ComputeRequest>> RedisJobStore::request(const std::string& id) {
+    const std::string key = key_of("question", id);
+    auto reply = client_.run(RedisCommand{"HMGET", key, "path", "query", "content_type", "accept", "size", "0"});
+    if (!reply) return tl::unexpected(reply.error());
+    auto& items = reply->items;
+    if (items.size() != 6 || items[4].kind == RedisReply::Kind::Nothing) return std::nullopt;
+    const auto size = api::parse_number<std::size_t>(items[4].text);
+    if (!size) return not_understood("the request of job " + id);
+    auto body = download(key, std::move(items[5].text), *size);
+    if (!body) return tl::unexpected(body.error());
+    if (!*body) return std::nullopt;
+    return ComputeRequest{items[0].text, items[1].text, items[2].text, items[3].text, **std::move(body)};
+}
+
+Result<JobStore::Hold> RedisJobStore::hold(const Job& job) {
+    const std::string claim = std::to_string(job.claim);
+    const std::string lease = text_of(limits_.lease);
+    const std::string fraction = text_of(job.progress.fraction);
+    const std::string iteration = text_of(job.progress.iteration);
+    const std::string variation = job.progress.variation ? text_of(*job.progress.variation) : "";
+    const auto reply = run(kHold, {job.id, claim, lease, name_of(job.status), fraction, iteration, variation});
+    if (!reply) return tl::unexpected(reply.error());
+    if (reply->items.size() != 2) return not_understood("job " + job.id);
+    const std::string& owned = reply->items[0].text;
+    const auto now = api::parse_number<std::int64_t>(reply->items[1].text);
+    return Hold{owned == "still"       ? Owned::Still
+                : owned == "cancelled" ? Owned::Cancelled
+                                       : Owned::Lost,
+                Time(std::chrono::milliseconds(now.value_or(0)))};
+}
+
+Result<void> RedisJobStore::give_back(const Job& job) {
+    const std::string claim = std::to_string(job.claim);
+    return run(kGiveBack, {job.id, claim}).map([](const RedisReply&) {});
+}
+
+Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_view result) {
+    const std::string pieces = result.empty() ? "" : key_of_pieces(job);
+    if (!result.empty()) {
+        if (const auto uploaded = upload(pieces, {}, result); !uploaded) return tl::unexpected(uploaded.error());
+    }
+    const std::string claim = std::to_string(job.claim);
+    const std::string size = std::to_string(result.size());
+    const std::string bytes = std::to_string(bytes_of_job(result.size()));
+    const std::string most = std::to_string(limits_.bytes);
+    RedisCommand arguments{job.id, claim, pieces, size, bytes, most};
+    const auto fields = fields_of_end(job);
+    arguments.insert(arguments.end(), fields.begin(), fields.end());
+    const auto reply = run(kFinish, arguments);
+    if (!reply) return tl::unexpected(reply.error());
+    if (reply->items.empty()) return not_understood("job " + job.id);
+    if (reply->items[0].text == "no room") return no_room_for(result.size());
+    if (reply->items[0].text == "lost") return std::nullopt;
+    const auto finished = api::parse_number<std::int64_t>(reply->items.back().text);
+    return Time(std::chrono::milliseconds(finished.value_or(0)));
+}
+
+Result<std::optional<Job>> RedisJobStore::cancel(const std::string& id) {
+    const std::string bytes = std::to_string(bytes_of_job(0));
+    return job_of(id, run(kCancel, {id, bytes}));
+}
+
+Result<bool> RedisJobStore::remove(const std::string& id) {
+    return run(kRemove, {id}).map([](const RedisReply& reply) { return reply.number != 0; });
+}
+
+Result<std::optional<Job>> RedisJobStore::find(const std::string& id) {
+    const std::string ttl = text_of(limits_.ttl);
+    return job_of(id, run(kFind, {id, ttl}));
+}
+
+Result<std::optional<std::string>> RedisJobStore::result(const std::string& id) {
+    const std::string job = key_of("job", id);
+    const std::string key = key_of("result", id);
+    const std::vector<RedisCommand> commands{{"HGET", job, "result_bytes"}, {"HGET", key, "0"}};
+    auto replies = client_.run(commands);
+    if (!replies) return tl::unexpected(replies.error());
+    const auto size = api::parse_number<std::size_t>(replies->front().text);
+    if (!size || *size == 0 || replies->back().kind == RedisReply::Kind::Nothing) return std::nullopt;
+    return download(key, std::move(replies->back().text), *size);
+}
+
+Result<bool> RedisJobStore::forget() {
+    const std::string ttl = text_of(limits_.ttl);
+    const std::string most = std::to_string(kForgottenAtOnce);
+    return run(kForget, {ttl, most}).map([](const RedisReply& reply) { return reply.number == kForgottenAtOnce; });
+}
+
+Result<JobStore::Load> RedisJobStore::load() {
+    const auto reply = run(kLoad, {});
+    if (!reply) return tl::unexpected(reply.error());
+    if (reply->items.size() != 3) return not_understood("the queue");
+    const auto number = [&](std::size_t place) { return static_cast<std::size_t>(reply->items[place].number); };
+    return Load{number(0), number(1), number(2)};
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "server/jobs/job_limits.h"
+#include "server/jobs/job_news.h"
+#include "server/jobs/job_store.h"
+#include "server/redis/redis_client.h"
+#include "server/redis/redis_subscription.h"
+
+namespace ccdt::server {
+
+/// Jobs in a Redis, which servers share.
+///
+/// What has to happen at once is a script of `redis_scripts`, whose common.lua tells what is kept under which keys;
+/// bodies go in pieces of a MiB, lest others wait, and are renamed to where they belong once they are whole. The keys
+/// begin with the version of their layout, `ccdt:1:`. Jobs whose leases run out are taken from others only once news
+/// have come for as long as a lease: after Redis was away all servers have the time to renew theirs.
+class RedisJobStore : public JobStore {
+public:
+    /// Lines for the log.
+    struct Notes {
+        std::function<void(const std::string&)> info;
+        std::function<void(const std::string&)> warning;
+        std::function<void(const std::string&)> error;
+    };
+
+    /// Does not wait for Redis, which may come later. Once it is there the notes tell what of its settings loses jobs.
+    /// The client must outlive it.
+    RedisJobStore(RedisClient& client, const JobLimits& limits, Notes notes);
+
+    bool is_shared() const override { return true; }
+    Result<bool> is_full(std::string_view client) override;
+    Result<Added> add(Job& job, const ComputeRequest& request) override;
+    Result<std::optional<Job>> claim(std::size_t memory) override;
+    Result<std::optional<ComputeRequest>> request(const std::string& id) override;
+    Result<Hold> hold(const Job& job) override;
+    Result<void> give_back(const Job& job) override;
+    Result<std::optional<Time>> finish(const Job& job, std::string_view result) override;
+    Result<std::optional<Job>> cancel(const std::string& id) override;
+    Result<bool> remove(const std::string& id) override;
+    Result<std::optional<Job>> find(const std::string& id) override;
+    Result<std::optional<std::string>> result(const std::string& id) override;
+    Result<bool> forget() override;
+    Result<Load> load() override;
+    void listen(JobListener* listener) override;
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    Result<RedisReply> run(const RedisScript& script, const RedisCommand& arguments);
+    Result<void> upload(const std::string& key, RedisCommand fields, std::string_view body);
+    Result<std::optional<std::string>> download(const std::string& key, std::string first, std::size_t size);
+    Result<std::optional<Job>> job_of(const std::string& id, const Result<RedisReply>& reply) const;
+    RedisSubscription::Told hear();
+    void tell(std::string_view news);
+    void advise();
+
+    const JobLimits limits_;
+    const Notes notes_;
+    RedisClient& client_;
+    JobNews news_;
+    std::atomic<Clock::time_point> hears_since_ = Clock::time_point::max();
+    RedisSubscription subscription_;  ///< last: it uses the rest
+};
+
+}  // namespace ccdt::server

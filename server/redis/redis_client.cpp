@@ -1,0 +1,147 @@
+#include "server/redis/redis_client.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace ccdt::server {
+namespace {
+
+/// Connections at once: Redis does one thing at a time.
+constexpr std::size_t kMostConnections = 16;
+
+constexpr std::chrono::milliseconds kLeastPause{50};
+constexpr std::chrono::milliseconds kMostPause{1'000};
+
+/// What a Redis says that does not do what it is asked now, but will or another one will.
+constexpr std::string_view kNotNow[] = {"LOADING", "READONLY", "BUSY", "MASTERDOWN", "CLUSTERDOWN", "UNKILLABLE"};
+
+Error error_of(const RedisReply& reply, const RedisAddress& address) {
+    const std::string message = "Redis at " + address.name() + ": " + reply.text;
+    if (reply.is_error("OOM")) return {ErrorCode::LimitExceeded, message, {}};
+    if (reply.is_error("MOVED")) return {ErrorCode::Internal, message + " (Redis Cluster is not supported)", {}};
+    for (const auto code : kNotNow)
+        if (reply.is_error(code)) return {ErrorCode::Stopped, message, {}};
+    return {ErrorCode::Internal, message, {}};
+}
+
+}  // namespace
+
+class RedisClient::Turn {
+public:
+    Turn(RedisClient& client, Clock::time_point deadline) : client_(client) {
+        std::unique_lock lock(client_.mutex_);
+        has_ = client_.free_.wait_until(lock, deadline, [&] { return client_.in_use_ < kMostConnections; });
+        if (has_) ++client_.in_use_;
+    }
+    ~Turn() {
+        if (!has_) return;
+        const std::lock_guard lock(client_.mutex_);
+        --client_.in_use_;
+        client_.free_.notify_one();
+    }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+    explicit operator bool() const { return has_; }
+
+private:
+    RedisClient& client_;
+    bool has_ = false;
+};
+
+RedisClient::RedisClient(RedisAddress address, std::chrono::milliseconds deadline)
+    : address_(std::move(address)), deadline_(deadline) {}
+
+Result<std::vector<RedisReply>> RedisClient::run(std::span<const RedisCommand> commands) {
+    const auto began = Clock::now();
+    auto replies = attempt(commands, began + deadline_);
+    if (replies) {
+        const auto failed = std::ranges::find(*replies, RedisReply::Kind::Error, &RedisReply::kind);
+        if (failed != replies->end() && !failed->is_error("NOSCRIPT"))
+            replies = tl::unexpected(error_of(*failed, address_));
+    }
+    const std::lock_guard lock(mutex_);
+    ++counts_.calls;
+    if (!replies) ++counts_.failures;
+    counts_.seconds += std::chrono::duration<double>(Clock::now() - began).count();
+    return replies;
+}
+
+Result<RedisReply> RedisClient::run(RedisCommand command) {
+    auto replies = run(std::span(&command, 1));
+    if (!replies) return tl::unexpected(std::move(replies.error()));
+    return std::move(replies->front());
+}
+
+Result<RedisReply> RedisClient::run(const RedisScript& script, std::string_view key, const RedisCommand& arguments) {
+    RedisCommand command{"EVALSHA", script.digest(), "1", key};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    auto reply = run(command);
+    if (!reply || !reply->is_error("NOSCRIPT")) return reply;
+    command[0] = "EVAL";
+    command[1] = script.source();
+    return run(std::move(command));
+}
+
+Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisCommand> commands,
+                                                     Clock::time_point deadline) {
+    const Turn turn(*this, deadline);
+    if (!turn) return failure(ErrorCode::Stopped, "Redis at " + address_.name() + ": too much is asked at once");
+    if (auto connection = take_idle()) {
+        auto replies = connection->run(commands, deadline);
+        if (replies) keep(std::move(connection));
+        if (replies || Clock::now() >= deadline) return replies;
+        drop_idle();  // they were lost with it
+    }
+    auto connection = connect(deadline);
+    if (!connection) return tl::unexpected(std::move(connection.error()));
+    auto replies = (*connection)->run(commands, deadline);
+    if (replies) keep(*std::move(connection));
+    return replies;
+}
+
+RedisClient::Connection RedisClient::take_idle() {
+    const std::lock_guard lock(mutex_);
+    if (idle_.empty()) return nullptr;
+    Connection connection = std::move(idle_.back());
+    idle_.pop_back();
+    return connection;
+}
+
+/// Makes a connection, unless that failed a moment ago.
+Result<RedisClient::Connection> RedisClient::connect(Clock::time_point deadline) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (Clock::now() < retry_) return tl::unexpected(away_);
+        if (pause_.count() > 0) retry_ = Clock::now() + deadline_;  // others need not try meanwhile
+    }
+    auto connection = RedisConnection::open(address_, deadline);
+    const std::lock_guard lock(mutex_);
+    if (connection) {
+        pause_ = {};
+        retry_ = {};
+        return connection;
+    }
+    pause_ = std::clamp(2 * pause_, kLeastPause, kMostPause);
+    retry_ = Clock::now() + pause_;
+    away_ = connection.error();
+    return connection;
+}
+
+void RedisClient::keep(Connection connection) {
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(connection));
+}
+
+void RedisClient::drop_idle() {
+    std::vector<Connection> dropped;
+    const std::lock_guard lock(mutex_);
+    dropped.swap(idle_);
+}
+
+RedisClient::Counts RedisClient::counts() const {
+    const std::lock_guard lock(mutex_);
+    return counts_;
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.h"
+#include "server/processes/unique_fd.h"
+#include "server/redis/redis_address.h"
+
+struct redisReader;
+
+namespace ccdt::server {
+
+/// A command with its arguments, of any bytes; they must stay until it is sent.
+using RedisCommand = std::vector<std::string_view>;
+
+/// What Redis answers.
+struct RedisReply {
+    enum class Kind { Nothing, Text, Number, List, Error };
+
+    Kind kind = Kind::Nothing;
+    std::string text;               ///< also of an error
+    std::int64_t number = 0;        ///< 0 for anything but a number
+    std::vector<RedisReply> items;  ///< of a list
+
+    bool is_error(std::string_view code) const { return kind == Kind::Error && text.starts_with(code); }
+};
+
+/// A connection to a Redis, used by one thread at a time. After an error it is of no use any more.
+///
+/// Errors of all: Stopped if that Redis cannot be reached, or does not do it in time; Internal if what it says cannot
+/// be understood. hiredis writes commands and reads replies; the socket is our own, for deadlines and TLS.
+class RedisConnection {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    /// Connects, and tells who is speaking. Looking up a name is not bounded by the deadline.
+    /// Errors, too: the password is wrong.
+    static Result<std::unique_ptr<RedisConnection>> open(const RedisAddress& address, Clock::time_point deadline);
+    ~RedisConnection();
+
+    RedisConnection(const RedisConnection&) = delete;
+    RedisConnection& operator=(const RedisConnection&) = delete;
+
+    Result<void> send(const RedisCommand& command, Clock::time_point deadline);
+
+    /// Waits for what Redis says next.
+    /// @returns  none if it has said nothing until then
+    Result<std::optional<RedisReply>> receive(Clock::time_point until);
+
+    /// Sends commands, and waits for the reply to each.
+    Result<std::vector<RedisReply>> run(std::span<const RedisCommand> commands, Clock::time_point deadline);
+
+private:
+    class Tls;
+
+    explicit RedisConnection(const RedisAddress& address);
+    Result<void> connect(Clock::time_point deadline);
+    Result<void> introduce(Clock::time_point deadline);
+    Result<void> encrypt(Clock::time_point deadline);
+    Result<void> send_bytes(std::string_view bytes, Clock::time_point deadline);
+    Result<std::string_view> receive_bytes(Clock::time_point until);
+    Result<std::optional<RedisReply>> take_reply();
+    bool wait(short events, Clock::time_point until) const;
+    tl::unexpected<Error> away(const std::string& why) const;
+
+    const RedisAddress address_;
+    UniqueFd socket_;
+    std::unique_ptr<Tls> tls_;  ///< null: none
+    std::unique_ptr<redisReader, void (*)(redisReader*)> reader_;
+    std::string received_;
+};
+
+}  // namespace ccdt::server

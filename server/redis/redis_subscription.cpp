@@ -1,0 +1,83 @@
+#include "server/redis/redis_subscription.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <utility>
+
+namespace ccdt::server {
+namespace {
+
+constexpr std::chrono::milliseconds kDeadline{2'000};
+constexpr std::chrono::milliseconds kLeastPause{50};
+constexpr std::chrono::milliseconds kMostPause{1'000};
+
+/// Time after which it is looked whether the thread should end.
+constexpr std::chrono::milliseconds kPeek{100};
+
+/// Silence after which Redis is asked whether it is there.
+constexpr std::chrono::milliseconds kSilence{1'000};
+
+}  // namespace
+
+RedisSubscription::RedisSubscription(RedisAddress address, std::string channel, Told told)
+    : address_(std::move(address)),
+      channel_(std::move(channel)),
+      told_(std::move(told)),
+      thread_([this](const std::stop_token& closing) { listen(closing); }) {}
+
+void RedisSubscription::listen(const std::stop_token& closing) {
+    auto pause = kLeastPause;
+    bool ended = false;  // and told so
+    while (!closing.stop_requested()) {
+        const Error error = listen_once(closing);
+        if (std::exchange(begun_, false)) {
+            ended = false;
+            pause = kLeastPause;
+        }
+        if (closing.stop_requested()) return;
+        if (!std::exchange(ended, true)) told_.ended(error);
+        std::mutex mutex;
+        std::unique_lock lock(mutex);
+        std::condition_variable_any().wait_for(lock, closing, pause, [] { return false; });
+        pause = std::min(2 * pause, kMostPause);
+    }
+}
+
+/// @returns  why it has ended
+Error RedisSubscription::listen_once(const std::stop_token& closing) {
+    auto connection = RedisConnection::open(address_, Clock::now() + kDeadline);
+    if (!connection) return connection.error();
+    const RedisCommand subscribe{"SUBSCRIBE", channel_};
+    const auto subscribed = (*connection)->run(std::span(&subscribe, 1), Clock::now() + kDeadline);
+    if (!subscribed) return subscribed.error();
+    if (subscribed->front().kind == RedisReply::Kind::Error)
+        return {ErrorCode::Stopped, "Redis at " + address_.name() + ": " + subscribed->front().text, {}};
+    begun_ = true;
+    told_.begun();
+    return hear(**connection, told_, closing);
+}
+
+/// Tells messages until the connection is lost.
+Error RedisSubscription::hear(RedisConnection& connection, const Told& told, const std::stop_token& closing) {
+    auto heard = Clock::now();
+    bool asked = false;
+    while (!closing.stop_requested()) {
+        const auto reply = connection.receive(Clock::now() + kPeek);
+        if (!reply) return reply.error();
+        if (*reply) {
+            heard = Clock::now();
+            asked = false;
+            const auto& items = (*reply)->items;
+            if (items.size() == 3 && items[0].text == "message") told.message(items[2].text);
+        } else if (asked && Clock::now() - heard > kSilence + kDeadline) {
+            return {ErrorCode::Stopped, "Redis does not answer", {}};
+        } else if (!asked && Clock::now() - heard > kSilence) {
+            asked = true;
+            if (const auto sent = connection.send({"PING"}, Clock::now() + kDeadline); !sent) return sent.error();
+        }
+    }
+    return {};
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,80 @@
+"""A Redis of its own for a test."""
+
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+
+from harness import PATIENCE
+
+# Debian's redis-server is a link to this program, which goes by the name it is called by; that package would start a
+# daemon, the one with this program does not.
+PROGRAM = "/usr/bin/redis-check-rdb"
+
+
+def free_port():
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        return other.getsockname()[1]
+
+
+class Redis:
+    """A Redis on a free port, with an append-only file in a folder of its own."""
+
+    def __init__(self, *flags, certificate=None):
+        self.folder = tempfile.TemporaryDirectory()
+        self.port = free_port()
+        self.certificate = certificate
+        self.command = ["redis-server", "--bind", "127.0.0.1", "--dir", self.folder.name, "--save", "",
+                        "--appendonly", "yes", "--logfile", "log", *flags]
+        if certificate:
+            self.command += ["--port", "0", "--tls-port", str(self.port), "--tls-auth-clients", "no",
+                             "--tls-cert-file", certificate[0], "--tls-key-file", certificate[1],
+                             "--tls-ca-cert-file", certificate[0]]
+        else:
+            self.command += ["--port", str(self.port)]
+        self.start()
+
+    @property
+    def url(self):
+        return f"redis://127.0.0.1:{self.port}"
+
+    def start(self):
+        self.process = subprocess.Popen(self.command, executable=PROGRAM, stdout=subprocess.DEVNULL)
+        end = time.monotonic() + PATIENCE
+        while True:
+            try:
+                with socket.create_connection(("127.0.0.1", self.port), timeout=PATIENCE) as connection:
+                    if self.certificate:
+                        return
+                    connection.sendall(b"PING\r\n")
+                    if not connection.recv(100).startswith(b"-LOADING"):
+                        return
+            except OSError:
+                if time.monotonic() > end or self.process.poll() is not None:
+                    raise AssertionError(pathlib.Path(self.folder.name, "log").read_text()) from None
+
+    def cli(self, *arguments):
+        told = subprocess.run(["redis-cli", "-p", str(self.port), *arguments], capture_output=True, text=True,
+                              timeout=PATIENCE, check=True)
+        return told.stdout.strip()
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait(PATIENCE)
+
+    def pause(self):
+        os.kill(self.process.pid, signal.SIGSTOP)
+
+    def resume(self):
+        os.kill(self.process.pid, signal.SIGCONT)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.kill()
+        self.folder.cleanup()

@@ -1,0 +1,253 @@
+"""Several servers that share jobs by a Redis: each answers for all."""
+
+import contextlib
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+import test_jobs
+from engine import Redis
+from harness import PATIENCE, Call, Server, ServerCase, ask
+from test_jobs import ENDLESS, LATER, LONG, SMALL, events, status, submit, wait_for, wait_for_end, without_time
+
+TORUS = {"type": "torus", "width": 1, "height": 1}
+
+
+def figure(server, name):
+    return float(re.search(rf"^{re.escape(name)} (\S+)$", ask(server, "/metrics").body.decode(), re.MULTILINE)[1])
+
+
+def ends_told(log):
+    """How often the log tells of each job that it has ended."""
+    counts = {}
+    for job in re.findall(r"job ([0-9a-f]{32}) (?:succeeded|failed)", log):
+        counts[job] = counts.get(job, 0) + 1
+    return counts
+
+
+def until(holds):
+    """Waits for something that is asked for again and again."""
+    end = time.monotonic() + PATIENCE
+    while not (found := holds()):
+        if time.monotonic() > end:
+            raise AssertionError("it never came to that")
+    return found
+
+
+class JobsByRedis(test_jobs.Jobs):
+    """All that is said of jobs, kept by Redis."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.redis = Redis()
+        cls.addClassCleanup(cls.redis.__exit__)
+        cls.flags = ("--workers=2", f"--redis={cls.redis.url}")
+        super().setUpClass()
+
+
+class Replicas(unittest.TestCase):
+    def setUp(self):
+        stack = contextlib.ExitStack()
+        self.addCleanup(stack.close)
+        self.stack = stack
+        self.redis = stack.enter_context(Redis())
+        self.flags = ("--workers=2", "--job-lease=1", f"--redis={self.redis.url}")
+
+    def start(self, *flags):
+        server = self.stack.enter_context(Server(*self.flags, *flags))
+        server.wait_for_log("jobs are kept by Redis")
+        return server
+
+    def test_a_job_is_answered_for_by_all(self):
+        first, second = self.start(), self.start()
+        job = submit(first, SMALL)
+        found = wait_for_end(second, job)
+        self.assertEqual(found, status(first, job))
+        results = [ask(server, job + "/result") for server in (first, second)]
+        now = ask(first, "/sample", data=json.dumps(SMALL))
+        for result in results:
+            self.assertEqual((result.status, without_time(result)), (200, without_time(now)))
+            self.assertEqual(result.body, results[0].body)
+        self.assertEqual(ask(second, job, "--request", "DELETE").status, 204)
+        self.assertEqual(ask(first, job).status, 404)
+
+    def test_a_job_is_followed_and_cancelled_from_anywhere(self):
+        first, second, third = self.start(), self.start(), self.start()
+        job = submit(first, ENDLESS)
+        found = until(lambda: (now := status(second, job))["progress"] > 0 and now)
+        self.assertEqual(found["status"], "running")
+        self.assertIsNotNone(found["variation"])
+        streams = [Call(server.url(job + "/events"), "--no-buffer") for server in (first, second, third)]
+        until(lambda: sum(figure(server, "ccdt_event_streams_open") for server in (first, second, third)) == 3)
+        iteration = status(third, job)["iteration"]
+        until(lambda: status(third, job)["iteration"] > iteration + 1)
+        self.assertEqual(ask(third, job, "--request", "DELETE").status, 204)
+        for stream in streams:
+            told = events(stream.answer().body)
+            self.assertEqual(told[-1][0], "cancelled")
+            self.assertEqual(told[-1][1], status(first, job))
+            self.assertGreater(len(told), 2, "progress was told on the way")
+            fractions = [document["progress"] for _, document in told]
+            self.assertEqual(fractions, sorted(fractions))
+        others = [submit(first, SMALL) for _ in range(6)]
+        for other in others:
+            self.assertEqual(wait_for_end(second, other)["status"], "succeeded", "no worker is kept")
+
+    def test_all_replicas_work(self):
+        servers = [self.start() for _ in range(3)]
+        jobs = [submit(servers[0], {**LONG, "seed": seed}) for seed in range(3)]
+        for job in jobs:
+            wait_for(servers[1], job, "running")
+        for job in jobs:
+            ask(servers[2], job, "--request", "DELETE")
+
+    def test_what_a_killed_replica_ran_is_done_by_others(self):
+        first, second, third = self.start(), self.start(), self.start()
+        requests = [{**SMALL, "sites": 3000, "iterations": 20, "seed": seed} for seed in range(30)]
+        jobs = [submit((first, second)[seed % 2], request) for seed, request in enumerate(requests)]
+        until(lambda: "succeeded" in first.log())
+        first.signal(signal.SIGKILL)
+        first.wait()
+        for job in jobs:
+            self.assertEqual(wait_for_end(third, job)["status"], "succeeded")
+        for job, request in zip(jobs, requests):
+            now = ask(second, "/sample", data=json.dumps(request))
+            self.assertEqual(without_time(ask(third, job + "/result")), without_time(now))
+        told = ends_told(first.log() + second.log() + third.log())
+        self.assertEqual(set(told.values()), {1}, "nothing is done twice")
+        self.assertEqual(self.redis.cli("ZCARD", "ccdt:1:leases"), "0")
+
+    def test_a_replica_that_shuts_down_gives_back_what_it_runs(self):
+        first = self.start()
+        job = submit(first, LONG)
+        wait_for(first, job, "running")
+        second = self.start()
+        self.assertEqual(first.stop(), 0)
+        found = wait_for_end(second, job)
+        self.assertEqual(found["status"], "succeeded")
+        self.assertEqual(figure(second, "ccdt_job_runs_repeated_total"), 0, "the start did not count")
+
+    def test_a_replica_that_was_not_heard_of_changes_nothing_more(self):
+        first = self.start()
+        job = submit(first, LONG)
+        wait_for(first, job, "running")
+        second = self.start()
+        first.signal(signal.SIGSTOP)
+        until(lambda: figure(second, "ccdt_job_runs_repeated_total") == 1)
+        first.signal(signal.SIGCONT)
+        until(lambda: figure(first, "ccdt_job_leases_lost_total") == 1)
+        self.assertEqual(wait_for_end(first, job)["status"], "succeeded")
+        self.assertEqual(ends_told(first.log() + second.log()), {job.removeprefix("/jobs/"): 1})
+        now = ask(second, "/sample", data=json.dumps(LONG))
+        self.assertEqual(without_time(ask(first, job + "/result")), without_time(now))
+
+    def test_without_redis_only_jobs_have_to_wait(self):
+        for stop, go_on in ((self.redis.kill, self.redis.start), (self.redis.pause, self.redis.resume)):
+            with self.subTest(stop=stop.__name__), Server(*self.flags) as server:
+                server.wait_for_log("jobs are kept by Redis")
+                done = submit(server, SMALL)
+                wait_for_end(server, done)
+                running = submit(server, LONG)
+                wait_for(server, running, "running")
+                stop()
+                now = ask(server, "/sample", data=json.dumps(SMALL))
+                self.assertEqual(now.status, 200)
+                for answer in (ask(server, "/sample", *LATER, data=json.dumps(SMALL)), ask(server, done),
+                               ask(server, done + "/result"), ask(server, running, "--request", "DELETE")):
+                    self.assertEqual(answer.status, 503, answer)
+                    self.assertGreater(int(answer.headers["retry-after"]), 0)
+                self.assertEqual(ask(server, "/health/ready").status, 200)
+                self.assertEqual(ask(server, "/sample", data=json.dumps({**SMALL, "seed": 1})).status, 200)
+                server.wait_for_log("jobs have to wait")
+                go_on()
+                until(lambda: ask(server, done).status == 200)
+                self.assertEqual(without_time(ask(server, done + "/result")), without_time(now))
+                self.assertEqual(wait_for_end(server, running)["status"], "succeeded")
+                self.assertEqual(wait_for_end(server, submit(server, SMALL))["status"], "succeeded")
+                self.assertGreater(figure(server, "ccdt_redis_failures_total"), 0)
+
+    def test_a_run_that_ends_while_redis_is_away_is_not_lost(self):
+        server = self.start("--job-lease=600")
+        job = submit(server, {**SMALL, "sites": 5000, "iterations": 100})
+        wait_for(server, job, "running")
+        self.redis.kill()
+        until(lambda: figure(server, "ccdt_workers_busy") == 0)
+        self.redis.start()
+        self.assertEqual(until(lambda: (now := ask(server, job)).status == 200 and now.json()["finished"] and now)
+                         .json()["status"], "succeeded")
+        self.assertEqual(figure(server, "ccdt_job_runs_repeated_total"), 0)
+
+    def test_a_server_starts_before_redis(self):
+        self.redis.kill()
+        server = self.stack.enter_context(Server(*self.flags))
+        server.wait_for_log("jobs have to wait")
+        self.assertEqual(ask(server, "/sample", *LATER, data=json.dumps(SMALL)).status, 503)
+        self.redis.start()
+        job = until(lambda: (now := ask(server, "/sample", *LATER, data=json.dumps(SMALL))).status == 202
+                    and now.headers["location"])
+        self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
+
+    def test_a_full_memory_is_told(self):
+        server = self.start()
+        done = submit(server, SMALL)
+        wait_for_end(server, done)
+        self.redis.cli("CONFIG", "SET", "maxmemory", "1")
+        refused = ask(server, "/sample", *LATER, data=json.dumps(SMALL))
+        self.assertEqual(refused.status, 507, refused)
+        self.assertEqual(ask(server, done + "/result").status, 200)
+        self.assertEqual(ask(server, done, "--request", "DELETE").status, 204)
+        self.redis.cli("CONFIG", "SET", "maxmemory", "0")
+        self.assertEqual(wait_for_end(server, submit(server, SMALL))["status"], "succeeded")
+
+
+class Settings(unittest.TestCase):
+    def test_what_loses_jobs_is_told(self):
+        with Redis("--appendonly", "no", "--maxmemory-policy", "allkeys-lru") as redis:
+            with Server(f"--redis={redis.url}") as server:
+                server.wait_for_log("appendonly yes")
+                server.wait_for_log("maxmemory-policy noeviction")
+
+    def test_passwords_are_shown_to_redis_only(self):
+        with Redis("--requirepass", "secret-word") as redis:
+            place = f"127.0.0.1:{redis.port}"
+            with Server(environment={"CCDT_REDIS": f"redis://:secret-word@{place}"}) as server:
+                job = submit(server, SMALL)
+                self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
+                self.assertNotIn("secret-word", server.log())
+            with Server(f"--redis=redis://:wrong-word@{place}") as server:
+                self.assertIn("WRONGPASS", server.wait_for_log("jobs have to wait"))
+                self.assertNotIn("wrong-word", server.log())
+
+    def test_tls_is_verified(self):
+        with tempfile.TemporaryDirectory() as folder:
+            certificate, key = pathlib.Path(folder, "certificate"), pathlib.Path(folder, "key")
+            subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
+                            "-nodes", "-keyout", key, "-out", certificate, "-days", "1", "-subj", "/CN=localhost",
+                            "-addext", "subjectAltName=DNS:localhost"], check=True, capture_output=True)
+            with Redis(certificate=(str(certificate), str(key))) as redis:
+                flag = f"--redis=rediss://localhost:{redis.port}"
+                with Server(flag, environment={"SSL_CERT_FILE": str(certificate)}) as server:
+                    job = submit(server, {**SMALL, "sites": 50_000, "iterations": 0})
+                    self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
+                    self.assertGreater(len(ask(server, job + "/result").body), 1 << 20)
+                with Server(flag) as server:
+                    self.assertIn("certificate", server.wait_for_log("jobs have to wait"))
+
+    def test_what_cannot_be_is_refused(self):
+        for flags, word in ((["--redis=redis+sentinel://a:26379"], "Sentinel is not supported"),
+                            (["--redis=http://a"], "redis://"),
+                            (["--redis=redis://a", "--data-dir=b"], "one place")):
+            told = subprocess.run([os.environ["CCDT_SERVER"], "--port=0", *flags], capture_output=True, text=True,
+                                  timeout=PATIENCE, check=False)
+            self.assertEqual(told.returncode, 2)
+            self.assertIn(word, told.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
