@@ -11,6 +11,7 @@
 #include "server/monitoring/log.h"
 #include "server/processes/process.h"
 #include "server/service/check.h"
+#include "server/service/health.h"
 #include "server/service/service.h"
 #include "server/service/shutdown.h"
 
@@ -74,6 +75,12 @@ int check(const CommandLine& command) {
     return would_start(findings) ? EXIT_SUCCESS : kFailed;
 }
 
+int tell_health(const Config& config) {
+    const auto asked = ask_health(config);
+    if (!asked) std::fprintf(stderr, "ccdt-server: %s\n", asked.error().message.c_str());
+    return asked ? EXIT_SUCCESS : kFailed;
+}
+
 int run(std::span<const char* const> arguments) {
     const auto command = parse_command_line(arguments, [](const char* name) { return std::getenv(name); });
     if (!command) {
@@ -89,6 +96,8 @@ int run(std::span<const char* const> arguments) {
             return EXIT_SUCCESS;
         case CommandLine::Action::Check:
             return check(*command);
+        case CommandLine::Action::Health:
+            return tell_health(command->config);
         case CommandLine::Action::Serve:
             break;
     }

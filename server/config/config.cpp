@@ -267,8 +267,8 @@ Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, D
         const std::string_view argument = arguments[i];
         if (argument == "--help" || argument == "-h") return CommandLine::Action::Help;
         if (argument == "--version") return CommandLine::Action::Version;
-        if (argument == "--check") {
-            action = CommandLine::Action::Check;
+        if (argument == "--check" || argument == "--health") {
+            action = argument == "--check" ? CommandLine::Action::Check : CommandLine::Action::Health;
             continue;
         }
         const auto equals = argument.find('=');
@@ -360,6 +360,9 @@ std::string usage() {
     return text +
            "  --check                                                           prints what it would run with, and "
            "what is wrong; exits with 1 if it would not start\n"
+           "  --health                                                          asks the server that listens on port "
+           "and "
+           "address whether it lives; exits with 1 if not\n"
            "  --help                                                            prints this\n"
            "  --version                                                         prints the version\n\n"
            "Each option may also be given as the environment variable beside it; the flag wins.\n";

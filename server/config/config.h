@@ -56,7 +56,8 @@ struct ChosenValue {
 struct CommandLine {
     enum class Action {
         Serve,
-        Check,  ///< whether it could
+        Check,   ///< whether it could
+        Health,  ///< whether one does
         Help,
         Version
     };

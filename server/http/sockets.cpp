@@ -26,6 +26,42 @@ tl::unexpected<Error> cannot_listen(const std::string& where, const std::string&
     return failure(ErrorCode::Unusable, "cannot listen on " + where + ": " + why);
 }
 
+std::string name_of(const std::string& host, int port) {
+    return host + " port " + std::to_string(port);
+}
+
+using Addresses = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
+
+Result<Addresses> look_up(const std::string& host, int port) {
+    addrinfo hints{};
+    hints.ai_socktype = SOCK_STREAM;
+    hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
+    addrinfo* found = nullptr;
+    if (getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) != 0)
+        return failure(ErrorCode::Unusable, name_of(host, port) + ": the address is unknown");
+    return Addresses(found, freeaddrinfo);
+}
+
+Result<sockaddr_un> address_of_path(const std::string& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    if (path.empty() || path.size() >= sizeof(address.sun_path))
+        return failure(ErrorCode::Unusable,
+                       path + ": a path has 1 to " + std::to_string(sizeof(address.sun_path) - 1) + " bytes");
+    path.copy(address.sun_path, path.size());
+    return address;
+}
+
+Result<UniqueFd> connect_to(int family, const sockaddr* address, socklen_t size, std::chrono::milliseconds patience) {
+    UniqueFd descriptor(socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(patience);
+    const timeval longest{seconds.count(), std::chrono::microseconds(patience - seconds).count()};
+    for (const int option : {SO_RCVTIMEO, SO_SNDTIMEO})
+        setsockopt(descriptor.get(), SOL_SOCKET, option, &longest, sizeof(longest));
+    if (connect(descriptor.get(), address, size) == 0) return descriptor;
+    return failure(ErrorCode::Unusable, std::string("cannot connect: ") + std::strerror(errno));
+}
+
 const sockaddr* generic(const void* address) {
     return static_cast<const sockaddr*>(address);
 }
@@ -96,13 +132,10 @@ Result<ListeningSocket> ListeningSocket::open(const std::string& bind, int port)
 }
 
 Result<ListeningSocket> ListeningSocket::open_path(const std::string& path) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    if (path.empty() || path.size() >= sizeof(address.sun_path))
-        return cannot_listen(path, "a path has 1 to " + std::to_string(sizeof(address.sun_path) - 1) + " bytes");
-    path.copy(address.sun_path, path.size());
-    remove_stale(address);
-    ListeningSocket opened(listen_on(AF_UNIX, generic(&address), sizeof(address)));
+    const auto address = address_of_path(path);
+    if (!address) return tl::unexpected(address.error());
+    remove_stale(*address);
+    ListeningSocket opened(listen_on(AF_UNIX, generic(&*address), sizeof(*address)));
     if (opened.descriptor_ < 0) return cannot_listen(path, std::strerror(errno));
     struct stat ours {};
     if (lstat(path.c_str(), &ours) == 0) {
@@ -114,18 +147,12 @@ Result<ListeningSocket> ListeningSocket::open_path(const std::string& path) {
 }
 
 Result<ListeningSocket> ListeningSocket::open_port(const std::string& host, int port) {
-    const std::string where = host + " port " + std::to_string(port);
-    addrinfo hints{};
-    hints.ai_socktype = SOCK_STREAM;
-    hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
-    addrinfo* found = nullptr;
-    if (getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) != 0)
-        return cannot_listen(where, "the address is unknown");
-    const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> addresses(found, freeaddrinfo);
+    const auto addresses = look_up(host, port);
+    if (!addresses) return tl::unexpected(addresses.error());
     ListeningSocket opened(-1);
-    for (const addrinfo* each = found; each != nullptr && opened.descriptor_ < 0; each = each->ai_next)
+    for (const addrinfo* each = addresses->get(); each != nullptr && opened.descriptor_ < 0; each = each->ai_next)
         opened.descriptor_ = listen_on(each->ai_family, each->ai_addr, each->ai_addrlen);
-    if (opened.descriptor_ < 0) return cannot_listen(where, std::strerror(errno));
+    if (opened.descriptor_ < 0) return cannot_listen(name_of(host, port), std::strerror(errno));
 
     sockaddr_storage bound{};
     socklen_t size = sizeof(bound);
@@ -150,6 +177,20 @@ ListeningSocket::~ListeningSocket() {
     if (!path_.empty() && lstat(path_.c_str(), &now) == 0 && now.st_dev == device_ && now.st_ino == inode_)
         unlink(path_.c_str());
     if (descriptor_ >= 0) close(descriptor_);
+}
+
+Result<UniqueFd> connect_to(const std::string& bind, int port, std::chrono::milliseconds patience) {
+    if (bind.starts_with(kPathPrefix)) {
+        const auto address = address_of_path(bind.substr(kPathPrefix.size()));
+        if (!address) return tl::unexpected(address.error());
+        return connect_to(AF_UNIX, generic(&*address), sizeof(*address), patience);
+    }
+    const auto addresses = look_up(bind, port);
+    if (!addresses) return tl::unexpected(addresses.error());
+    auto connected = connect_to((*addresses)->ai_family, (*addresses)->ai_addr, (*addresses)->ai_addrlen, patience);
+    for (const addrinfo* each = (*addresses)->ai_next; each != nullptr && !connected; each = each->ai_next)
+        connected = connect_to(each->ai_family, each->ai_addr, each->ai_addrlen, patience);
+    return connected;
 }
 
 void allow_open_files(std::size_t count) {

@@ -3,6 +3,7 @@
 #include <sys/socket.h>
 #include <sys/types.h>
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include "core/result.h"
 #include "server/http/ip_address.h"
+#include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
 
@@ -53,6 +55,11 @@ private:
     dev_t device_ = 0;  ///< with the inode: whether the path is still ours
     ino_t inode_ = 0;
 };
+
+/// Connects to where a ListeningSocket of this machine listens; all addresses mean this machine's own.
+/// @param patience  for connecting, and for each time that something is sent or received
+/// Errors (Unusable): the address is unknown, or nobody listens there.
+Result<UniqueFd> connect_to(const std::string& bind, int port, std::chrono::milliseconds patience);
 
 /// Lets this process open so many files, as far as it may: by default many systems allow 1024.
 void allow_open_files(std::size_t count);

@@ -63,8 +63,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto parsed = server::parse_command_line(arguments, environment);
     if (!parsed) {
         fuzz::check_error(parsed.error());
-    } else if (parsed->action == server::CommandLine::Action::Serve ||
-               parsed->action == server::CommandLine::Action::Check) {
+    } else if (parsed->action != server::CommandLine::Action::Help &&
+               parsed->action != server::CommandLine::Action::Version) {
         fuzz::check_config(parsed->config);
     }
     return 0;

@@ -7,6 +7,7 @@ import shutil
 import socket
 import subprocess
 import tempfile
+import threading
 import unittest
 
 from harness import PATIENCE, Server, ask
@@ -92,6 +93,48 @@ class Check(unittest.TestCase):
                               timeout=PATIENCE, check=False)
         self.assertEqual((done.returncode, done.stdout), (2, ""))
         self.assertIn("--workers", done.stderr)
+
+
+class Health(unittest.TestCase):
+    def health(self, *flags, **environment):
+        done = subprocess.run([os.environ["CCDT_SERVER"], "--health", *flags], capture_output=True, text=True,
+                              timeout=PATIENCE, check=False, env={**os.environ, **environment})
+        self.assertEqual(done.stdout, "")
+        self.assertEqual(done.returncode, 1 if done.stderr else 0)
+        return done.stderr
+
+    def test_is_that_of_a_server(self):
+        for bind in ("127.0.0.1", "0.0.0.0", "::"):
+            with self.subTest(bind=bind), Server(f"--bind={bind}", "--max-connections-per-address=1") as server:
+                self.assertEqual(self.health(f"--bind={bind}", f"--port={server.port}"), "")
+                self.assertEqual(self.health(BIND=bind, PORT=str(server.port)), "")
+                self.assertEqual(server.stop(), 0)
+                self.assertIn("Connection refused", self.health(f"--port={server.port}"))
+
+    def test_goes_over_unix_sockets(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bind = f"--bind=unix:{folder}/socket"
+            self.assertIn("No such file", self.health(bind))
+            with Server(bind) as server:
+                self.assertEqual(self.health(bind), "")
+                self.assertEqual(server.stop(), 0)
+
+    def test_is_not_that_of_anybody_else(self):
+        with socket.create_server(("127.0.0.1", 0)) as listener:
+            def answer():
+                for words in (b"SSH-2.0-OpenSSH_9.2\r\n", b"HTTP/1.1 503 Service Unavailable\r\n\r\n", b""):
+                    client = listener.accept()[0]
+                    with client:
+                        client.recv(1000)
+                        client.sendall(words)
+
+            thread = threading.Thread(target=answer)
+            thread.start()
+            port = f"--port={listener.getsockname()[1]}"
+            self.assertIn("SSH", self.health(port))
+            self.assertIn("HTTP/1.1 503", self.health(port))
+            self.assertIn("no health", self.health(port))
+            thread.join()
 
 
 if __name__ == "__main__":
