@@ -9,7 +9,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SCRIPTS = ("server/run", "tests/run", "tests/bench/service/run", "tests/fuzz/run", "tests/page/install", "tests/soak/run", ".ci/run",
-           "docker/packages", "docker/install")
+           "docker/collect", "docker/packages", "docker/install", "docker/snapshot")
 LIST = ROOT / "docker" / "packages.txt"
 
 
@@ -64,6 +64,26 @@ class Setup(unittest.TestCase):
         self.assertIn("docker/install run", text)
         self.assertNotIn("apt-get", text)
         self.assertNotIn("tools", text)
+
+    def test_the_image_can_be_made_of_packages_of_another_day(self):
+        snapshot = ROOT / "docker" / "snapshot"
+        with tempfile.TemporaryDirectory() as folder:
+            sources = pathlib.Path(folder) / "sources.list.d" / "debian.sources"
+            sources.parent.mkdir()
+            today = "URIs: http://deb.debian.org/debian\n"
+            sources.write_text(today)
+            environment = {**os.environ, "CCDT_SOURCES": str(sources)}
+            for time, code in (("", 0), ("yesterday", 1), ("2026-01-05", 1)):
+                self.assertEqual(subprocess.run([snapshot, time], env=environment, capture_output=True,
+                                                check=False).returncode, code)
+                self.assertEqual(sources.read_text(), today)
+            subprocess.run([snapshot, "20260105T000000Z"], env=environment, check=True)
+            uris = [line.split()[1] for line in sources.read_text().splitlines() if line.startswith("URIs:")]
+            self.assertEqual(uris, [f"http://snapshot.debian.org/archive/{archive}/20260105T000000Z"
+                                    for archive in ("debian", "debian-security")])
+        for stage in ("build", "run"):
+            self.assertIn(f'RUN docker/snapshot "$SNAPSHOT" && docker/install {stage}\n',
+                          (ROOT / "docker" / "Dockerfile").read_text())
 
     def test_the_tests_have_their_tools_unpacked(self):
         self.assertIn("docker/install --unpack tools", (ROOT / "tests" / "run").read_text())

@@ -1,0 +1,201 @@
+"""The image: what is in it, and that it serves with as few rights as told. Skipped where no container can be run."""
+
+import io
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import tarfile
+import tempfile
+import unittest
+
+from harness import DATA, PICTURES, ROOT, Server, ask, post_json
+from raw import SANITIZED
+
+PROGRAMS = ("ccdt-decoder", "ccdt-server", "ccdt-worker")
+FOLDER = pathlib.Path(os.environ["CCDT_SERVER"]).parent
+
+POINTS = DATA / "analysis" / "torus.json"
+UNIT = {"type": "rectangle", "width": 1, "height": 1}
+
+BASE = "debian:12-slim"
+IMAGE = "ccdt-server:test"
+LARGEST = 400_000_000
+EPOCH = "1767225600"
+
+# With the network of the machine, as what else podman needs for one of its own may be missing.
+RUN = ("--rm", "--network=host", "--no-healthcheck", "--ulimit=nofile=4096:4096", "--ulimit=nproc=4096:4096",
+       "--read-only", "--cap-drop=ALL", "--security-opt=no-new-privileges")
+
+
+def podman(*arguments, check=True):
+    runtime = ("--runtime=runc",) if shutil.which("runc") else ()
+    done = subprocess.run(["podman", *runtime, *arguments], capture_output=True, check=False)
+    if check and done.returncode != 0:
+        raise AssertionError(f"podman {arguments[0]} failed:\n{done.stderr.decode()[-3000:]}")
+    return done
+
+
+def why_not():
+    """Why there is no image to test; empty: there can be one."""
+    if shutil.which("podman") is None:
+        return "podman is missing"
+    if SANITIZED:
+        return "sanitizers need more than the image has"
+    if podman("image", "exists", BASE, check=False).returncode != 0 and \
+            podman("pull", "--quiet", f"docker.io/library/{BASE}", check=False).returncode != 0:
+        return f"{BASE} is neither here nor to be had"
+    tried = podman("run", *RUN, BASE, "true", check=False)
+    return "" if tried.returncode == 0 else f"no container can be run: {tried.stderr.decode().strip()[-200:]}"
+
+
+def build():
+    """The image, of the programs under test: the stage that compiles is replaced by a folder that has them."""
+    with tempfile.TemporaryDirectory() as folder:
+        programs = pathlib.Path(folder) / "programs"
+        programs.mkdir()
+        for name in PROGRAMS:
+            subprocess.run(["strip", "-o", programs / name, FOLDER / name], check=True)
+        podman("build", "--network=host", "--format=docker", "--file", ROOT / "docker" / "Dockerfile", "--tag", IMAGE,
+               "--build-context", f"build={folder}", "--build-arg", f"SOURCE_DATE_EPOCH={EPOCH}",
+               "--build-arg", "VERSION=1.2.3", "--build-arg", "REVISION=abc", ROOT)
+
+
+class Image(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        if reason := why_not():
+            raise unittest.SkipTest(reason)
+        build()
+        cls.settings = json.loads(podman("image", "inspect", IMAGE).stdout)[0]
+        container = podman("create", "--no-healthcheck", IMAGE).stdout.decode().strip()
+        try:
+            cls.files = tarfile.open(fileobj=io.BytesIO(podman("export", container).stdout))
+        finally:
+            podman("rm", container)
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.name = f"ccdt-test-{os.getpid()}"
+        cls.program = pathlib.Path(folder.name) / "run"
+        runtime = "--runtime=runc" if shutil.which("runc") else ""
+        cls.program.write_text(
+            f'#!/bin/sh\nexec podman {runtime} run --name={cls.name} {" ".join(RUN)} {IMAGE} "$@"\n')
+        cls.program.chmod(0o755)
+
+    def read(self, path):
+        return self.files.extractfile(path).read()
+
+    def test_is_no_larger_than_told(self):
+        self.assertLess(self.settings["Size"], LARGEST)
+
+    def test_has_its_settings(self):
+        config = self.settings["Config"]
+        self.assertEqual(config["User"], "10001:10001")
+        self.assertEqual(config["Entrypoint"], ["/usr/local/bin/ccdt-server"])
+        self.assertEqual(self.settings["Healthcheck"]["Test"], ["CMD", "/usr/local/bin/ccdt-server", "--health"])
+        labels = {name.rsplit(".", 1)[1]: value for name, value in config["Labels"].items()
+                  if name.startswith("org.opencontainers.image.")}
+        self.assertEqual((labels["title"], labels["version"], labels["revision"]), ("ccdt-server", "1.2.3", "abc"))
+
+    def test_has_no_other_programs(self):
+        executable = [entry.name for entry in self.files if entry.isfile() and entry.mode & 0o111]
+        self.assertEqual(sorted(name for name in executable if "/lib" not in name),
+                         [f"usr/local/bin/{name}" for name in PROGRAMS])
+        self.assertTrue(all(re.search(r"\.so(\.|$)", name) for name in executable if "/lib" in name))
+        self.assertFalse([entry.name for entry in self.files if entry.mode & 0o6000], "set-user-id")
+
+    def test_has_nothing_of_now_in_it(self):
+        made_by_podman = ("etc/hosts", "etc/hostname", "etc/resolv.conf", "dev", "proc", "sys", "run", "etc")
+        times = {entry.mtime for entry in self.files if not entry.name.startswith(made_by_podman) and entry.name}
+        self.assertEqual(times, {int(EPOCH)})
+
+    def test_accounts_for_its_packages(self):
+        bill = json.loads(self.read("usr/share/ccdt/sbom.cdx.json"))
+        self.assertEqual((bill["bomFormat"], bill["specVersion"]), ("CycloneDX", "1.5"))
+        listed = {component["name"]: component["version"] for component in bill["components"]}
+        self.assertEqual(len(listed), len(bill["components"]))
+        for component in bill["components"]:
+            self.assertRegex(component["purl"],
+                             r"^pkg:deb/debian/[a-z0-9.%B-]+@[^ @:+]+\?arch=[a-z0-9]+&distro=debian-12$")
+        folder = "var/lib/dpkg/status.d/"
+        told = {entry.name.removeprefix(folder): re.search("^Version: (.*)$", self.read(entry.name).decode(), re.M)[1]
+                for entry in self.files if entry.isfile() and entry.name.startswith(folder)}
+        self.assertEqual(told, listed)
+        for name in ("libc6", "libopenimageio2.4", "libsqlite3-0", "fonts-dejavu-core"):
+            self.assertIn(name, listed)
+            self.assertTrue(self.read(f"usr/share/doc/{name}/copyright"))
+        for tool in ("bash", "dash", "curl", "apt", "coreutils"):
+            self.assertNotIn(tool, listed)
+
+    def test_answers_as_the_programs_do(self):
+        picture = (PICTURES / "camera.png").read_bytes()
+        with Server() as outside, Server(program=self.program) as inside:
+            def answers(server):
+                return [ask(server, "/halftone?sites=500&scale=1", data=picture),
+                        post_json(server, "/sample", {"sites": 100, "domain": UNIT}, "--header", "Accept: text/csv"),
+                        ask(server, "/analyze", "--header", "Accept: image/png", data=POINTS.read_bytes())]
+
+            for here, there in zip(answers(outside), answers(inside)):
+                self.assertEqual((here.status, there.status), (200, 200))
+                self.assertEqual(here.body, there.body)
+            asked = podman("exec", self.name, "/usr/local/bin/ccdt-server", "--health", f"--port={inside.port}",
+                           check=False)
+            self.assertEqual(asked.returncode, 0, asked.stderr)
+            self.assertIn("by user 10001; in force: no root, no capabilities",
+                          inside.wait_for_log("are decoded by user"))
+            self.assertIn("system call filter", inside.log())
+            self.assertEqual(inside.stop(), 0)
+
+    def test_finds_all_that_it_needs(self):
+        checked = podman("run", *RUN, IMAGE, "--check")
+        self.assertNotIn(b"WRONG", checked.stdout)
+        self.assertIn(b"BIND", checked.stdout)
+
+    def test_keeps_jobs_in_a_volume(self):
+        checked = podman("run", *RUN, "--volume=/data", IMAGE, "--check", "--data-dir=/data").stdout.decode()
+        self.assertRegex(checked, r"jobs +good +kept in /data")
+
+
+class Collected(unittest.TestCase):
+    """What docker/collect makes of a machine."""
+
+    def setUp(self):
+        if os.geteuid() != 0:
+            self.skipTest("only root may make files of another user")
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def collect(self, name, *programs):
+        root = self.folder / name
+        root.mkdir()
+        return root, subprocess.run([ROOT / "docker" / "collect", root, *programs], capture_output=True, text=True,
+                                    check=False, env={**os.environ, "SOURCE_DATE_EPOCH": EPOCH})
+
+    def test_is_the_same_again(self):
+        archives = []
+        for name in ("once", "again"):
+            root, done = self.collect(name, FOLDER / "ccdt-decoder")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            archives.append(subprocess.run(["tar", "--create", "--sort=name", "--directory", root, "."],
+                                           capture_output=True, check=True).stdout)
+        self.assertEqual(archives[0], archives[1])
+        self.assertGreater(len(archives[0]), 1_000_000)
+
+    def test_lacks_no_library(self):
+        program = self.folder / "program"
+        library = self.folder / "libnowhere.so"
+        compiler = ["cc", "-shared", "-x", "c", "/dev/null", "-o", library]
+        subprocess.run(compiler, check=True)
+        (self.folder / "main.c").write_text("int main(void) { return 0; }\n")
+        subprocess.run(["cc", self.folder / "main.c", "-Wl,--no-as-needed", library, "-o", program], check=True)
+        library.unlink()
+        done = self.collect("root", program)[1]
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("libnowhere.so => not found", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
