@@ -153,6 +153,44 @@ test("takes corners in the forms that people have", async () => {
   }
 });
 
+test("draws a map of dots, a colour for each class", async () => {
+  await open();
+  await world.page.click("#sample .map");
+  await settled(world.page, "sample");
+  const asked = await query();
+  assert.deepEqual(Object.fromEntries(asked), { classes: "employed,unemployed", per: "2000", coordinates: "lonlat", iterations: "10" });
+  assert.deepEqual(await world.page.locator("#sample .legend li").allTextContents(), ["employed: 5,537", "unemployed: 498"]);
+  assert.match(await world.page.textContent("#sample .status"), /^6,035 points, variation/);
+  assert.ok(await world.page.isHidden("#sample [data-name=sites]"));
+  await looksAsKept(world, frame(), "sample-map");
+
+  const stands = world.page.getByRole("group", { name: "Points stand for" });
+  await stands.getByLabel("employed: 11,073,677", { exact: true }).uncheck();
+  await settled(world.page, "sample");
+  assert.equal((await query()).get("sites"), "unemployed");
+  assert.match(await world.page.textContent("#sample .status"), /^498 points/);
+  await stands.getByLabel("unemployed").uncheck();
+  await settled(world.page, "sample");
+  assert.equal((await query()).get("sites"), "1000");
+  assert.ok(await world.page.isVisible("#sample [data-name=sites]"));
+  assert.deepEqual(await world.page.locator("#sample .legend li").count(), 0);
+});
+
+test("offers what numbers the features of a file have", async () => {
+  await open();
+  const feature = (x, properties) => ({ type: "Feature", properties, geometry: { type: "Polygon", coordinates: [[[x, 0], [x + 2, 0], [x + 2, 2], [x, 2], [x, 0]]] } });
+  const features = [feature(0, { name: "a", people: 300, votes: "20", share: -1 }), feature(2, { name: "b", people: null, votes: "5", share: 2 })];
+  await choose(document({ type: "FeatureCollection", features }));
+  const stands = world.page.getByRole("group", { name: "Points stand for" });
+  assert.deepEqual(await stands.locator("label").allTextContents(), ["people: 300", "votes: 25"]);
+  assert.equal((await query()).get("sites"), "1000");
+  await stands.getByLabel("votes").check();
+  await world.page.fill("#sample [data-name=per] input[type=number]", "1");
+  await world.page.locator("#sample [data-name=per] input[type=number]").blur();
+  await settled(world.page, "sample");
+  assert.match(await world.page.textContent("#sample .status"), /^25 points/);
+});
+
 test("zooms to a part", async () => {
   await open();
   await choose(path.join(data, "polygons/Italy-110m.geojson"));

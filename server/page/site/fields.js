@@ -71,6 +71,18 @@ function checkField(field, id, change) {
   return { input: box, parts: [box], value: () => box.checked };
 }
 
+/** Boxes for any of a few choices, of which `field.checked` are checked at first; their value lists them. */
+function severalField(field, id, change) {
+  const boxes = field.choices.map(([value, text], index) => {
+    const box = make("input", { type: "checkbox", value, checked: field.checked.includes(value), ...(index === 0 && { id }) });
+    box.addEventListener("change", () => change(false));
+    return { box, label: make("label", {}, box, text) };
+  });
+  const place = make("div", { className: "several", attributes: { role: "group", "aria-label": field.label } },
+    ...boxes.map(({ label }) => label));
+  return { input: boxes[0].box, parts: [place], value: () => boxes.filter(({ box }) => box.checked).map(({ box }) => box.value) };
+}
+
 function colourField(field, id, change) {
   const well = make("input", { id, type: "color", value: field.value });
   const entry = make("div", { className: "entry" });
@@ -120,7 +132,7 @@ function paletteField(field, id, change) {
   return { input: wells[0], parts: [place], value: () => wells.map((well) => well.value).join(",") };
 }
 
-const makers = { number: numberField, numbers: numbersField, choice: choiceField, check: checkField, colour: colourField, palette: paletteField };
+const makers = { number: numberField, numbers: numbersField, choice: choiceField, several: severalField, check: checkField, colour: colourField, palette: paletteField };
 
 /**
  * Fields in a form. `change(draft)` is called while a slider moves, with true, and when it rests.

@@ -5,7 +5,7 @@ import { chart } from "./chart.js";
 import { acceptDrops, colour, count, make, metres, seconds } from "./dom.js";
 import { Drawing } from "./drawing.js";
 import { Fields } from "./fields.js";
-import { isGeojson, mayBeDegrees, polygonsOf } from "./geojson.js";
+import { countsOf, isGeojson, mayBeDegrees, polygonsOf } from "./geojson.js";
 import { postPatiently } from "./jobs.js";
 import { Panel } from "./panel.js";
 import { areaOf, boundsOf, firstPolygon, outlineOf, polygonOf, rectangle, unitTorus } from "./shape.js";
@@ -13,7 +13,11 @@ import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
 
 const mostFrames = 64;
-const dotShare = 0.3;  // a dot's radius over the mean spacing
+const leastRadius = 0.9;  // of a dot, CSS pixels
+const dotShare = 0.3;  // a dot's radius over the mean spacing,
+const mapShare = 0.15;  // and on a map of dots, which are much denser in places
+const wishedOfMap = 5000;  // dots, as long as nobody has said how many each stands for
+const mostCounts = 24;  // properties that one may choose among
 const mostRepairs = 20;  // that are shown
 const mostParts = 30;  // that one may choose among
 const mostPast = 100;  // polygons
@@ -41,12 +45,29 @@ function requestOf({ file, json, ...shape }, options) {
   return { path: `/sample?${new URLSearchParams(options)}`, body: file.text, type: "application/geo+json", file };
 }
 
+/** 1, 2 or 5 times a power of ten, of which about `number` make up a sum. */
+function roundShare(sum, number) {
+  const power = 10 ** Math.floor(Math.log10(sum / number));
+  return power * ([5, 2].find((factor) => sum / number >= factor * power) ?? 1);
+}
+
+function countFields(counts, checked) {
+  const sums = counts.filter(({ name }) => checked.length === 0 || checked.includes(name)).map(({ sum }) => sum);
+  const whole = checked.length === 0 ? Math.max(...sums) : sums.reduce((a, b) => a + b, 0);
+  const per = roundShare(whole, wishedOfMap);
+  return [
+    { kind: "several", name: "counted", label: "Points stand for", checked, choices: counts.slice(0, mostCounts).map(({ name, sum }) => [name, `${name}: ${count(sum)}`]) },
+    { kind: "number", name: "per", label: "Each for", value: per, min: per / 10, max: per * 100, log: true },
+  ];
+}
+
 export class Sample extends Panel {
   #shapes = { polygon: structuredClone(firstPolygon), rectangle: { domain: rectangle }, torus: { domain: unitTorus } };
   #frames = new Map();
   #result = null;
   #kept = null;
   #past = [];
+  #counts = [];
 
   constructor(element) {
     super(element);
@@ -94,6 +115,7 @@ export class Sample extends Panel {
     this.shapeChoice.addEventListener("change", () => { this.#shapeChosen(); this.refresh(); });
     this.find(".draw").addEventListener("click", () => this.#startDrawing(false));
     this.find(".hole").addEventListener("click", () => this.#startDrawing(true));
+    this.find(".map").addEventListener("click", () => this.#chooseMap());
     this.find(".undo").addEventListener("click", () => this.#undo());
     this.find(".close").addEventListener("click", () => this.drawing.close());
     this.find(".clear").addEventListener("click", () => { this.drawing.clear(); this.viewport.redraw(); });
@@ -126,8 +148,18 @@ export class Sample extends Panel {
     }
   }
 
-  /** @param file  {name, text}. Throws unless it is GeoJSON with polygons. */
-  #takeDocument(file) {
+  /** The map that comes with the page: people at work and without, a dot for each two thousand. */
+  async #chooseMap() {
+    this.element.dataset.state = "busy";
+    const path = "/assets/samples/texas.geojson";
+    this.#takeDocument({ name: "texas.geojson", text: await (await fetch(path)).text(), path }, ["employed", "unemployed"]);
+  }
+
+  /**
+   * @param file     {name, text}, and its path if the server has it. Throws unless it is GeoJSON with polygons.
+   * @param counted  properties that points stand for
+   */
+  #takeDocument(file, counted = []) {
     const json = JSON.parse(file.text);
     const bounds = boundsOf(polygonsOf(json).flat());
     if (!(bounds.minX <= bounds.maxX)) throw new Error("there are no polygons");
@@ -135,8 +167,22 @@ export class Sample extends Panel {
     this.shapeFields.set("coordinates", mayBe ? "lonlat" : "plane");
     this.#shapes.file = { file: { ...file, number: ++filesTaken }, json, mayBeDegrees: mayBe };
     this.shapeChoice.value = "file";
+    this.#offerCounts(countsOf(json), counted);
     this.#shapeChosen();
     this.refresh();
+  }
+
+  /** Features with numbers may have points for these. */
+  #offerCounts(counts, counted) {
+    this.#counts = counts;
+    const form = this.find(".counts");
+    form.replaceChildren();
+    this.countFields = counts.length > 0 ? new Fields(form, countFields(counts, counted), (draft) => this.refresh(draft)) : null;
+  }
+
+  /** What points stand for: {counted, per}, names of properties and how many of their units; none are counted in other shapes. */
+  #counting() {
+    return (this.shapeChoice.value === "file" && this.countFields?.values()) || { counted: [] };
   }
 
   #takeCorners() {
@@ -188,6 +234,7 @@ export class Sample extends Panel {
     this.corners.value = JSON.stringify(this.#shapes.polygon);
     this.#result = null;
     this.#tellOfAnswer({});
+    this.find(".counts").hidden = kind !== "file";
     this.shapeFields.offer("coordinates", kind === "file" && this.shape?.mayBeDegrees);
     this.#stopDrawing();
     this.#tellOfShape(this.shape ? "" : "choose or drop a GeoJSON file");
@@ -298,13 +345,34 @@ export class Sample extends Panel {
     if (!options.includes("quality")) delete asked.quality;
     else if (iteration < this.#lastIteration) asked.quality = "draft";
     if (options.includes("iterations")) asked.iterations = iteration;
-    if (this.mesh.checked) asked.mesh = true;
-    return asked;
+    if (this.mesh.checked && !this.mesh.disabled) asked.mesh = true;
+    const { counted, per } = this.#counting();
+    if (counted.length === 0) return asked;
+    const { sites, method, ...others } = asked;
+    return counted.length === 1 ? { sites: counted[0], per, ...others } : { classes: counted.join(","), per, ...others };
+  }
+
+  /** How many points there will be, about. */
+  #sites(options) {
+    const { counted, per } = this.#counting();
+    if (counted.length === 0) return options.sites;
+    return this.#counts.reduce((sum, one) => sum + (counted.includes(one.name) ? one.sum / per : 0), 0);
   }
 
   #ask(options, signal, told = this.tell) {
     const { path, body, type } = requestOf(this.shape, options);
-    return postPatiently(path, body, options, { type, signal, told });
+    return postPatiently(path, body, { ...options, sites: this.#sites(options) }, { type, signal, told });
+  }
+
+  /** What makes no sense with what is chosen is not there to be asked for. */
+  #offerFields() {
+    const isMap = this.#counting().counted.length > 0;
+    for (const name of ["sites", "method"]) this.fields.offer(name, !isMap);
+    this.countFields?.offer("per", isMap);
+    this.mesh.disabled = isMap;
+    const { options } = methodNamed(this.options().method);
+    this.iteration.disabled = !options.includes("iterations");
+    this.fields.enable("quality", options.includes("quality"));
   }
 
   #isKept(options) {
@@ -340,11 +408,8 @@ export class Sample extends Panel {
   refresh(draft = false) {
     this.find("output[for=iteration]").textContent = this.iteration.value;
     if (!this.shape || this.drawing.ring) return;
-    const asked = this.options();
-    const { options } = methodNamed(asked.method);
-    this.iteration.disabled = !options.includes("iterations");
-    this.fields.enable("quality", options.includes("quality"));
-    this.snippets.showSample(requestOf(this.shape, asked));
+    this.#offerFields();
+    this.snippets.showSample(requestOf(this.shape, this.options()));
     this.wish(async (signal) => {
       const start = performance.now();
       const frame = await this.fetch(signal, { draft });
@@ -352,14 +417,16 @@ export class Sample extends Panel {
       this.#result = frame;
       this.viewport.redraw();
       this.#tellOfAnswer(frame);
-      const apart = frame.pitch_m ? `${metres(frame.pitch_m)} apart, ` : "";
+      const apart = frame.pitch_m && !frame.features ? `${metres(frame.pitch_m)} apart, ` : "";
       if (!draft) this.status.textContent = `${count(frame.sites)} points, ${apart}variation ${frame.variation.toFixed(3)}, ${seconds(start)}`;
       if (!draft || this.#isKept(this.options(this.#lastIteration))) await this.#showTrace(signal);
     }, draft);
   }
 
   /** Shows what the server thought of the shape: warnings, and what it repaired. */
-  #tellOfAnswer({ warnings = [], repaired = [] }) {
+  #tellOfAnswer({ warnings = [], repaired = [], classes = [] }) {
+    this.find(".legend").replaceChildren(...classes.map(({ name, color, sites }) =>
+      make("li", { textContent: `${name}: ${count(sites)}`, style: `--class: ${color}` })));
     this.find(".warnings").textContent = warnings.map(({ detail }) => detail).join("; ");
     const place = this.find(".repairs");
     place.hidden = repaired.length === 0;
@@ -372,8 +439,9 @@ export class Sample extends Panel {
 
   async #showTrace(signal) {
     const place = this.find(".trace");
-    place.hidden = !methodNamed(this.options().method).options.includes("iterations");
-    if (place.hidden) return;
+    const hasTrace = methodNamed(this.options().method).options.includes("iterations") && this.#counting().counted.length === 0;
+    place.hidden = !hasTrace;
+    if (!hasTrace) return;
     const { trace } = await this.#frame(this.options(this.#lastIteration), signal);
     const points = trace.map(({ iteration, variation }) => [iteration, variation]);
     const at = points.find(([iteration]) => iteration === Number(this.iteration.value)) ?? points.at(-1);
@@ -393,8 +461,7 @@ export class Sample extends Panel {
     const isAboutShape = ({ pointer }) => (isDocument ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
     this.#tellOfShape(errors.filter(isAboutShape).map(({ detail }) => detail).join("; "));
     const others = errors.filter((error) => !isAboutShape(error));
-    this.fields.show(others);
-    this.shapeFields.show(others);
+    for (const fields of [this.fields, this.shapeFields, this.countFields]) fields?.show(others);
   }
 
   /** The outline is left. */
@@ -447,16 +514,21 @@ export class Sample extends Panel {
   }
 
   #drawResult(context, result, [dx, dy]) {
-    const radius = Math.max(dotShare * Math.sqrt(areaOf(result.outline.parts) / result.places.length) * this.viewport.scale, 0.7);
+    const pitch = Math.sqrt(areaOf(result.outline.parts) / result.places.length);
+    const radius = Math.max((result.features ? mapShare : dotShare) * pitch * this.viewport.scale, leastRadius);
     if (result.triangles && this.mesh.checked) this.#drawMesh(context, result, [dx, dy]);
-    context.fillStyle = colour(dx === 0 && dy === 0 ? "--ink" : "--quiet");
-    context.beginPath();
-    for (const [px, py] of result.places) {
-      const { x, y } = this.#toScreen([px + dx, py + dy]);
-      context.moveTo(x + radius, y);
-      context.arc(x, y, radius, 0, 2 * Math.PI);
+    const classes = result.classes ?? [{ color: colour(dx === 0 && dy === 0 ? "--ink" : "--quiet") }];
+    for (const [number, { color }] of classes.entries()) {
+      context.fillStyle = color;
+      context.beginPath();
+      result.places.forEach(([px, py], i) => {
+        if (result.class && result.class[i] !== number) return;
+        const { x, y } = this.#toScreen([px + dx, py + dy]);
+        context.moveTo(x + radius, y);
+        context.arc(x, y, radius, 0, 2 * Math.PI);
+      });
+      context.fill();
     }
-    context.fill();
   }
 
   /** On a torus an edge goes to the nearest copy of its other end. */

@@ -44,6 +44,13 @@ with urlopen(request) as answer, open("${output}", "wb") as file:
 
 /** The body in each language: a file of the sender's own, or the text itself. */
 function sampleBodies({ body, file }) {
+  if (file?.path) {
+    const at = location.origin + file.path;
+    return {
+      before: `curl -s ${shellQuoted(at)} |\n  `, curl: "--data-binary @-", fetch: "shape", python: `urlopen("${at}").read()`,
+      read: `const shape = await (await fetch("${at}")).text();\n`,
+    };
+  }
   if (!file) return { curl: `-d ${shellQuoted(body)}`, fetch: `JSON.stringify(${body})`, python: `r'''${body}'''.encode()`, read: "" };
   const name = JSON.stringify(file.name);
   return {
@@ -56,7 +63,7 @@ function sampleSnippets(request) {
   const url = location.origin + request.path;
   const body = sampleBodies(request);
   const allow = (kind) => (hasKey() ? authorizations[kind] : "");
-  const curl = `curl${allow("curl")} ${body.curl} \\\n  ${shellQuoted(url)} -o points.json`;
+  const curl = `${body.before ?? ""}curl${allow("curl")} ${body.curl} \\\n  ${shellQuoted(url)} -o points.json`;
   const script = `${body.read}const answer = await fetch("${url}",
   {method: "POST", body: ${body.fetch}${allow("fetch")}});
 if (!answer.ok) throw new Error(await answer.text());
