@@ -39,7 +39,8 @@ def expressions():
 
 class Rules(unittest.TestCase):
     def test_please_promtool(self):
-        for arguments in (("check", "rules", ALERTS), ("check", "config", DOCKER / "prometheus" / "prometheus.yaml")):
+        settings = [("check", "config", DOCKER / "prometheus" / name) for name in ("prometheus.yaml", "scale.yaml")]
+        for arguments in (("check", "rules", ALERTS), *settings):
             code, told = promtool(*arguments)
             self.assertEqual(code, 0, told)
 

@@ -8,7 +8,7 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-SCRIPTS = ("server/run", "tests/run", "tests/bench/service/run", "tests/fuzz/run", "tests/page/install", "tests/soak/run", ".ci/run",
+SCRIPTS = ("server/run", "tests/run", "tests/bench/service/run", "tests/fuzz/run", "tests/page/install", "tests/deploy/install", "tests/soak/run", ".ci/run",
            "docker/collect", "docker/packages", "docker/install", "docker/snapshot")
 LIST = ROOT / "docker" / "packages.txt"
 

