@@ -320,6 +320,7 @@ private:
         if (where == Triangulation::VERTEX) return face->vertex(i);
         for (int corner = 0; corner < 3; ++corner) {
             for (const Vertex vertex : {face->vertex(corner), triangulation_.mirror_vertex(face, corner)}) {
+                if (triangulation_.is_infinite(vertex)) continue;  // beyond a side of the box
                 const Point away = place(vertex) - at;
                 if (dot(away, away) <= tolerance_ * tolerance_ / 16) return vertex;
             }
