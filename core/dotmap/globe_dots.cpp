@@ -90,7 +90,7 @@ Result<GlobeDots> distribute_dots_on_globe(std::span<const MapFeature> features,
     for (const MapFeature& feature : features) dots += dots_of(feature);
     const auto turned = in_one_turn(region, control.stop);
     if (!turned) return tl::unexpected(turned.error());
-    const auto parts = chart_region(*turned, dots, control.stop);
+    const auto parts = chart_region(*turned, dots, 0, control.stop);
     if (!parts) return tl::unexpected(parts.error());
     if (parts->size() > 1) {
         return failure(ErrorCode::Unusable,

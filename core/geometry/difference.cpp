@@ -40,6 +40,8 @@ Ring clipped(const Ring& ring, const Side& side) {
     return kept;
 }
 
+}  // namespace
+
 Ring clipped(Ring ring, const Box& box) {
     for (const Side& side :
          {Side{true, box.min.x, 1}, Side{true, box.max.x, -1}, Side{false, box.min.y, 1}, Side{false, box.max.y, -1}}) {
@@ -47,8 +49,6 @@ Ring clipped(Ring ring, const Box& box) {
     }
     return ring;
 }
-
-}  // namespace
 
 Result<Domain> without(const Domain& domain, std::span<const Area> areas, const std::stop_token& stop) {
     std::vector<Area> inside;

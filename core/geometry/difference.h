@@ -9,6 +9,10 @@
 
 namespace ccdt {
 
+/// The part of a ring within a box, with edges along its sides where it is cut off: that has the ring's area in the
+/// box, by the even-odd rule. Edges end where they cross the sides, rounded.
+Ring clipped(Ring ring, const Box& box);
+
 /// What is left of a domain without areas that may reach as far out of it as they like.
 ///
 /// @param domain  no torus

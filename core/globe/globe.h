@@ -24,12 +24,15 @@ struct GlobeDistribution {
 ///                 which are not known to be the same ground, what two of them have is left out
 /// @param density  stretched over the bounding box of the region in one turn: what the ground wants, relative to other
 ///                 ground
+/// @param buffer   least distance on the ground of sites from the border, in metres; a cut is no border
 /// @returns        sites strictly inside the region; iterations, trace and variation are those of the larger part. The
 ///                 mesh's triangles may reach across the meridian of 180 degrees
-/// Errors: those of chart_region() and of `distribute`; Unusable if the density is zero all over the region.
+/// Errors: those of chart_region() and of `distribute`; Unusable if the density is zero all over the region, or if the
+/// buffer leaves nothing of it.
 /// Limits: what covers the globe, but for no cap of 5 degrees, has two parts, at whose border, a circle of 20 degrees
 /// around a place far from any other border, sites keep half a row's distance as at any border.
 Result<GlobeDistribution> distribute_on_globe(const Domain& region, const Density& density, const Options& options,
-                                              const Distribute& distribute, const Control& control = {});
+                                              const Distribute& distribute, double buffer = 0,
+                                              const Control& control = {});
 
 }  // namespace ccdt

@@ -13,6 +13,9 @@ namespace ccdt {
 
 namespace {
 
+/// Least radius of curvature of the ellipsoid, metres.
+constexpr double kLeastRadius = 6'335'439;
+
 /// Degrees that coordinates at the ends of their ranges may be off by: ten micrometres.
 constexpr double kClose = 1e-10;
 constexpr double kTolerance = 1e-3;  ///< to which edges are straight on a chart, over the pitch of sites
@@ -119,7 +122,7 @@ struct Far {
 /// Lays a region in degrees onto charts.
 class Charting {
 public:
-    Charting(const Domain& degrees, std::size_t sites, const std::stop_token& stop);
+    Charting(const Domain& degrees, std::size_t sites, double buffer, const std::stop_token& stop);
 
     Result<std::vector<ChartedPart>> execute();
 
@@ -155,6 +158,7 @@ private:
 
     const std::stop_token& stop_;
     const double sites_;
+    const double buffer_;      ///< radians
     std::vector<Ring> rings_;  ///< degrees, the inside on the left
     double west_ = 0, east_ = 0;
     bool closes_ = false;            ///< east and west are one meridian
@@ -166,8 +170,12 @@ private:
     double tolerance_ = 0;           ///< radians on the ground
 };
 
-Charting::Charting(const Domain& degrees, std::size_t sites, const std::stop_token& stop)
-    : stop_(stop), sites_(static_cast<double>(sites)), west_(degrees.bounds().min.x), east_(degrees.bounds().max.x) {
+Charting::Charting(const Domain& degrees, std::size_t sites, double buffer, const std::stop_token& stop)
+    : stop_(stop),
+      sites_(static_cast<double>(sites)),
+      buffer_(buffer / kLeastRadius),
+      west_(degrees.bounds().min.x),
+      east_(degrees.bounds().max.x) {
     closes_ = east_ - west_ > kTurn - kClose;
     const auto put_right = [&](Point p) {
         if (closes_ && p.x > west_ + kTurn - kClose) p.x = west_ + kTurn;
@@ -364,14 +372,19 @@ Result<std::vector<ChartedPart>> Charting::on_one_chart(const Chart& chart) cons
     auto domain = Domain::enclosed_by(lay_all(chart), stop_);
     if (!domain) return tl::unexpected(domain.error());
     std::vector<ChartedPart> parts;
-    parts.push_back({chart, *std::move(domain)});
+    parts.push_back({chart, *std::move(domain), 0});
     return parts;
+}
+
+/// Radius in a chart's plane of the circle that is so many radians from its centre.
+double radius_of(double angle) {
+    return 2 * std::tan(angle / 2);
 }
 
 /// Corners of a circle around a chart's centre.
 Ring circle(double angle) {
     constexpr int kCorners = 1'440;
-    const double radius = 2 * std::tan(angle / 2);
+    const double radius = radius_of(angle);
     Ring ring;
     for (int i = 0; i < kCorners; ++i) {
         const double turned = 2 * std::numbers::pi * i / kCorners;
@@ -383,7 +396,7 @@ Ring circle(double angle) {
 /// @param far  inside the region
 Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
     constexpr double kLargest = 20 * kDegree, kLeast = kDegree;
-    const double angle = std::min(kLargest, far.distance - 2 * step_);
+    const double angle = std::min(kLargest, far.distance - 2 * step_ - buffer_);
     if (angle < kLeast) {
         return failure(ErrorCode::Unusable,
                        "the polygon is strewn over all of the globe: no place is some degrees from its border");
@@ -397,8 +410,8 @@ Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
     auto rest = Domain::enclosed_by({circle(angle)}, stop_);
     if (!rest) return tl::unexpected(rest.error());
     std::vector<ChartedPart> parts;
-    parts.push_back({chart, *std::move(most)});
-    parts.push_back({opposite, *std::move(rest)});
+    parts.push_back({chart, *std::move(most), radius_of(std::numbers::pi - angle)});
+    parts.push_back({opposite, *std::move(rest), radius_of(angle)});
     return parts;
 }
 
@@ -417,6 +430,7 @@ Result<std::vector<ChartedPart>> Charting::execute() {
     if (distance * std::sqrt(sites_) < kLeastExtent * kDegree)
         return failure(ErrorCode::Unusable, "the polygon is too small on the globe");
     tolerance_ = kTolerance * distance;
+    if (buffer_ > 0) tolerance_ = std::min(tolerance_, buffer_ / 4'000);
     const Direction in_the_pacific = direction_of({-150, -30});
     if (border_.empty()) return on_two_charts({in_the_pacific, std::numbers::pi, true});
     if (const auto chart = simple_chart()) return on_one_chart(*chart);
@@ -459,16 +473,17 @@ Result<Domain> in_one_turn(const Domain& degrees, const std::stop_token& stop) {
     return Domain::enclosed_by(rings, stop);
 }
 
-Result<std::vector<ChartedPart>> chart_region(const Domain& degrees, std::size_t sites, const std::stop_token& stop) {
-    return Charting(degrees, sites, stop).execute();
+Result<std::vector<ChartedPart>> chart_region(const Domain& degrees, std::size_t sites, double buffer,
+                                              const std::stop_token& stop) {
+    return Charting(degrees, sites, buffer, stop).execute();
 }
 
 double ground_pitch(const Domain& degrees, std::size_t sites) {
-    return Charting(degrees, sites, {}).pitch();
+    return Charting(degrees, sites, 0, {}).pitch();
 }
 
 Result<Domain> lay_on_chart(const Chart& chart, const Domain& degrees, double pitch, const std::stop_token& stop) {
-    return Charting(degrees, 1, stop).lay_on(chart, pitch);
+    return Charting(degrees, 1, 0, stop).lay_on(chart, pitch);
 }
 
 }  // namespace ccdt

@@ -85,7 +85,7 @@ TEST(DistributeOnGlobe, StopsWhenAsked) {
     std::stop_source stop;
     stop.request_stop();
     const auto stopped = distribute_on_globe(region(box(0, 0, 90, 90)), Density::uniform(), {.sites = 10}, distribute,
-                                             {.stop = stop.get_token()});
+                                             0, {.stop = stop.get_token()});
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().code, ErrorCode::Stopped);
 }

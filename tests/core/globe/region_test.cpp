@@ -157,7 +157,7 @@ TEST(ChartRegion, RefusesWhatItCannotLay) {
     EXPECT_EQ(message({{box(0, 0, 1e-9, 1e-9), {}}}), "the polygon is too small on the globe");
     std::stop_source stop;
     stop.request_stop();
-    EXPECT_EQ(chart_region(region({{kGlobe, {}}}), 10, stop.get_token()).error().code, ErrorCode::Stopped);
+    EXPECT_EQ(chart_region(region({{kGlobe, {}}}), 10, 0, stop.get_token()).error().code, ErrorCode::Stopped);
 }
 
 }  // namespace

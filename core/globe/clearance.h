@@ -1,0 +1,17 @@
+#pragma once
+
+#include "core/geometry/inset.h"
+#include "core/geometry/point.h"
+#include "core/globe/chart.h"
+
+namespace ccdt {
+
+/// The disc in the plane of a chart in which all places lie that are nearer to one on the ground than so many metres,
+/// with room of 1 part in 1,000: edges of a charted region are bent only as far, and are swept in steps. Where it would
+/// reach around what is opposite the chart's centre its radius is larger than any plane.
+///
+/// The conformal sphere is the ground but for a factor that varies by latitude, less than 0.007 a radian. On it what is
+/// nearer than an angle is a disc, and so it is in the plane, with another centre.
+Disc disc_on_ground(const Chart& chart, Point place, double metres);
+
+}  // namespace ccdt

@@ -1,0 +1,136 @@
+#include "core/geometry/inset.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/shapes.h"
+
+namespace ccdt {
+namespace {
+
+using test::box;
+using test::Parts;
+
+Domain inset_of(const Parts& parts, double distance) {
+    const auto domain = Domain::create(parts);
+    EXPECT_TRUE(domain);
+    const auto left = inset(*domain, distance);
+    EXPECT_TRUE(left) << left.error().message;
+    return *left;
+}
+
+/// Corners of the border are as far from the old one as they should be, and no farther than slices of arcs are.
+void expect_distance(const Domain& left, const Parts& parts, double distance) {
+    double least = 1e300, most = 0;
+    for (const Ring& ring : left.rings()) {
+        for (const Point& p : ring) {
+            const double found = test::distance_to_border(parts, left.to_user(p));
+            least = std::min(least, found);
+            most = std::max(most, found);
+        }
+    }
+    EXPECT_GE(least, distance);
+    EXPECT_LE(most, 1.01 * distance);
+}
+
+TEST(Inset, OfARectangleIsARectangle) {
+    const Domain left = inset_of({{box(1, 2, 4, 3), {}}}, 0.5);
+    EXPECT_NEAR(left.area(), 6, 1e-9);
+    ASSERT_EQ(left.rings().size(), 1U);
+    EXPECT_EQ(left.bounds().min, (Point{1, 2}));
+    EXPECT_EQ(left.bounds().max, (Point{5, 5}));
+}
+
+TEST(Inset, GoesAroundHolesInArcs) {
+    const Parts parts = {{box(0, 0, 9, 9), {box(4, 4, 1, 1)}}};
+    const Domain left = inset_of(parts, 1);
+    EXPECT_NEAR(left.area(), 49 - 5 - std::numbers::pi, 0.02);
+    EXPECT_LT(left.area(), 49 - 5 - std::numbers::pi);
+    EXPECT_EQ(left.rings().size(), 2U);
+    expect_distance(left, parts, 1);
+}
+
+TEST(Inset, FallsApartWhereTheDomainIsNarrow) {
+    // Two squares, and a corridor of width 1 between them.
+    const Parts parts = {
+        {{{0, 0}, {4, 0}, {4, 1}, {8, 1}, {8, 0}, {12, 0}, {12, 4}, {8, 4}, {8, 2}, {4, 2}, {4, 4}, {0, 4}}, {}}};
+    EXPECT_EQ(inset_of(parts, 0.4).rings().size(), 1U);
+    const Domain left = inset_of(parts, 0.6);
+    EXPECT_EQ(left.rings().size(), 2U);
+    expect_distance(left, parts, 0.6);
+}
+
+TEST(Inset, KeepsItsDistanceFromCoastsFinerAndCoarserThanThat) {
+    for (const auto* name : {"Italy-110m.geojson", "Switzerland-10m.geojson", "South-Africa-50m.geojson"}) {
+        const Parts parts = test::read_geojson(name);
+        for (const double distance : {1e-9, 1e-3, 0.1, 0.3}) {
+            SCOPED_TRACE(testing::Message() << name << ' ' << distance);
+            expect_distance(inset_of(parts, distance), parts, distance);
+        }
+    }
+}
+
+TEST(Inset, OfAFineCircleIsACircle) {
+    const Parts parts = {{test::circle({0, 0}, 1, 20'000), {}}};
+    const Domain left = inset_of(parts, 0.5);
+    EXPECT_NEAR(left.area(), 0.25 * std::numbers::pi, 0.01);
+    expect_distance(left, parts, 0.5);
+}
+
+TEST(Inset, KeepsOutOfDiscsThatLieBesideTheirPoints) {
+    const Parts parts = {{box(0, 0, 4, 4), {box(1, 1, 1, 1)}}};
+    const auto shifted = [](Point p) { return Disc{{p.x + 0.125 * p.y, p.y}, 0.25 + 0.125 * p.x}; };
+    const auto left = inset(Domain::create(parts).value(), shifted);
+    ASSERT_TRUE(left) << left.error().message;
+    double least = 9;
+    for (const Ring& ring : left->rings()) {
+        for (const Point& corner : ring) {
+            for (const Ring& border : {parts[0].outer, parts[0].holes[0]}) {
+                for (int i = 0; i < 4000; ++i) {
+                    const Point a = border[static_cast<std::size_t>(i / 1000)],
+                                b = border[static_cast<std::size_t>(i / 1000 + 1) % 4];
+                    const auto [centre, radius] = shifted(a + i % 1000 / 1000.0 * (b - a));
+                    const Point away = left->to_user(corner) - centre;
+                    least = std::min(least, std::sqrt(dot(away, away)) / radius);
+                }
+            }
+        }
+    }
+    EXPECT_GT(least, 1);
+    EXPECT_LT(least, 1.01);
+    EXPECT_EQ(inset(Domain::create(parts).value(),
+                    [](Point p) {
+                        return Disc{p, 0};
+                    })
+                  ->rings(),
+              Domain::create(parts)->rings());
+}
+
+TEST(Inset, MayLeaveNothing) {
+    const Domain square = Domain::rectangle(4, 4).value();
+    for (const double distance : {2.0, 3.0, 1e308}) {
+        const auto left = inset(square, distance);
+        ASSERT_FALSE(left) << distance;
+        EXPECT_EQ(left.error().code, ErrorCode::Unusable);
+    }
+    EXPECT_TRUE(inset(square, 1.9));
+}
+
+TEST(LargestClearance, IsTheRadiusOfTheLargestCircle) {
+    const auto largest = [](const Parts& parts) { return largest_clearance(Domain::create(parts).value()); };
+    EXPECT_NEAR(largest({{box(3, 3, 4, 2), {}}}), 1, 0.01);
+    EXPECT_NEAR(largest({{{{0, 0}, {3, 0}, {0, 4}}, {}}}), 1, 0.01);
+    EXPECT_NEAR(largest({{box(0, 0, 8, 8), {box(1, 1, 6, 6)}}}), 2 - std::numbers::sqrt2, 0.01);
+    for (const auto* name : {"Italy-110m.geojson", "South-Africa-50m.geojson"}) {
+        const Parts parts = test::read_geojson(name);
+        const double distance = largest(parts);
+        EXPECT_GT(inset_of(parts, 0.98 * distance).area(), 0);
+        EXPECT_FALSE(inset(Domain::create(parts).value(), 1.011 * distance));
+    }
+}
+
+}  // namespace
+}  // namespace ccdt

@@ -1,0 +1,37 @@
+#include "core/globe/clearance.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace ccdt {
+namespace {
+
+TEST(DiscOnGround, HoldsAllThatIsNearerAndLittleElse) {
+    const Chart chart(direction_of({10, 50}));
+    constexpr double kEquator = 6'378'137, kPole = 6'399'594;  // metres to a radian of the conformal sphere
+    for (const double metres : {1.0, 1e4, 1e6}) {
+        for (const Point place : {Point{0, 0}, Point{0.1, 0}, Point{-0.3, 0.4}, Point{0, -1.5}, Point{20, 0}}) {
+            const auto [centre, radius] = disc_on_ground(chart, place, metres);
+            const Direction there = chart.to_direction(place);
+            for (int i = 0; i < 16; ++i) {
+                const double turn = i * std::numbers::pi / 8;
+                const Point rim = centre + radius * Point{std::cos(turn), std::sin(turn)};
+                const Direction away = chart.to_direction(rim) + -there;
+                const double angle = 2 * std::asin(std::sqrt(dot(away, away)) / 2);
+                EXPECT_GT(angle * kPole, metres);
+                EXPECT_LT(angle * kEquator, 1.005 * metres);
+            }
+        }
+    }
+}
+
+TEST(DiscOnGround, IsEverywhereBeforeItGoesAroundTheGlobe) {
+    const Chart chart(direction_of({10, 50}));
+    EXPECT_GT(disc_on_ground(chart, {0, 0}, 2.1e7).radius, 1e300);
+    EXPECT_GT(disc_on_ground(chart, {0, 0}, 1e308).radius, 1e300);
+}
+
+}  // namespace
+}  // namespace ccdt
