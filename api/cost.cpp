@@ -82,11 +82,18 @@ std::size_t corners_of(const std::variant<PolygonInput, Rectangle>& domain) {
     return polygon == nullptr ? 0 : polygon->corner_count();
 }
 
+/// Takes a strip along the border of so many corners from a domain.
+Estimate keeping_off(double corners) {
+    constexpr double kBytes = 3'000, kTime = 100 * kMicrosecond;
+    return {corners * kBytes, corners * kTime};
+}
+
 /// Makes the domain: validates it and what it is to avoid, and takes that from it.
 Estimate bounding(const SampleRequest& request) {
     const std::size_t corners = corners_of(request.domain), avoided = request.avoid.corner_count();
     const Estimate made = then(bounding(corners), bounding(avoided));
-    return avoided == 0 ? made : then(made, bounding(corners + avoided));
+    const Estimate left = avoided == 0 ? made : then(made, bounding(corners + avoided));
+    return request.buffer > 0 ? then(left, keeping_off(static_cast<double>(corners + avoided))) : left;
 }
 
 /// Makes a grid's integrals, over whose cells the passes walk.

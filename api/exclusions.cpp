@@ -1,13 +1,17 @@
 #include "api/exclusions.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "core/geometry/difference.h"
+#include "core/geometry/inset.h"
 #include "core/globe/region.h"
 #include "core/globe/turns.h"
 
@@ -56,10 +60,7 @@ Result<RepairedArea> avoided_area(const SampleRequest& request, const std::stop_
     return failure(ErrorCode::Unusable, area->repairs.front().detail, area->repairs.front().field);
 }
 
-}  // namespace
-
-Result<RepairedDomain> without_exclusions(RepairedDomain area, const SampleRequest& request,
-                                          const std::stop_token& stop) {
+Result<RepairedDomain> without_avoided(RepairedDomain area, const SampleRequest& request, const std::stop_token& stop) {
     if (request.avoid.parts.empty()) return area;
     auto avoided = avoided_area(request, stop);
     if (!avoided) return tl::unexpected(avoided.error());
@@ -70,6 +71,36 @@ Result<RepairedDomain> without_exclusions(RepairedDomain area, const SampleReque
     if (!left) return failure(left.error().code, left.error().message, kAvoid);
     std::ranges::move(avoided->repairs, std::back_inserter(area.repairs));
     return RepairedDomain{*std::move(left), std::move(area.repairs)};
+}
+
+/// Three digits, rounded down or nearly so.
+std::string told(double distance) {
+    constexpr double kLess = 0.995;
+    std::array<char, 32> text;
+    const auto end = std::to_chars(text.begin(), text.end(), kLess * distance, std::chars_format::general, 3).ptr;
+    return "about " + std::string(text.begin(), end);
+}
+
+Result<RepairedDomain> without_buffer(RepairedDomain area, const SampleRequest& request, const std::stop_token& stop) {
+    auto left = inset(area.domain, request.buffer, stop);
+    if (left) return RepairedDomain{*std::move(left), std::move(area.repairs)};
+    constexpr double kSure = 1.02;  // the farthest place, and the buffer, are known to a hundredth
+    const double farthest = largest_clearance(area.domain, stop);
+    if (left.error().code != ErrorCode::Unusable || farthest > kSure * request.buffer)
+        return failure(left.error().code, left.error().message, request.field_of("buffer"));
+    return failure(ErrorCode::Unusable,
+                   "no place is as far from the border as the buffer: the farthest is " + told(farthest) + " from it",
+                   request.field_of("buffer"));
+}
+
+}  // namespace
+
+Result<RepairedDomain> without_exclusions(RepairedDomain area, const SampleRequest& request,
+                                          const std::stop_token& stop) {
+    const bool keeps_off = request.buffer > 0 && request.coordinates == Coordinates::Plane;
+    auto left = without_avoided(std::move(area), request, stop);
+    if (!left || !keeps_off) return left;
+    return without_buffer(*std::move(left), request, stop);
 }
 
 }  // namespace ccdt::api

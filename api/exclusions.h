@@ -6,7 +6,8 @@
 
 namespace ccdt::api {
 
-/// Takes what a request wants to be avoided from its area. The bounding box stays what it is.
+/// Takes what a request wants to be avoided from its area and, in a plane, what is too near to the border of what is
+/// left. The bounding box stays what it is.
 ///
 /// @param area  of the request, and what was repaired in it; repairs of what is avoided are added
 /// @param stop  asked now and then: Error Stopped

@@ -33,6 +33,8 @@ constexpr std::uint64_t kMaxSide = std::numeric_limits<int>::max();
 
 constexpr std::uint64_t kMaxWidth = 65'535;
 
+constexpr Interval kNotNegative = {.min = 0};
+
 /// Repairs that a header tells of: some 150 characters each.
 constexpr std::size_t kMostInHeader = 8;
 
@@ -160,13 +162,15 @@ constexpr std::array<OptionRule<Draft>, 6> kShapeRules = {{
 }};
 
 /// Members of a JSON body, or parameters beside a GeoJSON document.
-constexpr std::array<OptionRule<Draft>, 18> kOptionRules = {{
+constexpr std::array<OptionRule<Draft>, 19> kOptionRules = {{
     {"sites", read_sites},
     {"per", [](const Input& i, const Limits&, Draft& d) { return read_per(i, d.counting); }},
     {"classes", [](const Input& i, const Limits&, Draft& d) { return assign(d.counting.classes, read_classes(i)); }},
     {"invalid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_invalid, read_invalid(i)); }},
     {"coordinates",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.coordinates, read_coordinates(i)); }},
+    {"buffer",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.buffer, read_number(i, kNotNegative)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", read_given<read_iterations, &MethodOptions::iterations>},
     {"passes", read_given<read_passes, &MethodOptions::passes>},
@@ -251,11 +255,15 @@ Result<void> check_map(const Draft& draft) {
 
 /// Checks what is taken from the domain.
 Result<void> check_exclusions(const Draft& draft) {
-    const PolygonInput& avoid = draft.request.avoid;
-    if (avoid.parts.empty()) return {};
-    if (draft.rectangle && draft.rectangle->periodic)
-        return failure(ErrorCode::Malformed, "a torus is without border: it has nothing to avoid", "/avoid");
-    auto checked = check_size(avoid);
+    const SampleRequest& request = draft.request;
+    if (draft.rectangle && draft.rectangle->periodic) {
+        const auto refused = [](const char* field) {
+            return failure(ErrorCode::Malformed, "a torus has no border, and nothing to keep away from", field);
+        };
+        if (!request.avoid.parts.empty()) return refused("/avoid");
+        if (request.buffer > 0) return refused("/buffer");
+    }
+    auto checked = check_size(request.avoid);
     if (!checked) checked.error().field = "/avoid";
     return checked;
 }
@@ -348,7 +356,7 @@ Result<PlacedPoints> distribute(const SampleRequest& request, const Domain& doma
             return PlacedPoints{std::move(distribution), {}};
         });
     }
-    return distribute_on_globe(domain, density, request.run, request.method->run, control)
+    return distribute_on_globe(domain, density, request.run, request.method->run, request.buffer, control)
         .map([](GlobeDistribution&& placed) {
             return PlacedPoints{std::move(placed.sites), placed.pitch};
         });

@@ -46,6 +46,7 @@ enum class OnInvalid { Repair, Reject };
 struct SampleRequest {
     std::variant<PolygonInput, Rectangle> domain;
     PolygonInput avoid{};  ///< taken from the domain, which is no torus; no parts: nothing
+    double buffer = 0;     ///< least distance from the border, units of the domain or metres on the ground
     OnInvalid on_invalid = OnInvalid::Repair;
     Coordinates coordinates = Coordinates::Plane;                     ///< LonLat of polygons alone
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
@@ -87,7 +88,8 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
 /// @param decode   reads a density image
 /// @param control  a stop ends it within a pass, with nothing to show for it unless its part is asked for
 /// @param timings  filled as far as it came
-/// Errors: Unusable for a polygon without area, also after what is avoided is taken from it, or not valid if such are
+/// Errors: Unusable for a polygon without area, also after what is avoided is taken from it or what the
+/// buffer does not leave, or not valid if such are
 /// to be rejected, or a density of zero; those
 /// of `decode`; LimitExceeded if a drawing would have more than limits.max_pixels; Stopped. The field is a JSON
 /// Pointer. Same request, same bytes, but for `elapsed_ms` in JSON.

@@ -32,6 +32,7 @@ enum class Given : std::uint16_t {
     Partial = 512,
     Reject = 1024,
     Avoid = 2048,
+    Buffer = 4096,
 };
 
 /// A JSON object of the members that are told one after the other.
@@ -129,6 +130,7 @@ std::string take_request(Bytes& input) {
     if (given(Given::Reject)) members.add_word("invalid", "reject");
     take_domain(input, members);
     take_density(input, members);
+    if (given(Given::Buffer)) members.add("buffer", take_number(input));
     if (given(Given::Avoid))
         members.add("avoid", '[' + coordinates(take_ring(input)) + ',' + coordinates(take_ring(input)) + ']');
     return members.finish();
@@ -149,8 +151,14 @@ Made make(const api::SampleRequest& request) {
 }
 
 /// No point lies where none may, as far as that was told without crossings, whose places are rounded.
-void check_exclusions(const api::SampleRequest& request, const std::vector<Point>& points) {
+void check_exclusions(const api::SampleRequest& request, const Made& made, const std::vector<Point>& points) {
     const auto& avoid = request.avoid.parts;
+    const double rounding =
+        made.domain.resolution() * std::max(made.domain.bounds().width(), made.domain.bounds().height());
+    for (const Point& p : points) {
+        if (made.parts.empty() || request.buffer == 0) break;
+        CCDT_CHECK(test::distance_to_border(made.parts, p) >= request.buffer - rounding);
+    }
     if (avoid.empty() || !Domain::repair_area(avoid)->repairs.empty()) return;
     CCDT_CHECK(test::count_outside(avoid, points) == points.size());
 }
@@ -161,7 +169,7 @@ void check_answer(const api::SampleRequest& request, const api::Answer& answer) 
     const auto check = [&](const std::vector<Point>& points) {
         const auto made = make(request);
         check_points(points, request.run.sites, made.domain, made.parts);
-        check_exclusions(request, points);
+        check_exclusions(request, made, points);
     };
     const std::string_view format = request.format->file.name;
     if (format == "svg") return check_svg(answer.body);

@@ -1,22 +1,48 @@
 """POST /sample with areas where no point may lie: shapely tells what these are, and how far points are from them."""
 
 import json
+import math
 import unittest
 
 import numpy
-import shapely
+import pyproj
 import shapely.geometry
 import shapely.ops
 import shapely.vectorized
 
 from harness import ServerCase, polygon, post_json
 
+GEOD = pyproj.Geod(ellps="WGS84")
+TO_SPACE = pyproj.Transformer.from_crs(4979, 4978, always_xy=True)
 ITALY = polygon("Italy-110m.geojson")
 SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4]]
 LAKES = {"type": "MultiPolygon", "coordinates": [
     [[[11, 43], [12.5, 43.2], [12.3, 44], [11.2, 44.1]]],
     [[[14, 39], [20, 39], [20, 41], [14, 41]], [[15, 39.5], [17, 39.5], [17, 40], [15, 40]]]]}
 BOWTIE = [[1, 1], [3, 3], [3, 1], [1, 3]]
+
+
+def distances_to(border, points):
+    return numpy.array([border.distance(shapely.geometry.Point(point)) for point in points])
+
+
+def edges_of(ring):
+    corners = numpy.array(ring.coords)
+    return numpy.stack([corners[:-1], corners[1:]], axis=1)
+
+
+def cut(edges, longest):
+    """Edges [n, 2, 2], cut into pieces that are no longer than so many degrees."""
+    pieces = []
+    for a, b in edges:
+        shares = numpy.linspace(0, 1, 1 + max(1, math.ceil(numpy.hypot(*(b - a)) / longest)))
+        ends = a + shares[:, None] * (b - a)
+        pieces.append(numpy.stack([ends[:-1], ends[1:]], axis=1))
+    return numpy.concatenate(pieces)
+
+
+def in_space(degrees):
+    return numpy.stack(TO_SPACE.transform(*degrees.T, numpy.zeros(len(degrees))), axis=1)
 
 
 class Avoided(ServerCase):
@@ -80,6 +106,64 @@ class Avoided(ServerCase):
         around = [[[-180, 80], [-60, 80], [60, 80]]]
         self.assertLess(self.points(geometry=north, avoid=around, coordinates="lonlat")[:, 1].max(), 80)
 
+    def test_points_keep_off_the_border_and_off_what_is_avoided(self):
+        area = shapely.geometry.shape(ITALY).difference(shapely.geometry.shape(LAKES))
+        for buffer in (1e-6, 0.05, 0.2):
+            points = self.points(geometry=ITALY, avoid=LAKES, buffer=buffer)
+            self.assert_within(area, points)
+            distances = distances_to(area.boundary, points)
+            self.assertGreaterEqual(distances.min(), buffer)
+            self.assertLess(distances.min(), 1.02 * buffer + 0.1 * math.sqrt(area.area / len(points)))
+
+    def test_points_keep_off_holes_and_sides(self):
+        hole = [[2, 2], [2.5, 2], [2.5, 2.5], [2, 2.5]]
+        area = shapely.geometry.Polygon(SQUARE, [hole])
+        for body in ({"polygon": SQUARE, "holes": [hole]},
+                     {"domain": {"type": "rectangle", "width": 4, "height": 4}, "avoid": [hole]}):
+            points = self.points(buffer=0.3, **body)
+            distances = distances_to(area.boundary, points)
+            self.assertGreaterEqual(distances.min(), 0.3)
+            # As even as in any other area of that size.
+            inner = area.buffer(-0.3)
+            pitch = numpy.sqrt(inner.area / len(points))
+            self.assertAlmostEqual(shapely.vectorized.contains(inner.buffer(-2 * pitch), *points.T).mean(),
+                                   inner.buffer(-2 * pitch).area / inner.area, delta=0.01)
+
+    def test_points_keep_off_the_border_by_metres_on_the_ground(self):
+        wide = {"type": "Polygon", "coordinates": [[[-20, 50], [40, 50], [40, 72], [-20, 72]]]}
+        for geometry, metres in ((ITALY, 500), (ITALY, 20_000), (wide, 100), (wide, 200_000)):
+            answer = self.sample(sites=2000, geometry=geometry, buffer=metres, coordinates="lonlat")
+            least = self.least_metres(numpy.array(answer["points"]), shapely.geometry.shape(geometry), metres)
+            self.assertGreaterEqual(least, 0.999 * metres)
+            self.assertLess(least, 1.04 * metres + 0.3 * answer["pitch_m"])
+
+    def test_the_globe_without_an_island_keeps_off_that_alone(self):
+        globe = [[-180, -90], [180, -90], [180, 90], [-180, 90]]
+        island = [[110, -35], [150, -35], [150, -15], [110, -15]]
+        answer = self.sample(sites=2000, polygon=globe, avoid=[island], buffer=300_000, coordinates="lonlat", mesh=True)
+        points = numpy.array(answer["points"])
+        least = self.least_metres(points, shapely.geometry.Polygon(island), 300_000)
+        self.assertGreaterEqual(least, 0.999 * 300_000)
+        # Where the globe is cut, there is no strip without points.
+        spaces = in_space(points)
+        nearest = [numpy.sort(numpy.linalg.norm(spaces - place, axis=1))[6] for place in spaces]
+        self.assertLess(numpy.median(nearest), 1.4 * answer["pitch_m"])
+        self.assertLess(max(nearest), 2.2 * answer["pitch_m"])
+
+    def least_metres(self, points, shape, metres):
+        """Of points that seem to be the nearest to the border, geodesics to the pieces of it that do."""
+        pieces = cut(numpy.concatenate([edges_of(ring) for part in getattr(shape, "geoms", [shape])
+                                        for ring in (part.exterior, *part.interiors)]), 0.05)
+        middles = in_space((pieces[:, 0] + pieces[:, 1]) / 2)
+        places = in_space(points)
+        away = numpy.array([numpy.linalg.norm(middles - place, axis=1) for place in places])
+        found = []
+        for number in away.min(axis=1).argsort()[:50]:
+            near = pieces[away[number].argsort()[:4]]
+            border = cut(near, 0.02 * metres / 111_000)[:, 0]
+            found.append(GEOD.inv(*border.T, *numpy.broadcast_to(points[number], border.shape).T)[2].min())
+        return min(found)
+
     def test_wrong_ones_are_told(self):
         def refused(status, pointer, *words, **body):
             answer = post_json(self.server, "/sample", {"sites": 10, **body})
@@ -93,6 +177,29 @@ class Avoided(ServerCase):
         refused(400, "/avoid", "a Polygon", polygon=SQUARE, avoid={"type": "Point", "coordinates": [1, 1]})
         refused(422, "/avoid/0", "extent", polygon=SQUARE, avoid=[[[-far, -far], [far, -far], [0, far]]])
         refused(422, "/avoid/0/2", "latitude", polygon=SQUARE, coordinates="lonlat", avoid=[[[1, 1], [2, 1], [2, 91]]])
+
+    def test_buffers_that_leave_nothing_are_told(self):
+        def refused(status, *words, **body):
+            answer = post_json(self.server, "/sample", {"sites": 10, **body})
+            self.assert_problem(answer, status, *words)
+            self.assertEqual(answer.json()["errors"][0]["pointer"], "/buffer", answer)
+
+        refused(422, "about 1.99", polygon=SQUARE, buffer=2)
+        refused(422, "about 1.99", polygon=SQUARE, buffer=1e308)
+        refused(422, "nothing", polygon=SQUARE, buffer=1e7, coordinates="lonlat")
+        refused(422, "nothing", polygon=SQUARE, buffer=1e308, coordinates="lonlat")
+        refused(400, "torus", domain={"type": "torus", "width": 1, "height": 1}, buffer=0.1)
+        refused(400, "at least 0", polygon=SQUARE, buffer=-1)
+        plain = self.sample(sites=50, polygon=SQUARE)["points"]
+        self.assertEqual(self.sample(sites=50, polygon=SQUARE, buffer=0)["points"], plain)
+        self.points(50, polygon=SQUARE, buffer=1e-308)
+
+    def test_documents_have_a_buffer_too(self):
+        document = json.dumps(ITALY)
+        answer = self.ask("/sample?sites=10&buffer=99", data=document)
+        self.assert_problem(answer, 422, "no place")
+        self.assertEqual(answer.json()["errors"][0]["pointer"], "buffer")
+        self.assertEqual(self.ask("/sample?sites=10&buffer=0.2", data=document).status, 200)
 
     def test_nothing_may_be_avoided(self):
         plain = self.sample(sites=50, polygon=SQUARE)["points"]
