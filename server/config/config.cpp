@@ -201,7 +201,7 @@ constexpr auto kSettings = std::to_array<Setting>({
          return std::string(text.empty() ? "a folder's name" : "");
      }},
     {"--redis", "CCDT_REDIS", "URL",
-     "where jobs are kept that servers share: redis://HOST, rediss://HOST for TLS (none)",
+     "of a Redis, redis://HOST or rediss://HOST, where servers share jobs (none)",
      [](Draft& draft, std::string_view text) { return set_redis(draft.config.redis, text); }, true},
     {"--job-lease", "CCDT_JOB_LEASE", "SECONDS", "after which others take the jobs of a server not heard of (15)",
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.jobs.lease, text); }},

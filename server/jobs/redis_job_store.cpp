@@ -146,7 +146,8 @@ RedisSubscription::Told RedisJobStore::hear() {
             .begun =
                 [this] {
                     notes_.info("jobs are kept by Redis at " + client_.address().name());
-                    advise();
+                    for (const auto& fault : find_faults(client_).value_or(std::vector<std::string>()))
+                        notes_.warning(fault);
                     hears_since_ = Clock::now();
                     news_.tell([](JobListener& listener) { listener.missed(); });
                 },
@@ -173,22 +174,24 @@ void RedisJobStore::tell(std::string_view news) {
     });
 }
 
-/// Tells what of the settings of Redis loses jobs. It need not tell its settings to us.
-void RedisJobStore::advise() {
-    const auto setting = [this](std::string_view name) -> std::string {
-        const auto reply = client_.run(RedisCommand{"CONFIG", "GET", name});
+Result<std::vector<std::string>> RedisJobStore::find_faults(RedisClient& client) {
+    const auto server = client.run(RedisCommand{"INFO", "server"});
+    if (!server) return tl::unexpected(server.error());
+    const auto setting = [&client](std::string_view name) -> std::string {
+        const auto reply = client.run(RedisCommand{"CONFIG", "GET", name});
         return reply && reply->items.size() == 2 ? reply->items[1].text : "";
     };
-    const std::string place = "Redis at " + client_.address().name();
-    const auto server = client_.run(RedisCommand{"INFO", "server"});
-    const std::string version = server ? line_of(server->text, "redis_version") : "";
+    const std::string place = "Redis at " + client.address().name();
+    const std::string version = line_of(server->text, "redis_version");
     std::string_view major = version;
+    std::vector<std::string> faults;
     if (!version.empty() && api::parse_number<int>(api::take_until(major, ".")).value_or(0) < kLeastVersion)
-        notes_.error(place + " is of version " + version + "; jobs need 7.0 or later");
+        faults.push_back(place + " is of version " + version + "; jobs need 7.0 or later");
     if (setting("appendonly") == "no")
-        notes_.warning(place + " keeps no append-only file: jobs end with it (appendonly yes)");
-    if (const auto policy = setting("maxmemory-policy"); policy.starts_with("allkeys"))
-        notes_.warning(place + " drops jobs when its memory is full (maxmemory-policy noeviction)");
+        faults.push_back(place + " keeps no append-only file: jobs end with it (appendonly yes)");
+    if (setting("maxmemory-policy").starts_with("allkeys"))
+        faults.push_back(place + " drops jobs when its memory is full (maxmemory-policy noeviction)");
+    return faults;
 }
 
 Result<RedisReply> RedisJobStore::run(const RedisScript& script, const RedisCommand& arguments) {

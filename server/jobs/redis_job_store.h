@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/jobs/job_limits.h"
 #include "server/jobs/job_news.h"
@@ -36,6 +37,10 @@ public:
     /// The client must outlive it.
     RedisJobStore(RedisClient& client, const JobLimits& limits, Notes notes);
 
+    /// Finds what of the version and the settings of a Redis loses jobs, as far as it tells its settings to us.
+    /// Errors: it cannot be reached.
+    static Result<std::vector<std::string>> find_faults(RedisClient& client);
+
     bool is_shared() const override { return true; }
     Result<bool> is_full(std::string_view client) override;
     Result<Added> add(Job& job, const ComputeRequest& request) override;
@@ -61,7 +66,6 @@ private:
     Result<std::optional<Job>> job_of(const std::string& id, const Result<RedisReply>& reply) const;
     RedisSubscription::Told hear();
     void tell(std::string_view news);
-    void advise();
 
     const JobLimits limits_;
     const Notes notes_;

@@ -16,8 +16,10 @@
 #include "server/config/memory_plan.h"
 #include "server/decoder/decoder_box.h"
 #include "server/http/sockets.h"
+#include "server/jobs/redis_job_store.h"
 #include "server/processes/child_program.h"
 #include "server/processes/process.h"
+#include "server/redis/redis_client.h"
 
 namespace ccdt::server {
 namespace {
@@ -66,8 +68,20 @@ Found check_memory(const Config& config) {
                              " are there to compute with"};
 }
 
+/// A server starts without its Redis, and waits for it.
+Found check_redis(const RedisAddress& address) {
+    RedisClient client(address);
+    const auto faults = RedisJobStore::find_faults(client);
+    if (!faults) return {State::Weak, faults.error().message};
+    if (faults->empty()) return {State::Good, "kept by Redis at " + address.name()};
+    std::string words;
+    for (const auto& fault : *faults) words += (words.empty() ? "" : "; ") + fault;
+    return {State::Weak, words};
+}
+
 /// Jobs in a folder need one that may be written, or one in which it may be made.
 Found check_jobs(const Config& config) {
+    if (config.redis) return check_redis(*config.redis);
     if (config.data_dir.empty()) return {State::Good, "kept in memory, and gone with the server"};
     std::error_code none;
     auto folder = std::filesystem::absolute(config.data_dir, none);

@@ -10,6 +10,7 @@ import tempfile
 import threading
 import unittest
 
+from engine import Redis
 from harness import PATIENCE, Server, ask
 
 PARTS = ["decoder", "worker", "keys", "memory", "jobs", "address"]
@@ -77,6 +78,17 @@ class Check(unittest.TestCase):
             with self.subTest(part=part):
                 self.assertEqual(list(self.wrong(flag)), [part])
         self.assertEqual(self.wrong(), {})
+
+    def test_tells_whether_redis_is_there_and_fit(self):
+        with Redis() as redis:
+            _, _, parts = self.check("--port=0", f"--redis={redis.url}")
+            self.assertEqual(parts["jobs"], ("good", f"kept by Redis at 127.0.0.1:{redis.port}"))
+            redis.cli("CONFIG", "SET", "maxmemory-policy", "allkeys-lru")
+            self.assertIn("noeviction", self.check("--port=0", f"--redis={redis.url}")[2]["jobs"][1])
+        _, values, parts = self.check("--port=0", CCDT_REDIS=f"redis://:secret@127.0.0.1:{redis.port}")
+        self.assertEqual(parts["jobs"][0], "weak")
+        self.assertIn("refused", parts["jobs"][1])
+        self.assertNotIn("secret", str(values))
 
     def test_leaves_a_server_alone(self):
         flag = f"--data-dir={self.folder}"

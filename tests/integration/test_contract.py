@@ -361,7 +361,7 @@ class Statuses(ContractCase):
     # Provoked by the tests named; too rare for here.
     ELSEWHERE = {("/health/ready", "503"): "test_lifecycle", ("/halftone", "507"): "job_store_test.cpp",
                  ("/sample", "507"): "job_store_test.cpp", ("/analyze", "507"): "job_store_test.cpp",
-                 ("/jobs/{id}/result", "503"): "test_jobs"}
+                 ("/jobs/{id}/result", "503"): "test_jobs", ("/jobs/{id}", "503"): "test_replicas"}
 
     def setUp(self):
         self.seen = set()
