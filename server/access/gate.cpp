@@ -36,13 +36,19 @@ Gate::Verdict Gate::check(const Request& request, const std::string& address, bo
     const auto name = ring && !key.empty() ? ring->find(key) : std::nullopt;
 
     Verdict verdict{name.value_or(""), name ? "key " + *name : address, {}};
-    const auto wait = verdict.client.empty() ? std::chrono::seconds(0) : limiter_.take(verdict.client);
+    const auto wait = verdict.client.empty() ? std::chrono::seconds(0) : take(verdict.client);
     if (wait.count() > 0) {
         verdict.admission = busy(429, "too many requests for this key or address (rate-limit)", wait);
     } else if (ring && !name && !is_preflight(request)) {
         verdict.admission = no_key(key.empty());
     }
     return verdict;
+}
+
+/// Counts a request where all servers do, or if that cannot be had here.
+std::chrono::seconds Gate::take(const std::string& client) {
+    const auto wait = shared_ ? shared_->take(client) : std::nullopt;
+    return wait ? *wait : limiter_.take(client);
 }
 
 std::shared_ptr<const KeyRing> Gate::keys() const {

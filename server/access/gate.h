@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -9,6 +10,7 @@
 #include "core/result.h"
 #include "server/access/key_ring.h"
 #include "server/access/rate_limiter.h"
+#include "server/access/shared_rate.h"
 #include "server/http/http.h"
 
 namespace ccdt::server {
@@ -27,7 +29,11 @@ public:
     };
 
     /// @param key_file  empty: no key is needed
-    Gate(std::string key_file, const RateLimiter::Rate& rate) : key_file_(std::move(key_file)), limiter_(rate) {}
+    /// @param shared    Redis where servers count together, which must outlive it; null: each counts by itself
+    Gate(std::string key_file, const RateLimiter::Rate& rate, RedisClient* shared = nullptr)
+        : key_file_(std::move(key_file)), limiter_(rate) {
+        if (shared != nullptr) shared_.emplace(*shared, rate);
+    }
 
     /// Reads the file of keys, if one is configured. After an error the keys are what they were.
     Result<void> read_keys();
@@ -37,9 +43,11 @@ public:
 
 private:
     std::shared_ptr<const KeyRing> keys() const;
+    std::chrono::seconds take(const std::string& client);
 
     const std::string key_file_;
     RateLimiter limiter_;
+    std::optional<SharedRate> shared_;
 
     mutable std::mutex mutex_;  ///< guards the keys
     std::shared_ptr<const KeyRing> keys_;

@@ -12,26 +12,40 @@ constexpr std::size_t kOverhead = 512;
 }  // namespace
 
 std::shared_ptr<const api::Answer> ResultCache::find(const std::string& name) {
-    if (most_ == 0) return nullptr;  // then nothing counts as missed
+    if (most_ == 0 && !shared_) return nullptr;  // then nothing counts as missed
+    auto answer = find_here(name);
+    if (!answer && shared_) {
+        if (auto shared = shared_->find(name)) {
+            answer = std::make_shared<const api::Answer>(*std::move(shared));
+            keep_here(name, answer);
+        }
+    }
+    const std::lock_guard lock(mutex_);
+    ++(answer ? load_.hits : load_.misses);
+    return answer;
+}
+
+std::shared_ptr<const api::Answer> ResultCache::find_here(const std::string& name) {
     const std::lock_guard lock(mutex_);
     const auto place = places_.find(name);
-    if (place == places_.end()) {
-        ++load_.misses;
-        return nullptr;
-    }
-    ++load_.hits;
+    if (place == places_.end()) return nullptr;
     entries_.splice(entries_.begin(), entries_, place->second);
     return place->second->answer;
 }
 
 void ResultCache::keep(const std::string& name, const api::Answer& answer) {
-    const std::size_t bytes = answer.body.size() + name.size() + kOverhead;
-    if (bytes > most_ / 4) return;
+    if (shared_) shared_->keep(name, answer);
+    if (answer.body.size() > most_ / 4) return;
     try {
-        add(name, std::make_shared<const api::Answer>(answer), bytes);
+        keep_here(name, std::make_shared<const api::Answer>(answer));
     } catch (const std::bad_alloc&) {
         // For want of memory it is computed again next time.
     }
+}
+
+void ResultCache::keep_here(const std::string& name, std::shared_ptr<const api::Answer> answer) {
+    const std::size_t bytes = answer->body.size() + name.size() + kOverhead;
+    if (bytes <= most_ / 4) add(name, std::move(answer), bytes);
 }
 
 void ResultCache::add(const std::string& name, std::shared_ptr<const api::Answer> answer, std::size_t bytes) {

@@ -200,8 +200,7 @@ constexpr auto kSettings = std::to_array<Setting>({
          draft.config.data_dir = text;
          return std::string(text.empty() ? "a folder's name" : "");
      }},
-    {"--redis", "CCDT_REDIS", "URL",
-     "of a Redis, redis://HOST or rediss://HOST, where servers share jobs (none)",
+    {"--redis", "CCDT_REDIS", "URL", "of a Redis, redis://HOST or rediss://HOST, where servers share jobs (none)",
      [](Draft& draft, std::string_view text) { return set_redis(draft.config.redis, text); }, true},
     {"--job-lease", "CCDT_JOB_LEASE", "SECONDS", "after which others take the jobs of a server not heard of (15)",
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.jobs.lease, text); }},
@@ -217,6 +216,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      [](Draft& draft, std::string_view text) { return set_bytes(draft.cache.emplace(), text, 0); }},
     {"--cache-shared", "CCDT_CACHE_SHARED", "BOOL", "true: API keys share answers, and can tell by the time (false)",
      set_cache_shared},
+    {"--cache-redis", "CCDT_CACHE_REDIS", "URL", "of a Redis where servers share answers (none)",
+     [](Draft& draft, std::string_view text) { return set_redis(draft.config.cache_redis, text); }, true},
     {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGINS",
      "whose pages may call, by commas; *: all, loopback: this machine's (if --bind is), none", set_cors_origins},
     {"--api-key-file", "CCDT_API_KEY_FILE", "FILE", "lines of name:key; whoever asks needs one, SIGHUP reads it again",
@@ -227,6 +228,8 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"--rate-limit", "CCDT_RATE_LIMIT", "N", "requests a second for each key or address, 0 for no limit (0)", set_rate},
     {"--rate-burst", "CCDT_RATE_BURST", "N", "requests that may come at once when there is a limit (20)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.rate.burst, text, 1, 1'000'000); }},
+    {"--rate-redis", "CCDT_RATE_REDIS", "URL", "of a Redis where servers count requests together (none)",
+     [](Draft& draft, std::string_view text) { return set_redis(draft.config.rate_redis, text); }, true},
     {"--log-format", "CCDT_LOG_FORMAT", "FORMAT", "text or json (text)", set_log_format},
 });
 

@@ -36,13 +36,15 @@ struct Config {
     Capacity::Limits capacity;                        ///< for all clients together
     TrustedProxies trusted_proxies;                   ///< that are believed for whom they ask
     JobLimits jobs;
-    std::size_t cache = 0;                  ///< bytes of answers to keep; 0: none
-    bool cache_shared = false;              ///< what is kept for one API key is given to all
-    std::string data_dir;                   ///< where jobs are kept; empty: in memory, or in Redis
-    std::optional<RedisAddress> redis;      ///< where jobs are kept that servers share
-    std::vector<std::string> cors_origins;  ///< whose pages may call, as cors_headers takes them; empty: none
-    std::string api_key_file;               ///< empty: whoever asks is answered
-    RateLimiter::Rate rate;                 ///< of requests, for each key or address
+    std::size_t cache = 0;                    ///< bytes of answers to keep; 0: none
+    bool cache_shared = false;                ///< what is kept for one API key is given to all
+    std::optional<RedisAddress> cache_redis;  ///< where servers share answers
+    std::optional<RedisAddress> rate_redis;   ///< where servers count requests together
+    std::string data_dir;                     ///< where jobs are kept; empty: in memory, or in Redis
+    std::optional<RedisAddress> redis;        ///< where jobs are kept that servers share
+    std::vector<std::string> cors_origins;    ///< whose pages may call, as cors_headers takes them; empty: none
+    std::string api_key_file;                 ///< empty: whoever asks is answered
+    RateLimiter::Rate rate;                   ///< of requests, for each key or address
     LogFormat log_format = LogFormat::Text;
 };
 

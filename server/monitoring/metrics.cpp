@@ -34,6 +34,10 @@ Counter& make_counter(prometheus::Registry& registry, const char* name, const ch
     return prometheus::BuildCounter().Name(name).Help(help).Register(registry).Add({});
 }
 
+Family<Counter>& make_counters(prometheus::Registry& registry, const char* name, const char* help) {
+    return prometheus::BuildCounter().Name(name).Help(help).Register(registry);
+}
+
 /// Raises a counter to what is counted elsewhere; counters know no other way than up.
 void raise(Counter& counter, double total) {
     counter.Increment(std::max(0.0, total - counter.Value()));
@@ -114,10 +118,11 @@ struct Metrics::Families {
                                         "Runs given up, for others had claimed their jobs meanwhile.");
     Counter& runs_repeated = make_counter(registry, "ccdt_job_runs_repeated_total",
                                           "Runs of jobs that a run before had not brought to an end.");
-    Counter& redis_calls = make_counter(registry, "ccdt_redis_calls_total", "Times that Redis was asked something.");
-    Counter& redis_failures =
-        make_counter(registry, "ccdt_redis_failures_total", "Times that Redis did not do what it was asked.");
-    Counter& redis_seconds = make_counter(registry, "ccdt_redis_seconds_total", "Time that Redis was waited for.");
+    Family<Counter>& redis_calls = make_counters(registry, "ccdt_redis_calls_total", "Times that Redis was asked.");
+    Family<Counter>& redis_failures =
+        make_counters(registry, "ccdt_redis_failures_total", "Times that Redis did not do what it was asked.");
+    Family<Counter>& redis_seconds =
+        make_counters(registry, "ccdt_redis_seconds_total", "Time that Redis was waited for.");
     Counter& cache_hits = make_counter(registry, "ccdt_cache_hits_total", "Answers given again.");
     Counter& cache_misses = make_counter(registry, "ccdt_cache_misses_total", "Answers looked for in vain.");
     Gauge& cache_bytes = make_gauge(registry, "ccdt_cache_bytes", "Of answers that are kept.");
@@ -126,6 +131,12 @@ struct Metrics::Families {
     Gauge& most_descriptors = make_gauge(registry, "process_max_fds", "File descriptors that may be open.");
 
     std::mutex mutex;  ///< guards the rise of what is counted elsewhere
+
+    void raise_redis(const char* use, const RedisClient::Counts& counts) {
+        raise(redis_calls.Add({{"use", use}}), counts.calls);
+        raise(redis_failures.Add({{"use", use}}), counts.failures);
+        raise(redis_seconds.Add({{"use", use}}), counts.seconds);
+    }
 
     Histogram& stage(const char* name) { return stages.Add({{"stage", name}}, kSeconds); }
 };
@@ -199,9 +210,9 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
         raise(all.job_damages, watched.job_damages);
         raise(all.leases_lost, watched.job_runs.lost);
         raise(all.runs_repeated, watched.job_runs.repeated);
-        raise(all.redis_calls, watched.redis.calls);
-        raise(all.redis_failures, watched.redis.failures);
-        raise(all.redis_seconds, watched.redis.seconds);
+        all.raise_redis("jobs", watched.redis.jobs);
+        all.raise_redis("answers", watched.redis.answers);
+        all.raise_redis("rates", watched.redis.rates);
         raise(all.crashes, watched.computing.crashes);
         raise(all.restarts, watched.computing.restarts);
         raise(all.cache_hits, watched.cache.hits);

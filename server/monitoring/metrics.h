@@ -26,6 +26,13 @@ public:
     Metrics(const Metrics&) = delete;
     Metrics& operator=(const Metrics&) = delete;
 
+    /// What Redis was asked for.
+    struct RedisCounts {
+        RedisClient::Counts jobs;
+        RedisClient::Counts answers;
+        RedisClient::Counts rates;
+    };
+
     /// Figures that are counted elsewhere.
     struct Watched {
         Capacity::Counts connections;
@@ -35,7 +42,7 @@ public:
         ComputeBox::Counts computing;
         std::optional<JobStore::Load> jobs;  ///< none: they stay as they were
         Jobs::Counts job_runs;
-        RedisClient::Counts redis;
+        RedisCounts redis;
         std::size_t job_capacity = 0;  ///< bytes that may be kept
         std::uint64_t job_damages = 0;
         ResultCache::Load cache;

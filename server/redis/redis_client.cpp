@@ -90,14 +90,29 @@ Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisComman
     if (auto connection = take_idle()) {
         auto replies = connection->run(commands, deadline);
         if (replies) keep(std::move(connection));
-        if (replies || Clock::now() >= deadline) return replies;
+        if (replies) return replies;
         drop_idle();  // they were lost with it
+        if (Clock::now() >= deadline) return late(replies.error());
     }
     auto connection = connect(deadline);
     if (!connection) return tl::unexpected(std::move(connection.error()));
     auto replies = (*connection)->run(commands, deadline);
-    if (replies) keep(*std::move(connection));
+    if (!replies) return late(replies.error());
+    keep(*std::move(connection));
     return replies;
+}
+
+/// Has others not wait for it as well.
+tl::unexpected<Error> RedisClient::late(const Error& error) {
+    const std::lock_guard lock(mutex_);
+    pause_locked(error);
+    return tl::unexpected(error);
+}
+
+void RedisClient::pause_locked(const Error& error) {
+    pause_ = std::clamp(2 * pause_, kLeastPause, kMostPause);
+    retry_ = Clock::now() + pause_;
+    away_ = error;
 }
 
 RedisClient::Connection RedisClient::take_idle() {
@@ -120,11 +135,9 @@ Result<RedisClient::Connection> RedisClient::connect(Clock::time_point deadline)
     if (connection) {
         pause_ = {};
         retry_ = {};
-        return connection;
+    } else {
+        pause_locked(connection.error());
     }
-    pause_ = std::clamp(2 * pause_, kLeastPause, kMostPause);
-    retry_ = Clock::now() + pause_;
-    away_ = connection.error();
     return connection;
 }
 

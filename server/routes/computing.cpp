@@ -117,13 +117,14 @@ private:
     Stages stages_;
 };
 
-Computing::Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute, Jobs& jobs)
+Computing::Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute, Jobs& jobs,
+                     RedisClient* answers)
     : config_(config),
       pool_(pool),
       waiting_memory_(waiting_memory),
       compute_(std::move(compute)),
       jobs_(jobs),
-      cache_(config.cache) {}
+      cache_(config.cache, answers) {}
 
 HttpResult<Response> Computing::answer(const Operation& operation, const Incoming& incoming) {
     const Request& request = incoming.request;

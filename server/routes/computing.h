@@ -28,8 +28,10 @@ namespace ccdt::server {
 class Computing {
 public:
     /// @param waiting_memory  that requests take until they are done, besides what the pool's jobs take
-    /// Pool, memory and jobs must outlive it.
-    Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute, Jobs& jobs);
+    /// @param answers  Redis where servers share answers; null: none
+    /// Pool, memory, jobs and Redis must outlive it.
+    Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute, Jobs& jobs,
+              RedisClient* answers);
 
     HttpResult<Response> answer(const Operation& operation, const Incoming& incoming);
 

@@ -128,7 +128,7 @@ Routes::Routes(const Config& config, Parts parts)
       metrics_(parts.metrics),
       missing_(std::move(parts.missing)),
       warn_(std::move(parts.warn)),
-      computing_(config, parts.pool, parts.waiting_memory, std::move(parts.compute), parts.jobs),
+      computing_(config, parts.pool, parts.waiting_memory, std::move(parts.compute), parts.jobs, parts.answers),
       job_routes_(parts.jobs, parts.pool.memory(), config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
 

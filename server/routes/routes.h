@@ -37,6 +37,7 @@ public:
         const Metrics& metrics;
         Missing missing;
         std::function<void(const std::string&)> warn;  ///< whoever runs the server, in words
+        RedisClient* answers = nullptr;                ///< where servers share answers; null: none
     };
 
     Routes(const Config& config, Parts parts);

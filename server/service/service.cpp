@@ -29,8 +29,15 @@ void tell(const Confinement& confinement, const Log& log) {
         log.error(confinement.describe());
 }
 
-Result<std::unique_ptr<Gate>> start_gate(const Config& config) {
-    auto gate = std::make_unique<Gate>(config.api_key_file, config.rate);
+/// Time that a request waits at most for what can be done without: answers and rates that are shared.
+constexpr std::chrono::milliseconds kBriefly{200};
+
+std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& address, std::chrono::milliseconds deadline) {
+    return address ? std::make_unique<RedisClient>(*address, deadline) : nullptr;
+}
+
+Result<std::unique_ptr<Gate>> start_gate(const Config& config, RedisClient* rates) {
+    auto gate = std::make_unique<Gate>(config.api_key_file, config.rate, rates);
     return gate->read_keys().map([&] { return std::move(gate); });
 }
 
@@ -57,6 +64,10 @@ Result<std::unique_ptr<ComputeBox>> start_computing(const Config& config, Decode
         [&log](const std::string& what) { log.error(what); });
 }
 
+RedisClient::Counts counts_of(const std::unique_ptr<RedisClient>& client) {
+    return client ? client->counts() : RedisClient::Counts();
+}
+
 void allow_files(const Capacity::Limits& limits) {
     allow_open_files(limits.connections + limits.reserve + limits.streams + kOtherFiles);
 }
@@ -74,18 +85,19 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
     if (!decoder) return tl::unexpected(std::move(decoder.error()));
     auto computing = start_computing(config, **decoder, log);
     if (!computing) return tl::unexpected(std::move(computing.error()));
-    auto gate = start_gate(config);
+    RedisClients redis{client_of(config.redis, RedisClient::kDeadline), client_of(config.cache_redis, kBriefly),
+                       client_of(config.rate_redis, kBriefly)};
+    auto gate = start_gate(config, redis.rates.get());
     if (!gate) return tl::unexpected(std::move(gate.error()));
     allow_files(config.capacity);
     const auto memory = memory_to_compute_with(config, resident_bytes());
     if (!memory) return tl::unexpected(memory.error());
-    auto redis = config.redis ? std::make_unique<RedisClient>(*config.redis) : nullptr;
-    auto store = start_store(config, redis.get(), log);
+    auto store = start_store(config, redis.jobs.get(), log);
     if (!store) return tl::unexpected(std::move(store.error()));
     auto listener = ListeningSocket::open(config.bind, config.port);
     if (!listener) return tl::unexpected(std::move(listener.error()));
-    return Parts{*std::move(decoder),   *std::move(gate),    *memory, std::move(redis), *std::move(store),
-                 *std::move(computing), *std::move(listener)};
+    return Parts{std::move(redis),  *std::move(decoder),   *std::move(gate),    *memory,
+                 *std::move(store), *std::move(computing), *std::move(listener)};
 }
 
 Result<std::unique_ptr<Service>> Service::start(const Config& config, const Log& log) {
@@ -116,7 +128,8 @@ Service::Service(const Config& config, Parts parts, const Log& log)
                        .jobs = jobs_,
                        .metrics = metrics_,
                        .missing = [this] { return missing(); },
-                       .warn = [this](const std::string& what) { log_.warning(what); }}),
+                       .warn = [this](const std::string& what) { log_.warning(what); },
+                       .answers = parts_.redis.answers.get()}),
       server_(
           std::move(parts_.listener), config.patience, config.capacity, config.trusted_proxies,
           [this](const auto& request, const auto& received, auto& connection) {
@@ -163,7 +176,9 @@ Metrics::Watched Service::figures() const {
             .computing = parts_.computing->counts(),
             .jobs = jobs_.load(),
             .job_runs = jobs_.counts(),
-            .redis = parts_.redis ? parts_.redis->counts() : RedisClient::Counts(),
+            .redis = {.jobs = counts_of(parts_.redis.jobs),
+                      .answers = counts_of(parts_.redis.answers),
+                      .rates = counts_of(parts_.redis.rates)},
             .job_capacity = config_.jobs.bytes,
             .job_damages = parts_.store->damages(),
             .cache = routes_.cache().load()};

@@ -61,12 +61,19 @@ public:
     void finish() { pool_.drain(); }
 
 private:
-    /// Parts that may fail to start.
+    /// What Redis is used for, each by choice; null: it is not.
+    struct RedisClients {
+        std::unique_ptr<RedisClient> jobs;
+        std::unique_ptr<RedisClient> answers;
+        std::unique_ptr<RedisClient> rates;
+    };
+
+    /// Parts that may fail to start; Redis, which others use, first.
     struct Parts {
+        RedisClients redis;
         std::unique_ptr<DecoderBox> decoder;
         std::unique_ptr<Gate> gate;
         ComputeMemory memory;
-        std::unique_ptr<RedisClient> redis;  ///< null: none is used
         std::unique_ptr<JobStore> store;
         std::unique_ptr<ComputeBox> computing;
         ListeningSocket listener;

@@ -170,7 +170,7 @@ class Replicas(unittest.TestCase):
                 self.assertEqual(without_time(ask(server, done + "/result")), without_time(now))
                 self.assertEqual(wait_for_end(server, running)["status"], "succeeded")
                 self.assertEqual(wait_for_end(server, submit(server, SMALL))["status"], "succeeded")
-                self.assertGreater(figure(server, "ccdt_redis_failures_total"), 0)
+                self.assertGreater(figure(server, 'ccdt_redis_failures_total{use="jobs"}'), 0)
 
     def test_a_run_that_ends_while_redis_is_away_is_not_lost(self):
         server = self.start("--job-lease=600")
@@ -204,6 +204,38 @@ class Replicas(unittest.TestCase):
         self.assertEqual(ask(server, done, "--request", "DELETE").status, 204)
         self.redis.cli("CONFIG", "SET", "maxmemory", "0")
         self.assertEqual(wait_for_end(server, submit(server, SMALL))["status"], "succeeded")
+
+
+class Shared(unittest.TestCase):
+    """What servers share besides jobs, each by choice."""
+
+    def test_answers_are_computed_once(self):
+        with Redis() as redis, Server(f"--cache-redis={redis.url}") as first, \
+                Server(f"--cache-redis={redis.url}") as second:
+            answers = [ask(server, "/sample", data=json.dumps(SMALL)) for server in (first, second)]
+            self.assertEqual(answers[0].body, answers[1].body)
+            self.assertEqual(answers[0].headers["etag"], answers[1].headers["etag"])
+            self.assertEqual(figure(second, "ccdt_cache_hits_total"), 1)
+            self.assertEqual(figure(second, "ccdt_sites_total"), 0)
+            for stop in (redis.pause, redis.kill):
+                stop()
+                again = ask(second, "/sample", data=json.dumps(SMALL))
+                self.assertEqual(without_time(again), without_time(answers[0]))
+            self.assertEqual(figure(second, "ccdt_sites_total"), 2 * SMALL["sites"])
+            self.assertEqual(ask(second, "/health/ready").status, 200)
+            redis.start()
+            until(lambda: ask(second, "/sample", data=json.dumps({**SMALL, "seed": 5})).status == 200
+                  and redis.cli("KEYS", "ccdt:1:answer:*"))
+
+    def test_rates_are_counted_together(self):
+        with Redis() as redis:
+            flags = (f"--rate-redis={redis.url}", "--rate-limit=0.001", "--rate-burst=3")
+            with Server(*flags) as first, Server(*flags) as second:
+                statuses = [ask(server, "/metrics").status for server in (first, second, first, second, first)]
+                self.assertEqual(statuses, [200, 200, 200, 429, 429])
+                redis.kill()
+                statuses = [ask(first, "/metrics").status for _ in range(4)]
+                self.assertEqual(statuses, [200, 200, 200, 429], "each counts by itself")
 
 
 class Settings(unittest.TestCase):

@@ -190,6 +190,7 @@ TEST(Config, ReadsWhereJobsAreShared) {
     ASSERT_TRUE(parsed->config.redis);
     EXPECT_EQ(parsed->config.redis->name(), "example.org:7000");
     EXPECT_EQ(parsed->config.jobs.lease, std::chrono::seconds(2));
+    EXPECT_FALSE(parsed->config.cache_redis || parsed->config.rate_redis) << "each by choice";
     EXPECT_EQ(parsed->config.jobs.bytes, std::size_t{1} << 30);
     const auto wrong = parse({"--redis=redis://:secret@a:99999"});
     ASSERT_FALSE(wrong);
@@ -258,6 +259,10 @@ TEST(Config, ListsEveryFlagAndVariableInItsHelp) {
                              "CCDT_DATA_DIR",
                              "--redis",
                              "CCDT_REDIS",
+                             "--cache-redis",
+                             "CCDT_CACHE_REDIS",
+                             "--rate-redis",
+                             "CCDT_RATE_REDIS",
                              "--job-lease",
                              "CCDT_JOB_LEASE",
                              "--job-ttl",
@@ -317,6 +322,8 @@ TEST(Config, NamesWhatIsWrong) {
         {{}, {{"CCDT_REDIS", "redis-sentinel://a"}}, "CCDT_REDIS"},
         {{"--redis=redis://a", "--data-dir=b"}, {}, "--data-dir and --redis"},
         {{"--job-lease=0"}, {}, "--job-lease"},
+        {{"--cache-redis=x"}, {}, "--cache-redis"},
+        {{"--rate-redis=x"}, {}, "--rate-redis"},
         {{"--job-ttl=0"}, {}, "--job-ttl"},
         {{"--job-timeout=x"}, {}, "--job-timeout"},
         {{"--job-queue=-1"}, {}, "--job-queue"},

@@ -47,7 +47,8 @@ TEST(Metrics, CountsJobsByHowTheyEnd) {
     Metrics::Watched watched;
     watched.jobs = {.queued = 4, .running = 2, .bytes = 99};
     watched.job_runs = {.lost = 5, .repeated = 6};
-    watched.redis = {.calls = 9, .failures = 8, .seconds = 0.5};
+    watched.redis.jobs = {.calls = 9, .failures = 8, .seconds = 0.5};
+    watched.redis.rates.calls = 7;
     watched.job_capacity = 1000;
     metrics.watch([&] { return watched; });
     JobEnd end;
@@ -65,9 +66,10 @@ TEST(Metrics, CountsJobsByHowTheyEnd) {
     EXPECT_EQ(value(text, R"(ccdt_jobs{status="queued"})"), 4);
     EXPECT_EQ(value(text, R"(ccdt_jobs{status="running"})"), 2);
     EXPECT_EQ(value(text, "ccdt_job_store_bytes"), 99);
-    EXPECT_EQ(value(text, "ccdt_redis_calls_total"), 9);
-    EXPECT_EQ(value(text, "ccdt_redis_failures_total"), 8);
-    EXPECT_EQ(value(text, "ccdt_redis_seconds_total"), 0.5);
+    EXPECT_EQ(value(text, R"(ccdt_redis_calls_total{use="jobs"})"), 9);
+    EXPECT_EQ(value(text, R"(ccdt_redis_calls_total{use="rates"})"), 7);
+    EXPECT_EQ(value(text, R"(ccdt_redis_failures_total{use="jobs"})"), 8);
+    EXPECT_EQ(value(text, R"(ccdt_redis_seconds_total{use="jobs"})"), 0.5);
     EXPECT_EQ(value(text, "ccdt_job_leases_lost_total"), 5);
     EXPECT_EQ(value(text, "ccdt_job_runs_repeated_total"), 6);
     EXPECT_EQ(value(text, "ccdt_job_store_capacity_bytes"), 1000);

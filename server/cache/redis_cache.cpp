@@ -1,0 +1,72 @@
+#include "server/cache/redis_cache.h"
+
+#include <charconv>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "api/text/text.h"
+
+namespace ccdt::server {
+namespace {
+
+/// Before the names; the number is the version of what is kept.
+constexpr std::string_view kPrefix = "ccdt:1:answer:";
+
+constexpr std::string_view kSecondsKept = "86400";
+
+template <class Number>
+std::string text_of(Number number) {
+    char text[32];
+    return {text, std::to_chars(std::begin(text), std::end(text), number).ptr};
+}
+
+template <class Number>
+Number number_of(const RedisReply& reply) {
+    return api::parse_number<Number>(reply.text).value_or(Number{});
+}
+
+}  // namespace
+
+std::optional<api::Answer> RedisCache::find(const std::string& name) {
+    const std::string key = std::string(kPrefix) + name;
+    auto reply = client_.run(RedisCommand{"HMGET", key, "body", "media_type", "coding", "sites", "pixels", "repaired",
+                                          "warnings", "repeats", "radius", "tone"});
+    if (!reply || reply->items.size() != 10 || reply->items[0].kind != RedisReply::Kind::Text) return std::nullopt;
+    auto& items = reply->items;
+    api::Answer answer;
+    answer.body = std::move(items[0].text);
+    answer.media_type = std::move(items[1].text);
+    answer.coding = std::move(items[2].text);
+    answer.sites = number_of<std::size_t>(items[3]);
+    answer.pixels = number_of<std::size_t>(items[4]);
+    answer.repaired = std::move(items[5].text);
+    answer.warnings = std::move(items[6].text);
+    answer.repeats = number_of<int>(items[7]) != 0;
+    if (!items[8].text.empty()) answer.dots = api::DotSize{number_of<double>(items[8]), number_of<double>(items[9])};
+    return answer;
+}
+
+void RedisCache::keep(const std::string& name, const api::Answer& answer) {
+    if (answer.body.size() > kLargest) return;
+    const std::string key = std::string(kPrefix) + name;
+    const std::string sites = text_of(answer.sites);
+    const std::string pixels = text_of(answer.pixels);
+    const std::string radius = answer.dots ? text_of(answer.dots->radius) : "";
+    const std::string tone = answer.dots ? text_of(answer.dots->tone) : "";
+    const std::vector<RedisCommand> commands{{"HSET",       key,
+                                              "body",       answer.body,
+                                              "media_type", answer.media_type,
+                                              "coding",     answer.coding,
+                                              "sites",      sites,
+                                              "pixels",     pixels,
+                                              "repaired",   answer.repaired,
+                                              "warnings",   answer.warnings,
+                                              "repeats",    answer.repeats ? "1" : "0",
+                                              "radius",     radius,
+                                              "tone",       tone},
+                                             {"EXPIRE", key, kSecondsKept}};
+    (void)client_.run(commands);  // if it is not kept it is computed again next time
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "api/run/options.h"
+#include "server/redis/redis_client.h"
+
+namespace ccdt::server {
+
+/// Answers in a Redis, where servers share them. What goes first when its memory is full Redis decides; after a day all
+/// do. An answer that cannot be had, for whatever reason, is none. May be used from any thread.
+class RedisCache {
+public:
+    /// The client must outlive it.
+    explicit RedisCache(RedisClient& client) : client_(client) {}
+
+    std::optional<api::Answer> find(const std::string& name);
+
+    /// Keeps an answer of at most `kLargest` bytes: others would wait for larger ones.
+    void keep(const std::string& name, const api::Answer& answer);
+
+    static constexpr std::size_t kLargest = std::size_t{4} << 20;
+
+private:
+    RedisClient& client_;
+};
+
+}  // namespace ccdt::server

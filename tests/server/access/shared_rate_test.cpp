@@ -1,0 +1,49 @@
+#include "server/access/shared_rate.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/server/redis/local_redis.h"
+
+namespace ccdt::server {
+namespace {
+
+using std::chrono::seconds;
+
+TEST(SharedRate, IsOneForAllServers) {
+    const test::LocalRedis redis;
+    RedisClient here(redis.address());
+    RedisClient there(redis.address());
+    SharedRate first(here, {.per_second = 0.001, .burst = 3});
+    SharedRate second(there, {.per_second = 0.001, .burst = 3});
+    EXPECT_EQ(first.take("a"), seconds(0));
+    EXPECT_EQ(second.take("a"), seconds(0));
+    EXPECT_EQ(first.take("a"), seconds(0));
+    const auto refused = second.take("a");
+    ASSERT_TRUE(refused);
+    EXPECT_GT(*refused, seconds(900));
+    EXPECT_LE(*refused, seconds(1000));
+    EXPECT_EQ(second.take("b"), seconds(0)) << "each client has its own";
+}
+
+TEST(SharedRate, GivesTokensBackInTime) {
+    const test::LocalRedis redis;
+    RedisClient client(redis.address());
+    SharedRate rate(client, {.per_second = 1000, .burst = 1});
+    EXPECT_EQ(rate.take("a"), seconds(0));
+    while (rate.take("a") != seconds(0)) {
+    }
+    const auto left = client.run(RedisCommand{"PTTL", "ccdt:1:rate:a"});
+    ASSERT_TRUE(left);
+    EXPECT_LE(left->number, 2) << "a full bucket is none";
+}
+
+TEST(SharedRate, TellsNothingWithoutRedis) {
+    test::LocalRedis redis;
+    RedisClient client(redis.address());
+    SharedRate rate(client, {.per_second = 1, .burst = 1});
+    redis.kill();
+    EXPECT_EQ(rate.take("a"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace ccdt::server

@@ -1,0 +1,93 @@
+#include "server/cache/redis_cache.h"
+
+#include <gtest/gtest.h>
+
+#include "server/cache/result_cache.h"
+#include "tests/server/redis/local_redis.h"
+
+namespace ccdt::server {
+namespace {
+
+api::Answer whole_answer() {
+    api::Answer answer;
+    answer.body = std::string("\0bytes\xff", 7);
+    answer.media_type = "image/png";
+    answer.coding = "gzip";
+    answer.sites = 7;
+    answer.pixels = 9;
+    answer.repaired = "[1]";
+    answer.warnings = "[2]";
+    answer.repeats = false;
+    answer.dots = api::DotSize{0.1, 0.7};
+    return answer;
+}
+
+class RedisCacheTest : public testing::Test {
+protected:
+    test::LocalRedis redis_;
+    RedisClient client_{redis_.address()};
+    RedisCache cache_{client_};
+};
+
+TEST_F(RedisCacheTest, GivesWhatItWasGiven) {
+    EXPECT_FALSE(cache_.find("a"));
+    const api::Answer answer = whole_answer();
+    cache_.keep("a", answer);
+    const auto found = cache_.find("a");
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->body, answer.body);
+    EXPECT_EQ(found->media_type, answer.media_type);
+    EXPECT_EQ(found->coding, answer.coding);
+    EXPECT_EQ(found->sites, answer.sites);
+    EXPECT_EQ(found->pixels, answer.pixels);
+    EXPECT_EQ(found->repaired, answer.repaired);
+    EXPECT_EQ(found->warnings, answer.warnings);
+    EXPECT_EQ(found->repeats, answer.repeats);
+    ASSERT_TRUE(found->dots);
+    EXPECT_EQ(found->dots->radius, answer.dots->radius);
+    EXPECT_EQ(found->dots->tone, answer.dots->tone);
+    EXPECT_GT(client_.run(RedisCommand{"TTL", "ccdt:1:answer:a"})->number, 0) << "jobs are never dropped for it";
+    api::Answer plain;
+    plain.body = "plain";
+    cache_.keep("b", plain);
+    EXPECT_FALSE(cache_.find("b")->dots);
+    EXPECT_TRUE(cache_.find("b")->repeats);
+}
+
+TEST_F(RedisCacheTest, KeepsNoLargeAnswers) {
+    api::Answer answer;
+    answer.body.assign(RedisCache::kLargest + 1, 'x');
+    cache_.keep("a", answer);
+    EXPECT_FALSE(cache_.find("a"));
+}
+
+TEST_F(RedisCacheTest, HasNothingWithoutRedis) {
+    cache_.keep("a", whole_answer());
+    redis_.kill();
+    EXPECT_FALSE(cache_.find("a"));
+    cache_.keep("b", whole_answer());
+}
+
+TEST_F(RedisCacheTest, IsAskedAfterWhatIsKeptHere) {
+    ResultCache first(100'000, &client_);
+    ResultCache second(100'000, &client_);
+    EXPECT_EQ(second.find("a"), nullptr);
+    first.keep("a", whole_answer());
+    ASSERT_NE(second.find("a"), nullptr);
+    redis_.kill();
+    EXPECT_NE(second.find("a"), nullptr) << "it is kept here, too";
+    EXPECT_EQ(second.load().hits, 2U);
+    EXPECT_EQ(second.load().misses, 1U);
+    EXPECT_EQ(second.load().answers, 1U);
+    EXPECT_NE(first.find("a"), nullptr);
+}
+
+TEST_F(RedisCacheTest, IsAskedWhereNothingIsKeptHere) {
+    ResultCache first(0, &client_);
+    first.keep("a", whole_answer());
+    EXPECT_NE(ResultCache(0, &client_).find("a"), nullptr);
+    EXPECT_EQ(first.load().answers, 0U);
+}
+
+}  // namespace
+}  // namespace ccdt::server
