@@ -123,11 +123,14 @@ class Image(unittest.TestCase):
         told = {entry.name.removeprefix(folder): re.search("^Version: (.*)$", self.read(entry.name).decode(), re.M)[1]
                 for entry in self.files if entry.isfile() and entry.name.startswith(folder)}
         self.assertEqual(told, listed)
-        for name in ("libc6", "libopenimageio2.4", "libsqlite3-0", "fonts-dejavu-core"):
+        for name in ("libc6", "libopenimageio2.4", "libsqlite3-0", "fonts-dejavu-core", "ca-certificates"):
             self.assertIn(name, listed)
             self.assertTrue(self.read(f"usr/share/doc/{name}/copyright"))
         for tool in ("bash", "dash", "curl", "apt", "coreutils"):
             self.assertNotIn(tool, listed)
+
+    def test_knows_whom_to_trust(self):
+        self.assertIn(b"BEGIN CERTIFICATE", self.read("usr/lib/ssl/cert.pem"))
 
     def test_answers_as_the_programs_do(self):
         picture = (PICTURES / "camera.png").read_bytes()
