@@ -1,5 +1,6 @@
 """Compose files and what they start: sound, with the server's own settings, and serving."""
 
+import contextlib
 import json
 import os
 import pathlib
@@ -12,6 +13,7 @@ import unittest
 import jsonschema
 import yaml
 
+from engine import Redis
 from harness import PATIENCE, ROOT, Call, Server, ask
 
 DOCKER = ROOT / "docker"
@@ -130,6 +132,29 @@ class Haproxy(unittest.TestCase):
                 self.assertEqual(ask(balancer, "/metrics").status, 404)
             self.assertEqual(server.log().count(" 127.0.0.9 GET /nothing "), 4)
             self.assertNotIn("1.2.3.4", server.log())
+
+    def test_serves_with_all_that_is_composed(self):
+        settings = SCALE["redis"]["command"][1:]
+        replicas = SCALE["ccdt-server"]["deploy"]["replicas"]
+        with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
+            redis = stack.enter_context(Redis(*settings))
+            servers = [stack.enter_context(Server(f"--redis={redis.url}", "--trusted-proxy=127.0.0.1"))
+                       for _ in range(replicas)]
+            balancer = stack.enter_context(Balancer(folder, servers))
+            asked = [ask(balancer, "/sample", "--header", "Content-Type: application/json", "--header",
+                         "Prefer: respond-async", data=SLOW) for _ in range(6)]
+            self.assertEqual([answer.status for answer in asked], [202] * 6)
+            jobs = [answer.json()["id"] for answer in asked]
+            servers[0].signal()
+            for job in jobs:
+                events = ask(balancer, f"/jobs/{job}/events").body.decode()
+                self.assertIn("event: succeeded", events)
+                results = [ask(balancer, f"/jobs/{job}/result") for _ in range(replicas)]
+                self.assertEqual([result.status for result in results], [200] * replicas)
+            self.assertEqual(servers[0].wait(), 0)
+            for server in servers:
+                server.wait_for_log("jobs are kept by Redis")
+                self.assertNotIn(" warning Redis ", server.log(), "its settings lose no jobs")
 
     def test_loses_nothing_when_a_server_drains(self):
         with tempfile.TemporaryDirectory() as folder, Server() as one, Server() as other:
