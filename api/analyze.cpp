@@ -117,9 +117,10 @@ std::vector<std::string_view> analyze_options() {
 Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view accept, const Limits& limits) {
     Draft draft;
     if (auto read = read_body<Draft>(kRules, body, limits, draft); !read) return tl::unexpected(read.error());
-    if (auto settled = settle_points(draft, limits); !settled) return tl::unexpected(settled.error());
-    if (auto settled = settle_format(accept, analyze_formats(), draft.request.format); !settled)
-        return tl::unexpected(settled.error());
+    ErrorList errors;
+    errors.add(settle_points(draft, limits));
+    errors.add(settle_format(accept, analyze_formats(), draft.request.format));
+    if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);
 }
 

@@ -146,6 +146,16 @@ Result<void> settle_detail(HalftoneRequest& request, const std::vector<Input>& i
     return {};
 }
 
+/// Gives a request its picture, unless there is something wrong with either.
+Result<HalftoneRequest> with_image(Result<HalftoneRequest> request, const Result<ImageFile>& image) {
+    ErrorList errors;
+    errors.add(request);
+    errors.add(image);
+    if (auto right = errors.result(); !right) return tl::unexpected(right.error());
+    request->image = *image;
+    return request;
+}
+
 /// Millimetres need to know how many there are.
 Result<void> check_dot(const HalftoneRequest& request, const std::vector<Input>& inputs) {
     if (!request.dot || !request.dot->millimetres || request.drawing.width_mm) return {};
@@ -158,11 +168,12 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
     Draft draft;
     draft.request = std::move(request);
     if (auto read = read_options<Draft>(kRules, inputs, limits, draft); !read) return tl::unexpected(read.error());
-    if (auto settled = settle_palette(draft, inputs); !settled) return tl::unexpected(settled.error());
-    if (auto settled = settle_format(accept, halftone_formats(), draft.request.format); !settled)
-        return tl::unexpected(settled.error());
-    if (auto checked = check_dot(draft.request, inputs); !checked) return tl::unexpected(checked.error());
-    if (auto settled = settle_detail(draft.request, inputs); !settled) return tl::unexpected(settled.error());
+    ErrorList errors;
+    errors.add(settle_palette(draft, inputs));
+    errors.add(check_dot(draft.request, inputs));
+    errors.add(settle_detail(draft.request, inputs));
+    errors.add(settle_format(accept, halftone_formats(), draft.request.format));
+    if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);
 }
 
@@ -174,13 +185,11 @@ std::vector<std::string_view> halftone_options() {
 
 Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector<TextOption>& options,
                                        std::string_view accept, const Limits& limits) {
+    const auto file = read_image_header(image, limits.max_pixels).map([&](const ImageHeader& header) {
+        return ImageFile{image, header, nullptr};
+    });
     HalftoneRequest request;
-    auto parsed = parse_options(std::move(request), inputs_of(options), accept, limits);
-    if (!parsed) return parsed;
-    const auto header = read_image_header(image, limits.max_pixels);
-    if (!header) return tl::unexpected(header.error());
-    parsed->image = {image, *header};
-    return parsed;
+    return with_image(parse_options(std::move(request), inputs_of(options), accept, limits), file);
 }
 
 Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::vector<TextOption>& options,
@@ -189,17 +198,15 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
     if (!document) return tl::unexpected(document.error());
     auto inputs = inputs_of(document->root(), "");
     if (!inputs) return tl::unexpected(inputs.error());
-    const auto image = std::find_if(inputs->begin(), inputs->end(), [](const Input& i) { return i.name == "image"; });
-    if (image == inputs->end()) return failure(ErrorCode::Malformed, "image is missing", "/image");
-    auto file = read_embedded_image(*image, limits);
-    if (!file) return tl::unexpected(file.error());
-
     HalftoneRequest request;
-    request.image_field = image->field;
-    request.image = *std::move(file);
-    inputs->erase(image);
+    request.image_field = "/image";
+    Result<ImageFile> file = failure(ErrorCode::Malformed, "image is missing", request.image_field);
+    if (const auto image = std::ranges::find(*inputs, "image", &Input::name); image != inputs->end()) {
+        file = read_embedded_image(*image, limits);
+        inputs->erase(image);
+    }
     for (auto& input : inputs_of(options)) inputs->push_back(std::move(input));
-    return parse_options(std::move(request), *inputs, accept, limits);
+    return with_image(parse_options(std::move(request), *inputs, accept, limits), file);
 }
 
 Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,

@@ -1,17 +1,23 @@
 #include "api/problem.h"
 
+#include <algorithm>
+#include <utility>
+
 #include <nlohmann/json.hpp>
 
 namespace ccdt::api {
 
 std::string problem_json(int status, std::string_view title, const Error& error, std::string_view instance) {
+    std::string detail = error.message;
+    for (const Error& other : error.others) detail += "; " + other.message;
     nlohmann::ordered_json problem = {
-        {"type", "about:blank"}, {"title", title}, {"status", status}, {"detail", error.message}};
+        {"type", "about:blank"}, {"title", title}, {"status", status}, {"detail", std::move(detail)}};
     if (!instance.empty()) problem["instance"] = instance;
-    if (!error.field.empty()) {
-        nlohmann::ordered_json cause = {{"pointer", error.field}, {"detail", error.message}};
-        problem["errors"] = nlohmann::ordered_json::array({std::move(cause)});
-    }
+    const auto add = [&](const Error& one) {
+        if (!one.field.empty()) problem["errors"].push_back({{"pointer", one.field}, {"detail", one.message}});
+    };
+    add(error);
+    std::ranges::for_each(error.others, add);
     return problem.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
 }
 

@@ -12,7 +12,8 @@ namespace ccdt::api {
 /// @param status    HTTP status, repeated in the body
 /// @param title     the status' own phrase
 /// @param instance  identifies this occurrence: urn:request:ID
-/// Adds `errors: [{pointer, detail}]` when the error names a field. Bytes that are not UTF-8 are replaced.
+/// The detail is that of the error and the others that came with it. Adds `errors: [{pointer, detail}]`, of those which
+/// name a field. Bytes that are not UTF-8 are replaced.
 std::string problem_json(int status, std::string_view title, const Error& error, std::string_view instance);
 
 }  // namespace ccdt::api

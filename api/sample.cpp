@@ -243,6 +243,11 @@ Result<void> read_request(std::string_view body, const std::vector<TextOption>& 
     return settle_counts(limits, draft);
 }
 
+Result<void> check_sites(const SampleRequest& request) {
+    if (request.run.sites > 0) return {};
+    return failure(ErrorCode::Malformed, "sites is missing", request.field_of("sites"));
+}
+
 /// Checks that a map of dots is asked for nothing that it has not.
 Result<void> check_map(const Draft& draft) {
     if (!draft.request.counts) return {};
@@ -250,6 +255,7 @@ Result<void> check_map(const Draft& draft) {
         return misfit(draft, "method", "must be " + std::string(methods().front().name) + " for a map of dots");
     if (draft.request.run.keep_mesh) return misfit(draft, "mesh", "is not kept of a map of dots");
     if (!draft.request.avoid.parts.empty()) return misfit(draft, "avoid", "is not known to a map of dots");
+    if (draft.request.buffer > 0) return misfit(draft, "buffer", "is not known to a map of dots");
     return {};
 }
 
@@ -484,14 +490,15 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
                                    std::string_view accept, const Limits& limits) {
     Draft draft;
     if (auto read = read_request(body, options, limits, draft); !read) return tl::unexpected(read.error());
-    if (draft.request.run.sites == 0)
-        return failure(ErrorCode::Malformed, "sites is missing", draft.request.field_of("sites"));
-    if (auto checked = check_map(draft); !checked) return tl::unexpected(checked.error());
-    if (auto settled = settle_method(*draft.request.method, draft.given, draft.request.run); !settled)
-        return tl::unexpected(error_of_options(draft.request, settled.error()));
-    if (auto settled = settle_domain(draft); !settled) return tl::unexpected(settled.error());
-    if (auto settled = settle_format(accept, sample_formats(), draft.request.format); !settled)
-        return tl::unexpected(settled.error());
+    ErrorList errors;
+    errors.add(check_sites(draft.request));
+    errors.add(check_map(draft));
+    errors.add(settle_method(*draft.request.method, draft.given, draft.request.run).map_error([&](Error error) {
+        return error_of_options(draft.request, std::move(error));
+    }));
+    errors.add(settle_domain(draft));
+    errors.add(settle_format(accept, sample_formats(), draft.request.format));
+    if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);
 }
 

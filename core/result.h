@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -19,8 +20,9 @@ enum class ErrorCode {
 
 struct Error {
     ErrorCode code = ErrorCode::Internal;
-    std::string message;  ///< for people; names the limit where there is one
-    std::string field;    ///< what the message is about: an option's name or a JSON Pointer; may be empty
+    std::string message;             ///< for people; names the limit where there is one
+    std::string field;               ///< what the message is about: an option's name or a JSON Pointer; may be empty
+    std::vector<Error> others = {};  ///< found in the same input, after this one; these have none themselves
 };
 
 template <class T>

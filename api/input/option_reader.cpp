@@ -12,6 +12,9 @@ namespace {
 constexpr std::size_t kMaxMembers = 64;
 constexpr std::size_t kMaxExcerpt = 64;
 
+/// Errors besides the first that are told of: each of them may list what there is instead.
+constexpr std::size_t kMostOthers = 9;
+
 std::optional<std::uint64_t> integer_of(const Input& input) {
     if (const auto* text = std::get_if<std::string_view>(&input.value)) return parse_number<std::uint64_t>(*text);
     const auto json = std::get<JsonValue>(input.value);
@@ -130,6 +133,22 @@ Result<std::size_t> read_sites(const Input& input, const Limits& limits) {
                        input.field);
     }
     return static_cast<std::size_t>(*sites);
+}
+
+void ErrorList::add(const Error& error) {
+    if (!first_) {
+        first_ = error;
+        return;
+    }
+    auto& others = first_->others;
+    others.push_back({error.code, error.message, error.field});
+    others.insert(others.end(), error.others.begin(), error.others.end());
+    if (others.size() > kMostOthers) others.resize(kMostOthers);
+}
+
+Result<void> ErrorList::result() const {
+    if (!first_) return {};
+    return tl::unexpected(*first_);
 }
 
 Error error_below(Error error, std::string_view pointer) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -93,6 +94,23 @@ std::vector<Input> inputs_of(const std::vector<TextOption>& options);
 /// Errors: Malformed if it is none, or has far more members than anything here does.
 Result<std::vector<Input>> inputs_of(JsonValue object, std::string_view pointer);
 
+/// Collects what is wrong with a request, so that whoever sent it learns of all of it at once.
+class ErrorList {
+public:
+    template <class T>
+    void add(const Result<T>& result) {
+        if (!result) add(result.error());
+    }
+
+    /// @returns  the first error, which has the others; or none
+    Result<void> result() const;
+
+private:
+    void add(const Error& error);
+
+    std::optional<Error> first_;
+};
+
 /// Rule by which an option is read, and what it sets.
 template <class Target>
 struct OptionRule {
@@ -118,23 +136,26 @@ std::vector<std::string_view> names_of(std::span<const OptionRule<Target>> rules
     return names;
 }
 
-/// Reads every input by the rule of its name, in the order they came.
+/// Reads an input by the rule of its name, unless one of that name came before.
+template <class Target>
+Result<void> read_option(std::span<const OptionRule<Target>> rules, std::span<const Input> before, const Input& input,
+                         const Limits& limits, Target& target) {
+    const auto named_alike = [&](const auto& other) { return other.name == input.name; };
+    const auto rule = std::find_if(rules.begin(), rules.end(), named_alike);
+    if (rule == rules.end()) return unknown_option(input, names_of(rules));
+    if (std::any_of(before.begin(), before.end(), named_alike)) return malformed(input, "is given twice");
+    return rule->read(input, limits, target);
+}
+
+/// Reads every input by the rule of its name, in the order they came, those after a wrong one, too.
 /// Errors: Malformed for a name without a rule, or one that came before; whatever a rule returns.
 template <class Target>
 Result<void> read_options(std::span<const OptionRule<Target>> rules, std::span<const Input> inputs,
                           const Limits& limits, Target& target) {
-    for (std::size_t i = 0; i < inputs.size(); ++i) {
-        const Input& input = inputs[i];
-        const auto named_alike = [&](const auto& other) { return other.name == input.name; };
-        const auto rule = std::find_if(rules.begin(), rules.end(), named_alike);
-        if (rule == rules.end()) {
-            return unknown_option(input, names_of(rules));
-        }
-        const auto before = inputs.first(i);
-        if (std::any_of(before.begin(), before.end(), named_alike)) return malformed(input, "is given twice");
-        if (auto read = rule->read(input, limits, target); !read) return read;
-    }
-    return {};
+    ErrorList errors;
+    for (std::size_t i = 0; i < inputs.size(); ++i)
+        errors.add(read_option(rules, inputs.first(i), inputs[i], limits, target));
+    return errors.result();
 }
 
 /// Reads the members of a JSON object as options.

@@ -23,7 +23,8 @@ Result<const FormPart*> find_picture(const std::vector<FormPart>& fields) {
         if (picture != nullptr) return failure(ErrorCode::Malformed, "the form holds more than one picture", "image");
         picture = &field;
     }
-    if (picture == nullptr) return failure(ErrorCode::Malformed, "the form has no part `image`", "image");
+    if (picture == nullptr)
+        return failure(ErrorCode::Malformed, "the form has no part `image` or `file` with the picture", "image");
     return picture;
 }
 

@@ -8,6 +8,7 @@
 #include "api/cost.h"
 #include "api/halftone.h"
 #include "api/sample.h"
+#include "api/text/text.h"
 #include "server/http/http.h"
 
 namespace ccdt::server {
@@ -27,8 +28,15 @@ bool may_hold_json(std::string_view type) {
     return is_json(type) || std::ranges::find(kUnspecific, type) != kUnspecific.end();
 }
 
+/// Whether a body where pictures are taken is JSON instead: as its type says or, where that says nothing, as it begins
+/// with what no picture does.
+bool holds_json(const ComputeRequest& request) {
+    const std::string type = media_type(request.content_type);
+    return is_json(type) || (may_hold_json(type) && api::trim(request.body, " \t\r\n").starts_with('{'));
+}
+
 bool reads_json(const Operation& operation, const ComputeRequest& request) {
-    return !operation.takes_pictures || is_json(media_type(request.content_type));
+    return !operation.takes_pictures || holds_json(request);
 }
 
 api::Cost cost_of(const api::AnalyzeRequest& request, const api::Limits& /*limits*/) {
@@ -81,7 +89,7 @@ Result<ParsedPointer> pack(Result<Request> request, const api::Limits& limits) {
 
 Result<ParsedPointer> parse_halftone(const ComputeRequest& request, const api::Limits& limits) {
     const auto options = parse_query(request.query);
-    if (is_json(media_type(request.content_type)))
+    if (holds_json(request))
         return pack(api::parse_halftone_json(request.body, options, request.accept, limits), limits);
     return pack(api::parse_halftone(request.body, options, request.accept, limits), limits);
 }

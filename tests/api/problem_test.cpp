@@ -15,6 +15,16 @@ TEST(Problem, SaysWhatIsWrongAndWhere) {
         "errors": [{"pointer": "sites", "detail": "sites must be more"}]})"));
 }
 
+TEST(Problem, SaysAllThatIsWrong) {
+    Error error{ErrorCode::Malformed, "sites must be more", "sites"};
+    error.others = {{ErrorCode::Unsupported, "this is HEIC", ""},
+                    {ErrorCode::Malformed, "scale must be less", "scale"}};
+    const auto json = nlohmann::json::parse(problem_json(400, "Bad Request", error, ""));
+    EXPECT_EQ(json.at("detail"), "sites must be more; this is HEIC; scale must be less");
+    EXPECT_EQ(json.at("errors"), nlohmann::json::parse(R"([{"pointer": "sites", "detail": "sites must be more"},
+        {"pointer": "scale", "detail": "scale must be less"}])"));
+}
+
 TEST(Problem, LeavesOutWhatThereIsNot) {
     const auto json = nlohmann::json::parse(problem_json(500, "Internal Server Error", {}, ""));
     EXPECT_FALSE(json.contains("errors"));

@@ -105,6 +105,26 @@ class HalftoneOptions(ServerCase):
                 problem = self.refuse(query)
                 self.assertEqual(problem["errors"][0]["pointer"], query.split("=")[0])
 
+    def test_all_that_is_wrong_is_told_at_once(self):
+        def pointers(problem):
+            return [error["pointer"] for error in problem["errors"]]
+
+        problem = self.refuse("sites=0&scale=99")
+        self.assertEqual(pointers(problem), ["sites", "scale"])
+        self.assertEqual(problem["detail"], "; ".join(error["detail"] for error in problem["errors"]))
+        self.refuse("sites=0", data=b"no image", words=("sites", "PNG, JPEG"))
+        self.assertEqual(pointers(self.refuse("dot=1mm&palette=red&color=cmyk&sites=x")), ["palette", "sites"])
+        self.assertEqual(pointers(self.refuse("dot=1mm&palette=%23f00&color=cmyk")), ["palette", "dot"])
+        for path, body, expected in (
+                ("/halftone", {"sites": 0, "scale": 99}, ["/sites", "/scale", "/image"]),
+                ("/sample", {"sites": 0, "polygon": SQUARE, "density": {"width": 0, "height": 1, "what": 1}},
+                 ["/sites", "/density/width", "/density/what"]),
+                ("/sample", {"quality": "draft", "method": "random"}, ["/sites", "/quality"]),
+                ("/analyze", {"points": 1, "spectrum": 2, "domain": {"type": "sphere", "width": 0}},
+                 ["/points", "/spectrum", "/domain/type", "/domain/width"])):
+            with self.subTest(path=path, body=body):
+                self.assertEqual(pointers(self.assert_problem(post_json(self.server, path, body), 400)), expected)
+
     def test_repeated_option(self):
         self.refuse("sites=10&sites=10", words=("sites",))
         self.assert_problem(self.ask("/halftone?sites=1", "--form", f"image=@{PICTURES / 'camera.png'}", "--form",
@@ -123,7 +143,7 @@ class HalftoneOptions(ServerCase):
 
     def test_form_without_a_picture_or_with_two(self):
         picture = f"@{PICTURES / 'camera.png'}"
-        self.assert_problem(self.ask("/halftone", "--form", "sites=1"), 400, "image")
+        self.assert_problem(self.ask("/halftone", "--form", "sites=1"), 400, "`image` or `file`")
         self.assert_problem(self.ask("/halftone", "--form", "image=" + picture, "--form", "file=" + picture), 400)
 
     def test_malformed_form(self):
@@ -150,7 +170,7 @@ class HalftoneOptions(ServerCase):
 
 class Pictures(ServerCase):
     def test_415_for_what_is_no_picture_that_is_read(self):
-        for body in (b"8BPS" + b"\0" * 50, b"BM" + b"\0" * 50, b"plain text", b"{}", b"\0"):
+        for body in (b"8BPS" + b"\0" * 50, b"BM" + b"\0" * 50, b"plain text", b"[]", b"\0"):
             with self.subTest(body=body[:8]):
                 self.assert_problem(self.ask("/halftone", data=body), 415)
 

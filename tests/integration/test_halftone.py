@@ -1,6 +1,7 @@
 """POST /halftone: every way in, every option, and what comes out."""
 
 import base64
+import json
 import shutil
 import subprocess
 import tempfile
@@ -66,6 +67,13 @@ class WaysIn(ServerCase):
 
     def test_json_with_a_data_uri(self):
         self.same(post_json(self.server, "/halftone", {"image": data_uri(CAMERA), "sites": 500, "seed": 3}))
+
+    def test_json_whose_type_says_nothing(self):
+        body = json.dumps({"image": data_uri(CAMERA), "sites": 500, "seed": 3})
+        for type_ in ("", " application/octet-stream", " application/x-www-form-urlencoded", " text/plain"):
+            with self.subTest(type=type_):
+                self.same(self.ask("/halftone", "--header", "Content-Type:" + type_, data="\r\n " + body))
+        self.assert_problem(self.ask("/halftone", "--header", "Content-Type: image/png", data=body), 415)
 
     def test_json_with_options_in_the_query(self):
         self.same(post_json(self.server, "/halftone?seed=3", {"image": data_uri(CAMERA), "sites": 500}))

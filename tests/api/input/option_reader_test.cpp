@@ -133,6 +133,15 @@ TEST(OptionReader, NamesUnknownAndRepeatedOptions) {
     EXPECT_EQ(read_flags({{"flag", "1"}, {"flag", "1"}}).error().message, "flag is given twice");
 }
 
+TEST(OptionReader, TellsOfAllThatIsWrong) {
+    const auto read = read_flags({{"flag", "x"}, {"flga", "1"}, {"flag", "1"}});
+    EXPECT_EQ(read.error().message, "flag must be true or false");
+    ASSERT_EQ(read.error().others.size(), 2U);
+    EXPECT_EQ(read.error().others[0].field, "flga");
+    EXPECT_EQ(read.error().others[1].message, "flag is given twice");
+    EXPECT_EQ(read_flags(std::vector<TextOption>(1000, {"x", "1"})).error().others.size(), 9U);
+}
+
 TEST(OptionReader, KeepsMessagesShort) {
     const auto read = read_flags({{std::string(1'000'000, 'x'), "1"}});
     EXPECT_LT(read.error().message.size(), 200U);

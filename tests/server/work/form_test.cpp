@@ -61,6 +61,8 @@ TEST(Form, HoldsOnePicture) {
         ASSERT_FALSE(apart);
         EXPECT_EQ(apart.error().code, ErrorCode::Malformed);
         EXPECT_EQ(apart.error().field, "image");
+        const bool is_missing = apart.error().message.find("`image` or `file`") != std::string::npos;
+        EXPECT_EQ(is_missing, fields.size() < 2);
     }
 }
 
