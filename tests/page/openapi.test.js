@@ -1,19 +1,56 @@
-// api/openapi.json, as a public validator sees it: Redocly's, by its recommended rules.
+// api/openapi.json, as a public validator sees it, Redocly's, by its recommended rules; and as a generator of clients does.
 
 import assert from "node:assert/strict";
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
 import path from "node:path";
 import { test } from "node:test";
 
 const require = createRequire(path.join(process.env.CCDT_NODE_MODULES, "of-the-tests"));
 const { createConfig, lint } = require("@redocly/openapi-core");
+const { default: generate, astToString } = require("openapi-typescript");
+const ts = require("typescript");
+
+const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
+const api = path.resolve(here, "../../api/openapi.json");
 
 // A server has the address that whoever runs it gives it.
 const unwanted = { "no-server-example.com": "off" };
 
 test("the document is valid, and has nothing that is not used", async () => {
-  const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
   const config = await createConfig({ extends: ["recommended"], rules: unwanted });
-  const problems = await lint({ ref: path.resolve(here, "../../api/openapi.json"), config });
+  const problems = await lint({ ref: api, config });
   assert.deepEqual(problems.map(({ ruleId, message, location }) => [ruleId, message, location[0]?.pointer]), []);
+});
+
+/** Types of the API as openapi-typescript makes them; what is binary is a Blob, and what has a default may be left out. */
+async function generatedTypes() {
+  const blob = ts.factory.createTypeReferenceNode("Blob");
+  const transform = (schema) => (schema.format === "binary" ? blob : undefined);
+  return astToString(await generate(await readFile(api, "utf8"), { transform, defaultNonNullable: false }));
+}
+
+// What is to compile, and what is not.
+const uses = `
+type Halftone = paths["/halftone"]["post"];
+type Sent = Halftone["requestBody"]["content"];
+type Got = Halftone["responses"][200]["content"];
+const picture = new Blob();
+export const body: Sent["application/octet-stream"] = picture;
+export const form: Sent["multipart/form-data"] = { image: picture, sites: 9 };
+export const show = async (png: Got["image/png"], npy: Got["application/x-npy"]) => [await png.arrayBuffer(), await npy.text()];
+export const read = (json: Got["application/json"]) => ("points" in json ? json.points[0] : json.inks[0].points);
+// @ts-expect-error: the range of sites is a number's
+export const wrong: Sent["multipart/form-data"] = { image: picture, sites: "many" };
+`;
+
+test("clients that are generated from it compile, and take and give pictures as Blobs", async () => {
+  const folder = await mkdtemp(path.join(tmpdir(), "ccdt-client-"));
+  const file = path.join(folder, "client.ts");
+  await writeFile(file, (await generatedTypes()) + uses);
+  const program = ts.createProgram([file], { strict: true, noEmit: true, types: [], target: ts.ScriptTarget.ESNext });
+  const complaints = ts.getPreEmitDiagnostics(program).map(({ messageText }) => ts.flattenDiagnosticMessageText(messageText, "\n"));
+  await rm(folder, { recursive: true });
+  assert.deepEqual(complaints, []);
 });
