@@ -6,7 +6,7 @@ import { tmpdir } from "node:os";
 import path from "node:path";
 import { test } from "node:test";
 
-import { data, looksAsKept, run, settled, slide, useBrowser } from "./harness.js";
+import { data, looksAsKept, run, runInBrowser, settled, slide, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 const picture = path.join(data, "images/camera.png");
@@ -193,8 +193,9 @@ test("shows lines that ask for the same when pasted", async () => {
     const byCurl = await readFile(path.join(folder, "dots.png"));
     await run("/usr/bin/python3", ["-c", await snippet("Python")], { cwd: folder });
     assert.deepEqual(await readFile(path.join(folder, "dots.png")), byCurl);
-    const told = await run("node", ["--input-type=module", "--eval", await snippet("fetch()")], { cwd: folder });
-    assert.equal(told, `image/png ${byCurl.length}\n`);
+    const told = `image/png ${byCurl.length}\n`;
+    assert.equal(await run("node", ["--input-type=module", "--eval", await snippet("Node")], { cwd: folder }), told);
+    assert.equal(await runInBrowser(world, await snippet("Browser"), chosen && picture), told);
   }
   await rm(folder, { recursive: true });
 });

@@ -100,6 +100,19 @@ export async function run(command, args, options = {}) {
   return output.stdout;
 }
 
+/** What a script says in the console of another page; a script that asks for a file is given it. */
+export async function runInBrowser(world, script, file) {
+  const page = await world.page.context().newPage();
+  await page.goto(`${world.url}/assets/reference.html`);
+  const said = page.waitForEvent("console");
+  const done = page.evaluate(`(async () => {${script}})()`);
+  if (file) await page.setInputFiles("input[type=file]", file);
+  await done;
+  const text = (await said).text();
+  await page.close();
+  return `${text}\n`;
+}
+
 /** Runs in a page: how two pictures differ once both are a quarter as wide, and the first of them so reduced. */
 async function compareIn([now, then]) {
   const pixelsOf = async (base64, factor) => {

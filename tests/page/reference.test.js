@@ -32,6 +32,8 @@ test("has all routes, options, defaults and statuses", async () => {
   const statuses = await rows("Answers of POST /sample");
   assert.deepEqual(statuses.map(([status]) => status), Object.keys(paths["/sample"].post.responses));
   assert.equal(await page.textContent(".error"), "");
+  assert.ok(!(await page.textContent("main")).includes("`"));
+  assert.equal(await page.locator("p code").first().textContent(), "image");
 });
 
 test("is linked from the page, and its examples are shown", async () => {

@@ -5,7 +5,7 @@ import { readFile } from "node:fs/promises";
 import path from "node:path";
 import { test } from "node:test";
 
-import { data, looksAsKept, run, settled, slide, useBrowser } from "./harness.js";
+import { data, looksAsKept, run, runInBrowser, settled, slide, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 const frame = () => world.page.locator("#sample .canvas-frame");
@@ -273,7 +273,7 @@ test("has the methods that CCDT is compared with", async () => {
 });
 
 /** Saves the points, and has the page's lines make them again, in a folder. */
-async function repeats(folder) {
+async function repeats(folder, file) {
   const download = world.page.waitForEvent("download");
   await world.page.click('#sample .downloads button:text-is("JSON")');
   const saved = JSON.parse(await readFile(await (await download).path()));
@@ -287,12 +287,13 @@ async function repeats(folder) {
   assert.deepEqual(byCurl.points, saved.points);
   const told = `1000 ${saved.variation}\n`;
   assert.equal(await run("/usr/bin/python3", ["-c", await snippet("Python")], options), told);
-  assert.equal(await run("node", ["--input-type=module", "--eval", await snippet("fetch()")], options), told);
+  assert.equal(await run("node", ["--input-type=module", "--eval", await snippet("Node")], options), told);
+  assert.equal(await runInBrowser(world, await snippet("Browser"), file && path.join(folder, file)), told);
 }
 
 test("saves and shows what makes the same points", async () => {
   await open();
   await repeats(data);
   await choose(path.join(data, "polygons/Italy-110m.geojson"));
-  await repeats(path.join(data, "polygons"));
+  await repeats(path.join(data, "polygons"), "Italy-110m.geojson");
 });

@@ -36,11 +36,14 @@ function membersOf(whole, node) {
   return [...included, ...Object.entries(schema.properties ?? {}).map(([name, part]) => [name, part, schema.required])];
 }
 
+/** Text whose parts between backticks are code. */
+const prose = (text) => text.split("`").map((part, i) => (i % 2 ? make("code", { textContent: part }) : part));
+
 function table(label, titles, rows) {
   const head = make("tr", {}, ...titles.map((textContent) => make("th", { scope: "col", textContent })));
   const lines = rows.map(([name, ...cells]) => make("tr", {},
     make("th", { scope: "row" }, make("code", { textContent: name })),
-    ...cells.map((textContent) => make("td", { textContent }))));
+    ...cells.map((text) => make("td", {}, ...prose(text)))));
   return make("div", { className: "table-frame", tabIndex: 0, attributes: { role: "region", "aria-label": label } },
     make("table", {}, make("thead", {}, head), make("tbody", {}, ...lines)));
 }
@@ -69,14 +72,14 @@ function sectionOf(whole, path, method, operation) {
   });
   return make("section", {},
     make("h2", { textContent: title }),
-    make("p", { textContent: [operation.summary, operation.description].filter(Boolean).join(". ") }),
+    make("p", {}, ...prose([operation.summary, operation.description].filter(Boolean).join(". "))),
     ...(content ? [optionsOf(whole, content, title), ...examplesOf(content, path)] : []),
     table(`Answers of ${title}`, ["status", "when", "as"], statuses));
 }
 
 try {
   const whole = await (await fetch("/openapi.json")).json();
-  document.querySelector(".about").textContent = whole.info.description;
+  document.querySelector(".about").append(...prose(whole.info.description));
   for (const [path, { parameters, ...operations }] of Object.entries(whole.paths)) {
     for (const [method, operation] of Object.entries(operations)) main.append(sectionOf(whole, path, method, operation));
   }

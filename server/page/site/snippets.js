@@ -10,9 +10,17 @@ const query = (options) => {
 };
 const authorizations = {
   curl: ' -H "Authorization: Bearer $CCDT_KEY"',
-  fetch: ", headers: {Authorization: `Bearer ${process.env.CCDT_KEY}`}",
+  browser: ", headers: {Authorization: `Bearer ${prompt(\"API key\")}`}",
+  node: ", headers: {Authorization: `Bearer ${process.env.CCDT_KEY}`}",
   python: ', headers={"Authorization": "Bearer " + os.environ["CCDT_KEY"]}',
 };
+
+/** Lets whoever runs it choose a file: anywhere in a page, or pasted into a browser's console. */
+const choice = (name) => `const ${name} = await new Promise((choose) => {
+  const input = Object.assign(document.createElement("input"), {type: "file"});
+  input.onchange = () => { choose(input.files[0]); input.remove(); };
+  document.body.prepend(input);
+});`;
 
 /** A picture that the server has comes from there, another from the folder that one is in. */
 function halftoneSnippets({ picture, options }) {
@@ -24,38 +32,42 @@ function halftoneSnippets({ picture, options }) {
   const curl = at
     ? `curl -s ${shellQuoted(at)} |\n  curl${allow("curl")} --data-binary @- ${shellQuoted(url)} -o ${output}`
     : `curl${allow("curl")} --data-binary ${shellQuoted(`@${picture.name}`)} \\\n  ${shellQuoted(url)} -o ${output}`;
-  const read = at
-    ? `const picture = await (await fetch("${at}")).blob();`
-    : `const {readFile} = await import("node:fs/promises");\nconst picture = await readFile(${file});`;
-  const script = `${read}
+  const script = (read, kind) => `${read}
 const answer = await fetch("${url}",
-  {method: "POST", body: picture${allow("fetch")}});
+  {method: "POST", body: picture${allow(kind)}});
 if (!answer.ok) throw new Error(await answer.text());
 const dots = await answer.blob();
 console.log(dots.type, dots.size);`;
+  const get = at && `const picture = await (await fetch("${at}")).blob();`;
+  const browser = script(get || choice("picture"), "browser");
+  const node = script(get || `import {readFile} from "node:fs/promises";\nconst picture = await readFile(${file});`, "node");
   const python = `${hasKey() ? "import os\n" : ""}from urllib.request import Request, urlopen
 
 picture = ${at ? `urlopen("${at}").read()` : `open(${file}, "rb").read()`}
 request = Request("${url}", picture${allow("python")})
 with urlopen(request) as answer, open("${output}", "wb") as file:
     file.write(answer.read())`;
-  return { curl, "fetch()": script, Python: python };
+  return { curl, Browser: browser, Node: node, Python: python };
 }
 
 /** The body in each language: a file of the sender's own, or the text itself. */
 function sampleBodies({ body, file }) {
   if (file?.path) {
     const at = location.origin + file.path;
+    const get = `const shape = await (await fetch("${at}")).text();\n`;
     return {
       before: `curl -s ${shellQuoted(at)} |\n  `, curl: "--data-binary @-", fetch: "shape", python: `urlopen("${at}").read()`,
-      read: `const shape = await (await fetch("${at}")).text();\n`,
+      browser: get, node: get,
     };
   }
-  if (!file) return { curl: `-d ${shellQuoted(body)}`, fetch: `JSON.stringify(${body})`, python: `r'''${body}'''.encode()`, read: "" };
+  if (!file) {
+    return { curl: `-d ${shellQuoted(body)}`, fetch: `JSON.stringify(${body})`, python: `r'''${body}'''.encode()`,
+      browser: "", node: "" };
+  }
   const name = JSON.stringify(file.name);
   return {
     curl: `--data-binary ${shellQuoted(`@${file.name}`)}`, fetch: "shape", python: `open(${name}, "rb").read()`,
-    read: `const {readFile} = await import("node:fs/promises");\nconst shape = await readFile(${name});\n`,
+    browser: `${choice("shape")}\n`, node: `import {readFile} from "node:fs/promises";\nconst shape = await readFile(${name});\n`,
   };
 }
 
@@ -64,8 +76,8 @@ function sampleSnippets(request) {
   const body = sampleBodies(request);
   const allow = (kind) => (hasKey() ? authorizations[kind] : "");
   const curl = `${body.before ?? ""}curl${allow("curl")} ${body.curl} \\\n  ${shellQuoted(url)} -o points.json`;
-  const script = `${body.read}const answer = await fetch("${url}",
-  {method: "POST", body: ${body.fetch}${allow("fetch")}});
+  const script = (kind) => `${body[kind]}const answer = await fetch("${url}",
+  {method: "POST", body: ${body.fetch}${allow(kind)}});
 if (!answer.ok) throw new Error(await answer.text());
 const {points, variation} = await answer.json();
 console.log(points.length, variation);`;
@@ -77,7 +89,7 @@ request = Request("${url}", body${allow("python")})
 with urlopen(request) as answer:
     result = json.load(answer)
 print(len(result["points"]), result["variation"])`;
-  return { curl, "fetch()": script, Python: python };
+  return { curl, Browser: script("browser"), Node: script("node"), Python: python };
 }
 
 /** Shows one kind of snippet at a time, and copies it. */
@@ -86,7 +98,7 @@ export class Snippets {
   #kind = "curl";
 
   constructor(element) {
-    const kinds = ["curl", "fetch()", "Python"].map((kind) => {
+    const kinds = ["curl", "Browser", "Node", "Python"].map((kind) => {
       const button = make("button", { type: "button", textContent: kind });
       button.addEventListener("click", () => { this.#kind = kind; this.#refresh(); });
       return button;
