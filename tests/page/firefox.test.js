@@ -6,12 +6,12 @@ import { createRequire } from "node:module";
 import path from "node:path";
 import { after, afterEach, before, beforeEach, test } from "node:test";
 
-import { patience, startServer } from "./harness.js";
+import { elementPage, patience, serveOrigin, startServer } from "./harness.js";
 
 const require = createRequire(path.join(process.env.CCDT_NODE_MODULES, "of-the-tests"));
 const puppeteer = require("puppeteer-core");
 
-let running, browser, page, faults;
+let running, browser, page, faults, gone;
 
 before(async () => {
   running = await startServer([]);
@@ -27,8 +27,10 @@ beforeEach(async () => {
   await page.setViewport({ width: 1280, height: 860 });
   page.setDefaultTimeout(patience);
   faults = [];
-  page.on("pageerror", (error) => faults.push(String(error)));
-  page.on("console", (message) => { if (message.type() === "error") faults.push(message.text()); });
+  gone = null;
+  const blame = (fault) => { if (!gone || !fault.includes(gone)) faults.push(fault); };  // that it is gone is expected
+  page.on("pageerror", (error) => blame(String(error)));
+  page.on("console", (message) => { if (message.type() === "error") blame(message.text()); });
 });
 afterEach(async () => {
   await page.close();
@@ -77,6 +79,32 @@ test("fills a polygon that is drawn", async () => {
   await page.waitForSelector("#sample[data-state=done]");
   assert.equal(JSON.parse(await page.$eval("#corners", (field) => field.value)).polygon.length, 3);
   assert.ok(await darkness("#sample canvas") > 0.03);
+});
+
+test("puts dots into a page of another origin, and draws them itself once the server is gone", async () => {
+  const alone = await startServer([]);
+  const origin = await serveOrigin(() => elementPage(alone.url));
+  const show = (sites) => page.evaluate((wanted) => new Promise((resolve) => {
+    const element = document.createElement("ccdt-halftone");
+    element.setAttribute("src", "/cat.png");
+    element.setAttribute("sites", wanted);
+    const told = [];
+    element.addEventListener("progress", ({ loaded }) => told.push(loaded));
+    for (const type of ["load", "error"]) {
+      element.addEventListener(type, () => resolve({ type, told, shown: [...element.shadowRoot.children].map(({ hidden }) => !hidden) }));
+    }
+    document.body.replaceChildren(element);
+  }), sites);
+  await page.goto(origin.url);
+  const { type, told, shown } = await show("60000");
+  assert.deepEqual([type, shown[0], shown[1]], ["load", true, false]);
+  assert.ok(told.some((percent) => percent > 0 && percent < 100), String(told));
+  gone = alone.url;
+  alone.server.kill();
+  await once(alone.server, "exit");
+  const { type: end, shown: left } = await show("900");
+  assert.deepEqual([end, left[0], left[1]], ["error", false, true]);
+  origin.close();
 });
 
 test("analyzes points", async () => {

@@ -7,6 +7,7 @@ import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { once } from "node:events";
 import { mkdir, readFile, writeFile } from "node:fs/promises";
+import { createServer } from "node:http";
 import { createRequire } from "node:module";
 import path from "node:path";
 import { createInterface } from "node:readline";
@@ -37,6 +38,27 @@ export async function startServer(flags) {
   }
   throw new Error("the server does not listen");
 }
+
+/**
+ * A server of pages, of another origin than ours.
+ * @param page  makes a page, by its path; pictures are all the same, but for `/nothing.png`, which is not there
+ */
+export async function serveOrigin(page) {
+  const server = createServer(async (request, response) => {
+    const isPage = !/\.(png|jpg)$/.test(request.url);
+    const isThere = request.url !== "/nothing.png";
+    response.writeHead(isThere ? 200 : 404, { "Content-Type": isPage ? "text/html" : "image/png" });
+    response.end(isPage ? page(request.url) : isThere && await readFile(path.join(data, "images/chelsea.png")));
+  });
+  server.listen(0, "127.0.0.1");
+  await once(server, "listening");
+  return { url: `http://127.0.0.1:${server.address().port}`, close: () => server.close() };
+}
+
+/** A page of somebody's that has the element of a server of ours. */
+export const elementPage = (url) => `<!DOCTYPE html><html lang="en"><title>Dots</title>
+<script type="module" src="${url}/assets/element.js"></script>
+<body></body></html>`;
 
 /**
  * A server and a browser for the tests of a file, and a new page for each.

@@ -1,33 +1,47 @@
 // The README's page, as it stands there, opened from another origin than the server's.
 
 import assert from "node:assert/strict";
-import { once } from "node:events";
 import { readFile } from "node:fs/promises";
-import { createServer } from "node:http";
 import path from "node:path";
 import { after, before, test } from "node:test";
 
-import { data, useBrowser } from "./harness.js";
+import { data, serveOrigin, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 
-let origin;
+let origin, lines;
+
+/** The pages that a README shows. */
+async function examplesOf(readme) {
+  const text = await readFile(path.join(data, "../..", readme), "utf8");
+  return [...text.matchAll(/^```html\n(.*?)^```$/gms)].map(([, example]) => example);
+}
 
 before(async () => {
-  const readme = await readFile(path.join(data, "../../README.md"), "utf8");
-  const [, example] = readme.match(/^```html\n(.*?)^```$/ms);
-  origin = createServer((request, response) => {
-    response.setHeader("Content-Type", "text/html");
-    response.end(example.replace("http://localhost:8080", world.url));
-  });
-  origin.listen(0, "127.0.0.1");
-  await once(origin, "listening");
+  origin = await serveOrigin(() => lines.replace("http://localhost:8080", world.url));
 });
 
 after(() => origin.close());
 
+test("the READMEs' lines put dots into a page of another origin", async () => {
+  for (const name of ["README.md", "api/README.md"]) {
+    lines = (await examplesOf(name)).find((example) => example.includes("<ccdt-halftone"));
+    await world.page.goto(origin.url);
+    await world.page.waitForFunction(() => {
+      const [picture, drawing] = document.querySelector("ccdt-halftone").shadowRoot?.children ?? [];
+      return drawing?.hidden && picture.naturalWidth > 0;
+    });
+    const [alt, width] = await world.page.evaluate(() => {
+      const element = document.querySelector("ccdt-halftone");
+      return [element.shadowRoot.querySelector("img").alt, element.clientWidth];
+    });
+    assert.deepEqual([alt, width], ["A photograph as dots", 451]);
+  }
+});
+
 test("the README's page puts a dotted picture into a page of another origin", async () => {
-  await world.page.goto(`http://127.0.0.1:${origin.address().port}/`);
+  [lines] = await examplesOf("README.md");
+  await world.page.goto(origin.url);
   await world.page.setInputFiles("input", path.join(data, "images/chelsea.png"));
   await world.page.waitForFunction(() => document.querySelector("img").naturalWidth > 0);
   const [width, height] = await world.page.evaluate(() => {

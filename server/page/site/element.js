@@ -1,0 +1,287 @@
+// A picture as dots in anybody's page: <ccdt-halftone src=photo.jpg sites=20000 color=cmyk alt="A cat"></ccdt-halftone>
+//
+// Asks the server that this module came from. Until that has answered, and if it does not, dots are shown that are drawn
+// here: a screen as printers had it.
+
+const server = new URL("/", import.meta.url);
+
+/** Options of /halftone that are attributes; of the flags it is enough that they are there. */
+const options = ["sites", "color", "palette", "foreground", "background", "tone", "levels", "detail", "dot", "scale",
+  "quality", "seed", "iterations", "passes", "antialias", "invert"];
+const flags = ["antialias", "invert"];
+
+const mostJobs = 2;  // at once, of all elements: browsers have six connections to a server, and a job takes one
+const mostMisses = 5;  // of a stream of events that breaks off
+const longestSide = 1600;  // pixels of a drawing
+const leastPitch = 4;
+
+let jobs = 0;
+const waiting = [];
+
+async function inTurn(work) {
+  if (jobs < mostJobs) ++jobs;
+  else await new Promise((resume) => waiting.push(resume));
+  try {
+    return await work();
+  } finally {
+    if (waiting.length > 0) waiting.shift()();
+    else --jobs;
+  }
+}
+
+async function bodyOf(response) {
+  if (response.ok) return response.blob();
+  const { detail } = await response.json().catch(() => ({}));
+  throw new Error(detail ?? `${response.url} was answered ${response.status}`);
+}
+
+/** Waits for the end of a job. */
+function follow(job, signal, told) {
+  const events = new EventSource(`${job}/events`);
+  return new Promise((resolve, reject) => {
+    let misses = 0;
+    events.onopen = () => { misses = 0; };
+    signal.addEventListener("abort", () => reject(signal.reason));
+    for (const status of ["succeeded", "failed", "cancelled"]) events.addEventListener(status, resolve);
+    events.addEventListener("progress", ({ data }) => told(JSON.parse(data).progress));
+    events.onerror = () => {
+      if (events.readyState === EventSource.CLOSED || ++misses > mostMisses) reject(new Error("the server cannot be reached"));
+    };
+  }).finally(() => events.close());
+}
+
+/**
+ * Has the server make dots, as a job. That one has begun is waited for even if it is not wanted any more: only then it
+ * can be ended.
+ * @param told  called with the progress, from 0 to 1
+ */
+async function askForDots(picture, query, signal, told) {
+  signal.throwIfAborted();
+  const begun = await fetch(new URL(`halftone?${query}`, server), { method: "POST", body: picture, headers: { Prefer: "respond-async" } });
+  if (begun.status !== 202) return bodyOf(begun);
+  const job = new URL(begun.headers.get("Location"), server);
+  try {
+    signal.throwIfAborted();
+    await follow(job, signal, told);
+    return await bodyOf(await fetch(`${job}/result`, { signal }));
+  } finally {
+    fetch(job, { method: "DELETE" }).catch(() => {});
+  }
+}
+
+const darkness = (...light) => 1 - Math.max(...light);
+const share = (channel) => (...light) => (1 - darkness(...light) - light[channel]) / Math.max(1 - darkness(...light), 1e-6);
+const luminance = (red, green, blue) => 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+
+/** The paper, how inks mix on it, and of each its colour, the angle of its screen, and its share of some light. */
+function screensOf(wish) {
+  if (wish.get("color") === "cmyk") {
+    return { paper: "#fff", mixing: "multiply",
+      inks: [["#0ff", 15, share(0)], ["#f0f", 75, share(1)], ["#ff0", 0, share(2)], ["#000", 45, darkness]] };
+  }
+  if (wish.get("color") === "rgb") {
+    return { paper: "#000", mixing: "lighter",
+      inks: [["#f00", 15, (red) => red], ["#0f0", 75, (_, green) => green], ["#00f", 0, (_, __, blue) => blue]] };
+  }
+  const light = wish.has("invert");
+  const ink = wish.get("foreground") ?? wish.get("palette")?.split(",")[0] ?? (light ? "#fff" : "#000");
+  return { paper: wish.get("background") ?? (light ? "#000" : "#fff"), mixing: "source-over",
+    inks: [[ink, 45, light ? luminance : (...rgb) => 1 - luminance(...rgb)]] };
+}
+
+/** The mean light of each square of a picture, on white. */
+function lightOf(bitmap, width, height) {
+  const canvas = Object.assign(document.createElement("canvas"), { width, height });
+  const context = canvas.getContext("2d");
+  context.fillStyle = "#fff";
+  context.fillRect(0, 0, width, height);
+  context.imageSmoothingQuality = "high";
+  context.drawImage(bitmap, 0, 0, width, height);
+  const { data } = context.getImageData(0, 0, width, height);
+  return (x, y) => {
+    const at = 4 * (Math.min(Math.floor(y), height - 1) * width + Math.min(Math.floor(x), width - 1));
+    return [data[at], data[at + 1], data[at + 2]].map((value) => (value / 255) ** 2.2);
+  };
+}
+
+/** Radius of dots on a square grid, in its pitches, by the share that they cover; from pi / 4 on they overlap. */
+function radiusOf(covered) {
+  const alone = Math.PI / 4;
+  if (covered < alone) return Math.sqrt(covered / Math.PI);
+  return Math.SQRT1_2 - (Math.SQRT1_2 - 0.5) * Math.sqrt((1 - covered) / (1 - alone));
+}
+
+function drawScreen(context, { width, height }, pitch, light, [colour, angle, shareOf]) {
+  const [cos, sin] = [Math.cos, Math.sin].map((turn) => pitch * turn((angle * Math.PI) / 180));
+  const reach = Math.ceil(Math.hypot(width, height) / pitch / 2);
+  context.fillStyle = colour;
+  context.beginPath();
+  for (let i = -reach; i <= reach; ++i) {
+    for (let j = -reach; j <= reach; ++j) {
+      const x = width / 2 + i * cos - j * sin;
+      const y = height / 2 + i * sin + j * cos;
+      if (x < 0 || y < 0 || x >= width || y >= height) continue;
+      const radius = pitch * radiusOf(shareOf(...light(x / pitch, y / pitch)));
+      context.moveTo(x + radius, y);
+      context.arc(x, y, radius, 0, 2 * Math.PI);
+    }
+  }
+  context.fill();
+}
+
+function draw(canvas, bitmap, wish) {
+  const scale = Math.min(1, longestSide / Math.max(bitmap.width, bitmap.height));
+  canvas.width = Math.ceil(scale * bitmap.width);
+  canvas.height = Math.ceil(scale * bitmap.height);
+  const { paper, mixing, inks } = screensOf(wish);
+  const sites = Number(wish.get("sites")) || 20000;
+  const pitch = Math.max(leastPitch, Math.sqrt((canvas.width * canvas.height * inks.length) / sites));
+  const light = lightOf(bitmap, Math.ceil(canvas.width / pitch), Math.ceil(canvas.height / pitch));
+  const context = canvas.getContext("2d");
+  if (paper !== "transparent") {
+    context.fillStyle = paper;
+    context.fillRect(0, 0, canvas.width, canvas.height);
+  }
+  context.globalCompositeOperation = mixing;
+  for (const ink of inks) drawScreen(context, canvas, pitch, light, ink);
+}
+
+const looks = `
+:host { display: inline-block; position: relative; max-width: 100%; line-height: 0; }
+:host([hidden]), [hidden] { display: none; }
+img, canvas { width: 100%; }
+progress { position: absolute; inset: auto 0 0; width: 100%; height: 4px; }`;
+
+class Halftone extends HTMLElement {
+  static observedAttributes = ["src", "alt", ...options];
+
+  #picture = Object.assign(new Image(), { hidden: true });
+  #drawing = Object.assign(document.createElement("canvas"), { hidden: true });
+  #progress = Object.assign(document.createElement("progress"), { hidden: true, ariaLabel: "Dots" });
+  #width = new CSSStyleSheet();
+  #run = null;
+  #wish = null;  // what is shown, or on its way
+  #drawn = null;  // the source of the drawing
+
+  constructor() {
+    super();
+    const root = this.attachShadow({ mode: "open" });
+    const sheet = new CSSStyleSheet();
+    sheet.replaceSync(looks);
+    root.adoptedStyleSheets = [sheet, this.#width];
+    this.#picture.part = "picture";
+    this.#drawing.part = "drawing";
+    this.#progress.part = "progress";
+    root.append(this.#picture, this.#drawing, this.#progress);
+  }
+
+  connectedCallback() { queueMicrotask(() => this.#refresh()); }
+  attributeChangedCallback() { queueMicrotask(() => this.#refresh()); }
+  disconnectedCallback() { queueMicrotask(() => this.#leave()); }
+
+  /** Ends what is under way, on the server, too. What is shown stays. */
+  abort() {
+    if (!this.#run) return;
+    this.#cancel();
+    this.dispatchEvent(new Event("abort"));
+  }
+
+  #cancel() {
+    this.#run?.abort();
+    this.#run = null;
+    this.#progress.hidden = true;
+  }
+
+  /** Ends what nobody will see, unless it was but moved to another place. */
+  #leave() {
+    if (this.isConnected || !this.#run) return;
+    this.#wish = null;
+    this.abort();
+  }
+
+  #options() {
+    const wish = new URLSearchParams();
+    for (const name of options.filter((one) => this.hasAttribute(one)))
+      wish.set(name, this.getAttribute(name) || (flags.includes(name) ? "true" : ""));
+    return wish;
+  }
+
+  /** Makes the dots, unless what is wanted is there or under way. */
+  #refresh() {
+    const alt = this.getAttribute("alt");
+    this.#picture.alt = alt ?? "";
+    Object.assign(this.#drawing, alt ? { role: "img", ariaLabel: alt, ariaHidden: null } : { role: null, ariaHidden: "true" });
+    const source = this.getAttribute("src");
+    const wish = this.#options();
+    if (!this.isConnected || `${source} ${wish}` === this.#wish) return;
+    this.#cancel();
+    this.#wish = `${source} ${wish}`;
+    if (source) this.#make(source, wish);
+  }
+
+  async #make(source, wish) {
+    const run = new AbortController();
+    const { signal } = run;
+    this.#run = run;
+    try {
+      const picture = await bodyOf(await fetch(new URL(source, document.baseURI), { signal }));
+      await this.#draw(picture, source, wish, signal);
+      await this.#show(await inTurn(() => askForDots(picture, wish, signal, (part) => this.#tell(run, part))), signal);
+      this.dispatchEvent(new Event("load"));
+    } catch (error) {
+      if (signal.aborted) return;
+      this.#fall(source);
+      this.dispatchEvent(new ErrorEvent("error", { error, message: error.message }));
+    } finally {
+      if (this.#run === run) {
+        this.#run = null;
+        this.#progress.hidden = true;
+      }
+    }
+  }
+
+  /** Draws dots here; of the same picture the better ones that there are stay, as long as others may come. */
+  async #draw(picture, source, wish, signal) {
+    const bitmap = await createImageBitmap(picture).catch(() => null);
+    signal.throwIfAborted();
+    if (this.#drawn !== source) {
+      this.#picture.hidden = true;
+      this.#drawing.hidden = !bitmap;
+    }
+    this.#drawn = bitmap && source;
+    if (!bitmap) return;
+    draw(this.#drawing, bitmap, wish);
+    this.#width.replaceSync(`:host { width: ${bitmap.width}px; }`);
+    bitmap.close();
+  }
+
+  #tell(run, part) {
+    if (this.#run !== run) return;
+    this.#progress.value = part;
+    this.#progress.hidden = false;
+    this.dispatchEvent(new ProgressEvent("progress", { lengthComputable: true, loaded: Math.round(100 * part), total: 100 }));
+  }
+
+  async #show(dots, signal) {
+    const picture = new Image();
+    picture.src = URL.createObjectURL(dots);
+    await picture.decode();
+    signal.throwIfAborted();
+    URL.revokeObjectURL(this.#picture.src);
+    this.#picture.src = picture.src;
+    this.#picture.hidden = false;
+    this.#drawing.hidden = true;
+  }
+
+  /** Shows the drawing or, of what could not be read here, the picture itself. */
+  #fall(source) {
+    const isDrawn = this.#drawn === source;
+    this.#drawing.hidden = !isDrawn;
+    this.#picture.hidden = isDrawn;
+    if (isDrawn) return;
+    this.#drawn = null;
+    this.#picture.src = source;
+  }
+}
+
+customElements.define("ccdt-halftone", Halftone);
