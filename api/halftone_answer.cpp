@@ -41,8 +41,11 @@ public:
     Result<std::string> operator()(const RasterWriter& writer) {
         std::vector<Raster> rasters;
         for (std::size_t ink = 0; ink < inks_.size(); ++ink) rasters.push_back(rasterise(ink, request_.antialias));
-        return writer.write(overlay(std::move(rasters), request_.palette, request_.antialias, stop_),
-                            request_.drawing.width_mm, stop_);
+        const Palette& palette = request_.palette;
+        const auto width_mm = request_.drawing.width_mm;
+        if (writer.write_plates != nullptr && palette.mixing == Mixing::Multiply)
+            return writer.write_plates(rasters, palette.inks, width_mm, stop_);
+        return writer.write(overlay(std::move(rasters), palette, request_.antialias, stop_), width_mm, stop_);
     }
 
 private:

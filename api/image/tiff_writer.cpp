@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -85,15 +86,23 @@ Tiff open(MemoryFile& file) {
 
 /// Layout of stored pixels.
 struct Layout {
+    int width = 0;
+    int height = 0;
     bool bilevel = false;
     std::uint16_t channels = 1;
     std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
-    Shades shades{};           ///< by the raster's value
-    bool true_colour = false;  ///< the raster's values are those of the file
+    Shades shades{};              ///< by the raster's value
+    bool true_colour = false;     ///< the raster's values are those of the file
+    std::span<const Ink> inks{};  ///< whose plates the channels are; none: they are colours
 };
+
+/// Fills a row of the file, as long as its layout says.
+using FillRow = std::function<void(int y, std::uint8_t* row)>;
 
 Layout layout_of(const DotImage& image) {
     Layout layout;
+    layout.width = image.width;
+    layout.height = image.height;
     layout.shades = image.palette;
     layout.true_colour = image.colours == 0;
     layout.bilevel = image.is_bilevel();
@@ -103,6 +112,16 @@ Layout layout_of(const DotImage& image) {
     } else if (layout.bilevel && image.palette[0][0] == 255) {
         layout.photometric = PHOTOMETRIC_MINISWHITE;
     }
+    return layout;
+}
+
+Layout layout_of(std::span<const Raster> plates, std::span<const Ink> inks) {
+    Layout layout;
+    layout.width = plates.front().width;
+    layout.height = plates.front().height;
+    layout.channels = static_cast<std::uint16_t>(plates.size());
+    layout.photometric = PHOTOMETRIC_SEPARATED;
+    layout.inks = inks;
     return layout;
 }
 
@@ -122,15 +141,35 @@ void pack_row(const std::uint8_t* values, std::size_t count, const Layout& layou
     for (std::size_t x = 0; x < count; ++x) row = std::copy_n(layout.shades[values[x]].begin(), layout.channels, row);
 }
 
-bool write_header(TIFF* tiff, const DotImage& image, const Layout& layout, std::optional<double> width_mm) {
+/// Puts the values of all plates that belong to a pixel beside each other.
+void interleave_row(std::span<const Raster> plates, int y, std::uint8_t* row) {
+    const auto width = static_cast<std::size_t>(plates.front().width);
+    for (std::size_t plate = 0; plate < plates.size(); ++plate) {
+        const std::uint8_t* const values = plates[plate].coverage.data() + static_cast<std::size_t>(y) * width;
+        for (std::size_t x = 0; x < width; ++x) row[x * plates.size() + plate] = values[x];
+    }
+}
+
+/// Names the inks, each name ended by a zero.
+bool write_inks(TIFF* tiff, std::span<const Ink> inks) {
+    std::string names;
+    for (const Ink& ink : inks) names.append(ink.name).push_back('\0');
+    return TIFFSetField(tiff, TIFFTAG_INKSET, is_cmyk(inks) ? INKSET_CMYK : INKSET_MULTIINK) &&
+           TIFFSetField(tiff, TIFFTAG_NUMBEROFINKS, static_cast<int>(inks.size())) &&
+           TIFFSetField(tiff, TIFFTAG_INKNAMES, static_cast<int>(names.size()), names.data());
+}
+
+bool write_header(TIFF* tiff, const Layout& layout, std::optional<double> width_mm) {
     const std::uint16_t alpha = EXTRASAMPLE_UNASSALPHA;
-    const double resolution = width_mm ? image.width / *width_mm * kMillimetresPerInch : 1;
-    return TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(image.width)) &&
-           TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(image.height)) &&
+    const double resolution = width_mm ? layout.width / *width_mm * kMillimetresPerInch : 1;
+    return TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(layout.width)) &&
+           TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(layout.height)) &&
            TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, layout.bilevel ? 1 : 8) &&
            TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, layout.channels) &&
            TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, layout.photometric) &&
-           (layout.channels < 4 || TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &alpha)) &&
+           (layout.inks.empty() || write_inks(tiff, layout.inks)) &&
+           (layout.photometric != PHOTOMETRIC_RGB || layout.channels < 4 ||
+            TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &alpha)) &&
            TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) &&
            TIFFSetField(tiff, TIFFTAG_COMPRESSION,
                         layout.bilevel ? COMPRESSION_CCITTFAX4 : COMPRESSION_ADOBE_DEFLATE) &&
@@ -140,28 +179,40 @@ bool write_header(TIFF* tiff, const DotImage& image, const Layout& layout, std::
            TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, TIFFDefaultStripSize(tiff, 0));
 }
 
-bool write_rows(TIFF* tiff, const DotImage& image, const Layout& layout, const std::stop_token& stop) {
-    std::vector<std::uint8_t> row(static_cast<std::size_t>(image.width) * layout.channels);
-    for (int y = 0; y < image.height; ++y) {
+bool write_rows(TIFF* tiff, const Layout& layout, const FillRow& fill, const std::stop_token& stop) {
+    std::vector<std::uint8_t> row(static_cast<std::size_t>(layout.width) * layout.channels);
+    for (int y = 0; y < layout.height; ++y) {
         if (stop.stop_requested()) return false;
-        pack_row(image.row(y), image.row_size(), layout, row.data());
+        fill(y, row.data());
         if (TIFFWriteScanline(tiff, row.data(), static_cast<std::uint32_t>(y), 0) < 0) return false;
     }
     return TIFFFlush(tiff) != 0;
+}
+
+Result<std::string> write_file(const Layout& layout, const FillRow& fill, std::optional<double> width_mm,
+                               const std::stop_token& stop) {
+    MemoryFile file;
+    Tiff tiff = open(file);
+    const bool written =
+        tiff && write_header(tiff.get(), layout, width_mm) && write_rows(tiff.get(), layout, fill, stop);
+    tiff.reset();
+    if (written) return std::move(file.bytes);
+    if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped while the picture was encoded");
+    return failure(ErrorCode::Internal, "the picture could not be encoded");
 }
 
 }  // namespace
 
 Result<std::string> write_tiff(const DotImage& image, std::optional<double> width_mm, const std::stop_token& stop) {
     const Layout layout = layout_of(image);
-    MemoryFile file;
-    Tiff tiff = open(file);
-    const bool written =
-        tiff && write_header(tiff.get(), image, layout, width_mm) && write_rows(tiff.get(), image, layout, stop);
-    tiff.reset();
-    if (written) return std::move(file.bytes);
-    if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped while the picture was encoded");
-    return failure(ErrorCode::Internal, "the picture could not be encoded");
+    const auto fill = [&](int y, std::uint8_t* row) { pack_row(image.row(y), image.row_size(), layout, row); };
+    return write_file(layout, fill, width_mm, stop);
+}
+
+Result<std::string> write_tiff_plates(std::span<const Raster> plates, std::span<const Ink> inks,
+                                      std::optional<double> width_mm, const std::stop_token& stop) {
+    const auto fill = [&](int y, std::uint8_t* row) { interleave_row(plates, y, row); };
+    return write_file(layout_of(plates, inks), fill, width_mm, stop);
 }
 
 }  // namespace ccdt::api

@@ -27,6 +27,10 @@ Palette rgb() {
 
 }  // namespace
 
+bool is_cmyk(std::span<const Ink> inks) {
+    return std::ranges::equal(inks, cmyk().inks, {}, &Ink::colour, &Ink::colour);
+}
+
 Result<Palette> read_color(const Input& input) {
     static constexpr std::array<Choice<Palette (*)()>, 3> kPalettes = {{{"gray", gray}, {"cmyk", cmyk}, {"rgb", rgb}}};
     return read_choice<Palette (*)()>(input, kPalettes).map([](const auto make) { return make(); });

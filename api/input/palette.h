@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ struct Palette {
     Colour paper = kWhite;         ///< transparent: the inks are those for white
     Mixing mixing = Mixing::Cover;
 };
+
+/// Whether inks are those of `cmyk`, in their order: what readers of print files take for granted.
+bool is_cmyk(std::span<const Ink> inks);
 
 /// Reads `gray`, one opaque black ink, or `cmyk` or `rgb`.
 Result<Palette> read_color(const Input& input);

@@ -34,11 +34,11 @@ std::string list_map_npy(const MapOfDots& map, const Report&, const std::stop_to
     return write_map_npy(map);
 }
 
-constexpr PointFormat kPngPoints{kPng, {}, {}, RasterWriter{kAnySide, write_png}};
+constexpr PointFormat kPngPoints{kPng, {}, {}, RasterWriter{kAnySide, write_png, nullptr}};
 constexpr PointFormat kTiffPoints{
-    {"tiff", "TIFF", "tiff", "image/tiff", ""}, {}, {}, RasterWriter{kAnySide, write_tiff}};
+    {"tiff", "TIFF", "tiff", "image/tiff", ""}, {}, {}, RasterWriter{kAnySide, write_tiff, write_tiff_plates}};
 constexpr PointFormat kWebPPoints{
-    {"webp", "WebP", "webp", "image/webp", ""}, {}, kColours, RasterWriter{kMaxWebPSide, write_webp}};
+    {"webp", "WebP", "webp", "image/webp", ""}, {}, kColours, RasterWriter{kMaxWebPSide, write_webp, nullptr}};
 constexpr PointFormat kSvgPoints{kSvg, kPath, {}, VectorWriter{write_svg, write_map_svg}};
 constexpr PointFormat kJsonPoints{kJson, kNumbers, {}, ListWriter{false, write_json, write_map_json}};
 constexpr PointFormat kGeoJsonPoints{{"geojson", "GeoJSON", "geojson", "application/geo+json", ""},

@@ -38,6 +38,10 @@ struct VectorWriter {
 struct RasterWriter {
     int max_side;  ///< pixels
     Result<std::string> (&write)(const DotImage& image, std::optional<double> width_mm, const std::stop_token& stop);
+
+    /// Writes inks that multiply apart from each other, as they are printed; null: the format holds but what is seen.
+    Result<std::string> (*write_plates)(std::span<const Raster> plates, std::span<const Ink> inks,
+                                        std::optional<double> width_mm, const std::stop_token& stop);
 };
 
 /// Format that points are answered in: a row of the table in formats.cpp. Writers are references, lest a row without

@@ -9,6 +9,7 @@ import unittest
 from xml.etree import ElementTree
 
 import numpy
+import tifffile
 from PIL import Image
 
 from harness import PICTURES, Call, Server, ServerCase, ask, data_uri, file_of, flat, pixels, post_json
@@ -20,6 +21,7 @@ GREY = (PICTURES / "camera.png").read_bytes()
 SVG = "{http://www.w3.org/2000/svg}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
 LATER = ("--header", "Prefer: respond-async")
+PHOTOMETRIC, INK_SET, INK_NAMES = 262, 332, 333
 INKS = {"cyan": "#00ffff", "magenta": "#ff00ff", "yellow": "#ffff00", "black": "#000000"}
 
 
@@ -146,17 +148,60 @@ class Formats(ServerCase):
             file.flush()
             subprocess.run(["pngcheck", "-q", file.name], check=True)
 
-    def test_webp_and_tiff_look_like_png(self):
+    def test_webp_looks_like_png(self):
         for query in ("", "&antialias=true", "&background=transparent", "&background=transparent&antialias=true"):
-            expected = pixels(self.made("png", query).body, "RGBA")
-            for form in ("webp", "tiff"):
-                with self.subTest(form=form, query=query):
-                    answer = self.made(form, query)
-                    self.assertEqual(answer.type, "image/" + form)
-                    found = pixels(answer.body, "RGBA")
-                    numpy.testing.assert_array_equal(found[..., 3], expected[..., 3])
-                    seen = expected[..., 3] > 0
-                    numpy.testing.assert_array_equal(found[seen], expected[seen])
+            with self.subTest(query=query):
+                expected = pixels(self.made("png", query).body, "RGBA")
+                answer = self.made("webp", query)
+                self.assertEqual(answer.type, "image/webp")
+                found = pixels(answer.body, "RGBA")
+                numpy.testing.assert_array_equal(found[..., 3], expected[..., 3])
+                seen = expected[..., 3] > 0
+                numpy.testing.assert_array_equal(found[seen], expected[seen])
+
+    def test_tiff_of_cmyk_has_a_plate_for_each_ink(self):
+        """As any reader takes it: what the plates print is what PNG shows."""
+        answer = self.made("tiff", "&width_mm=100")
+        self.assertEqual(answer.type, "image/tiff")
+        image = Image.open(io.BytesIO(answer.body))
+        self.assertEqual((image.mode, image.tag_v2[PHOTOMETRIC], image.tag_v2[INK_SET]), ("CMYK", 5, 1))
+        self.assertEqual(image.tag_v2[INK_NAMES].rstrip("\0").split("\0"), list(INKS))
+        self.assertAlmostEqual(image.info["dpi"][0], image.width / 100 * 25.4, 2)
+        plates = numpy.asarray(image)
+        self.assertEqual(set(numpy.unique(plates)), {0, 255})
+        light = 1 - plates[..., :3] / 255
+        printed = light * (1 - plates[..., 3:] / 255)
+        numpy.testing.assert_array_equal(255 * printed, pixels(self.made("png").body, "RGB"))
+
+    def test_tiff_of_a_palette_has_a_plate_for_each_ink(self):
+        for palette in (["#c03000", "#003366"], ["#804000"], ["#ffff00", "#ff00ff", "#00ffff", "#000000"],
+                        ["#c03000", "#003366", "#000000", "#ffff00", "#00ff00"]):
+            with self.subTest(palette=palette):
+                query = f"?sites=500&seed=2&scale=3&palette={','.join(palette).replace('#', '%23')}"
+                with tifffile.TiffFile(io.BytesIO(self.halftone(CHELSEA, query + "&format=tiff").body)) as file:
+                    (page,) = file.pages
+                    self.assertEqual((page.photometric, page.tags["InkSet"].value), (tifffile.PHOTOMETRIC.SEPARATED, 2))
+                    self.assertEqual(page.tags["NumberOfInks"].value, len(palette))
+                    self.assertEqual(page.tags["InkNames"].value.rstrip("\0").split("\0"), palette)
+                    plates = page.asarray().reshape(page.imagelength, page.imagewidth, len(palette))
+                shown = pixels(self.halftone(CHELSEA, query).body, "RGB")
+                for ink, colour in enumerate(palette):
+                    alone = (plates[..., ink] == 255) & (plates.astype(int).sum(-1) == 255)
+                    self.assertGreater(alone.sum(), 100)
+                    self.assertEqual(numpy.unique(shown[alone], axis=0).tolist(), [list(bytes.fromhex(colour[1:]))])
+                self.assertTrue((shown[plates.max(-1) == 0] == 255).all())
+
+    def test_plates_of_soft_dots(self):
+        hard, soft = (numpy.asarray(Image.open(io.BytesIO(self.made("tiff", query).body)), dtype=float)
+                      for query in ("", "&antialias=true"))
+        self.assertGreater(len(numpy.unique(soft)), 100)
+        numpy.testing.assert_allclose(soft.mean((0, 1)), hard.mean((0, 1)), rtol=0.03, atol=0.5)
+
+    def test_tiff_of_lights_looks_like_png(self):
+        for query in ("", "&antialias=true"):
+            files = [self.halftone(CHELSEA, f"?sites=3000&color=rgb&format={form}{query}").body
+                     for form in ("png", "tiff")]
+            numpy.testing.assert_array_equal(*(pixels(file, "RGB") for file in files))
 
     def test_svg_has_a_layer_for_each_ink(self):
         inks = self.made("json").json()["inks"]

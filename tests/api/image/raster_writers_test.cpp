@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
+#include <tiffio.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -103,6 +107,63 @@ TEST(RasterWriters, KeepColours) {
     }
 }
 
+/// Plates as a reader of TIFF finds them, and what the file says of them.
+struct Separated {
+    std::uint16_t photometric = 0;
+    std::uint16_t ink_set = 0;
+    std::vector<std::string> names;
+    std::vector<std::uint8_t> values;  ///< [width * height * inks]
+};
+
+Separated read_separated(const std::string& bytes) {
+    const std::string file = testing::TempDir() + "ccdt_plates_" + std::to_string(::getpid()) + ".tiff";
+    std::ofstream(file, std::ios::binary) << bytes;
+    Separated found;
+    TIFF* const tiff = TIFFOpen(file.c_str(), "r");
+    std::uint16_t inks = 0;
+    const char* names = nullptr;
+    std::uint32_t height = 0;
+    TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &found.photometric);
+    TIFFGetField(tiff, TIFFTAG_INKSET, &found.ink_set);
+    TIFFGetField(tiff, TIFFTAG_NUMBEROFINKS, &inks);
+    TIFFGetField(tiff, TIFFTAG_INKNAMES, &names);
+    TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &height);
+    for (int i = 0; i < inks; ++i) {
+        found.names.emplace_back(names);
+        names += found.names.back().size() + 1;
+    }
+    const auto row = static_cast<std::size_t>(TIFFScanlineSize(tiff));
+    found.values.resize(row * height);
+    for (std::uint32_t y = 0; y < height; ++y) TIFFReadScanline(tiff, &found.values[y * row], y, 0);
+    TIFFClose(tiff);
+    std::filesystem::remove(file);
+    return found;
+}
+
+TEST(TiffWriter, KeepsPlatesApart) {
+    const Palette cmyk{
+        {{"cyan", {0, 255, 255}}, {"magenta", {255, 0, 255}}, {"yellow", {255, 255, 0}}, {"black", kBlack}}};
+    const Palette two{{{"#c03000", {192, 48, 0}}, {"#003366", {0, 51, 102}}}};
+    for (const Palette& palette : {cmyk, two}) {
+        std::vector<Raster> plates;
+        std::vector<std::string> names;
+        for (const Ink& ink : palette.inks) {
+            plates.push_back(grey_raster(40));
+            std::ranges::rotate(plates.back().coverage, plates.back().coverage.begin() + 5 * std::ssize(plates));
+            names.push_back(ink.name);
+        }
+        const auto file = write_tiff_plates(plates, palette.inks, 10);
+        ASSERT_TRUE(file) << file.error().message;
+        const Separated found = read_separated(*file);
+        EXPECT_EQ(found.photometric, PHOTOMETRIC_SEPARATED);
+        EXPECT_EQ(found.ink_set, plates.size() == 4 ? INKSET_CMYK : INKSET_MULTIINK);
+        EXPECT_EQ(found.names, names);
+        ASSERT_EQ(found.values.size(), plates.size() * plates.front().coverage.size());
+        for (std::size_t i = 0; i < found.values.size(); ++i)
+            ASSERT_EQ(found.values[i], plates[i % plates.size()].coverage[i / plates.size()]) << i;
+    }
+}
+
 TEST(PngWriter, TakesFewBitsForFewColours) {
     for (const auto& [colours, bits] : {std::pair{2U, 1}, {4U, 2}, {8U, 4}, {16U, 4}, {64U, 8}, {0U, 8}})
         EXPECT_EQ(decode_png(*write_png(colour_image(colours, false))).bit_depth, bits) << colours;
@@ -123,6 +184,9 @@ TEST(RasterWriters, EndOnceTheyAreStopped) {
                                  write_webp(image, {}, source.get_token())})
             EXPECT_EQ(file.error().code, ErrorCode::Stopped);
     }
+    const std::vector<Raster> plates = {grey_raster(40)};
+    const std::vector<Ink> inks = {{"#000000", kBlack}};
+    EXPECT_EQ(write_tiff_plates(plates, inks, {}, source.get_token()).error().code, ErrorCode::Stopped);
 }
 
 TEST(RasterWriters, GiveTheSameBytesAgain) {
