@@ -10,6 +10,7 @@
 #include "api/input/negotiation.h"
 #include "api/input/run_options.h"
 #include "api/output/formats.h"
+#include "api/output/json_writer.h"
 #include "api/run/stopwatch.h"
 
 namespace ccdt::api {
@@ -228,6 +229,8 @@ Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits
     answer.media_type = request.format->file.content_type();
     answer.body = *std::move(body);
     answer.dots = plan->size();
+    if (request.format->file.name != "json" && !plan->warnings.empty())
+        answer.warnings = write_warnings(plan->warnings);
     for (const Distribution& each : *dots) answer.sites += each.points.size();
     answer.pixels = static_cast<std::size_t>(plan->picture.width) * static_cast<std::size_t>(plan->picture.height);
     answer.partial = std::ranges::any_of(*dots, &Distribution::stopped);

@@ -68,7 +68,7 @@ private:
 
 Result<std::string> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan,
                                    std::span<const Distribution> dots, double elapsed, const Control& control) {
-    const Report report{request.run.seed, elapsed, plan.picture, "ccdt", {}, plan.size()};
+    const Report report{request.run.seed, elapsed, plan.picture, "ccdt", {}, plan.size(), plan.warnings};
     std::vector<InkDots> inks;
     for (std::size_t ink = 0; ink < dots.size(); ++ink) inks.push_back({request.palette.inks[ink], dots[ink]});
     auto body = std::visit(Writing(request, plan, report, std::move(inks), control), request.format->writer);

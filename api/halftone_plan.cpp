@@ -134,6 +134,13 @@ std::optional<PrintProof> make_proof(const HalftoneRequest& request, const Halft
                       *plan.radius, sites);
 }
 
+/// Finds what is not as its sender may think: of a film that moves, one picture is taken.
+std::vector<Warning> warnings_of(const HalftoneRequest& request) {
+    std::string frame = describe_frame(request.image.header);
+    if (frame.empty()) return {};
+    return {{request.image_field, std::move(frame)}};
+}
+
 /// Makes a density for each ink that has sites. Coverages go as they are taken.
 Result<std::vector<Density>> make_densities(SeparatedPicture& picture, const std::vector<std::size_t>& sites) {
     std::vector<Density> densities(sites.size(), Density::uniform());
@@ -156,6 +163,7 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     Separation& separation = picture->inks;
     HalftonePlan plan;
     plan.picture = picture->size;
+    plan.warnings = warnings_of(request);
     std::vector<double> ink(separation.coverage.size());
     std::ranges::transform(separation.coverage, ink.begin(), sum);
     const double all_ink = std::accumulate(ink.begin(), ink.end(), 0.0);

@@ -26,6 +26,7 @@ struct HalftonePlan {
     std::vector<Density> densities;   ///< [inks]; uniform for inks without sites
     std::optional<PrintProof> proof;  ///< if there are several inks, of which all together are seen
     Canvas canvas;                    ///< of an answer that is drawn
+    std::vector<Warning> warnings;    ///< about the request
 
     /// What is told of the dots' size.
     std::optional<DotSize> size() const { return tone ? std::optional(DotSize{*radius, *tone}) : std::nullopt; }

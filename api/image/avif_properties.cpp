@@ -72,6 +72,16 @@ bool is_avif(std::string_view bytes) {
     return false;
 }
 
+std::uint64_t avif_frames(std::string_view bytes) {
+    std::string_view inside = bytes;
+    for (const char* const name : {"moov", "trak", "mdia", "minf", "stbl", "stsz"}) {
+        const auto box = find_box(inside, name);
+        if (!box) return 0;
+        inside = box->data;
+    }
+    return ByteReader(inside, true).read(kVersion + 4, 4).value_or(0);
+}
+
 std::vector<Chunk> avif_properties(std::string_view bytes) {
     const auto meta = find_box(bytes, "meta");
     if (!meta) return {};

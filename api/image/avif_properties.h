@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 #include <vector>
 
@@ -14,5 +15,9 @@ bool is_avif(std::string_view bytes);
 /// bits (pixi) and its colours (colr). None if the file is broken or cut short before them. O(bytes). Source: HEIF
 /// (ISO/IEC 23008-12), 6 and 9.3.
 std::vector<Chunk> avif_properties(std::string_view bytes);
+
+/// Counts the frames of an AVIF's first track; 0 if it has none.
+/// Source: ISO/IEC 14496-12, 8.7.3.
+std::uint64_t avif_frames(std::string_view bytes);
 
 }  // namespace ccdt::api

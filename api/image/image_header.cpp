@@ -183,6 +183,90 @@ Result<ImageHeader> read_avif(std::string_view bytes) {
     return header;
 }
 
+/// Frames of an animated PNG. Source: PNG (ISO/IEC 15948), third edition, 11.3.6.
+uint64_t png_frames(std::string_view bytes) {
+    std::size_t at = kPngChunks;
+    while (const auto chunk = png_chunk(bytes, at)) {
+        if (chunk->name == "acTL") return ByteReader(chunk->data, true).read(0, 4).value_or(1);
+        if (chunk->name == "IDAT") break;
+        at = chunk->end;
+    }
+    return 1;
+}
+
+uint64_t webp_frames(std::string_view bytes) {
+    uint64_t frames = 0;
+    std::size_t at = kRiffChunks;
+    while (const auto chunk = riff_chunk(bytes, at)) {
+        if (chunk->name == "ANMF") ++frames;
+        at = chunk->end;
+    }
+    return frames;
+}
+
+/// Pages of a TIFF, whose directories are a list: one that leads back is left.
+uint64_t tiff_pages(std::string_view bytes) {
+    constexpr uint64_t kMost = 65'535;
+    const ByteReader reader(bytes, bytes.starts_with("MM"));
+    uint64_t pages = 0;
+    auto at = reader.read(4, 4);
+    while (at && *at != 0 && pages < kMost) {
+        const auto entries = reader.read(*at, 2);
+        if (!entries) break;
+        ++pages;
+        at = reader.read(*at + 2 + TiffDirectory::kEntrySize * *entries, 4);
+    }
+    return pages;
+}
+
+/// Bytes of a GIF's table of colours, as the byte says that tells of it.
+std::size_t gif_table(std::uint32_t packed) {
+    return (packed & 0x80) == 0 ? 0 : std::size_t{3} << ((packed & 7) + 1);
+}
+
+/// Frames of a GIF, as far as its blocks are whole.
+uint64_t gif_frames(std::string_view bytes) {
+    constexpr std::uint32_t kExtension = 0x21, kImage = 0x2C;
+    constexpr std::size_t kScreen = 13, kDescriptor = 10;
+    const ByteReader reader(bytes, false);
+    uint64_t frames = 0;
+    std::size_t at = kScreen + gif_table(reader.read(10, 1).value_or(0));
+    while (const auto block = reader.read(at, 1)) {
+        if (*block == kImage) {
+            ++frames;
+            at += kDescriptor + gif_table(reader.read(at + 9, 1).value_or(0)) + 1;
+        } else if (*block == kExtension) {
+            at += 2;
+        } else {
+            break;
+        }
+        while (const auto size = reader.read(at, 1)) {
+            at += 1 + *size;
+            if (*size == 0) break;
+        }
+    }
+    return frames;
+}
+
+uint64_t count_frames(std::string_view bytes, ImageFormat format) {
+    switch (format) {
+        case ImageFormat::Png:
+            return png_frames(bytes);
+        case ImageFormat::WebP:
+            return webp_frames(bytes);
+        case ImageFormat::Tiff:
+            return tiff_pages(bytes);
+        case ImageFormat::Gif:
+            return gif_frames(bytes);
+        case ImageFormat::Avif:
+            return avif_frames(bytes);
+        case ImageFormat::Jpeg:
+        case ImageFormat::Bmp:
+            break;
+    }
+    return 1;
+}
+
 Result<ImageHeader> read(std::string_view bytes, ImageFormat format) {
     switch (format) {
         case ImageFormat::Png:
@@ -272,6 +356,7 @@ Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pi
     auto header = read(bytes, *format);
     if (!header) return header;
     if (header->width == 0 || header->height == 0) return broken_image();
+    header->frames = std::max(count_frames(bytes, *format), uint64_t{1});
     if (header->width <= max_pixels / header->height) {
         header->decoder_bytes += kReaderBytes + header->width * kRowBytes;
         if (may_have_profile(bytes, *format)) header->decoder_bytes += kProfileBytes + bytes.size();
@@ -280,6 +365,14 @@ Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pi
     return failure(ErrorCode::LimitExceeded,
                    "the image has " + std::to_string(header->width) + " x " + std::to_string(header->height) +
                        " pixels; this server's limit (max-pixels) is " + std::to_string(max_pixels));
+}
+
+std::string describe_frame(const ImageHeader& header) {
+    if (header.frames == 1) return {};
+    const bool stands_apart = header.format == ImageFormat::Png || header.format == ImageFormat::Avif;
+    return "the file has " + std::to_string(header.frames) +
+           (header.format == ImageFormat::Tiff ? " pages" : " frames") + ": " +
+           (stands_apart ? "the picture that stands for them" : "the first") + " is used";
 }
 
 int webp_orientation(std::string_view bytes) {

@@ -22,6 +22,7 @@ struct ImageHeader {
     /// Bytes a reader takes at most while it decodes the picture, besides the file and the planes that it makes.
     std::uint64_t decoder_bytes = 0;
     bool is_ink_jpeg = false;  ///< of four channels: cyan, magenta, yellow, black
+    std::uint64_t frames = 1;  ///< that the file holds, of a TIFF pages; one of them is read
 
     std::uint64_t pixels() const { return width * height; }
 };
@@ -52,6 +53,9 @@ Result<ImageFormat> recognise_image(std::string_view bytes);
 /// Sources: PNG (ISO/IEC 15948), 5 and 11.2.2; JPEG (ITU-T T.81), B.1 and B.2.2; WebP (RFC 9649), 2; TIFF 6.0, 2;
 /// GIF89a, 18; Microsoft's BITMAPINFOHEADER; HEIF (ISO/IEC 23008-12), 6.5.3 and 6.5.6.
 Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels);
+
+/// Tells which of several frames or pages is read; empty if there is but one.
+std::string describe_frame(const ImageHeader& header);
 
 /// Reads the orientation that a WebP file's EXIF block gives, 1 to 8; 1 if it gives none.
 int webp_orientation(std::string_view bytes);

@@ -189,7 +189,7 @@ void append_inks(std::string& out, std::span<const InkDots> inks, const Report& 
     append_array(out, inks, [&](std::string& to, const InkDots& each) { append_ink(to, each, stop); });
     out += ',';
     append_order(out, count_points(inks), report);
-    if (std::ranges::any_of(inks, [](const InkDots& each) { return each.dots.stopped; })) out += ",\"partial\":true";
+    append_remarks(out, std::ranges::any_of(inks, [](const InkDots& each) { return each.dots.stopped; }), report);
     append_report(out, report);
 }
 

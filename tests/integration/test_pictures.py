@@ -1,13 +1,14 @@
 """POST /halftone: pictures as people have them, with colour profiles and in every format that is read."""
 
 import io
+import json
 import unittest
 
 import numpy
 from PIL import Image, ImageCms
 
 import profiles
-from harness import ROOT, ServerCase, file_of
+from harness import ROOT, ServerCase, data_uri, file_of, post_json
 
 FIXTURES = ROOT / "tests" / "api" / "data"
 P3 = profiles.rgb_profile(profiles.DISPLAY_P3, profiles.srgb_to_linear)
@@ -142,6 +143,24 @@ class Formats(ServerCase):
         first, second = patch("L", 200), patch("L", 20)
         expected = self.halftone(saved(first, "GIF"), QUERY).body
         self.assertEqual(self.halftone(saved(first, "GIF", save_all=True, append_images=[second]), QUERY).body, expected)
+
+    def test_which_of_several_frames_is_read_is_told(self):
+        frames = [patch("RGB", (level, level, 90)) for level in (200, 20, 90)]
+        of_an_animation = "the file has 3 frames: the first is used"
+        for kind, told in (("GIF", of_an_animation), ("WEBP", of_an_animation),
+                           ("PNG", "the file has 3 frames: the picture that stands for them is used"),
+                           ("TIFF", "the file has 3 pages: the first is used")):
+            with self.subTest(kind=kind):
+                file = saved(frames[0], kind, save_all=True, append_images=frames[1:])
+                self.assertEqual(json.loads(self.halftone(file, QUERY).headers["x-warnings"]),
+                                 [{"pointer": "", "detail": told}])
+                for color in ("gray", "cmyk"):
+                    answer = post_json(self.server, "/halftone",
+                                       {"image": data_uri(file), "sites": 9, "color": color, "format": "json"})
+                    self.assertNotIn("x-warnings", answer.headers)
+                    self.assertEqual(answer.json()["warnings"], [{"pointer": "/image", "detail": told}])
+        for kind in ("GIF", "WEBP", "PNG", "TIFF", "JPEG", "BMP"):
+            self.assertNotIn("x-warnings", self.halftone(saved(frames[0], kind), QUERY).headers)
 
     def test_sixteen_bits_are_kept(self):
         """Half a step of eight bits is told apart."""

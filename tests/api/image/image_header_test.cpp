@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "api/image/containers.h"
 #include "tests/api/files.h"
 
 namespace ccdt::api {
@@ -42,6 +43,23 @@ TEST(ImageHeader, TellsWhatADecoderTakes) {
     EXPECT_GE(decoder_bytes("lossless.avif"), by_rows + 24U * 16U * 15U);
     EXPECT_GE(decoder_bytes("ramp.avif"), by_rows + 256U * 256U * 30U) << "of more than 8 bits";
     EXPECT_GE(decoder_bytes("p3.jpg"), by_rows + fixture("p3.jpg").size() + (32U << 20));
+}
+
+TEST(ImageHeader, TellsWhichOfSeveralFramesIsRead) {
+    const auto told = [](const std::string& file) { return describe_frame(*read_image_header(file, kMaxPixels)); };
+    EXPECT_EQ(told(fixture("grey.gif")), "");
+    EXPECT_EQ(told(fixture("lossless.avif")), "");
+    EXPECT_EQ(told(fixture("film.gif")), "the file has 2 frames: the first is used");
+    EXPECT_EQ(told(fixture("film.avif")), "the file has 2 frames: the picture that stands for them is used");
+}
+
+TEST(ImageHeader, LeavesListsOfPagesThatLeadBack) {
+    std::string file = fixture("lzw.tif");
+    const ByteReader reader(file, false);
+    const std::uint32_t first = *reader.read(4, 4);
+    const std::size_t next = first + 2 + TiffDirectory::kEntrySize * *reader.read(first, 2);
+    file.replace(next, 4, file, 4, 4);
+    EXPECT_EQ(read_image_header(file, kMaxPixels)->frames, 65'535U);
 }
 
 TEST(ImageHeader, RefusesTooManyPixels) {
