@@ -252,6 +252,12 @@ class Pictures(FormatCase):
                     self.assertEqual(answer.type, "image/" + name)
                     numpy.testing.assert_array_equal(answer.picture("RGBA"), expected)
 
+    def test_drawings_of_the_plane_have_y_up(self):
+        body = {"sites": 300, "polygon": [[0, 0], [4, 0], [2, 4]], "format": "png"}
+        dark = (post_json(self.server, "/sample", body).picture("L") < 128).sum(1)
+        top, bottom = dark[:len(dark) // 2].sum(), dark[len(dark) // 2:].sum()
+        self.assertLess(2 * top, bottom)  # a quarter of the triangle is in its upper half
+
     def test_webp_is_lossless_and_small(self):
         webp = self.dots("?sites=5000&scale=3&format=webp").body
         self.assertEqual(webp[12:16], b"VP8L")
