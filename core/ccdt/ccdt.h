@@ -32,6 +32,10 @@ struct Options {
     Start start = Start::Stratified;
     Quality quality = Quality::Standard;
     bool keep_mesh = false;  ///< fill Distribution::mesh
+    /// Points that are there already and stay, in the domain's coordinates: none of the sites, which keep clear of them
+    /// as of each other, and leave each as much room as one of them has, but a cluster no more than its area and a rim.
+    /// Those outside take room inside, too.
+    std::vector<Point> fixed = {};
 };
 
 /// State of a computation on its way.
@@ -57,7 +61,7 @@ struct Control {
 /// The triangulation behind a distribution, in the caller's coordinates. Around a torus a triangle's corners may be
 /// those of neighbouring copies.
 struct TriangleMesh {
-    std::vector<Point> vertices;                          ///< the sites, then vertices on the border
+    std::vector<Point> vertices;                          ///< the sites, fixed points, then vertices on the border
     std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise
     std::vector<std::vector<std::uint32_t>> boundary;     ///< closed loops of vertices, the domain on their left
 };

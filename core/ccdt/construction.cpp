@@ -1,10 +1,13 @@
 #include "core/ccdt/construction.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
+#include "core/ccdt/border.h"
 #include "core/ccdt/placement.h"
+#include "core/ccdt/thinned_points.h"
 
 namespace ccdt {
 
@@ -47,7 +50,8 @@ Result<void> Construction::start() {
         return failure(ErrorCode::Unusable, "the density is zero all over the domain", "density");
     }
     start_.emplace(domain_, density_, options_);
-    if (has_polish(options_)) polish_.emplace(domain_, density_, capacity_.total(), options_.sites, stop_);
+    if (auto chosen = choose_fixed(); !chosen) return chosen;
+    if (has_polish(options_)) polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_);
     if (stopping()) return stopped_at_start();
     auto placed = triangulate_sites(even_start());
     if (!placed) return tl::unexpected(placed.error());
@@ -57,10 +61,55 @@ Result<void> Construction::start() {
     return {};
 }
 
+/// Share of the capacity that each site is to have.
+double Construction::site_share() const {
+    return 1 / (fixed_.sites > 0 ? fixed_.sites : static_cast<double>(options_.sites));
+}
+
+/// Chooses those fixed points that get a vertex: inside, and not so close to the border or to each other that what lies
+/// between is a needle.
+Result<void> Construction::choose_fixed() {
+    constexpr double kApart = 0.2, kOthersApart = 0.02, kFromBorder = 0.05;  // of a site's spacing
+    const std::vector<Point>& points = start_->fixed();
+    if (points.empty()) return {};
+    fixed_.sites = start_->room().sites;
+    double densest = capacity_.total() / domain_.unit_area();
+    for (const Point& p : points) densest = std::max(densest, capacity_.at(p));
+    const double spacing = std::sqrt(capacity_.total() * site_share() / densest);
+    auto trial = mesh_for(points.size());
+    if (!trial) return tl::unexpected(trial.error());
+    ThinnedPoints kept(domain_, kApart * spacing), others(domain_, kOthersApart * spacing);
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        const double weight = start_->room().weights[i];
+        if (const auto near = kept.near(points[i])) {
+            fixed_.weights[*near] += weight;
+            if (!others.near(points[i])) others.add(points[i]);
+        } else if (trial->mesh.insert(i, points[i], kFromBorder * spacing)) {
+            kept.add(points[i]);
+            fixed_.weights.push_back(weight);
+        } else if (!others.near(points[i])) {
+            others.add(points[i]);
+        }
+    }
+    fixed_.places = std::move(kept).take();
+    fixed_.others = std::move(others).take();
+    return {};
+}
+
+/// The mesh of the border, for the sites and so many fixed ones.
+Result<DomainMesh> Construction::mesh_for(std::size_t fixed) const {
+    if (fixed == 0 || domain_.is_torus()) return empty_mesh(domain_, capacity_, options_.sites + fixed, stop_);
+    const auto all = static_cast<std::size_t>(std::ceil(1 / site_share()));
+    return empty_mesh(domain_, make_border(domain_, capacity_, all), options_.sites + fixed, stop_);
+}
+
 /// @param first  [sites] or empty: where they stand
 Result<DomainMesh> Construction::triangulate_sites(const std::vector<Point>& first) {
-    auto placed = empty_mesh(domain_, capacity_, options_.sites, stop_);
+    auto placed = mesh_for(fixed_.places.size());
     if (!placed) return placed;
+    placed->mesh.fix_last(fixed_.places.size());
+    for (std::size_t i = 0; i < fixed_.places.size(); ++i)
+        placed->mesh.insert(static_cast<std::uint32_t>(options_.sites + i), fixed_.places[i]);
     if (auto error = place_sites(placed->mesh, first, *start_, options_.seed, domain_.resolution(), stop_)) {
         return tl::unexpected(*error);
     }
@@ -83,7 +132,8 @@ std::vector<Point> Construction::even_start() {
 double Construction::measure(const Triangulation& mesh) {
     capacity_.of_triangles(mesh, capacities_, stop_);
     if (stopping()) return 0;
-    return set_goals(mesh, capacity_, capacities_, goals_);
+    const double total = site_share() * static_cast<double>(mesh.site_count()) * capacity_.total();
+    return set_goals(mesh, fixed_.sites > 0 ? total : capacity_.total(), capacity_.densest(), capacities_, goals_);
 }
 
 /// Tells whether an iteration's passes are exact. These cost more, and matter once the sites are near their places:
@@ -105,6 +155,7 @@ Relaxation& Construction::relaxation() {
     constexpr double kPolishedSpring = 0.03;
     RelaxationOptions settings;
     if (polish_ && density_.is_smooth()) settings.spring = kPolishedSpring;
+    if (fixed_.sites > 0) settings.site_share = site_share();
     settings.least_height = std::max(settings.least_height, domain_.resolution());
     return relaxation_.emplace(placed_->mesh, placed_->border.corner, capacity_.is_uniform(), settings);
 }
@@ -150,6 +201,7 @@ Result<void> Construction::finish() {
 Distribution Construction::collect() {
     result_.stopped = stopping();
     result_.points = sites_to_user(domain_, placed_->mesh);
+    result_.points.resize(options_.sites);
     if (options_.keep_mesh) result_.mesh = mesh_to_user(domain_, placed_->mesh, placed_->border);
     return std::move(result_);
 }

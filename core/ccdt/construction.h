@@ -9,6 +9,7 @@
 #include "core/ccdt/goals.h"
 #include "core/ccdt/relaxation.h"
 #include "core/ccdt/start.h"
+#include "core/polish/fixed_sites.h"
 #include "core/polish/mesh_polish.h"
 
 namespace ccdt {
@@ -53,7 +54,10 @@ public:
 
 private:
     bool stopping() const { return stop_.stop_requested(); }
+    Result<void> choose_fixed();
+    Result<DomainMesh> mesh_for(std::size_t fixed) const;
     Result<DomainMesh> triangulate_sites(const std::vector<Point>& first);
+    double site_share() const;
     std::vector<Point> even_start();
     double measure(const Triangulation& mesh);
     Relaxation& relaxation();
@@ -65,6 +69,7 @@ private:
     std::stop_token stop_;
     CapacityIntegral capacity_;
     std::optional<StartSites> start_;
+    FixedSites fixed_;
     std::optional<MeshPolish> polish_;
     std::optional<DomainMesh> placed_;
     std::optional<Relaxation> relaxation_;

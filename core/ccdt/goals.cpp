@@ -26,6 +26,25 @@ std::uint32_t facing_site(const Triangulation& mesh, std::uint32_t edge) {
     return mesh.is_site(apex) ? apex : kNone;
 }
 
+/// The edge between two fixed sites of a triangle that has a free one; kNone if there is no such edge.
+std::uint32_t fixed_edge(const Triangulation& mesh, std::uint32_t triangle) {
+    const auto is_fixed = [&](std::uint32_t v) { return mesh.is_site(v) && !mesh.is_free(v); };
+    for (std::uint32_t i = 0; i < 3; ++i) {
+        const std::uint32_t h = Triangulation::edge(triangle, i);
+        if (is_fixed(mesh.origin(h)) && is_fixed(mesh.target(h)) &&
+            mesh.is_free(mesh.origin(Triangulation::previous(h))))
+            return h;
+    }
+    return kNone;
+}
+
+/// The edge that the site at the triangle's third corner faces, if its target goes with the edge's length: of the
+/// border, or between fixed sites.
+std::uint32_t faced_edge(const Triangulation& mesh, std::uint32_t triangle) {
+    const std::uint32_t edge = border_edge(mesh, triangle);
+    return edge == kNone && mesh.free_count() < mesh.site_count() ? fixed_edge(mesh, triangle) : edge;
+}
+
 /// Length of an edge in units of the spacing of sites.
 double length(const Triangulation& mesh, std::uint32_t edge, double weight) {
     const Point along = mesh.along(edge);
@@ -40,14 +59,15 @@ void aim(const Triangulation& mesh, std::uint32_t triangle, const std::vector<do
     constexpr double kLeastShare = 1e-3;   // of a fan of a thousand triangles: keeps the terms of one vertex comparable
     const auto corners = mesh.corners(triangle);
     const bool touches_border = !std::ranges::all_of(corners, [&](std::uint32_t v) { return mesh.is_site(v); });
-    const std::uint32_t edge = touches_border ? border_edge(mesh, triangle) : kNone;
+    const std::uint32_t edge = faced_edge(mesh, triangle);
     goal.share = 1;
     if (edge == kNone) {
         goal.target = touches_border ? kCornerShare : 1;
         return;
     }
     const double own = length(mesh, edge, goal.weight), all = std::min(1.0, faced[facing_site(mesh, edge)]);
-    goal.target = kEdgeShare * own;
+    // The first row is half a row from the border, and a whole one from fixed sites.
+    goal.target = touches_border ? kEdgeShare * own : std::min(1.0, own);
     if (own < all) goal.share = std::max(kLeastShare, own / all);
 }
 
@@ -69,7 +89,7 @@ double set_goals(const Triangulation& mesh, double total, double densest, const 
     for (std::uint32_t t = 0; t < goals.size(); ++t) {
         const double area = mesh.doubled_area(t);
         goals[t].weight = area > 0 ? std::min(reached_by(t) / area, largest_weight) : largest_weight;
-        const std::uint32_t edge = border_edge(mesh, t), site = edge == kNone ? kNone : facing_site(mesh, edge);
+        const std::uint32_t edge = faced_edge(mesh, t), site = edge == kNone ? kNone : facing_site(mesh, edge);
         if (site != kNone) faced[site] += length(mesh, edge, goals[t].weight);
     }
 
@@ -77,7 +97,7 @@ double set_goals(const Triangulation& mesh, double total, double densest, const 
     for (std::uint32_t t = 0; t < goals.size(); ++t) {
         const double reached = reached_by(t);
         TriangleGoal& goal = goals[t];
-        if (std::ranges::none_of(mesh.corners(t), [&](std::uint32_t v) { return mesh.is_site(v); })) {
+        if (std::ranges::none_of(mesh.corners(t), [&](std::uint32_t v) { return mesh.is_free(v); })) {
             goal = {.weight = goal.weight, .target = reached};  // nothing there can move it
             continue;
         }

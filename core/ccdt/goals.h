@@ -18,6 +18,9 @@ namespace ccdt {
 /// as hard as a whole one. A fifth more than half for those that touch with a corner keeps the number of sites near the
 /// border closest to their share: benchmark BorderPattern.
 ///
+/// Fixed sites that are closer together than sites are count as a border of that kind, but the first row of free ones
+/// is a whole row away from them.
+///
 /// @param capacity    of the mesh's domain, its total > 0
 /// @param capacities  [triangles]
 /// @param goals       out [triangles]

@@ -13,7 +13,7 @@ std::optional<Error> place_sites(Triangulation& mesh, std::span<const Point> fir
     constexpr int kLastAttempts = 1000;
     constexpr std::size_t kStopStride = 4096;
     constexpr std::uint64_t kInteriorStream = 0x616e797768657265;  // keeps these draws apart from the start's
-    const std::size_t sites = mesh.site_count();
+    const std::size_t sites = mesh.free_count();
     std::optional<InteriorSampler> interior;
     const auto place = [&](std::size_t site) {
         const auto vertex = static_cast<std::uint32_t>(site);

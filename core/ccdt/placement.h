@@ -10,8 +10,8 @@
 
 namespace ccdt {
 
-/// Inserts all sites of a mesh: where `first` has them; where no site can be there, as `start` draws them; where next
-/// to nothing of a site's cell lies in the domain, anywhere in it.
+/// Inserts all free sites of a mesh: where `first` has them; where no site can be there, as `start` draws them; where
+/// next to nothing of a site's cell lies in the domain, anywhere in it.
 ///
 /// @param first   [sites], or empty: all as `start` draws them
 /// @param margin  least distance of a site from the border

@@ -108,11 +108,11 @@ void Relaxation::clear_lists() {
     fan_triangles_.clear();
 }
 
-/// Adds each site to a batch or, for the general path, to the fans. Most have kept their neighbours: their records are
-/// taken over from the old batches, in the same order.
+/// Adds each free site to a batch or, for the general path, to the fans. Most have kept their neighbours: their records
+/// are taken over from the old batches, in the same order.
 void Relaxation::list_sites(const std::stop_token& stop) {
     const bool first_time = kinds_.empty();
-    const auto sites = static_cast<std::uint32_t>(mesh_.site_count());
+    const auto sites = static_cast<std::uint32_t>(mesh_.free_count());
     kinds_.resize(sites, kFanKind);
     std::array<std::size_t, kKinds> taken{};
     for (std::uint32_t v = 0; v < sites; ++v) {
@@ -161,7 +161,7 @@ bool Relaxation::add_to_batch(std::uint32_t site) {
     } while (h != first);
 
     const std::size_t pairs = std::max((count + 1) / 2, kFewestPairs);
-    const bool plain = uniform_ && mesh_.is_site(largest);
+    const bool plain = uniform_ && mesh_.is_free(largest);
     record[0] = site;
     for (std::size_t i = count; i <= 2 * pairs; ++i) around[i] = around[0];
     kinds_[site] = kind_of(plain, pairs);
@@ -374,8 +374,9 @@ void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::siz
 void Relaxation::exact_pass(const CapacityIntegral& capacity, const std::stop_token& stop) {
     capacity.of_edges(mesh_, capacities_, sweeps_, stop);
     if (stop.stop_requested()) return;
-    const double unit = 2 * static_cast<double>(mesh_.site_count()) / capacity.total();
-    for (std::uint32_t site = 0; site < mesh_.site_count(); ++site) move_exactly(site, unit);
+    const double sites = options_.site_share ? 1 / *options_.site_share : static_cast<double>(mesh_.site_count());
+    const double unit = 2 * sites / capacity.total();
+    for (std::uint32_t site = 0; site < mesh_.free_count(); ++site) move_exactly(site, unit);
     for (const Fan& fan : border_fans_) slide(fan);
 }
 

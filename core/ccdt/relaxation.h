@@ -36,7 +36,8 @@ struct RelaxationOptions {
     /// Doubled area below which it is looked at whether a triangle is a needle; none: by the mean of all triangles,
     /// which are about as large as each other then.
     std::optional<double> small_area;
-    Fence fence;  ///< of all sites; may be empty
+    std::optional<double> site_share;  ///< of the capacity, that a site shall have; none: all have as much
+    Fence fence;                       ///< of all sites; may be empty
 };
 
 /// Moves vertices, one at a time, to where the capacities of the triangles around them come closest to their targets:

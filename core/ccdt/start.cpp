@@ -72,7 +72,7 @@ std::vector<double> coverage(const Domain& domain, int columns, int rows) {
 }  // namespace
 
 StartSites::StartSites(const Domain& domain, const Density& density, const Options& options)
-    : density_(density), seed_(options.seed) {
+    : density_(density), seed_(options.seed), fixed_(to_unit_frame(domain, options.fixed)) {
     unit_size_ = domain.unit_bounds().max;
     constexpr double kMostCells = 4194304;
     if (!density.is_uniform()) {
@@ -82,9 +82,11 @@ StartSites::StartSites(const Domain& domain, const Density& density, const Optio
         columns_ = (density.width() + block - 1) / block;
         rows_ = (density.height() + block - 1) / block;
     }
-    if (!domain.is_box()) {
+    if (!domain.is_box() || !fixed_.empty()) {
         const double share = domain.unit_area() / (unit_size_.x * unit_size_.y);
-        const double cells = std::clamp(4 * static_cast<double>(options.sites) / share, 4096.0, kMostCells);
+        const double for_each = fixed_.empty() ? 4 : 16;  // what fixed points take has finer rims
+        const auto all = static_cast<double>(options.sites + fixed_.size());
+        const double cells = std::clamp(for_each * all / share, 4096.0, kMostCells);
         const double side = std::sqrt(unit_size_.x * unit_size_.y / cells);
         const auto refine = [&](int& own, int other, double length) {
             const auto most = static_cast<int>(4 * kMostCells / other);
@@ -93,7 +95,7 @@ StartSites::StartSites(const Domain& domain, const Density& density, const Optio
         refine(columns_, rows_, unit_size_.x);
         refine(rows_, columns_, unit_size_.y);
     }
-    make_grid(domain);
+    make_grid(domain, options.sites);
     const Rectangle box{0, static_cast<double>(columns_), 0, static_cast<double>(rows_)};
     if (options.start == Start::Random) {
         cells_.push_back(box);
@@ -106,11 +108,13 @@ StartSites::StartSites(const Domain& domain, const Density& density, const Optio
     }
 }
 
-void StartSites::make_grid(const Domain& domain) {
+void StartSites::make_grid(const Domain& domain, std::size_t sites) {
     const auto width = static_cast<std::size_t>(columns_);
     const auto height = static_cast<std::size_t>(rows_);
     std::vector<double> share;
     if (!domain.is_box()) share = coverage(domain, columns_, rows_);
+    std::vector<double> masses;
+    if (!fixed_.empty()) masses = masses_left(domain, share, sites);
     sums_.assign((width + 1) * (height + 1), 0);
     std::vector<double> row_mass(width, 1);
     for (std::size_t row = 0; row < height; ++row) {
@@ -118,10 +122,24 @@ void StartSites::make_grid(const Domain& domain) {
             density_.resample_row(density_.cells(), columns_, rows_, static_cast<int>(row), row_mass);
         double from_left = 0;
         for (std::size_t column = 0; column < width; ++column) {
-            from_left += row_mass[column] * (share.empty() ? 1 : share[row * width + column]);
+            const std::size_t cell = row * width + column;
+            from_left += masses.empty() ? row_mass[column] * (share.empty() ? 1 : share[cell]) : masses[cell];
             sums_[(row + 1) * (width + 1) + column + 1] = sums_[row * (width + 1) + column + 1] + from_left;
         }
     }
+}
+
+/// Capacities of the cells without what fixed points take.
+/// @param share  of each cell that the domain covers; empty: all
+std::vector<double> StartSites::masses_left(const Domain& domain, const std::vector<double>& share, std::size_t sites) {
+    const auto width = static_cast<std::size_t>(columns_), height = static_cast<std::size_t>(rows_);
+    std::vector<double> masses(width * height, 1);
+    for (std::size_t row = 0; row < height && !density_.is_uniform(); ++row)
+        density_.resample_row(density_.cells(), columns_, rows_, static_cast<int>(row),
+                              std::span(masses).subspan(row * width, width));
+    for (std::size_t cell = 0; cell < share.size(); ++cell) masses[cell] *= share[cell];
+    room_ = take_room(domain, fixed_, sites, columns_, rows_, masses);
+    return masses;
 }
 
 double StartSites::sum(double x, double y) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/ccdt/ccdt.h"
+#include "core/ccdt/fixed_room.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
@@ -28,12 +29,19 @@ public:
     /// seed, site and attempt alone.
     Point draw(std::size_t site, int attempt) const;
 
+    /// Fixed points of the options, but those far outside, in the unit frame.
+    const std::vector<Point>& fixed() const { return fixed_; }
+
+    /// What room these take, where no site is drawn.
+    const FixedRoom& room() const { return room_; }
+
 private:
     struct Rectangle {
         double x0, x1, y0, y1;  ///< in cells of the grid
     };
 
-    void make_grid(const Domain& domain);
+    void make_grid(const Domain& domain, std::size_t sites);
+    std::vector<double> masses_left(const Domain& domain, const std::vector<double>& share, std::size_t sites);
     void divide(const Rectangle& box, std::size_t sites);
     double sum(double x, double y) const;
     double cut_across_x(const Rectangle& box, double share) const;
@@ -47,6 +55,8 @@ private:
     Point unit_size_;
     int columns_ = 1;
     int rows_ = 1;
+    std::vector<Point> fixed_;
+    FixedRoom room_;
     std::vector<double> sums_;  ///< capacity left of and below each grid point [rows + 1][columns + 1]
     std::vector<Rectangle> cells_;
     std::vector<std::uint32_t> cell_of_;    ///< [sites]

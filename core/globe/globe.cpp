@@ -149,6 +149,7 @@ Result<GlobeDistribution> distribute_on_globe(const Domain& region, const Densit
         const ChartedPart& part = (*parts)[i];
         Options own = options;
         own.sites = shares[i];
+        for (Point& p : own.fixed) p = part.chart.to_plane(direction_of(p));
         auto placed = distribute(part.domain, densities[i].density, own, control);
         if (!placed) return tl::unexpected(placed.error());
         to_degrees(part.chart, back, *placed);

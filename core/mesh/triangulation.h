@@ -60,6 +60,11 @@ public:
     const std::vector<Point>& points() const { return points_; }
     bool is_site(std::uint32_t vertex) const { return vertex < sites_; }
 
+    /// Of the sites the first so many are free to move; all, unless the last ones are fixed.
+    std::size_t free_count() const { return free_; }
+    bool is_free(std::uint32_t vertex) const { return vertex < free_; }
+    void fix_last(std::size_t count) { free_ = sites_ - count; }
+
     static std::uint32_t edge(std::uint32_t triangle, std::uint32_t number) { return 4 * triangle + number; }
     static std::uint32_t triangle_of(std::uint32_t edge) { return edge / 4; }
     static std::uint32_t next(std::uint32_t edge) { return edge % 4 == 2 ? edge - 2 : edge + 1; }
@@ -187,6 +192,7 @@ private:
     void find_edges();
 
     std::size_t sites_;
+    std::size_t free_ = sites_;
     Point period_;  ///< 0 unless a torus
     std::vector<Point> points_;
     std::vector<Triangle> triangles_;

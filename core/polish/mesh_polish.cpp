@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/predicates.h"
@@ -18,19 +19,27 @@ constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle 
 }  // namespace
 
 MeshPolish::MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites,
-                       const std::stop_token& stop)
-    : domain_(domain), density_(density), support_(domain, density), moves_(sites), before_(sites), spacings_(sites) {
+                       FixedSites fixed, const std::stop_token& stop)
+    : domain_(domain),
+      density_(density),
+      fixed_(std::move(fixed)),
+      support_(domain, density),
+      moves_(sites + fixed_.places.size()),
+      before_(moves_.size()),
+      spacings_(moves_.size()) {
+    if (!(fixed_.sites > 0)) fixed_.sites = static_cast<double>(sites);
+    if (!fixed_.others.empty()) others_.emplace(domain, fixed_.others);
     if (domain.is_box()) {
-        transport_.emplace(domain, density, sites, stop);
+        transport_.emplace(domain, density, static_cast<std::size_t>(std::llround(fixed_.sites)), stop);
     } else if (!density.is_uniform()) {
-        local_.emplace(domain.unit_bounds().max, density, static_cast<double>(sites) * density.total() / capacity);
+        local_.emplace(domain.unit_bounds().max, density, fixed_.sites * density.total() / capacity);
     }
 }
 
 double MeshPolish::spacing(Point p) const {
     if (transport_) return transport_->spacing(p);
     if (local_) return local_->at(p);
-    return std::sqrt(domain_.unit_area() / static_cast<double>(moves_.size()));
+    return std::sqrt(domain_.unit_area() / fixed_.sites);
 }
 
 /// The nearest place in the domain's box; on a torus the same place, rounded to what is exact there.
@@ -58,9 +67,11 @@ void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& s
     constexpr int kRounds = 5, kFreeRounds = 3;
     constexpr double kMomentum = 0.5;
     if (density_.is_uniform() || !transport_) return;
-    std::vector<Point> last(sites.size());
+    std::vector<Point> last(sites.size()), all(sites.begin(), sites.end());
+    all.insert(all.end(), fixed_.places.begin(), fixed_.places.end());
     for (int round = 0; round < kRounds; ++round) {
-        if (!transport_->displacements(sites, moves_, stop)) break;
+        std::ranges::copy(sites, all.begin());
+        if (!transport_->displacements(all, moves_, stop, fixed_.weights)) break;
         const bool free = round < kFreeRounds;
         for (std::size_t i = 0; i < sites.size(); ++i) {
             last[i] = moves_[i] + (free ? kMomentum : 0) * last[i];
@@ -91,7 +102,8 @@ void MeshPolish::begin(const Triangulation& mesh) {
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
             if (twin == Triangulation::kNone || twin < h) continue;
-            if (mesh.is_site(mesh.origin(h)) && mesh.is_site(mesh.target(h))) edges_.push_back(h);
+            const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
+            if (mesh.is_site(a) && mesh.is_site(b) && (mesh.is_free(a) || mesh.is_free(b))) edges_.push_back(h);
         }
     }
     areas_.resize(mesh.triangle_count());
@@ -101,7 +113,7 @@ void MeshPolish::begin(const Triangulation& mesh) {
 
 void MeshPolish::even_out(Triangulation& mesh, const std::stop_token& stop) {
     const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
-    if (transport_ && transport_->displacements(sites, moves_, stop)) apply(mesh);
+    if (transport_ && transport_->displacements(sites, moves_, stop, fixed_.weights)) apply(mesh);
 }
 
 void MeshPolish::move(Triangulation& mesh, std::span<const Point> moves) {
@@ -122,9 +134,11 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
         const double squared = dot(along, along);
         if (squared >= least * least) continue;
         const Point by = push * (least / std::sqrt(squared) - 1) * along;
-        moves_[a] = moves_[a] - by;
-        moves_[b] = moves_[b] + by;
+        // One that stays leaves all of the way to the other one.
+        moves_[a] = moves_[a] - (mesh.is_free(b) ? 1 : 2) * by;
+        moves_[b] = moves_[b] + (mesh.is_free(a) ? 1 : 2) * by;
     }
+    if (others_) push_off_others(mesh, half_reach, push);
     for (std::size_t v = 0; v < moves_.size(); ++v) {
         const double longest = kLongestPush * spacings_[v], length = std::sqrt(dot(moves_[v], moves_[v]));
         if (length > longest) moves_[v] = (longest / length) * moves_[v];
@@ -132,8 +146,24 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
     if (!stop.stop_requested()) apply(mesh);
 }
 
+/// Pushes sites off fixed ones that no edge leads to.
+void MeshPolish::push_off_others(const Triangulation& mesh, double half_reach, double push) {
+    const Point sides = domain_.unit_bounds().max;
+    for (std::uint32_t v = 0; v < mesh.free_count(); ++v) {
+        const double least = 2 * half_reach * spacings_[v];
+        const Point site = mesh.is_torus() ? wrapped(mesh.point(v), sides) : mesh.point(v);
+        others_->for_near(site, least, [&](Point place, std::uint32_t) {
+            const Point along = site - place;
+            const double squared = dot(along, along);
+            if (squared >= least * least || squared == 0) return;
+            moves_[v] = moves_[v] + 2 * push * (least / std::sqrt(squared) - 1) * along;
+        });
+    }
+}
+
 void MeshPolish::apply(Triangulation& mesh) {
-    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
+    for (auto v = static_cast<std::uint32_t>(mesh.free_count()); v < mesh.site_count(); ++v) before_[v] = mesh.point(v);
+    for (std::uint32_t v = 0; v < mesh.free_count(); ++v) {
         const Point here = before_[v] = mesh.point(v);
         mesh.points()[v] = density_.is_uniform() ? inside(here + moves_[v]) : allowed(here + moves_[v], spacing(here));
     }

@@ -10,6 +10,8 @@
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 #include "core/mesh/triangulation.h"
+#include "core/polish/cell_list.h"
+#include "core/polish/fixed_sites.h"
 #include "core/polish/local_spacing.h"
 #include "core/polish/support.h"
 #include "core/polish/transport.h"
@@ -23,8 +25,10 @@ public:
     /// Prepares the transforms that even out long waves, which is done in boxes and on tori only.
     /// @param domain, density  must outlive this
     /// @param capacity         of the domain, in units of one cell with density 1; not used if the density is uniform
+    /// @param sites            that are free
+    /// @param fixed            the mesh's last sites are these, if there are any
     /// @param stop             asked now and then; leaves what is of no use
-    MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites,
+    MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites, FixedSites fixed = {},
                const std::stop_token& stop = {});
 
     const Density& density() const { return density_; }
@@ -59,6 +63,7 @@ public:
     bool clear_gaps(std::span<Point> sites) const;
 
 private:
+    void push_off_others(const Triangulation& mesh, double half_reach, double push);
     void apply(Triangulation& mesh);
     void take_back(Triangulation& mesh);
     bool is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const;
@@ -67,6 +72,8 @@ private:
 
     const Domain& domain_;
     const Density& density_;
+    FixedSites fixed_;
+    std::optional<CellList> others_;  ///< of the fixed sites
     std::optional<Transport> transport_;
     std::optional<LocalSpacing> local_;  ///< where a density varies and there is no transport, which knows it
     Support support_;

@@ -302,11 +302,12 @@ bool Transport::transform(const std::stop_token& stop) {
 
 /// Spreads all sites and transforms them.
 /// @returns  false if it was stopped
-bool Transport::spread(std::span<const Point> sites, const std::stop_token& stop) {
+bool Transport::spread(std::span<const Point> sites, std::span<const double> weights, const std::stop_token& stop) {
+    const std::size_t whole = sites.size() - weights.size();
     clear();
     for (std::size_t i = 0; i < sites.size(); ++i) {
         if (i % kStopStride == 0 && stop.stop_requested()) return false;
-        spread(in_box(sites[i]), 1);
+        spread(in_box(sites[i]), i < whole ? 1 : weights[i - whole]);
     }
     return transform(stop);
 }
@@ -346,8 +347,9 @@ void Transport::solve(std::span<Coefficient> total) {
     }
 }
 
-bool Transport::displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop) {
-    if (!spread(sites, stop) || stop.stop_requested()) return false;
+bool Transport::displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop,
+                              std::span<const double> weights) {
+    if (!spread(sites, weights, stop) || stop.stop_requested()) return false;
     SplineGrid& finest = octaves_[0].grid;
     finest.with_coefficients([&](auto total) { solve(total); });
     if (stop.stop_requested()) return false;

@@ -40,12 +40,14 @@ public:
     Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {});
 
     /// Computes the moves of a round.
-    /// @param sites  [sites] in the unit frame; inside, on a torus anywhere
-    /// @param moves  out [sites], none longer than a quarter of the spacing there
-    /// @param stop   asked now and then
+    /// @param sites    [sites] in the unit frame; inside, on a torus anywhere
+    /// @param moves    out [sites], none longer than a quarter of the spacing there
+    /// @param stop     asked now and then
+    /// @param weights  of the last sites, which count as so many each; all others count as one
     /// @returns      false if it was stopped: the moves are of no use
     /// O(sites log sites).
-    bool displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop = {});
+    bool displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop = {},
+                       std::span<const double> weights = {});
 
     /// 1 / sqrt(density of sites) around a point, the density smoothed over a spacing; in the unit frame. Where sites
     /// are denser than octaves go, over as little as holds one.
@@ -71,7 +73,7 @@ private:
     void clear();
     void spread(Point p, double weight);
     bool transform(const std::stop_token& stop);
-    bool spread(std::span<const Point> sites, const std::stop_token& stop);
+    bool spread(std::span<const Point> sites, std::span<const double> weights, const std::stop_token& stop);
     template <class Coefficient>
     void join_octaves(std::span<Coefficient> total);
     template <class Coefficient>
