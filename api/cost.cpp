@@ -308,7 +308,7 @@ std::size_t size_of(const HalftoneRequest& request) {
 }
 
 std::size_t size_of(const SampleRequest& request) {
-    std::size_t size = bytes_of(request.avoid);
+    std::size_t size = bytes_of(request.avoid) + request.run.fixed.size() * sizeof(Point);
     if (const auto* polygon = std::get_if<PolygonInput>(&request.domain)) size += bytes_of(*polygon);
     if (const auto* grid = std::get_if<DensityGrid>(&request.density)) size += grid->values.size() * sizeof(double);
     if (const auto* image = std::get_if<DensityImage>(&request.density)) size += bytes_of(image->file);

@@ -1,5 +1,6 @@
 #include "api/method.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <string>
@@ -14,20 +15,31 @@ namespace {
 
 constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();  ///< but the server's
 
-constexpr MethodOptions kAll = {.iterations = true, .passes = true, .quality = true, .tolerance = true};
-constexpr MethodOptions kIterative = {.iterations = true, .passes = false, .quality = false, .tolerance = true};
-constexpr MethodOptions kNone = {.iterations = false, .passes = false, .quality = false, .tolerance = false};
+constexpr MethodOptions kAll = {.iterations = true, .passes = true, .quality = true, .tolerance = true, .fixed = true};
+constexpr MethodOptions kIterative = {
+    .iterations = true, .passes = false, .quality = false, .tolerance = true, .fixed = false};
+constexpr MethodOptions kNone = {
+    .iterations = false, .passes = false, .quality = false, .tolerance = false, .fixed = false};
+
+/// Takes the room of fixed points from a grid.
+Estimate leaving_room(const Options& options) {
+    if (options.fixed.empty()) return {};
+    constexpr double kCellsOfEach = 16, kMostCells = 4'194'304, kBytes = 40, kTime = 0.6 * kMicrosecond;
+    const double cells =
+        std::min(kCellsOfEach * static_cast<double>(options.sites + options.fixed.size()) + 4'096, kMostCells);
+    return {cells * kBytes, cells * kTime};
+}
 
 /// Estimates the triangulation, its passes and the polish.
 Estimate ccdt_cost(const Options& options, bool is_uniform) {
-    const auto sites = static_cast<double>(options.sites);
+    const auto sites = static_cast<double>(options.sites + options.fixed.size());
     const bool polished = options.quality != Quality::Draft && options.iterations > 0;
     const double pass = is_uniform ? 0.06 : 0.22;
     double microseconds = 1 + pass * options.iterations * options.passes;
     if (polished && options.quality == Quality::Standard) microseconds += is_uniform ? 2.6 : 7;
     if (polished && options.quality == Quality::Best) microseconds += is_uniform ? 12.5 : 22;
     const double bytes = (is_uniform ? 450 : 700) + (polished ? 330 : 0) + (options.keep_mesh ? 150 : 0);
-    return {sites * bytes, sites * microseconds * kMicrosecond};
+    return Estimate{sites * bytes, sites * microseconds * kMicrosecond} + leaving_room(options);
 }
 
 /// @param bytes  of a site
@@ -60,10 +72,11 @@ constexpr Method kMethods[] = {
     {"random", "random", kNoLimit, 0, kNone, random_cost, random_sites},
 };
 
-constexpr std::array<Choice<bool MethodOptions::*>, 4> kOptions = {{{"iterations", &MethodOptions::iterations},
+constexpr std::array<Choice<bool MethodOptions::*>, 5> kOptions = {{{"iterations", &MethodOptions::iterations},
                                                                     {"passes", &MethodOptions::passes},
                                                                     {"quality", &MethodOptions::quality},
-                                                                    {"tolerance", &MethodOptions::tolerance}}};
+                                                                    {"tolerance", &MethodOptions::tolerance},
+                                                                    {"fixed", &MethodOptions::fixed}}};
 
 }  // namespace
 

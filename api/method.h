@@ -18,6 +18,7 @@ struct MethodOptions {
     bool passes;
     bool quality;
     bool tolerance;
+    bool fixed;
 };
 
 /// Method of distributing points: a row of the table in method.cpp. Functions are references, lest a row without one

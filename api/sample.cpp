@@ -13,6 +13,7 @@
 #include "api/image/overlay.h"
 #include "api/input/degrees.h"
 #include "api/input/negotiation.h"
+#include "api/input/point_reader.h"
 #include "api/input/run_options.h"
 #include "api/output/formats.h"
 #include "api/output/json_writer.h"
@@ -151,13 +152,19 @@ Result<void> read_sites(const Input& input, const Limits& limits, Draft& draft) 
     return assign(draft.request.run.sites, read_sites(input, limits));
 }
 
+Result<void> read_fixed(const Input& input, const Limits& limits, Draft& draft) {
+    draft.given.fixed = true;
+    return assign(draft.request.run.fixed, read_points(input, limits));
+}
+
 /// Members of a JSON body alone: they have members of their own.
-constexpr std::array<OptionRule<Draft>, 6> kShapeRules = {{
+constexpr std::array<OptionRule<Draft>, 7> kShapeRules = {{
     {"polygon", [](const Input& i, const Limits&, Draft& d) { return assign(d.polygon, read_ring(i)); }},
     {"holes", [](const Input& i, const Limits&, Draft& d) { return assign(d.holes, read_rings(i)); }},
     {"geometry", [](const Input& i, const Limits&, Draft& d) { return read_geometry(i, d); }},
     {"domain", [](const Input& i, const Limits&, Draft& d) { return assign(d.rectangle, read_rectangle(i)); }},
     {"density", read_density},
+    {"fixed", read_fixed},
     {"avoid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.avoid, read_areas(i)); }},
 }};
 
@@ -255,6 +262,7 @@ Result<void> check_map(const Draft& draft) {
         return misfit(draft, "method", "must be " + std::string(methods().front().name) + " for a map of dots");
     if (draft.request.run.keep_mesh) return misfit(draft, "mesh", "is not kept of a map of dots");
     if (!draft.request.avoid.parts.empty()) return misfit(draft, "avoid", "is not known to a map of dots");
+    if (!draft.request.run.fixed.empty()) return misfit(draft, "fixed", "is not known to a map of dots");
     if (draft.request.buffer > 0) return misfit(draft, "buffer", "is not known to a map of dots");
     return {};
 }
@@ -272,6 +280,19 @@ Result<void> check_exclusions(const Draft& draft) {
     auto checked = check_size(request.avoid);
     if (!checked) checked.error().field = "/avoid";
     return checked;
+}
+
+/// Checks that fixed points are on the globe, if they are to be.
+Result<void> check_fixed(const SampleRequest& request) {
+    constexpr double kFarthest = 540, kPole = 90;  // as for polygons
+    if (request.coordinates == Coordinates::Plane) return {};
+    for (const Point& p : request.run.fixed) {
+        if (std::abs(p.x) <= kFarthest && std::abs(p.y) <= kPole) continue;
+        return failure(ErrorCode::Unusable,
+                       "a fixed point's longitude must be from -540 to 540 degrees, and its latitude from -90 to 90",
+                       "/fixed");
+    }
+    return {};
 }
 
 Result<void> settle_domain(Draft& draft) {
@@ -496,6 +517,7 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
     errors.add(settle_method(*draft.request.method, draft.given, draft.request.run).map_error([&](Error error) {
         return error_of_options(draft.request, std::move(error));
     }));
+    errors.add(check_fixed(draft.request));
     errors.add(settle_domain(draft));
     errors.add(settle_format(accept, sample_formats(), draft.request.format));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());

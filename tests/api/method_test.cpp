@@ -97,7 +97,7 @@ TEST(Method, IsNamedInTheAnswerAndMakesItsOwnPoints) {
 }
 
 TEST(Method, HasTheOptionsOfItsKind) {
-    const std::vector<std::string_view> all = {"iterations", "passes", "quality", "tolerance"};
+    const std::vector<std::string_view> all = {"iterations", "passes", "quality", "tolerance", "fixed"};
     EXPECT_EQ(option_names(methods().front()), all);
     const std::vector<std::string_view> few = {"iterations", "tolerance"};
     for (const auto* name : {"cvt", "odt", "ccvt"})

@@ -220,6 +220,32 @@ TEST(SampleRequest, ReadsWhatIsAvoided) {
     EXPECT_TRUE(parse(body + R"({"type":"FeatureCollection","features":[]}})")->avoid.parts.empty());
 }
 
+TEST(SampleRequest, ReadsFixedPoints) {
+    const std::string body = '{' + kSquare + R"(,"sites":1,"fixed":)";
+    const auto fixed = [&](const std::string& value) { return parse(body + value + '}').value().run.fixed; };
+    const std::vector<Point> two = {{1, 2}, {3, 1}};
+    EXPECT_TRUE(fixed("[]").empty());
+    EXPECT_EQ(fixed("[[1,2],[3,1]]"), two);
+    const std::string points = R"({"type":"MultiPoint","coordinates":[[1,2,7],[3,1]]})";
+    EXPECT_EQ(fixed(points), two);
+    EXPECT_EQ(fixed(R"({"type":"FeatureCollection","features":[{"type":"Feature","geometry":null,"properties":{}},
+        {"type":"Feature","geometry":)" +
+                    points + "}]}"),
+              two);
+    const auto refused = [&](const std::string& value, ErrorCode code, const std::string& field, const Limits& limits) {
+        const auto request = parse(body + value + '}', "", limits);
+        ASSERT_FALSE(request) << value;
+        EXPECT_EQ(request.error().code, code);
+        EXPECT_EQ(request.error().field, field);
+    };
+    refused("[[1,2],[3]]", ErrorCode::Malformed, "/fixed/1", {});
+    refused("7", ErrorCode::Malformed, "/fixed", {});
+    refused(R"({"type":"Polygon","coordinates":[]})", ErrorCode::Malformed, "/fixed", {});
+    refused("[[1,2],[3,1]]", ErrorCode::LimitExceeded, "/fixed/1", {.max_sites = 1});
+    refused(R"([[1,2]],"method":"cvt")", ErrorCode::Malformed, "/fixed", {});
+    refused(R"([[1,91]],"coordinates":"lonlat")", ErrorCode::Unusable, "/fixed", {});
+}
+
 TEST(SampleRequest, RefusesEmptyGeometry) {
     for (const auto* geometry :
          {R"({"type":"Polygon","coordinates":[]})", R"({"type":"MultiPolygon","coordinates":[]})",
@@ -264,6 +290,19 @@ TEST(Sample, GivesExactlyTheSitesInsideThePolygon) {
         const double y = point[1];
         EXPECT_TRUE(x > 0 && x < 4 && y > 0 && y < 4);
         EXPECT_FALSE(x > 1 && x < 3 && y > 1 && y < 3);
+    }
+}
+
+TEST(Sample, KeepsClearOfFixedPointsOnTheGround) {
+    const auto json = sample(R"({"sites":300,"polygon":[[0,60],[10,60],[10,70],[0,70]],"coordinates":"lonlat",
+        "fixed":[[5,65],[5,65],[5.0001,65],[2,62]]})");
+    constexpr double kMetres = 111'000;
+    for (const auto& point : json.at("points")) {
+        for (const Point& fixed : {Point{5, 65}, Point{2, 62}}) {
+            const double east = (point[0].get<double>() - fixed.x) * std::cos(fixed.y * std::acos(-1) / 180);
+            const double north = point[1].get<double>() - fixed.y;
+            EXPECT_GT(kMetres * std::hypot(east, north), 0.7 * json.at("pitch_m").get<double>());
+        }
     }
 }
 

@@ -33,6 +33,7 @@ enum class Given : std::uint16_t {
     Reject = 1024,
     Avoid = 2048,
     Buffer = 4096,
+    Fixed = 8192,
 };
 
 /// A JSON object of the members that are told one after the other.
@@ -130,6 +131,7 @@ std::string take_request(Bytes& input) {
     if (given(Given::Reject)) members.add_word("invalid", "reject");
     take_domain(input, members);
     take_density(input, members);
+    if (given(Given::Fixed)) members.add("fixed", coordinates(take_ring(input)));
     if (given(Given::Buffer)) members.add("buffer", take_number(input));
     if (given(Given::Avoid))
         members.add("avoid", '[' + coordinates(take_ring(input)) + ',' + coordinates(take_ring(input)) + ']');

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "api/input/option_reader.h"
+#include "core/geometry/point.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Reads points: a list of positions, or GeoJSON (RFC 7946): a Point, a MultiPoint, a Feature of one, or a
+/// GeometryCollection or FeatureCollection of such. Ordinates of GeoJSON after the second, and features of a collection
+/// that have no geometry, are passed over. There may be none.
+/// Errors: Malformed, with a JSON Pointer to what is wrong; LimitExceeded for more than limits.max_sites.
+Result<std::vector<Point>> read_points(const Input& input, const Limits& limits);
+
+}  // namespace ccdt::api
