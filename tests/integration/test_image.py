@@ -95,9 +95,10 @@ class Image(unittest.TestCase):
         self.assertEqual(config["User"], "10001:10001")
         self.assertEqual(config["Entrypoint"], ["/usr/local/bin/ccdt-server"])
         self.assertEqual(self.settings["Healthcheck"]["Test"], ["CMD", "/usr/local/bin/ccdt-server", "--health"])
-        labels = {name.rsplit(".", 1)[1]: value for name, value in config["Labels"].items()
+        labels = {name.removeprefix("org.opencontainers.image."): value for name, value in config["Labels"].items()
                   if name.startswith("org.opencontainers.image.")}
-        self.assertEqual((labels["title"], labels["version"], labels["revision"]), ("ccdt-server", "1.2.3", "abc"))
+        self.assertEqual((labels["title"], labels["version"], labels["revision"], labels["base.name"]),
+                         ("ccdt-server", "1.2.3", "abc", BASE))
 
     def test_has_no_other_programs(self):
         executable = [entry.name for entry in self.files if entry.isfile() and entry.mode & 0o111]
