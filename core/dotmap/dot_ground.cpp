@@ -10,6 +10,7 @@
 #include "core/ccdt/border.h"
 #include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/start.h"
+#include "core/geometry/hexagonal_spacing.h"
 #include "core/mesh/triangulation.h"
 #include "core/random.h"
 
@@ -73,7 +74,35 @@ Result<DotGround> DotGround::create(const Map& map, std::size_t number) {
         ground.wanted_.push_back(static_cast<double>(dots) / capacity);
     }
     ground.overlaps_.resize(map.features.size());
+    ground.fences_.reserve(map.features.size());
+    for (std::uint32_t i = 0; i < map.features.size(); ++i) ground.fences_.push_back(ground.make_fence(i));
     return ground;
+}
+
+/// Has dots keep clear of sparser ground: with next to none beyond that push back, rows of dots would be pushed onto
+/// the border. Where densities are alike no border shall show.
+FeatureArea DotGround::make_fence(std::uint32_t feature) const {
+    constexpr double kClear = 0.3;    // of the distance of neighbours; half a row would be 0.43
+    constexpr double kSteepness = 2;  // beyond where the density is half or more there is no clearance
+    constexpr double kThin = 0.5;     // of the feature's width, at most
+    constexpr double kBeyond = 1e-3;  // of the distance of neighbours: where the density beyond is looked at
+    const Domain& area = map_.features[feature].area;
+    if (dots(feature) == 0) return map_.areas[feature];
+    double perimeter = 0;
+    for (const Ring& ring : area.rings()) {
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+            const Point along = area.to_user(ring[(i + 1) % ring.size()]) - area.to_user(ring[i]);
+            perimeter += std::sqrt(dot(along, along));
+        }
+    }
+    const double width = 2 * area.area() / perimeter;
+    return FeatureArea(area, [&](Point middle, Point inwards) {
+        const double inside = own(feature, middle);
+        if (!(inside > 0)) return 0.0;
+        const double distance = hexagonal_spacing(inside);
+        const double share = around(middle - kBeyond * distance * inwards) / inside;
+        return std::min(kClear * std::max(0.0, 1 - kSteepness * share) * distance, kThin * width);
+    });
 }
 
 /// What the ground wants, as the density has it.
@@ -137,6 +166,7 @@ Result<std::vector<FeatureDot>> DotGround::draw(std::uint64_t seed, const std::f
 Result<void> DotGround::draw(std::uint32_t feature, std::uint64_t seed, const std::function<Point(Point)>& rounded,
                              std::vector<FeatureDot>& all) const {
     constexpr int kAttempts = 16;  // where the feature covers half of a dot's cell, one of 65,536 is still unplaced
+    constexpr int kClearAttempts = 8;
     const Domain& area = map_.features[feature].area;
     double largest = 0;
     const auto density = is_uniform() ? Result<Density>(Density::uniform()) : cut_out(area, largest);
@@ -150,7 +180,7 @@ Result<void> DotGround::draw(std::uint32_t feature, std::uint64_t seed, const st
         std::optional<Point> place;
         for (int attempt = 0; attempt < kAttempts && !place; ++attempt) {
             const Point p = rounded(area.to_user(start.draw(site, attempt)));
-            if (may_be(feature, p)) place = p;
+            if (attempt < kClearAttempts ? is_clear(feature, p) : may_be(feature, p)) place = p;
         }
         if (!place) {
             const auto accept = [&](Point p) {
@@ -212,8 +242,12 @@ bool DotGround::may_be(std::uint32_t feature, Point p) const {
     return map_.areas[feature].contains(p) && (is_uniform() || wanted(p) > 0);
 }
 
+bool DotGround::is_clear(std::uint32_t feature, Point p) const {
+    return fences_[feature].place_of(p) == FeatureArea::Place::Inside && (is_uniform() || wanted(p) > 0);
+}
+
 Point DotGround::towards(std::uint32_t feature, Point from, Point to) const {
-    const Point there = map_.areas[feature].towards(from, to);
+    const Point there = fences_[feature].towards(from, to);
     return is_uniform() || wanted(there) > 0 ? there : from;
 }
 

@@ -72,6 +72,9 @@ public:
     /// Tells whether a dot may be at a place.
     bool may_be(std::uint32_t feature, Point p) const;
 
+    /// Tells whether a dot may begin at a place: so far from ground with fewer dots as its row should be.
+    bool is_clear(std::uint32_t feature, Point p) const;
+
     /// Where a dot gets that is to go from one place to another.
     Point towards(std::uint32_t feature, Point from, Point to) const;
 
@@ -79,6 +82,7 @@ private:
     DotGround(const Map& map, std::size_t number) : map_(map), class_(number) {}
 
     double wanted(Point p) const;
+    FeatureArea make_fence(std::uint32_t feature) const;
     double own(std::uint32_t feature, Point p) const { return wanted_[feature] * wanted(p); }
     Result<Density> cut_out(const Domain& area, double& largest) const;
     std::vector<std::uint32_t> order() const;
@@ -88,6 +92,7 @@ private:
     Map map_;
     std::size_t class_;
     std::size_t dots_ = 0;
+    std::vector<FeatureArea> fences_;                   ///< [features] with the clearance of these dots
     std::vector<double> wanted_;                        ///< [features] dots to a squared unit where the density is 1
     std::vector<std::vector<std::uint32_t>> overlaps_;  ///< [features] others of which a part lies in it
 };

@@ -140,8 +140,27 @@ double DotLayer::measure() {
     capacities_.resize(aims_.size());
     for (std::uint32_t t = 0; t < aims_.size(); ++t)
         capacities_[t] = aims_[t] > 0 ? 0.5 * mesh().doubled_area(t) / aims_[t] : 0;
-    return set_goals(mesh(), static_cast<double>(dots_.size()), std::numeric_limits<double>::max(), capacities_,
-                     goals_);
+    const double variation =
+        set_goals(mesh(), static_cast<double>(dots_.size()), std::numeric_limits<double>::max(), capacities_, goals_);
+    soften_borders();
+    return variation;
+}
+
+/// Lets triangles between dense and sparse dots give way to those of dots alike: what they miss or have too much of is
+/// the sparse dots', whose places leave them no choice, and would draw rows of dense dots onto the border.
+void DotLayer::soften_borders() {
+    for (std::uint32_t t = 0; t < goals_.size(); ++t) {
+        double least = std::numeric_limits<double>::max(), most = 0;
+        for (const std::uint32_t v : mesh().corners(t)) {
+            if (!mesh().is_site(v)) continue;
+            least = std::min(least, radii_[v]);
+            most = std::max(most, radii_[v]);
+        }
+        if (!(most > least)) continue;
+        const double share = least * least / (most * most);
+        goals_[t].weight *= share;
+        goals_[t].target *= share;
+    }
 }
 
 bool DotLayer::goes_on() const {

@@ -71,6 +71,7 @@ private:
     void find_radii();
     void find_aims();
     double measure();
+    void soften_borders();
     Point fenced(std::uint32_t dot, Point to) const;
     void apply();
     void take_back();

@@ -5,7 +5,7 @@
 
 namespace ccdt {
 
-FeatureArea::FeatureArea(const Domain& domain) : bounds_(domain.bounds()) {
+FeatureArea::FeatureArea(const Domain& domain, const Clearance& clearance) : bounds_(domain.bounds()) {
     // One for the rounding of corners, and one for that of points.
     constexpr double kRoundings = 2;
     margin_ = kRoundings * domain.resolution() * std::max(bounds_.width(), bounds_.height());
@@ -14,7 +14,10 @@ FeatureArea::FeatureArea(const Domain& domain) : bounds_(domain.bounds()) {
     for (const Ring& ring : domain.rings()) {
         for (std::size_t i = 0; i < ring.size(); ++i) {
             const Point a = domain.to_user(ring[i]), b = domain.to_user(ring[(i + 1) % ring.size()]);
-            all.push_back(a.y <= b.y ? Edge{a, b} : Edge{b, a});
+            const Point along = b - a;
+            const double length = std::sqrt(dot(along, along));
+            const double clear = clearance ? clearance(0.5 * (a + b), 1 / length * Point{-along.y, along.x}) : 0;
+            all.push_back({a.y <= b.y ? a : b, a.y <= b.y ? b : a, std::max(clear, margin_)});
             heights += std::abs(b.y - a.y);
         }
     }
@@ -25,8 +28,8 @@ FeatureArea::FeatureArea(const Domain& domain) : bounds_(domain.bounds()) {
     row_height_ = bounds_.height() / static_cast<double>(rows);
     first_.assign(rows + 1, 0);
     const auto for_rows = [&](const Edge& edge, auto visit) {
-        const std::size_t last = row_of(edge.high.y + margin_);
-        for (std::size_t row = row_of(edge.low.y - margin_); row <= last; ++row) visit(row);
+        const std::size_t last = row_of(edge.high.y + edge.clearance);
+        for (std::size_t row = row_of(edge.low.y - edge.clearance); row <= last; ++row) visit(row);
     };
     for (const Edge& edge : all) for_rows(edge, [&](std::size_t row) { ++first_[row + 1]; });
     for (std::size_t row = 0; row < rows; ++row) first_[row + 1] += first_[row];
@@ -40,26 +43,35 @@ std::size_t FeatureArea::row_of(double y) const {
     return static_cast<std::size_t>(std::clamp(row, 0.0, static_cast<double>(first_.size() - 2)));
 }
 
-bool FeatureArea::contains(Point p) const {
-    if (!(p.x > bounds_.min.x && p.x < bounds_.max.x && p.y > bounds_.min.y && p.y < bounds_.max.y)) return false;
+/// @param near  out: an edge that is nearer than it should be, if the place is in the margin
+FeatureArea::Place FeatureArea::place_of(Point p, const Edge*& near) const {
+    if (!(p.x > bounds_.min.x && p.x < bounds_.max.x && p.y > bounds_.min.y && p.y < bounds_.max.y))
+        return Place::Outside;
     const std::size_t row = row_of(p.y);
     bool inside = false;
     for (std::size_t i = first_[row]; i < first_[row + 1]; ++i) {
-        const auto& [a, b] = edges_[i];
-        if (p.y < a.y - margin_ || p.y > b.y + margin_) continue;
+        const Edge& edge = edges_[i];
+        const auto& [a, b, clearance] = edge;
+        if (p.y < a.y - clearance || p.y > b.y + clearance) continue;
         const auto [west, east] = std::minmax(a.x, b.x);
-        if (p.x > east + margin_) continue;
+        if (p.x > east + clearance) continue;
         const bool crosses = (a.y <= p.y) != (b.y <= p.y);
-        if (p.x < west - margin_) {
+        if (p.x < west - clearance) {
             inside ^= crosses;
             continue;
         }
         const Point along = b - a;
-        const double left = cross(along, p - a);
-        if (left * left <= margin_ * margin_ * dot(along, along)) return false;
+        const double left = cross(along, p - a), squared = left * left, length = dot(along, along);
+        if (squared <= clearance * clearance * length) {
+            const bool at_edge = p.y >= a.y - margin_ && p.y <= b.y + margin_ && p.x <= east + margin_ &&
+                                 p.x >= west - margin_ && squared <= margin_ * margin_ * length;
+            if (at_edge) return Place::Outside;
+            near = &edge;
+        }
         inside ^= crosses && left > 0;
     }
-    return inside;
+    if (!inside) return Place::Outside;
+    return near == nullptr ? Place::Inside : Place::Margin;
 }
 
 /// The edge that the way meets first; null if there is none.
@@ -83,15 +95,23 @@ const FeatureArea::Edge* FeatureArea::first_crossed(Point from, Point to, double
 }
 
 Point FeatureArea::towards(Point from, Point to) const {
-    if (contains(to)) return to;
+    const Edge* border = nullptr;
+    const Place there = place_of(to, border);
+    if (there == Place::Inside) return to;
+    const bool is_free = place_of(from) == Place::Margin;
+    if (is_free && there == Place::Margin) return to;
+    const auto may_be = [&](Point p) {
+        const Place place = place_of(p);
+        return place == Place::Inside || (is_free && place == Place::Margin);
+    };
     double at = 1;
-    const Edge* border = first_crossed(from, to, at);
+    if (there == Place::Outside) border = first_crossed(from, to, at);
     if (border == nullptr) return from;
     const Point along = border->high - border->low, way = to - from;
     const Point slid = from + dot(way, along) / dot(along, along) * along;
-    if (contains(slid)) return slid;
+    if (may_be(slid)) return slid;
     const Point half = from + at / 2 * way;
-    return contains(half) ? half : from;
+    return may_be(half) ? half : from;
 }
 
 }  // namespace ccdt
