@@ -45,7 +45,7 @@ enum class OnInvalid { Repair, Reject };
 /// Request to /sample, with its options.
 struct SampleRequest {
     std::variant<PolygonInput, Rectangle> domain;
-    PolygonInput avoid{};  ///< taken from the domain, which is no torus; no parts: nothing
+    PolygonInput avoid{{}, {}};  ///< taken from the domain, which is no torus; no parts: nothing
     double buffer = 0;     ///< least distance from the border, units of the domain or metres on the ground
     OnInvalid on_invalid = OnInvalid::Repair;
     Coordinates coordinates = Coordinates::Plane;                     ///< LonLat of polygons alone

@@ -232,14 +232,14 @@ bool is_collection(JsonValue value) {
 }
 
 Result<PolygonInput> read_geometry(const Input& input) {
-    PolygonInput polygon{{}, {}, {}};
+    PolygonInput polygon{{}, {}};
     if (auto read = append_geometry(input, polygon); !read) return tl::unexpected(read.error());
     if (polygon.parts.empty()) return failure(ErrorCode::Unusable, input.name + " holds no polygon", input.field);
     return polygon;
 }
 
 Result<PolygonInput> read_areas(const Input& input) {
-    PolygonInput areas{};
+    PolygonInput areas{{}, {}};
     if (!json_of(input).is_array()) {
         if (auto read = append_geometry(input, areas); !read) return tl::unexpected(read.error());
         return areas;

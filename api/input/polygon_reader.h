@@ -33,7 +33,7 @@ struct PolygonInput {
     std::vector<PolygonPart> parts;
     std::vector<Source> sources = {{}};  ///< in the order of their parts; never empty
     /// Of each feature of a FeatureCollection, if that is what it was, its first part; of one without, the next one's.
-    std::vector<std::size_t> features;
+    std::vector<std::size_t> features = {};
 
     std::size_t corner_count() const;
 

@@ -202,11 +202,18 @@ class Routes(ContractCase):
                 self.assertEqual(gone.status, 204)
 
 
+def map_of(people):
+    square = {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]]}
+    return {"type": "FeatureCollection",
+            "features": [{"type": "Feature", "properties": {"people": people}, "geometry": square}]}
+
+
 class Options(ContractCase):
     # Where the option makes a difference.
     BASES = {("/halftone", "style"): {"format": "svg"}, ("/halftone", "antialias"): {"format": "png"},
              ("/halftone", "dot"): {"format": "png"}, ("/halftone", "foreground"): {"format": "png"},
              ("/halftone", "background"): {"format": "png"}, ("/sample", "style"): {"format": "svg"},
+             ("/sample", "per"): {"domain": None, "geometry": map_of(20), "sites": "people"},
              ("/sample", "coordinates"): {"domain": None, "polygon": [[0, 0], [90, 0], [90, 80]]}}
 
     def base(self, path, option=""):
@@ -226,6 +233,8 @@ class Options(ContractCase):
         body = {**self.base(path, option), option: value}
         if option == "sites" and value > 1000:
             body.update({"iterations": 0, "format": "npy"})
+        if option == "per" and value > 1000:
+            body["geometry"] = map_of(20 * value)
         self.assertEqual(faults(body, schema(SCHEMAS[path])), [], (option, value))
         return self.pose(path, body)
 
@@ -293,7 +302,7 @@ class Options(ContractCase):
                     self.refuse(path, option, wrong[described["type"]])
 
     def test_have_their_defaults(self):
-        others = {"seed": 1, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "levels": [0.2, 1], "antialias": True,
+        others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "levels": [0.2, 1], "antialias": True,
                   "invert": True, "tone": "perceptual", "foreground": "#123456", "background": "#123456",
                   "color": "cmyk", "style": "stroke", "method": "odt", "mesh": True, "coordinates": "lonlat",
                   "max_frequency": 5, "spectrum": True, "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}

@@ -367,6 +367,26 @@ TEST(Domain, IsEnclosedByChainsOfAnyOrder) {
     EXPECT_EQ(Domain::enclosed_by({outer, outer}).error().code, ErrorCode::Unusable);
 }
 
+TEST(Domain, UnitesWhatTouchesOverlapsAndLiesApart) {
+    const Domain domains[] = {Domain::create({{box(0, 0, 4, 4), {box(1, 1, 2, 2)}}}).value(),
+                              Domain::create({{box(1, 1, 1, 2), {}}}).value(),
+                              Domain::create({{box(4, 0, 2, 4), {}}}).value(),
+                              Domain::create({{box(5, 1, 2, 1), {}}, {box(9, 9, 1, 1), {}}}).value()};
+    std::vector<const Domain*> all;
+    for (const Domain& each : domains) all.push_back(&each);
+    const auto united = Domain::united(all);
+    ASSERT_TRUE(united) << united.error().message;
+    EXPECT_DOUBLE_EQ(united->area(), 16 - 4 + 2 + 8 + 1 + 1);
+    EXPECT_EQ(united->rings().size(), 3u);
+    EXPECT_EQ(united->bounds().min, (Point{0, 0}));
+    EXPECT_EQ(united->bounds().max, (Point{10, 10}));
+    const Domain* alone = &domains[0];
+    EXPECT_DOUBLE_EQ(Domain::united({&alone, 1})->area(), 12);
+    std::stop_source stopped;
+    stopped.request_stop();
+    EXPECT_EQ(Domain::united(all, stopped.get_token()).error().code, ErrorCode::Stopped);
+}
+
 TEST(Domain, RefusesWhatItsCoordinatesCannotResolve) {
     const auto thin = Domain::create({{{{1e9, 1e9}, {1e9 + 10, 1e9}, {1e9 + 10, 1e9 + 1e-5}, {1e9, 1e9 + 1e-5}}, {}}});
     ASSERT_FALSE(thin);

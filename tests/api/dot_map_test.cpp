@@ -1,0 +1,222 @@
+#include "api/dot_map.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "api/cost.h"
+#include "api/sample.h"
+#include "tests/api/files.h"
+
+namespace ccdt::api {
+namespace {
+
+/// A square feature with the lower left corner at x.
+std::string square(int x, const std::string& properties, const std::string& id = "") {
+    const std::string west = std::to_string(x), east = std::to_string(x + 1);
+    return R"({"type":"Feature",)" + (id.empty() ? "" : "\"id\":" + id + ',') + R"("properties":)" + properties +
+           R"(,"geometry":{"type":"Polygon","coordinates":[[[)" + west + ",0],[" + east + ",0],[" + east + ",1],[" +
+           west + ",1],[" + west + ",0]]]}}";
+}
+
+std::string collection(const std::string& features) {
+    return R"({"type":"FeatureCollection","features":[)" + features + "]}";
+}
+
+const std::string kTwo =
+    collection(square(0, R"({"people":2000,"dogs":400})", "\"west\"") + ',' + square(1, R"({"people":500,"dogs":90})"));
+
+std::string request(const std::string& options, const std::string& geometry = kTwo) {
+    return "{" + options + ",\"geometry\":" + geometry + "}";
+}
+
+Result<SampleRequest> parse(const std::string& body, const std::vector<TextOption>& options = {}) {
+    return parse_sample(body, options, "", {});
+}
+
+Result<Answer> answer(const std::string& body) {
+    const auto request = parse(body);
+    if (!request) return tl::make_unexpected(request.error());
+    Timings timings;
+    return run_sample(*request, {}, decode_inline(), {}, timings);
+}
+
+nlohmann::json map(const std::string& body) {
+    const auto result = answer(body);
+    EXPECT_TRUE(result) << result.error().message;
+    return result ? nlohmann::json::parse(result->body) : nlohmann::json();
+}
+
+Error error_of(const std::string& body, const std::vector<TextOption>& options = {}) {
+    const auto request = parse(body, options);
+    EXPECT_FALSE(request);
+    return request ? Error() : request.error();
+}
+
+TEST(DotMapRequest, CountsAProperty) {
+    for (const std::string sites : {R"("sites":{"property":"people","per":100})", R"("sites":"people","per":100)",
+                                    R"("per":100,"sites":{"property":"people"})"}) {
+        const auto read = parse(request(sites));
+        ASSERT_TRUE(read) << read.error().message;
+        ASSERT_TRUE(read->counts);
+        EXPECT_EQ(read->run.sites, 25U);
+        EXPECT_EQ(read->counts->counts, (std::vector<std::size_t>{20, 5}));
+        EXPECT_EQ(read->counts->first_part, (std::vector<std::size_t>{0, 1, 2}));
+    }
+    EXPECT_EQ(parse(request(R"("sites":"people")"))->run.sites, 2500U);
+}
+
+TEST(DotMapRequest, ReadsOptionsBesideADocument) {
+    const auto read = parse(kTwo, {{"sites", "people"}, {"per", "100"}});
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->run.sites, 25U);
+    const auto classes = parse(kTwo, {{"classes", "people, dogs"}, {"per", "10"}});
+    ASSERT_TRUE(classes) << classes.error().message;
+    EXPECT_EQ(classes->run.sites, 299U);
+    EXPECT_FALSE(parse(kTwo, {{"sites", "12"}})->counts);
+    EXPECT_EQ(error_of(kTwo, {{"sites", "12"}, {"per", "2"}}).field, "per");
+    EXPECT_EQ(error_of(kTwo, {{"sites", "1e400"}}).field, "sites");
+}
+
+TEST(DotMapRequest, RefusesWhatDoesNotFitTogether) {
+    const std::string square = R"({"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1]]]})";
+    const std::pair<std::string, std::string> wrong[] = {
+        {request(R"("sites":"people")", square), "/sites"},
+        {request(R"("sites":5,"per":2)"), "/per"},
+        {request(R"("per":2)"), "/per"},
+        {request(R"("sites":5,"classes":["dogs"])"), "/classes"},
+        {request(R"("sites":"people","classes":["dogs"])"), "/classes"},
+        {request(R"("sites":{"per":2})"), "/per"},
+        {request(R"("sites":{})"), "/sites"},
+        {request(R"("sites":{"property":"people","per":2},"per":3)"), "/per"},
+        {request(R"("sites":{"property":"people","per":0})"), "/sites/per"},
+        {request(R"("sites":{"property":3})"), "/sites/property"},
+        {request(R"("classes":[])"), "/classes"},
+        {request(R"("classes":["a","a"])"), "/classes/1"},
+        {request(R"("classes":["a","b","c","d","e","f","g"])"), "/classes"},
+        {request(R"("sites":"people","method":"cvt")"), "/method"},
+        {request(R"("sites":"people","mesh":true)"), "/mesh"},
+        {request(R"("sites":"people","avoid":[[[0,0],[1,0],[1,1]]])"), "/avoid"},
+        {request(R"("sites":"people","buffer":0.1)"), "/buffer"}};
+    for (const auto& [body, field] : wrong) {
+        const Error error = error_of(body);
+        EXPECT_EQ(error.code, ErrorCode::Malformed) << body;
+        EXPECT_EQ(error.field, field) << body;
+    }
+}
+
+TEST(DotMapRequest, CostsWhatItsPointsDo) {
+    const auto few = parse(request(R"("sites":"people","per":1000)")), many = parse(request(R"("sites":"people")"));
+    EXPECT_GT(cost_of(*many, {}).seconds, 10 * cost_of(*few, {}).seconds);
+}
+
+TEST(DotMap, TellsOfEachPointItsFeature) {
+    const auto told = map(request(R"("sites":"people","per":100)"));
+    ASSERT_EQ(told["points"].size(), 25U);
+    ASSERT_EQ(told["feature"].size(), 25U);
+    for (std::size_t i = 0; i < 25; ++i) {
+        const double x = told["points"][i][0];
+        const int feature = told["feature"][i];
+        EXPECT_TRUE(x > feature && x < feature + 1);
+    }
+    EXPECT_EQ(told["features"], nlohmann::json::parse(R"([{"id":"west","sites":20},{"sites":5}])"));
+    EXPECT_EQ(told["sites"], 25);
+    EXPECT_FALSE(told.contains("class"));
+    EXPECT_FALSE(told.contains("repaired"));
+}
+
+TEST(DotMap, TellsOfEachPointItsClass) {
+    const auto told = map(request(R"("classes":["people","dogs"],"per":100)"));
+    EXPECT_EQ(told["features"],
+              nlohmann::json::parse(R"([{"id":"west","sites":24,"classes":[20,4]},{"sites":6,"classes":[5,1]}])"));
+    EXPECT_EQ(told["classes"][1]["name"], "dogs");
+    EXPECT_EQ(told["classes"][1]["sites"], 5);
+    ASSERT_EQ(told["class"].size(), 30U);
+    EXPECT_EQ(std::count(told["class"].begin(), told["class"].end(), 1), 5);
+}
+
+TEST(DotMap, LeavesOutWhatHasNoAreaAndSaysSo) {
+    const std::string flat =
+        R"({"type":"Feature","properties":{"people":300},"geometry":{"type":"Polygon","coordinates":[[[5,5],[6,6],[5,5]]]}})";
+    const std::string none = R"({"type":"Feature","properties":{"people":100},"geometry":null})";
+    const std::string nothing = R"({"type":"Feature","properties":{},"geometry":null})";
+    const std::string features = collection(square(0, R"({"people":900})") + ',' + flat + ',' + none + ',' + nothing);
+    const auto told = map(request(R"("sites":"people","per":100)", features));
+    EXPECT_EQ(told["sites"], 9);
+    ASSERT_EQ(told["features"].size(), 4U);
+    EXPECT_EQ(told["features"][1]["sites"], 0);
+    ASSERT_EQ(told["warnings"].size(), 3U);
+    EXPECT_EQ(told["warnings"][0]["pointer"], "/geometry/features/3/properties/people");
+    EXPECT_EQ(told["warnings"][1]["pointer"], "/geometry/features/1/geometry/coordinates/0");
+    EXPECT_EQ(told["warnings"][1]["detail"], "the polygon has no area: 3 points left out");
+    EXPECT_EQ(told["warnings"][2]["pointer"], "/geometry/features/2");
+
+    const auto rejected = answer(request(R"("sites":"people","per":100,"invalid":"reject")", features));
+    ASSERT_FALSE(rejected);
+    EXPECT_EQ(rejected.error().code, ErrorCode::Unusable);
+    EXPECT_EQ(rejected.error().field, "/geometry/features/1/geometry/coordinates/0");
+    EXPECT_EQ(answer(request(R"("sites":"people")", collection(flat))).error().field, "/geometry/features");
+}
+
+TEST(DotMap, TellsWhatWasRepaired) {
+    const std::string tie =
+        R"({"type":"Feature","properties":{"people":30},"geometry":{"type":"MultiPolygon","coordinates":)"
+        R"([[[[7,0],[8,0],[8,1],[7,1]]],[[[2,0],[4,2],[4,0],[2,2]]]]}})";
+    const std::string features = collection(square(0, R"({"people":30})") + ',' + tie);
+    const auto told = map(request(R"("sites":"people")", features));
+    ASSERT_EQ(told["repaired"].size(), 1U);
+    const std::string pointer = told["repaired"][0]["pointer"];
+    EXPECT_TRUE(pointer.starts_with("/geometry/features/1/geometry/coordinates/1/0")) << pointer;
+    EXPECT_EQ(answer(request(R"("sites":"people","invalid":"reject")", features)).error().field, pointer);
+}
+
+TEST(DotMap, PointsToAFeatureWithoutDensity) {
+    const auto refused =
+        answer(request(R"("sites":"people","per":100,"density":{"width":2,"height":1,"values":[1,0]})"));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::Unusable);
+    EXPECT_EQ(refused.error().field, "/geometry/features/1");
+}
+
+TEST(DotMap, IsWrittenInEveryFormat) {
+    for (const PointFormat* format : sample_formats()) {
+        const std::string name(format->file.name);
+        for (const std::string sites :
+             {R"("sites":"people","per":100,)", R"("classes":["people","dogs"],"per":100,)"}) {
+            const auto result = answer(request(sites + R"("format":")" + name + '"'));
+            ASSERT_TRUE(result) << result.error().message;
+            EXPECT_FALSE(result->body.empty());
+        }
+    }
+}
+
+TEST(DotMap, IsACollectionInGeoJson) {
+    const auto result = answer(request(R"("classes":["people","dogs"],"per":100,"format":"geojson")"));
+    ASSERT_TRUE(result) << result.error().message;
+    const auto told = nlohmann::json::parse(result->body);
+    EXPECT_EQ(told["type"], "FeatureCollection");
+    ASSERT_EQ(told["features"].size(), 4U);
+    const auto& first = told["features"][0];
+    EXPECT_EQ(first["id"], "west");
+    EXPECT_EQ(first["properties"]["feature"], 0);
+    EXPECT_EQ(first["properties"]["class"], "people");
+    EXPECT_EQ(first["properties"]["sites"], 20);
+    EXPECT_EQ(first["geometry"]["type"], "MultiPoint");
+    EXPECT_EQ(first["geometry"]["coordinates"].size(), 20U);
+}
+
+TEST(DotMap, QuotesNamesOfClasses) {
+    const std::string features = collection(square(0, R"({"a,\"b\"<&":3,"c":2})"));
+    const std::string classes = R"("classes":["a,\"b\"<&","c"])";
+    const auto told = map(request(classes, features));
+    EXPECT_EQ(told["classes"][0]["name"], "a,\"b\"<&");
+    const auto csv = answer(request(classes + R"(,"format":"csv")", features));
+    EXPECT_NE(csv->body.find(",0,\"a,\"\"b\"\"<&\"\r\n"), std::string::npos);
+    const auto svg = answer(request(classes + R"(,"format":"svg")", features));
+    EXPECT_NE(svg->body.find("label=\"a,&quot;b&quot;&lt;&amp;\""), std::string::npos);
+    EXPECT_NE(svg->body.find("id=\"class-1-feature-0\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ccdt::api

@@ -1,0 +1,197 @@
+"""POST /sample with counts of features: maps of dots, above all that of the counties of npm's us-atlas.
+
+Their counts are made up, and differ by up to 10,000 times on neighbouring ground.
+"""
+
+import io
+import json
+import math
+import time
+import unittest
+
+import numpy
+import scipy.spatial
+import shapely
+import shapely.geometry
+import shapely.vectorized
+
+from harness import PATIENCE, POLYGONS, ServerCase, ask, post_json
+from test_maps import features, repaired_area
+
+PER = 2000
+FLAT = "Falls Church"  # quantized to a line
+
+
+def collection(given):
+    return {"type": "FeatureCollection", "features": given}
+
+
+def counties():
+    """With counts that no area tells: log-normal, from some hundred to some million."""
+    given = features("us-atlas/counties-10m.json", "counties")
+    random = numpy.random.default_rng(1)
+    for feature, count in zip(given, numpy.exp(random.normal(10.3, 1.45, len(given))), strict=True):
+        feature["properties"]["people"] = int(count)
+    return given
+
+
+def largest_remainders(values):
+    counts = [math.floor(value) for value in values]
+    order = sorted(range(len(values)), key=lambda i: (counts[i] - values[i], i))
+    for i in order[:round(sum(values)) - sum(counts)]:
+        counts[i] += 1
+    return counts
+
+
+def hexagonal_spacing(density):
+    return numpy.sqrt(2 / math.sqrt(3) / density)
+
+
+def nearest(points, feature, density, pairs):
+    """Of each point the nearest distance along wanted edges, over the mean of both hexagonal ones, in order."""
+    triangles = scipy.spatial.Delaunay(points).simplices
+    edges = numpy.unique(numpy.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)), axis=0)
+    a, b = edges.T
+    wanted = pairs(feature[a], feature[b])
+    a, b = a[wanted], b[wanted]
+    spacing = hexagonal_spacing(density)
+    ratio = numpy.hypot(*(points[a] - points[b]).T) / (spacing[feature[a]] + spacing[feature[b]]) * 2
+    least = numpy.full(len(points), 2.0)
+    numpy.minimum.at(least, a, ratio)
+    numpy.minimum.at(least, b, ratio)
+    return numpy.sort(least[least < 2])
+
+
+class Counties(ServerCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.features = counties()
+        body = {"geometry": collection(cls.features), "sites": {"property": "people", "per": PER}}
+        cls.answer = post_json(cls.server, "/sample", body).json()
+        cls.points = numpy.array(cls.answer["points"])
+        cls.feature = numpy.array(cls.answer["feature"])
+        cls.areas = [repaired_area(each["geometry"]) for each in cls.features]
+
+    def test_have_exactly_their_counts(self):
+        wanted = largest_remainders([each["properties"]["people"] / PER for each in self.features])
+        flat = next(i for i, each in enumerate(self.features) if each["properties"]["name"] == FLAT)
+        self.assertGreater(wanted[flat], 0)
+        warning = self.answer["warnings"][0]
+        self.assertTrue(warning["pointer"].startswith(f"/geometry/features/{flat}/"), warning)
+        self.assertIn(f"{wanted[flat]} point", warning["detail"])
+        wanted[flat] = 0
+        self.assertEqual([each["sites"] for each in self.answer["features"]], wanted)
+        self.assertEqual(numpy.bincount(self.feature, minlength=len(wanted)).tolist(), wanted)
+        self.assertEqual([each["id"] for each in self.answer["features"]], [each["id"] for each in self.features])
+        self.assertEqual(len(numpy.unique(self.points, axis=0)), sum(wanted))
+
+    def test_have_their_points_inside(self):
+        ends = numpy.searchsorted(self.feature, numpy.arange(len(self.features) + 1))
+        for i, area in enumerate(self.areas):
+            own = self.points[ends[i]:ends[i + 1]]
+            if len(own) > 0:
+                self.assertTrue(shapely.vectorized.contains(area, *own.T).all(), self.features[i]["properties"]["name"])
+
+    def test_keep_distance_within_and_across_borders(self):
+        counts = numpy.bincount(self.feature, minlength=len(self.features))
+        density = counts / numpy.maximum([area.area for area in self.areas], 1e-9)
+        density = numpy.maximum(density, 1e-9)
+        within = nearest(self.points, self.feature, density, lambda a, b: a == b)
+        self.assertGreater(within[len(within) // 100], 0.75)
+
+        def alike(a, b):
+            return (a != b) & (numpy.abs(numpy.log(density[a] / density[b])) < math.log(4))
+
+        across = nearest(self.points, self.feature, density, alike)
+        self.assertGreater(len(across), 20_000)
+        self.assertGreater(across[len(across) // 100], 0.6)
+
+
+class Formats(ServerCase):
+    MAP = collection([
+        {"type": "Feature", "id": "west", "properties": {"a": 30, "b": 10},
+         "geometry": {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]]}},
+        {"type": "Feature", "properties": {"a": "20", "b": None},
+         "geometry": {"type": "Polygon", "coordinates": [[[1, 0], [2, 0], [2, 1], [1, 1], [1, 0]]]}}])
+
+    def draw(self, **options):
+        answer = post_json(self.server, "/sample", {"geometry": self.MAP, "classes": ["a", "b"], **options})
+        self.assertEqual(answer.status, 200, answer)
+        return answer
+
+    def test_hold_the_same(self):
+        told = self.draw().json()
+        rows = [[*point, feature, number]
+                for point, feature, number in zip(told["points"], told["feature"], told["class"], strict=True)]
+        self.assertEqual([row[2:] for row in rows], 30 * [[0, 0]] + 20 * [[1, 0]] + 10 * [[0, 1]])
+        self.assertEqual(numpy.load(io.BytesIO(self.draw(format="npy").body)).tolist(), rows)
+        lines = self.draw(format="csv").body.decode().split("\r\n")
+        self.assertEqual(lines[0], "x,y,feature,class")
+        self.assertEqual([[float(x), float(y), int(feature), "ab".index(name)]
+                          for x, y, feature, name in (line.split(",") for line in lines[1:-1])], rows)
+        drawn = self.draw(format="geojson").json()
+        self.assertEqual([(each.get("id"), each["properties"]["feature"], each["properties"]["class"])
+                          for each in drawn["features"]], [("west", 0, "a"), (None, 1, "a"), ("west", 0, "b")])
+        self.assertEqual([point for each in drawn["features"] for point in each["geometry"]["coordinates"]],
+                         told["points"])
+        self.assertIn("X-Warnings".lower(), self.draw(format="svg").headers)
+
+    def test_have_colours_of_classes(self):
+        colours = {tuple(int(each["color"][i:i + 2], 16) for i in (1, 3, 5)) for each in self.draw().json()["classes"]}
+        picture = self.draw(format="png").picture("RGB")
+        found = {tuple(colour) for colour in numpy.asarray(picture).reshape(-1, 3).tolist()}
+        self.assertLessEqual(colours | {(255, 255, 255)}, found)
+
+
+class Undivided(ServerCase):
+    def test_pieces_have_no_more_long_waves(self):
+        """A country in pieces whose counts are in proportion to their areas is as even as the whole."""
+        country = json.loads((POLYGONS / "South-Africa-50m.geojson").read_text())
+        country = country.get("geometry", country)
+        whole = max(getattr(shapely.geometry.shape(country), "geoms", [shapely.geometry.shape(country)]),
+                    key=lambda part: part.area)
+        west, south, east, north = whole.bounds
+        lines = numpy.linspace(west, east, 6)
+        pieces = [whole.intersection(shapely.geometry.box(lines[i], low, lines[i + 1], high))
+                  for i in range(5) for low, high in ((south, (south + north) / 2), ((south + north) / 2, north))]
+        given = [{"type": "Feature", "properties": {"area": piece.area}, "geometry": shapely.geometry.mapping(piece)}
+                 for piece in pieces]
+        sites = 8192
+        per = sum(piece.area for piece in pieces) / sites
+        divided = post_json(self.server, "/sample", {"geometry": collection(given),
+                                                     "sites": {"property": "area", "per": per}}).json()
+        alone = post_json(self.server, "/sample", {"geometry": shapely.geometry.mapping(whole), "sites": sites}).json()
+        pitch = math.sqrt(whole.area / sites)
+        for pitches in (1, 2, 4):
+            with self.subTest(pitches=pitches):
+                noise = [self.noise(numpy.array(answer["points"]), whole, pitches * pitch) for answer in (divided, alone)]
+                self.assertLess(10 * math.log10(noise[0] / noise[1]), 3)
+
+    def noise(self, points, whole, radius):
+        """Mean squared error of the number of points, weighed by Gaussians far from the border."""
+        inner = whole.buffer(-3.5 * radius)
+        west, south, east, north = inner.bounds
+        places = numpy.random.default_rng(5).uniform((west, south), (east, north), (3000, 2))
+        places = places[shapely.vectorized.contains(inner, *places.T)]
+        near = scipy.spatial.cKDTree(points).query_ball_point(places, 4.5 * radius)
+        sums = [numpy.exp(-((points[each] - place) ** 2).sum(1) / 2 / radius ** 2).sum()
+                for place, each in zip(places, near, strict=True)]
+        return numpy.mean((numpy.array(sums) - len(points) / whole.area * 2 * math.pi * radius ** 2) ** 2)
+
+
+class Jobs(ServerCase):
+    def test_tell_progress_and_can_be_cancelled(self):
+        body = json.dumps({"geometry": Formats.MAP, "sites": {"property": "a", "per": 0.0002}, "iterations": 1000,
+                           "passes": 100})
+        job = ask(self.server, "/sample", "--header", "Prefer: respond-async", data=body).headers["location"]
+        end = time.monotonic() + PATIENCE
+        while ask(self.server, job).json().get("progress", 0) == 0:
+            self.assertLess(time.monotonic(), end)
+        self.assertIn(ask(self.server, job, "--request", "DELETE").status, (200, 202, 204))
+        while ask(self.server, job).json()["status"] == "running":
+            self.assertLess(time.monotonic(), end)
+
+
+if __name__ == "__main__":
+    unittest.main()
