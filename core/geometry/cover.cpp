@@ -15,18 +15,17 @@ double distance(Point a, Point b) {
 
 }  // namespace
 
-Cover::Cover(const Chains& chains, const Arrangement& map, std::span<const Kind> kinds, double resolution)
+Cover::Cover(const Chains& chains, const Arrangement& map, std::span<const Kind> kinds, double resolution,
+             const std::stop_token& stop)
     : chains_(chains), map_(map), kinds_(kinds), resolution_(resolution), first_of_(kinds.size(), kNone) {
     for (auto point = static_cast<std::uint32_t>(chains.points.size()); point-- > 0;) {
         first_of_[chains.group[point]] = point;
     }
-    find_shared_points();
-    find_faces();
-    walk();
-    settle_thin_faces();
-    find_flat_rings();
-    find_meetings();
-    find_cut_parts();
+    for (const auto step : {&Cover::find_shared_points, &Cover::find_faces, &Cover::walk, &Cover::settle_thin_faces,
+                            &Cover::find_flat_rings, &Cover::find_meetings, &Cover::find_cut_parts}) {
+        if (stop.stop_requested()) return;
+        (this->*step)();
+    }
 }
 
 double Cover::area(std::uint32_t triangle) const {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "core/geometry/delaunay.h"
@@ -23,8 +24,10 @@ public:
 
     /// @param kinds       [groups]
     /// @param resolution  what is no thicker than this, about, is nothing
-    /// All must outlive this.
-    Cover(const Chains& chains, const Arrangement& map, std::span<const Kind> kinds, double resolution);
+    /// @param stop        asked between its steps, each of which looks at all triangles once; leaves what is of no use
+    /// All but the last must outlive this.
+    Cover(const Chains& chains, const Arrangement& map, std::span<const Kind> kinds, double resolution,
+          const std::stop_token& stop = {});
 
     /// What is wrong with the rings. Nothing, if they are valid by OGC Simple Features.
     const Faults& faults() const { return faults_; }

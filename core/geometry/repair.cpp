@@ -45,7 +45,9 @@ public:
         const auto map = arrange(chains_, resolution, stop);
         if (!map) return failure(ErrorCode::Unusable, "the polygon crosses itself too often to be repaired");
         if (stop.stop_requested()) return stopped();
-        return Cover(chains_, *map, kinds_, resolution).trace();
+        const Cover cover(chains_, *map, kinds_, resolution, stop);
+        if (stop.stop_requested()) return stopped();
+        return cover.trace();
     }
 
 private:
@@ -75,7 +77,8 @@ Result<Enclosed> enclosed_area(const std::vector<RingInput>& rings, const UnitFr
         return failure(ErrorCode::Unusable, fault.detail + " and too often to be repaired", fault.field);
     }
     if (stop.stop_requested()) return stopped();
-    const Cover cover(chains, *map, kinds, frame.resolution());
+    const Cover cover(chains, *map, kinds, frame.resolution(), stop);
+    if (stop.stop_requested()) return stopped();
     Enclosed result{{}, cover.faults().describe(rings, frame)};
     if (result.repairs.empty() && !cover.has_contacts()) {
         for (const RingInput& ring : rings) result.rings.push_back(ring.corners);
