@@ -42,7 +42,7 @@ Result<SiteMesh> SiteMesh::create(const Domain& domain, const Density& density, 
     if (!empty) return tl::unexpected(empty.error());
     SiteMesh sites(domain, density, *std::move(empty));
     const StartSites start(domain, density, options);
-    if (auto error = place_sites(sites.mesh_, {}, start, options.seed, domain.resolution(), stop)) {
+    if (auto error = place_sites(sites.mesh_, {}, start, {}, options.seed, domain.resolution(), stop)) {
         return tl::unexpected(*error);
     }
     sites.mesh_.trim();

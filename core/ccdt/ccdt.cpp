@@ -63,7 +63,9 @@ InkConstructions::InkConstructions(const Domain& domain, std::span<const Density
         constructions_.push_back(inks_.back().get());
         smooth = smooth && densities[ink].is_smooth();
     }
-    if (has_polish(options)) settings_ = polish_settings(options.quality, constructions_.size(), smooth);
+    if (has_polish(options))
+        settings_ =
+            polish_settings(options.quality, constructions_.size(), smooth, domain.is_box() || !options.fixed.empty());
     if (settings_ && !retouch_) settings_->retouch_rounds = 0;
 }
 
@@ -85,7 +87,9 @@ Result<void> InkConstructions::start() {
 void InkConstructions::iterate() {
     while (std::ranges::any_of(constructions_, &Construction::goes_on)) {
         for (Construction* construction : constructions_) {
-            if (construction->goes_on()) construction->iterate();
+            if (!construction->goes_on()) continue;
+            if (settings_) construction->ease(*settings_);
+            construction->iterate();
         }
         if (!stopping()) report();
     }
@@ -94,7 +98,10 @@ void InkConstructions::iterate() {
 Result<void> InkConstructions::polish() {
     if (!settings_ || stopping()) return {};
     std::vector<Polish::Layer> layers;
-    for (Construction* construction : constructions_) layers.push_back({construction->polish(), &construction->mesh()});
+    for (Construction* construction : constructions_) {
+        layers.push_back({construction->polish(), &construction->mesh(),
+                          [construction](int passes) { construction->equalise(passes); }});
+    }
     const auto after = [this] {
         ++round_;
         report();

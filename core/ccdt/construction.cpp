@@ -110,7 +110,12 @@ Result<DomainMesh> Construction::triangulate_sites(const std::vector<Point>& fir
     placed->mesh.fix_last(fixed_.places.size());
     for (std::size_t i = 0; i < fixed_.places.size(); ++i)
         placed->mesh.insert(static_cast<std::uint32_t>(options_.sites + i), fixed_.places[i]);
-    if (auto error = place_sites(placed->mesh, first, *start_, options_.seed, domain_.resolution(), stop_)) {
+    // Those drawn independently, as in the paper, are so from part to part, too.
+    const bool shares_out =
+        placed->mesh.part_count() > 1 && options_.start != Start::Random && first.empty() && fixed_.sites == 0;
+    auto room = shares_out ? sites_of_parts(*placed, capacity_) : std::vector<std::size_t>{};
+    if (auto error =
+            place_sites(placed->mesh, first, *start_, std::move(room), options_.seed, domain_.resolution(), stop_)) {
         return tl::unexpected(*error);
     }
     if (stopping()) return stopped_at_start();
@@ -160,6 +165,15 @@ Relaxation& Construction::relaxation() {
     return relaxation_.emplace(placed_->mesh, placed_->border.corner, capacity_.is_uniform(), settings);
 }
 
+void Construction::ease(const PolishSettings& settings) {
+    constexpr int kFirst = 2;  // before, sites are not near their places yet
+    if (result_.iterations < std::max(kFirst, options_.iterations - settings.early)) return;
+    Triangulation& mesh = placed_->mesh;
+    polish_->begin(mesh);
+    polish_->push_apart(mesh, settings.reach, settings.push, {}, stop_);
+    polish_->even_out(mesh, stop_);
+}
+
 bool Construction::iterate() {
     Triangulation& mesh = placed_->mesh;
     Relaxation& relaxation = this->relaxation();
@@ -178,6 +192,16 @@ bool Construction::iterate() {
     ++result_.iterations;
     if (!goes_on()) relaxation_.reset();
     return true;
+}
+
+void Construction::equalise(int passes) {
+    Triangulation& mesh = placed_->mesh;
+    mesh.restore_delaunay(stop_);
+    measure(mesh);
+    if (stopping()) return;
+    relaxation().prepare(goals_, stop_);
+    for (int pass = 0; pass < passes && !stopping(); ++pass) relaxation().pass();
+    relaxation_.reset();
 }
 
 Result<void> Construction::finish() {

@@ -36,6 +36,9 @@ public:
 
     /// Tells whether there is an iteration to do.
     bool goes_on() const;
+    /// Does the steps of the polish that come before the next iteration, if there are any: a push, and a round that
+    /// evens out.
+    void ease(const PolishSettings& settings);
     /// Does the geometry passes of an iteration and its triangulation phase.
     /// @returns  false if it was stopped
     bool iterate();
@@ -43,6 +46,9 @@ public:
     /// Steps of the polish; null for a draft, and where no iteration is wanted.
     MeshPolish* polish() { return polish_ ? &*polish_ : nullptr; }
     Triangulation& mesh() { return placed_->mesh; }
+
+    /// Makes the triangulation Delaunay and its triangles' capacities more equal, amid the polish.
+    void equalise(int passes);
 
     /// Makes the triangulation Delaunay again, after the polish. Errors: as start().
     Result<void> finish();

@@ -31,6 +31,10 @@ Result<DomainMesh> empty_mesh(const Domain& domain, Border border, std::size_t s
 Result<DomainMesh> empty_mesh(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites,
                               const std::stop_token& stop = {});
 
+/// Shares sites out among the connected parts of a domain by their capacity, whole numbers by the largest remainders
+/// [parts of the mesh].
+std::vector<std::size_t> sites_of_parts(const DomainMesh& mesh, const CapacityIntegral& capacity);
+
 /// Places of the sites in the caller's coordinates [sites].
 std::vector<Point> sites_to_user(const Domain& domain, const Triangulation& mesh);
 

@@ -14,7 +14,8 @@ namespace ccdt {
 
 /// Draws first sites: cuts the domain's bounding box into cells of equal capacity, holding up to four sites each, by
 /// halving it again and again across its longer side, and places each site at random by density in its cell. Long
-/// waves of density error never arise, and no grid shows. Start::Random has one cell, the box.
+/// waves of density error never arise, and no grid shows. Cells that the border cuts hold one site, if the density is
+/// uniform. Start::Random has one cell, the box.
 ///
 /// Near the domain's border the density of a cell is known on average only, so a site may be drawn outside; the
 /// caller, who can tell, draws again.
@@ -44,6 +45,7 @@ private:
     std::vector<double> masses_left(const Domain& domain, const std::vector<double>& share, std::size_t sites);
     void divide(const Rectangle& box, std::size_t sites);
     double sum(double x, double y) const;
+    bool is_cut(const Rectangle& box) const;
     double cut_across_x(const Rectangle& box, double share) const;
     double cut_across_y(const Rectangle& box, double share) const;
     double acceptance(double x, double y) const;
@@ -53,6 +55,7 @@ private:
     const Density& density_;
     std::uint64_t seed_;
     Point unit_size_;
+    bool knows_cuts_ = false;  ///< the sums are areas, and tell where the domain ends
     int columns_ = 1;
     int rows_ = 1;
     std::vector<Point> fixed_;

@@ -28,9 +28,11 @@ Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& borde
     }
     mark_inside();
     separate(border.branches);
+    mark_parts();
 }
 
-Triangulation::Triangulation(std::size_t sites, Point period) : sites_(sites), period_(period), points_(sites) {
+Triangulation::Triangulation(std::size_t sites, Point period)
+    : sites_(sites), period_(period), points_(sites), part_of_(sites, 0), part_count_(1) {
     triangles_.reserve(2 * sites);
 }
 
@@ -79,6 +81,35 @@ void Triangulation::separate(std::span<const ConstrainedDelaunay::Branch> branch
             if (is_constrained(previous(h))) break;
         }
     }
+}
+
+/// Numbers the parts of the inside and gives their vertices the number.
+void Triangulation::mark_parts() {
+    part_of_.assign(points_.size(), kNone);
+    std::vector<bool> seen(triangle_count(), false);
+    std::vector<std::uint32_t> stack;
+    for (std::uint32_t first = 0; first < triangle_count(); ++first) {
+        if (seen[first] || !triangles_[first].is_inside()) continue;
+        const auto part = static_cast<std::uint32_t>(part_count_++);
+        stack.push_back(first);
+        seen[first] = true;
+        while (!stack.empty()) {
+            const Triangle& triangle = triangles_[stack.back()];
+            stack.pop_back();
+            for (std::uint32_t i = 0; i < 3; ++i) {
+                part_of_[triangle.corners[i]] = part;
+                const std::uint32_t other = triangle_of(triangle.twins[i]);
+                if (triangle.is_constrained(i) || seen[other]) continue;
+                seen[other] = true;
+                stack.push_back(other);
+            }
+        }
+    }
+}
+
+std::uint32_t Triangulation::part_at(Point p) {
+    last_ = locate(p).triangle;
+    return triangles_[last_].is_inside() ? part_of_[triangles_[last_].corners[0]] : kNone;
 }
 
 /// Walks towards p across edges that have it on their right. The first edge looked at changes from step to step, so
@@ -145,6 +176,7 @@ bool Triangulation::insert(std::uint32_t site, Point p, double margin) {
     // Split into three: (c0, c1, p) stays at t. Where p lies on an edge, one of them is flat; that edge then has the
     // corner beyond it in its circle, a half-plane, and is flipped away.
     points_[site] = p;
+    part_of_[site] = part_of_[c[0]];
     const std::uint32_t u = add_triangle(c[1], c[2], site);
     const std::uint32_t v = add_triangle(c[2], c[0], site);
     if (is_torus()) {
@@ -308,10 +340,11 @@ std::size_t Triangulation::restore_delaunay(const std::stop_token& stop) {
     return flips;
 }
 
-std::vector<std::array<Point, 3>> Triangulation::inside_triangles() const {
+std::vector<std::array<Point, 3>> Triangulation::inside_triangles(std::uint32_t part) const {
     std::vector<std::array<Point, 3>> inside;
     for (std::uint32_t t = 0; t < triangle_count(); ++t) {
-        if (triangles_[t].is_inside()) inside.push_back(places(t));
+        if (!triangles_[t].is_inside()) continue;
+        if (part == kNone || part_of_[triangles_[t].corners[0]] == part) inside.push_back(places(t));
     }
     return inside;
 }
@@ -324,6 +357,7 @@ void Triangulation::trim() {
         triangle.flags &= static_cast<std::uint8_t>(~kConstrained);
     }
     if (!is_torus()) points_.resize(points_.size() - 4);  // the box
+    part_of_.resize(points_.size());
     number_along_sites();
     changed_.assign(points_.size(), 0);
     find_edges();

@@ -125,8 +125,15 @@ public:
     ///           coincides with a vertex
     bool insert(std::uint32_t site, Point p, double margin = 0);
 
-    /// Corners of the triangles inside the domain, before trim().
-    std::vector<std::array<Point, 3>> inside_triangles() const;
+    /// Connected parts of the domain.
+    std::size_t part_count() const { return part_count_; }
+    /// Part that a vertex lies in; kNone for a place outside, of which there are four until trim().
+    std::uint32_t part_of(std::uint32_t vertex) const { return part_of_[vertex]; }
+    /// Part that a place lies in; kNone outside the domain. Not for tori, nor after trim().
+    std::uint32_t part_at(Point p);
+
+    /// Corners of the triangles inside the domain, or inside one part of it; before trim().
+    std::vector<std::array<Point, 3>> inside_triangles(std::uint32_t part = kNone) const;
 
     /// Drops what lies outside the domain and renumbers the triangles in the order of the sites.
     void trim();
@@ -187,6 +194,7 @@ private:
     void flip(std::uint32_t edge);
     std::size_t legalise();
     void mark_inside();
+    void mark_parts();
     void separate(std::span<const ConstrainedDelaunay::Branch> branches);
     void number_along_sites();
     void find_edges();
@@ -196,6 +204,8 @@ private:
     Point period_;  ///< 0 unless a torus
     std::vector<Point> points_;
     std::vector<Triangle> triangles_;
+    std::vector<std::uint32_t> part_of_;  ///< [vertices]
+    std::size_t part_count_ = 0;
     std::vector<std::uint32_t> edge_of_;  ///< [vertices]
     std::vector<std::uint32_t> stack_;    ///< edges that may want a flip
     std::vector<std::uint32_t> sweep_;    ///< one half-edge of each edge

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/predicates.h"
+#include "core/polish/first_row.h"
 
 namespace ccdt {
 
@@ -14,6 +16,9 @@ namespace {
 /// Longest push, in spacings: two neighbours, 1.07 spacings apart in a hexagonal grid, keep over half of their
 /// distance.
 constexpr double kLongestPush = 0.2;
+/// Spacings from the border that a push keeps clear of. Without, needles hold sites together; more of it does so where
+/// there is little room: Polish.LeavesNoNearPairsAtNeedles.
+constexpr double kBorderDepth = 0.1;
 constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps, as in a relaxation
 
 }  // namespace
@@ -112,8 +117,28 @@ void MeshPolish::begin(const Triangulation& mesh) {
 }
 
 void MeshPolish::even_out(Triangulation& mesh, const std::stop_token& stop) {
-    const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
-    if (transport_ && transport_->displacements(sites, moves_, stop, fixed_.weights)) apply(mesh);
+    if (transport_) {
+        const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
+        if (transport_->displacements(sites, moves_, stop, fixed_.weights)) apply(mesh);
+    } else if (density_.is_smooth() && fixed_.places.empty() && fixed_.others.empty()) {
+        if (!mesh_transport_) mesh_transport_.emplace(domain_, density_, mesh);
+        measure_spacings(mesh);
+        if (mesh_transport_->displacements(mesh, spacings_, moves_, stop)) apply(mesh);
+    }
+}
+
+double MeshPolish::least_distance(const Triangulation& mesh) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t h : edges_) {
+        const Point along = mesh.along(h);
+        const double spacing = this->spacing(mesh.point(mesh.origin(h)));
+        least = std::min(least, dot(along, along) / (spacing * spacing));
+    }
+    return std::sqrt(least) / hexagonal_spacing(1);
+}
+
+void MeshPolish::measure_spacings(const Triangulation& mesh) {
+    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) spacings_[v] = spacing(mesh.point(v));
 }
 
 void MeshPolish::move(Triangulation& mesh, std::span<const Point> moves) {
@@ -124,7 +149,7 @@ void MeshPolish::move(Triangulation& mesh, std::span<const Point> moves) {
 void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                             const std::stop_token& stop) {
     const double half_reach = 0.5 * reach * hexagonal_spacing(1);
-    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) spacings_[v] = spacing(mesh.point(v));
+    measure_spacings(mesh);
     std::fill(moves_.begin(), moves_.end(), Point{});
     std::ranges::copy(pushed, moves_.begin());
     for (const std::uint32_t h : edges_) {
@@ -143,6 +168,7 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
         const double longest = kLongestPush * spacings_[v], length = std::sqrt(dot(moves_[v], moves_[v]));
         if (length > longest) moves_[v] = (longest / length) * moves_[v];
     }
+    if (!domain_.is_box()) keep_off_border(mesh, spacings_, kBorderDepth, moves_);
     if (!stop.stop_requested()) apply(mesh);
 }
 

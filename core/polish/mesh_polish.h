@@ -13,6 +13,7 @@
 #include "core/polish/cell_list.h"
 #include "core/polish/fixed_sites.h"
 #include "core/polish/local_spacing.h"
+#include "core/polish/mesh_transport.h"
 #include "core/polish/support.h"
 #include "core/polish/transport.h"
 
@@ -22,7 +23,7 @@ namespace ccdt {
 /// waves of density error, most of it along the border and where the density is steep, is transported away.
 class MeshPolish {
 public:
-    /// Prepares the transforms that even out long waves, which is done in boxes and on tori only.
+    /// Prepares the transforms that even out long waves in boxes and on tori.
     /// @param domain, density  must outlive this
     /// @param capacity         of the domain, in units of one cell with density 1; not used if the density is uniform
     /// @param sites            that are free
@@ -52,7 +53,10 @@ public:
     void push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                     const std::stop_token& stop);
 
-    /// Undoes long waves of density error.
+    /// Least distance of two neighbours, over that of neighbours in a hexagonal grid.
+    double least_distance(const Triangulation& mesh) const;
+
+    /// Undoes long waves of density error. Nothing happens in polygons if the density is not smooth.
     void even_out(Triangulation& mesh, const std::stop_token& stop);
 
     /// @param moves  [sites]
@@ -64,6 +68,7 @@ public:
 
 private:
     void push_off_others(const Triangulation& mesh, double half_reach, double push);
+    void measure_spacings(const Triangulation& mesh);
     void apply(Triangulation& mesh);
     void take_back(Triangulation& mesh);
     bool is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const;
@@ -75,7 +80,8 @@ private:
     FixedSites fixed_;
     std::optional<CellList> others_;  ///< of the fixed sites
     std::optional<Transport> transport_;
-    std::optional<LocalSpacing> local_;  ///< where a density varies and there is no transport, which knows it
+    std::optional<MeshTransport> mesh_transport_;  ///< in polygons, once it is asked for
+    std::optional<LocalSpacing> local_;            ///< where a density varies and transport_ does not know it
     Support support_;
     std::vector<std::uint32_t> edges_;  ///< half-edges between sites
     std::vector<Point> moves_, before_;

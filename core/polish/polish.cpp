@@ -1,5 +1,6 @@
 #include "core/polish/polish.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -52,11 +53,16 @@ Polish::Polish(const Domain& domain, std::vector<Layer> layers, const std::stop_
 void Polish::refine(const PolishSettings& settings, const std::stop_token& stop, const std::function<void()>& after,
                     const Retouch& retouch) {
     constexpr double kNearPush = 0.5;  // each of two goes half of what is missing
+    constexpr int kMostAgain = 3;
     begin();
     repeat(settings.rounds, stop, after, [&](int round) {
         if (settings.mesh_every > 0 && round > 0 && round % settings.mesh_every == 0) restore_meshes(stop);
         push_apart(settings.reach, settings.push, settings.ink_reach, settings.push, stop);
         if ((round + 1) % settings.even_every == 0) even_out_each(stop);
+    });
+    repeat(settings.relax_rounds, stop, after, [&](int) {
+        even_out_each(stop);
+        equalise(settings.relax_passes, stop);
     });
     repeat(settings.even_rounds, stop, after, [&](int) {
         even_out_together(stop);
@@ -64,6 +70,10 @@ void Polish::refine(const PolishSettings& settings, const std::stop_token& stop,
     });
     repeat(settings.near_rounds, stop, after,
            [&](int) { push_apart(settings.nearest, kNearPush, settings.ink_nearest, settings.push, stop); });
+    for (int round = 0; round < kMostAgain && !stop.stop_requested() && is_any_nearer(settings.least); ++round) {
+        restore_meshes(stop);
+        push_apart(settings.nearest, kNearPush, settings.ink_nearest, settings.push, stop);
+    }
     repeat(settings.last_rounds, stop, after, [&](int) { even_out_each(stop); });
     repeat(settings.retouch_rounds, stop, after, [&](int) { this->retouch(retouch, stop); });
 }
@@ -103,6 +113,12 @@ void Polish::begin() {
     for (const Layer& layer : layers_) layer.steps->begin(*layer.mesh);
 }
 
+bool Polish::is_any_nearer(double least) const {
+    return least > 0 && std::ranges::any_of(layers_, [&](const Layer& layer) {
+               return layer.steps->least_distance(*layer.mesh) < least;
+           });
+}
+
 void Polish::restore_meshes(const std::stop_token& stop) {
     for_each(stop, [&](const Layer& layer, std::span<Point>) { layer.mesh->restore_delaunay(stop); });
     begin();
@@ -116,6 +132,11 @@ void Polish::push_apart(double reach, double push, double ink_reach, double ink_
     for_each(stop, [&](const Layer& layer, std::span<Point> moves) {
         layer.steps->push_apart(*layer.mesh, reach, push, moves, stop);
     });
+}
+
+void Polish::equalise(int passes, const std::stop_token& stop) {
+    for_each(stop, [&](const Layer& layer, std::span<Point>) { layer.equalise(passes); });
+    begin();
 }
 
 void Polish::even_out_each(const std::stop_token& stop) {

@@ -26,6 +26,8 @@ public:
     struct Layer {
         MeshPolish* steps = nullptr;
         Triangulation* mesh = nullptr;
+        std::function<void(int passes)> equalise;  ///< makes the mesh Delaunay and its triangles more equal; may be
+                                                   ///< empty if no settings want it
     };
 
     /// Computes moves of all sites of several inks.
@@ -52,8 +54,10 @@ private:
     double spacing(Point p) const;
     void gather();
     void begin();
+    bool is_any_nearer(double least) const;
     void restore_meshes(const std::stop_token& stop);
     void push_apart(double reach, double push, double ink_reach, double ink_push, const std::stop_token& stop);
+    void equalise(int passes, const std::stop_token& stop);
     void even_out_each(const std::stop_token& stop);
     void even_out_together(const std::stop_token& stop);
     void retouch(const Retouch& retouch, const std::stop_token& stop);

@@ -14,24 +14,29 @@ enum class Quality {
 /// Schedule of a polish, in the order in which it is done, and the strength of its steps. Reaches are over the distance
 /// of neighbours in a hexagonal grid: of an ink's own sites, or of all inks' together.
 struct PolishSettings {
+    int early = 0;           ///< iterations, the last ones, that begin with such a round
     int rounds = 0;          ///< that push near sites apart and even out long waves
     int even_every = 1;      ///< of so many of these rounds only the last evens out
     int mesh_every = 0;      ///< of these rounds after which neighbours are found anew; 0: never
     double reach = 0;        ///< distance below which neighbours of one ink are pushed
     double push = 0;         ///< share of what is missing by which each of the two moves
     double ink_reach = 0;    ///< distance below which sites of different inks are pushed
+    int relax_rounds = 0;    ///< then, that even out and make triangles equal again
+    int relax_passes = 0;    ///< of the relaxation in each of these
     int even_rounds = 0;     ///< then, that only even out
     int near_rounds = 0;     ///< then, that only push the nearest sites: too few to make waves
     double nearest = 0;      ///< their reach within an ink,
     double ink_nearest = 0;  ///< and between inks
+    double least = 0;        ///< distance of neighbours below which they are pushed so again, found anew each time
     int last_rounds = 0;     ///< then, that even out what these have left behind
     int retouch_rounds = 0;  ///< last, of moves that the caller chooses by what is seen of all inks together
 
-    int all_rounds() const { return rounds + even_rounds + near_rounds + last_rounds + retouch_rounds; }
+    int all_rounds() const { return rounds + relax_rounds + even_rounds + near_rounds + last_rounds + retouch_rounds; }
 };
 
 /// @param quality  not Draft, which has no polish
 /// @param smooth   whether the density is, if there is one ink alone
-PolishSettings polish_settings(Quality quality, std::size_t inks, bool smooth);
+/// @param in_box   whether the domain is a box or a torus
+PolishSettings polish_settings(Quality quality, std::size_t inks, bool smooth, bool in_box = true);
 
 }  // namespace ccdt

@@ -20,7 +20,7 @@ Stages time_stages(const Domain& domain, const Density& density, const Options& 
     const StartSites start(domain, density, options);
     stages.start = clock.lap();
     Triangulation mesh(options.sites, *triangulate(border));
-    place_sites(mesh, {}, start, options.seed, 0, {});
+    place_sites(mesh, {}, start, {}, options.seed, 0, {});
     mesh.trim();
     stages.triangulate = clock.lap();
 

@@ -38,7 +38,7 @@ StartMesh::StartMesh(Domain of, Density by, const Options& options)
       border(domain.is_torus() ? Border() : make_border(domain, capacity, options.sites)),
       mesh(empty_mesh(domain, border, options.sites)) {
     const StartSites start(domain, density, options);
-    if (place_sites(mesh, {}, start, options.seed, 0, {})) throw std::runtime_error("sites cannot be placed");
+    if (place_sites(mesh, {}, start, {}, options.seed, 0, {})) throw std::runtime_error("sites cannot be placed");
     mesh.trim();
 }
 

@@ -513,5 +513,32 @@ TEST(Distribute, CrowdsNoSitesAtABorderOfVeryShortEdges) {
     for (const double ratio : crowding(circle, 1024, {1, 1.5, 2, 4}, 4)) EXPECT_NEAR(ratio, 1, 0.15);
 }
 
+/// Islands, from one site to most of them: sites cannot go from one to another later.
+TEST(Distribute, GivesEachPartItsShare) {
+    const std::vector<double> sides{10, 4, 3, 2, 1.5, 1, 0.7, 0.3};
+    Parts parts;
+    double area = 0, x = 0;
+    for (const double side : sides) {
+        parts.push_back({test::box(x, 0, side, side), {}});
+        area += side * side;
+        x += side + 0.05;
+    }
+    const Domain domain = test::domain_of(parts);
+    constexpr std::size_t kSites = 800;
+    for (const Quality quality : {Quality::Draft, Quality::Standard}) {
+        for (const std::uint64_t seed : {1, 2, 3}) {
+            const auto points =
+                distribute(domain, Density::uniform(), {.sites = kSites, .seed = seed, .quality = quality})->points;
+            double left = 0;
+            for (std::size_t i = 0; i < sides.size(); ++i) {
+                const auto count =
+                    std::ranges::count_if(points, [&](Point p) { return p.x > left && p.x < left + sides[i]; });
+                EXPECT_NEAR(static_cast<double>(count), kSites * sides[i] * sides[i] / area, 1) << sides[i];
+                left += sides[i] + 0.05;
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace ccdt

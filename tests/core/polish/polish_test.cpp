@@ -1,13 +1,16 @@
 #include "core/polish/polish.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "core/analysis/analysis.h"
+#include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/ccdt.h"
 #include "core/random.h"
+#include "tests/support/evenness.h"
 #include "tests/support/meshes.h"
 #include "tests/support/pictures.h"
 
@@ -219,6 +222,84 @@ TEST(Polish, LowersLongWavesAndKeepsNeighboursApart) {
         EXPECT_GT(standard.min_distance, 1.12 * draft.min_distance);
         EXPECT_GT(best.min_distance, 1.12 * draft.min_distance);
     }
+}
+
+constexpr std::array kCountries{"Switzerland-10m.geojson", "South-Africa-50m.geojson", "Italy-110m.geojson"};
+
+/// Over two seeds.
+struct Evenness {
+    double variation = 0;  ///< mean
+    double noise = 0;      ///< in dB, the largest
+    double nearest = 10;   ///< least distance of two sites
+};
+
+Evenness evenness_of(const Domain& domain, Quality quality, double blur) {
+    Evenness found{0, -100, 10};
+    for (const std::uint64_t seed : {1, 2}) {
+        const auto placed = run(domain, Density::uniform(), {.sites = 4096, .seed = seed, .quality = quality});
+        found.variation += placed.variation() / 2;
+        found.noise = std::max(found.noise, test::noise(domain, placed.points, blur));
+        found.nearest = std::min(found.nearest, test::sorted_distances(domain, placed.points).front());
+    }
+    return found;
+}
+
+TEST(Polish, EvensOutCountries) {
+    for (const char* name : kCountries) {
+        const Domain domain = domain_of(test::read_geojson(name));
+        SCOPED_TRACE(name);
+        for (const double blur : {1.0, 2.0}) {
+            const double draft = evenness_of(domain, Quality::Draft, blur).noise;
+            EXPECT_LT(evenness_of(domain, Quality::Standard, blur).noise, draft - 4 * blur);
+            EXPECT_LT(evenness_of(domain, Quality::Best, blur).noise, draft - 6 * blur);
+        }
+    }
+}
+
+/// Triangles stay as equal as they were.
+TEST(Polish, KeepsCountriesCapacities) {
+    for (const char* name : kCountries) {
+        const Domain domain = domain_of(test::read_geojson(name));
+        SCOPED_TRACE(name);
+        const double draft = evenness_of(domain, Quality::Draft, 1).variation;
+        EXPECT_LT(evenness_of(domain, Quality::Standard, 1).variation, 1.1 * draft);
+        EXPECT_LT(evenness_of(domain, Quality::Best, 1).variation, draft);
+    }
+}
+
+TEST(Polish, LeavesNoNearPairsAtNeedles) {
+    for (const char* name : kCountries) {
+        const Domain domain = domain_of(test::read_geojson(name));
+        EXPECT_GT(evenness_of(domain, Quality::Standard, 1).nearest, 0.65) << name;
+        EXPECT_GT(evenness_of(domain, Quality::Best, 1).nearest, 0.65) << name;
+    }
+}
+
+/// A density that varies as on a chart of the globe: numbers of sites in strips of some spacings, against those due.
+TEST(Polish, EvensOutSmoothDensities) {
+    constexpr int kStrips = 10, kCells = 8 * kStrips;
+    const Domain domain = domain_of(test::read_geojson("Switzerland-10m.geojson"));
+    const auto value = [](int column) { return 1 + 0.9 * column / kCells; };
+    const Density slope = grid_of(kCells, 1, [&](int column, int) { return value(column); }).smooth();
+    const double all = CapacityIntegral(domain, slope).total();
+    const auto error = [&](Quality quality) {
+        double squares = 0;
+        for (const std::uint64_t seed : {1, 2, 3, 4}) {
+            const auto points = run(domain, slope, {.sites = 4096, .seed = seed, .quality = quality}).points;
+            for (int strip = 0; strip < kStrips; ++strip) {
+                const Density there =
+                    grid_of(kCells, 1, [&](int i, int) { return i * kStrips / kCells == strip ? value(i) : 0.0; });
+                const auto count = std::ranges::count_if(points, [&](Point p) {
+                    return static_cast<int>((p.x - domain.bounds().min.x) / domain.bounds().width() * kStrips) == strip;
+                });
+                const double due = 4096 * CapacityIntegral(domain, there).total() / all;
+                squares += std::pow(static_cast<double>(count) - due, 2);
+            }
+        }
+        return std::sqrt(squares / (4 * kStrips));
+    };
+    EXPECT_LT(error(Quality::Standard), 0.85 * error(Quality::Draft));
+    EXPECT_LT(error(Quality::Best), 0.75 * error(Quality::Draft));
 }
 
 TEST(Polish, GivesTheSameBytesAgain) {

@@ -1,0 +1,183 @@
+#include "core/polish/mesh_transport.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/polish/first_row.h"
+
+namespace ccdt {
+
+namespace {
+
+constexpr std::uint32_t kNone = Triangulation::kNone;
+
+double length(Point p) {
+    return std::sqrt(dot(p, p));
+}
+
+/// Site that each vertex goes with: of the border the nearest one at the other end of an edge, else that of a vertex
+/// there [vertices]; kNone where a part has no site.
+std::vector<std::uint32_t> owners(const Triangulation& mesh) {
+    struct Half {
+        std::uint32_t from, to;
+        double squared;
+    };
+    std::vector<Half> edges;  // all that end on the border
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        const auto corners = mesh.corners(t);
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
+            if (mesh.is_site(a) && mesh.is_site(b)) continue;
+            const Point along = mesh.point(b) - mesh.point(a);
+            if (!mesh.is_site(a)) edges.push_back({b, a, dot(along, along)});
+            if (!mesh.is_site(b)) edges.push_back({a, b, dot(along, along)});
+        }
+    }
+    std::vector<std::uint32_t> owner(mesh.vertex_count(), kNone);
+    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) owner[v] = v;
+    std::vector<double> nearest(mesh.vertex_count());
+    for (bool found = true; found;) {
+        found = false;
+        const std::vector<std::uint32_t> before = owner;
+        for (const auto& [from, to, squared] : edges) {
+            if (before[from] == kNone || before[to] != kNone) continue;
+            if (owner[to] != kNone && squared >= nearest[to]) continue;
+            owner[to] = before[from];
+            nearest[to] = squared;
+            found = true;
+        }
+        std::erase_if(edges, [&](const Half& edge) { return owner[edge.to] != kNone; });
+    }
+    return owner;
+}
+
+/// Edges of the mesh with the conductances of linear finite elements, vertices of the border taken for one with their
+/// sites.
+std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh) {
+    // Of needles; a negative one, of two triangles at an edge of the border, is no conductance.
+    constexpr double kLeast = 1e-3, kMost = 2;
+    const auto owner = owners(mesh);
+    std::vector<std::array<double, 3>> cotangents;  // of the angles that face the edges
+    cotangents.reserve(mesh.triangle_count());
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        const auto [a, b, c] = mesh.places(t);
+        const Point ab = b - a, bc = c - b, ca = a - c;
+        const double scale = -1 / cross(ab, bc);
+        cotangents.push_back({scale * dot(bc, ca), scale * dot(ca, ab), scale * dot(ab, bc)});
+    }
+    std::vector<GraphSolver::Edge> edges;
+    edges.reserve(3 * mesh.site_count());
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        const auto corners = mesh.corners(t);
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
+            if (twin != kNone && twin < h) continue;
+            const std::uint32_t a = owner[corners[i]], b = owner[corners[(i + 1) % 3]];
+            if (a == b || a == kNone || b == kNone) continue;
+            const double other = twin == kNone ? 0 : cotangents[Triangulation::triangle_of(twin)][twin % 4];
+            edges.push_back({a, b, std::clamp((cotangents[t][i] + other) / 2, kLeast, kMost)});
+        }
+    }
+    return edges;
+}
+
+/// Borders of the parts that have sites, each weighing as much as makes it want as many as it has.
+std::vector<BorderEdge> border_of(const Domain& domain, const Density& density, const Triangulation& mesh) {
+    const Point sides = domain.unit_bounds().max;
+    const auto index = [](double share, int cells) {
+        return std::clamp(static_cast<int>(share * cells), 0, cells - 1);
+    };
+    std::vector<double> wanted(mesh.part_count(), 0), held(mesh.part_count(), 0);
+    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) held[mesh.part_of(v)] += 1;
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        const auto [a, b, c] = mesh.places(t);
+        const Point middle = 1.0 / 3 * (a + b + c);
+        const double value = density.is_uniform() ? 1
+                                                  : density.value(index(middle.x / sides.x, density.width()),
+                                                                  index(middle.y / sides.y, density.height()));
+        wanted[mesh.part_of(mesh.corners(t)[0])] += value * mesh.doubled_area(t);
+    }
+    std::vector<BorderEdge> border;
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        const std::uint32_t part = mesh.part_of(mesh.corners(t)[0]);
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t h = Triangulation::edge(t, i);
+            if (mesh.twin(h) != kNone || held[part] == 0) continue;
+            const double weight = wanted[part] > 0 ? held[part] / wanted[part] : 0;
+            border.push_back({mesh.point(mesh.origin(h)), mesh.point(mesh.target(h)), weight});
+        }
+    }
+    return border;
+}
+
+/// The spacing of sites where they are farthest apart, but not much more than the mean.
+double cell_of(const Domain& domain, const Density& density, std::size_t sites) {
+    constexpr double kMost = 2;
+    const double mean = std::sqrt(domain.unit_area() / static_cast<double>(sites));
+    if (density.is_uniform()) return mean;
+    double least = density.largest();
+    for (int row = 0; row < density.height(); ++row) {
+        for (int column = 0; column < density.width(); ++column) {
+            if (density.value(column, row) > 0) least = std::min(least, density.value(column, row));
+        }
+    }
+    const double cells = static_cast<double>(density.width()) * density.height();
+    return std::clamp(std::sqrt(density.total() / cells / least), 1.0, kMost) * mean;
+}
+
+}  // namespace
+
+MeshTransport::MeshTransport(const Domain& domain, const Density& density, const Triangulation& mesh)
+    : solver_(mesh.site_count(), edges_between_sites(mesh)),
+      grid_(domain.unit_bounds().max, cell_of(domain, density, mesh.site_count()), mesh.site_count(),
+            border_of(domain, density, mesh), density),
+      error_(mesh.site_count()),
+      potential_(mesh.site_count()),
+      sums_(mesh.part_count()),
+      counts_(mesh.part_count()) {}
+
+/// What the grid has smoothed across water stays where it is.
+void MeshTransport::measure(const Triangulation& mesh) {
+    constexpr double kMost = 0.1;  // in tongues one site too few is most of what there is: no error of first order
+    grid_.measure(std::span<const Point>(mesh.points()).first(mesh.site_count()));
+    std::ranges::fill(sums_, 0.0);
+    std::ranges::fill(counts_, 0.0);
+    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
+        error_[v] = std::clamp(grid_.at(mesh.point(v)), -kMost, kMost);
+        sums_[mesh.part_of(v)] += error_[v];
+        counts_[mesh.part_of(v)] += 1;
+    }
+    for (std::uint32_t v = 0; v < mesh.site_count(); ++v)
+        error_[v] = sums_[mesh.part_of(v)] / counts_[mesh.part_of(v)] - error_[v];
+}
+
+/// Carries what flows along an edge over its length: half of it moves with the site at either end.
+void MeshTransport::flow(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves) const {
+    constexpr double kLongestMove = 0.25;  // spacings, as in Transport
+    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
+        Point move;
+        for (const auto& [to, conductance] : solver_.links(v)) {
+            const double flow = conductance * (potential_[to] - potential_[v]);
+            move = move + (flow / 2) * (mesh.point(to) - mesh.point(v));
+        }
+        const double longest = kLongestMove * spacings[v], distance = length(move);
+        moves[v] = distance > longest ? (longest / distance) * move : move;
+    }
+}
+
+bool MeshTransport::displacements(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves,
+                                  const std::stop_token& stop) {
+    constexpr double kFirstRow = 0.45;  // spacings; half a row of the hexagonal grid has 0.47
+    constexpr int kSteps = 2;           // benchmark CountryPattern: twice as many gain a decibel where there are fjords
+    if (stop.stop_requested()) return false;
+    measure(mesh);
+    if (stop.stop_requested()) return false;
+    solver_.solve(error_, potential_, kSteps);
+    if (stop.stop_requested()) return false;
+    flow(mesh, spacings, moves);
+    keep_off_border(mesh, spacings, kFirstRow, moves);
+    return true;
+}
+
+}  // namespace ccdt

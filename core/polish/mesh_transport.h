@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/density/density.h"
+#include "core/geometry/domain.h"
+#include "core/geometry/point.h"
+#include "core/mesh/triangulation.h"
+#include "core/polish/error_grid.h"
+#include "core/polish/graph_solver.h"
+
+namespace ccdt {
+
+/// Evens out long waves in domains of any shape, as Transport does in boxes and on tori: finds how far the sites'
+/// density, smoothed over a few of them, is off the wanted one, and small moves of all sites that undo it.
+///
+/// What sites are too many is measured on a grid, and flows off along the edges of their triangulation, whose
+/// conductances are those of linear finite elements. So nothing flows across the border, nor from one part of the
+/// domain to another: each wants as many sites as it has. For densities that vary little from one site to the next.
+///
+/// Source: as Transport, in whose place Laplace's equation is solved on the mesh; core/README.md derives it.
+class MeshTransport {
+public:
+    /// @param mesh     trimmed, not a torus'
+    /// @param density  of the sites that are wanted
+    /// O(sites + vertices of the border), and the grid's cells: at most 64 for each site.
+    MeshTransport(const Domain& domain, const Density& density, const Triangulation& mesh);
+
+    /// Computes the moves of a round. Sites do not come nearer to the border than half a row, unless they are.
+    /// @param mesh      as it was, or with edges flipped and sites moved since by less than a spacing or two
+    /// @param spacings  [sites] 1 / sqrt(density of the sites that are wanted)
+    /// @param moves     out [sites], none longer than a quarter of the spacing there
+    /// @param stop      asked now and then
+    /// @returns         false if it was stopped: the moves are of no use
+    /// O(sites + vertices of the border).
+    bool displacements(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves,
+                       const std::stop_token& stop = {});
+
+private:
+    void measure(const Triangulation& mesh);
+    void flow(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves) const;
+
+    GraphSolver solver_;
+    ErrorGrid grid_;
+    std::vector<double> error_, potential_;  ///< [sites]
+    std::vector<double> sums_;               ///< [parts] of the error
+    std::vector<double> counts_;             ///< [parts] of sites
+};
+
+}  // namespace ccdt
