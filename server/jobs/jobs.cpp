@@ -69,6 +69,18 @@ Problem too_late(std::chrono::milliseconds timeout) {
              {}}};
 }
 
+/// Makes of what a store has found the request that is to be computed.
+Result<ComputeRequest> whole_request(Result<std::optional<ComputeRequest>> stored) {
+    if (!stored) return failure(ErrorCode::Internal, stored.error().message);
+    if (!*stored) return failure(ErrorCode::Internal, "the request is lost");
+    ComputeRequest request = **std::move(stored);
+    // Earlier versions stored forms as they came.
+    const auto apart =
+        find_fields(request).and_then([&](const std::vector<FormPart>& fields) { return take_apart(request, fields); });
+    if (!apart) return tl::unexpected(apart.error());
+    return request;
+}
+
 Problem shut_down() {
     return {503, {ErrorCode::Stopped, "the server shut down", {}}};
 }
@@ -277,11 +289,16 @@ bool Jobs::stop_locked(Run& run, Stop why) {
 std::optional<Jobs::End> Jobs::compute(const RunPointer& run, const std::stop_token& stop) {
     Stages stages;
     stages.queue = Milliseconds(*run->job.started - run->job.created).count();
+    auto request = store_.request(run->job.id);
+    if (!request && request.error().code == ErrorCode::Stopped) {
+        give_back(run);
+        return std::nullopt;
+    }
     Result<api::Answer> answer;
     try {
         const Control control{stop, [&](const Progress& progress) { note(run, progress); }};
-        answer = load_request(run->job.id).and_then([&](const ComputeRequest& request) {
-            return compute_(request, {}, control, stages.work);
+        answer = whole_request(std::move(request)).and_then([&](const ComputeRequest& whole) {
+            return compute_(whole, {}, control, stages.work);
         });
     } catch (const std::exception& exception) {
         answer = failure(ErrorCode::Internal, exception.what());
@@ -297,18 +314,6 @@ std::optional<Jobs::End> Jobs::compute(const RunPointer& run, const std::stop_to
     }
     run->settling = true;
     return end_of(run->job, std::move(answer), stages);
-}
-
-Result<ComputeRequest> Jobs::load_request(const std::string& id) const {
-    auto stored = store_.request(id);
-    if (!stored) return failure(ErrorCode::Internal, std::move(stored.error().message));
-    if (!*stored) return failure(ErrorCode::Internal, "the request is lost");
-    ComputeRequest request = **std::move(stored);
-    // Earlier versions stored forms as they came.
-    const auto apart =
-        find_fields(request).and_then([&](const std::vector<FormPart>& fields) { return take_apart(request, fields); });
-    if (!apart) return tl::unexpected(apart.error());
-    return request;
 }
 
 Jobs::End Jobs::end_of(Job job, Result<api::Answer> answer, const Stages& stages) const {

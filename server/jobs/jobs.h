@@ -166,7 +166,6 @@ private:
     void run(const RunPointer& run, const std::stop_token& stop);
     bool begin(const RunPointer& run);
     std::optional<End> compute(const RunPointer& run, const std::stop_token& stop);
-    Result<ComputeRequest> load_request(const std::string& id) const;
     End end_of(Job job, Result<api::Answer> answer, const Stages& stages) const;
     void note(const RunPointer& run, const Progress& progress);
     void give_back(const RunPointer& run);

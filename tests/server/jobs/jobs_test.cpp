@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <memory>
 #include <string>
 
 #include "server/jobs/sqlite_job_store.h"
@@ -26,6 +28,34 @@ const ComputeRequest kEndless = sample(R"("sites":2000,"iterations":1000,"passes
 
 /// Whose answer is the same on every run.
 const ComputeRequest kAnalysis{"/analyze", "", "", "", R"({"points":[[0,0],[0.5,0.5],[0.2,0.7]]})"};
+
+/// A store that cannot be reached the first time that somebody wants a request.
+class AwayOnce : public JobStore {
+public:
+    Result<bool> is_full(std::string_view client) override { return store_->is_full(client); }
+    Result<Added> add(Job& job, const ComputeRequest& request) override { return store_->add(job, request); }
+    Result<std::optional<Job>> claim(std::size_t memory) override { return store_->claim(memory); }
+    Result<std::optional<ComputeRequest>> request(const std::string& id) override {
+        if (away_.exchange(false)) return failure(ErrorCode::Stopped, "away");
+        return store_->request(id);
+    }
+    Result<Hold> hold(const Job& job) override { return store_->hold(job); }
+    Result<void> give_back(const Job& job) override { return store_->give_back(job); }
+    Result<std::optional<Time>> finish(const Job& job, std::string_view result) override {
+        return store_->finish(job, result);
+    }
+    Result<std::optional<Job>> cancel(const std::string& id) override { return store_->cancel(id); }
+    Result<bool> remove(const std::string& id) override { return store_->remove(id); }
+    Result<std::optional<Job>> find(const std::string& id) override { return store_->find(id); }
+    Result<std::optional<std::string>> result(const std::string& id) override { return store_->result(id); }
+    Result<bool> forget() override { return store_->forget(); }
+    Result<Load> load() override { return store_->load(); }
+    void listen(JobListener* listener) override { store_->listen(listener); }
+
+private:
+    std::unique_ptr<JobStore> store_ = *SqliteJobStore::open("");
+    std::atomic<bool> away_ = true;
+};
 
 class JobsTest : public testing::Test {
 protected:
@@ -298,6 +328,14 @@ TEST_F(JobsTest, AreGivenUpIfTheServerEndsWithThem) {
     EXPECT_EQ(found.status, JobStatus::Failed);
     EXPECT_EQ(found.failure->status, 500);
     EXPECT_EQ(jobs_->counts().repeated, 1u);
+}
+
+TEST_F(JobsTest, DoNotFailBecauseTheirStoreIsAway) {
+    store_ = std::make_unique<AwayOnce>();
+    start({}, true);
+    const std::string id = submit(kShort);
+    EXPECT_EQ(wait_for_end(id).status, JobStatus::Succeeded);
+    EXPECT_EQ(jobs_->counts().repeated, 0u);
 }
 
 TEST(StatusJson, HasNullForWhatThereIsNotYet) {
