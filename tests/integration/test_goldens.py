@@ -33,6 +33,9 @@ RECTANGLE = {"type": "rectangle", "width": 3, "height": 2}
 GRID = {"width": 3, "height": 2, "values": [1, 2, 0.5, 0, 3, 1]}
 TRIANGLE = [[0, 0], [4, 0], [1, 3]]
 
+LAKE = [[[11, 43], [12.5, 43.2], [12.3, 44], [11.2, 44.1]]]
+FIXED = [[0.5, 0.5], [0.5, 0.5], [0.51, 0.5], [0.9, 0.3], [8, 47]]
+
 QUALITIES = ("draft", "standard", "best")
 INKS = ("color=gray", "color=cmyk", "color=rgb", "palette=%23e02020,%232040c0", "palette=%23804000")
 
@@ -86,6 +89,13 @@ def samples(formats, methods):
     yield "drawing", {"sites": 200, "format": "png", "width": 333, "dot": 0.02, "domain": RECTANGLE}
     yield "plot", {"sites": 200, "format": "svg", "width_mm": 90, "style": "stroke", "domain": RECTANGLE}
     yield "tolerance", {"sites": 500, "tolerance": 0.2, "domain": RECTANGLE}
+    italy = {"sites": 300, "geometry": polygon("Italy-110m.geojson")}
+    yield "avoid", {"avoid": LAKE, **italy}
+    yield "buffer", {"avoid": LAKE, "buffer": 0.1, **italy}
+    yield "buffer lonlat", {"avoid": LAKE, "buffer": 9000, "coordinates": "lonlat", **italy}
+    for place, domain in domains.items():
+        yield f"{place} fixed", {"sites": 300, "fixed": FIXED, **domain}
+    yield "fixed lonlat", {"fixed": LAKE[0], "coordinates": "lonlat", **italy}
 
 
 def analyses(formats):
