@@ -52,7 +52,7 @@ std::uint64_t along_curve(Point share) {
 
 }  // namespace
 
-Result<DotGround> DotGround::create(const Map& map, std::size_t number) {
+Result<DotGround> DotGround::create(const Map& map, std::size_t number, const std::stop_token& stop) {
     DotGround ground(map, number);
     for (std::size_t i = 0; i < map.features.size(); ++i) {
         const MapFeature& feature = map.features[i];
@@ -75,7 +75,10 @@ Result<DotGround> DotGround::create(const Map& map, std::size_t number) {
     }
     ground.overlaps_.resize(map.features.size());
     ground.fences_.reserve(map.features.size());
-    for (std::uint32_t i = 0; i < map.features.size(); ++i) ground.fences_.push_back(ground.make_fence(i));
+    for (std::uint32_t i = 0; i < map.features.size(); ++i) {
+        if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
+        ground.fences_.push_back(ground.make_fence(i));
+    }
     return ground;
 }
 
@@ -209,8 +212,9 @@ Result<void> DotGround::draw_again(std::uint32_t feature, std::uint64_t seed, co
     return too_thin(feature);
 }
 
-void DotGround::find_overlaps(std::span<const FeatureDot> dots) {
+void DotGround::find_overlaps(std::span<const FeatureDot> dots, const std::stop_token& stop) {
     for (const auto& [place, feature] : dots) {
+        if (stop.stop_requested()) return;
         map_.index.for_near(place, [&, place = place, feature = feature](std::uint32_t other) {
             if (other == feature || this->dots(other) == 0) return;
             std::vector<std::uint32_t>& known = overlaps_[feature];

@@ -39,7 +39,8 @@ public:
     };
 
     /// Errors: Unusable if the density is zero all over a feature that has dots.
-    static Result<DotGround> create(const Map& map, std::size_t number);
+    /// @param stop  asked now and then: Error Stopped
+    static Result<DotGround> create(const Map& map, std::size_t number, const std::stop_token& stop);
 
     std::size_t dots() const { return dots_; }
     std::size_t dots(std::size_t feature) const { return map_.features[feature].dots[class_]; }
@@ -58,7 +59,8 @@ public:
                             std::optional<InteriorSampler>& interior) const;
 
     /// Finds out which features overlap, from where dots are.
-    void find_overlaps(std::span<const FeatureDot> dots);
+    /// @param stop  asked now and then; some are not found, then
+    void find_overlaps(std::span<const FeatureDot> dots, const std::stop_token& stop);
 
     /// Dots to a squared unit at a place of a feature, those of others that overlap with it there included.
     double at(std::uint32_t feature, Point p) const;

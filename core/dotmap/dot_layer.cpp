@@ -65,7 +65,7 @@ Result<void> DotLayer::start() {
     auto drawn = ground_.draw(options_.seed, rounded, stop_);
     if (!drawn) return tl::unexpected(drawn.error());
     dots_ = *std::move(drawn);
-    ground_.find_overlaps(dots_);
+    ground_.find_overlaps(dots_, stop_);
     auto empty = empty_mesh(land_,
                             make_border(
                                 land_, [this](Point a, Point b) { return length_in_dots(a, b); }, dots_.size()),
@@ -110,7 +110,7 @@ Result<void> DotLayer::insert(std::uint32_t dot) {
 
 /// Finds how large the discs of the dots are where they stand.
 void DotLayer::find_radii() {
-    for (std::size_t dot = 0; dot < dots_.size(); ++dot) {
+    for (std::size_t dot = 0; dot < dots_.size() && !stopping(); ++dot) {
         const std::uint32_t feature = dots_[dot].feature;
         const bool is_known = dot > 0 && dots_[dot - 1].feature == feature && ground_.is_even(feature);
         radii_[dot] = is_known ? radii_[dot - 1] : radius(ground_.at(feature, place(dot)));

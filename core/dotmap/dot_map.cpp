@@ -90,7 +90,7 @@ Result<std::vector<ClassDots>> DotMap::execute() {
 
 Result<void> DotMap::make_layers() {
     for (std::size_t number = 0; number < features_.front().dots.size(); ++number) {
-        auto ground = DotGround::create(map_, number);
+        auto ground = DotGround::create(map_, number, control_.stop);
         if (!ground) return tl::unexpected(ground.error());
         grounds_.emplace_back();
         layers_.emplace_back();

@@ -17,7 +17,7 @@ FeatureArea::FeatureArea(const Domain& domain, const Clearance& clearance) : bou
             const Point along = b - a;
             const double length = std::sqrt(dot(along, along));
             const double clear = clearance ? clearance(0.5 * (a + b), 1 / length * Point{-along.y, along.x}) : 0;
-            all.push_back({a.y <= b.y ? a : b, a.y <= b.y ? b : a, std::max(clear, margin_)});
+            all.push_back({a.y <= b.y ? a : b, a.y <= b.y ? b : a, std::max(clear, margin_), length});
             heights += std::abs(b.y - a.y);
         }
     }
@@ -51,7 +51,7 @@ FeatureArea::Place FeatureArea::place_of(Point p, const Edge*& near) const {
     bool inside = false;
     for (std::size_t i = first_[row]; i < first_[row + 1]; ++i) {
         const Edge& edge = edges_[i];
-        const auto& [a, b, clearance] = edge;
+        const auto& [a, b, clearance, length] = edge;
         if (p.y < a.y - clearance || p.y > b.y + clearance) continue;
         const auto [west, east] = std::minmax(a.x, b.x);
         if (p.x > east + clearance) continue;
@@ -61,10 +61,10 @@ FeatureArea::Place FeatureArea::place_of(Point p, const Edge*& near) const {
             continue;
         }
         const Point along = b - a;
-        const double left = cross(along, p - a), squared = left * left, length = dot(along, along);
-        if (squared <= clearance * clearance * length) {
+        const double left = cross(along, p - a);
+        if (std::abs(left) <= clearance * length) {
             const bool at_edge = p.y >= a.y - margin_ && p.y <= b.y + margin_ && p.x <= east + margin_ &&
-                                 p.x >= west - margin_ && squared <= margin_ * margin_ * length;
+                                 p.x >= west - margin_ && std::abs(left) <= margin_ * length;
             if (at_edge) return Place::Outside;
             near = &edge;
         }

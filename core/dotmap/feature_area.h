@@ -47,6 +47,7 @@ private:
     struct Edge {
         Point low, high;  ///< low.y <= high.y
         double clearance;
+        double length;
     };
 
     std::size_t row_of(double y) const;

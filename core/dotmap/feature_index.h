@@ -10,7 +10,7 @@
 
 namespace ccdt {
 
-/// Finds the features at a place: a grid of about as many cells as there are features.
+/// Finds the features at a place: a grid of as many cells as there are features, or less, so that of each a few know.
 class FeatureIndex {
 public:
     /// @param areas  [n >= 1]; must outlive this
@@ -27,6 +27,7 @@ private:
     std::size_t column(double x) const { return index((x - box_.min.x) / box_.width(), columns_); }
     std::size_t row(double y) const { return index((y - box_.min.y) / box_.height(), rows_); }
     static std::size_t index(double share, std::size_t cells);
+    std::size_t count_members(std::span<const FeatureArea> areas) const;
     template <class Visit>
     void for_cells(const Box& box, Visit visit) const;
 
