@@ -111,6 +111,16 @@ Estimate charting(const SampleRequest& request) {
            Estimate{cells * sizeof(double), cells * kTime};
 }
 
+/// Makes the areas of a map's features, each class' fences around them, and keeps dots in these.
+Estimate mapping(const SampleRequest& request) {
+    if (!request.counts) return {};
+    constexpr Estimate kFeature{4'096, 50 * kMicrosecond}, kCorner{600, 2 * kMicrosecond}, kDot{150, 3 * kMicrosecond};
+    const auto features = static_cast<double>(request.counts->features());
+    const auto corners = static_cast<double>(std::get<PolygonInput>(request.domain).corner_count());
+    const auto classes = static_cast<double>(request.counts->classes.size());
+    return (kFeature * features + kCorner * corners) * classes + kDot * static_cast<double>(request.run.sites);
+}
+
 /// Makes grids: of several inks one each, and one of all together.
 Estimate weighing(const HalftoneRequest& request) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
@@ -252,6 +262,12 @@ std::size_t bytes_of(const PolygonInput& polygon) {
     return polygon.corner_count() * sizeof(Point);
 }
 
+std::size_t bytes_of(const FeatureCounts& counts) {
+    std::size_t size = (counts.counts.size() + counts.first_part.size()) * sizeof(std::size_t);
+    for (const std::string& id : counts.ids) size += sizeof(id) + id.size();
+    return size;
+}
+
 std::size_t bytes_of(const ImageFile& file) {
     return file.decoded ? file.decoded->size() : 0;
 }
@@ -278,8 +294,8 @@ Cost cost_of(const SampleRequest& request, const Limits& limits) {
     if (image != nullptr) density = weighing(static_cast<double>(image->file.header.pixels()));
     if (grid != nullptr) density = weighing(static_cast<double>(grid->values.size()));
     const bool is_uniform = image == nullptr && grid == nullptr && request.coordinates == Coordinates::Plane;
-    const Estimate placing =
-        bounding(request) + charting(request) + density + request.method->cost(request.run, is_uniform);
+    const Estimate placing = bounding(request) + charting(request) + mapping(request) + density +
+                             request.method->cost(request.run, is_uniform);
     const Estimate made = then(placing, writing(request, limits));
     return cost(image != nullptr ? then(decoding(image->file), made) : made);
 }
@@ -310,6 +326,7 @@ std::size_t size_of(const HalftoneRequest& request) {
 std::size_t size_of(const SampleRequest& request) {
     std::size_t size = bytes_of(request.avoid) + request.run.fixed.size() * sizeof(Point);
     if (const auto* polygon = std::get_if<PolygonInput>(&request.domain)) size += bytes_of(*polygon);
+    if (request.counts) size += bytes_of(*request.counts);
     if (const auto* grid = std::get_if<DensityGrid>(&request.density)) size += grid->values.size() * sizeof(double);
     if (const auto* image = std::get_if<DensityImage>(&request.density)) size += bytes_of(image->file);
     return size;
