@@ -1,0 +1,136 @@
+"""What sharing costs: a job by Redis over one in memory, an answer from Redis, and three servers over one."""
+
+import argparse
+import concurrent.futures
+import contextlib
+import http.client
+import json
+import pathlib
+import statistics
+import sys
+import time
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "integration"))
+from engine import Redis  # pylint: disable=wrong-import-position
+from harness import Server  # pylint: disable=wrong-import-position
+
+TORUS = {"type": "torus", "width": 1, "height": 1}
+LATER = {"Prefer": "respond-async"}
+
+
+class Client:
+    """A connection that is kept."""
+
+    def __init__(self, server):
+        self.connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
+
+    def ask(self, method, path, body=None, headers=None):
+        self.connection.request(method, path, body and json.dumps(body), headers or {})
+        answer = self.connection.getresponse()
+        return answer.status, answer.read()
+
+    def job(self, body):
+        """Milliseconds from a job's request to the event of its end."""
+        start = time.perf_counter()
+        status, document = self.ask("POST", "/sample", body, LATER)
+        assert status == 202, document
+        _, told = self.ask("GET", f"/jobs/{json.loads(document)['id']}/events")
+        assert b"event: succeeded" in told, told
+        return 1000 * (time.perf_counter() - start)
+
+    def answer(self, body):
+        start = time.perf_counter()
+        status, answer = self.ask("POST", "/sample", body)
+        assert status == 200, answer
+        return 1000 * (time.perf_counter() - start), len(answer)
+
+
+def told(name, times):
+    cuts = statistics.quantiles(times, n=100)
+    print(f"  {name}: p50 {cuts[49]:.2f} ms, p99 {cuts[98]:.2f} ms of {len(times)}")
+    return cuts[49], cuts[98]
+
+
+def jobs(redis, count):
+    """Turn by turn, so that both see the same machine."""
+    body = {"sites": 64, "iterations": 1, "domain": TORUS}
+    with Server("--workers=1", "--job-bytes=1GiB", "--memory=4GiB") as alone, \
+            Server("--workers=1", f"--redis={redis.url}") as shared:
+        clients = [Client(alone), Client(shared)]
+        times = [[], []]
+        worked = cpu(redis)
+        for number in range(count + 20):
+            for client, list_ in zip(clients, times):
+                list_.append(client.job({**body, "seed": number}))
+        worked = cpu(redis) - worked
+    before = told("a job in memory", times[0][20:])
+    after = told("a job by Redis ", times[1][20:])
+    print(f"  Redis worked {1000 * worked / (count + 20):.2f} ms a job: at most {(count + 20) / worked:.0f} jobs a second")
+    print(f"  over memory: {after[0] - before[0]:.2f} ms at p50, {after[1] - before[1]:.2f} ms at p99")
+
+
+def cpu(redis):
+    """Seconds that Redis has worked."""
+    told = dict(line.split(":") for line in redis.cli("INFO", "cpu").split() if ":" in line)
+    return float(told["used_cpu_user"]) + float(told["used_cpu_sys"])
+
+
+def answers(redis, count):
+    """About 100 kB, found here or in Redis."""
+    body = {"sites": 2500, "iterations": 0, "domain": TORUS}
+    with Server("--workers=1", "--cache=64MiB") as here, \
+            Server("--workers=1", f"--cache-redis={redis.url}") as there:
+        clients = [Client(here), Client(there)]
+        size = [client.answer(body) for client in clients][0][1]
+        times = [[], []]
+        for _ in range(count + 20):
+            for client, list_ in zip(clients, times):
+                list_.append(client.answer(body)[0])
+    print(f"  an answer of {size} bytes")
+    before = told("kept here      ", times[0][20:])
+    after = told("kept by Redis  ", times[1][20:])
+    print(f"  over here: {after[0] - before[0]:.2f} ms at p50")
+
+
+def throughput(redis, count):
+    """Jobs a second, from the first request to the last end."""
+    body = {"sites": 1024, "iterations": 5, "domain": TORUS}
+
+    def run(servers):
+        clients = [Client(server) for server in servers]
+        start = time.perf_counter()
+        ids = [json.loads(clients[seed % len(clients)].ask("POST", "/sample", {**body, "seed": seed}, LATER)[1])["id"]
+               for seed in range(count)]
+
+        def wait(job):
+            client = Client(servers[0])
+            assert b"event: succeeded" in client.ask("GET", f"/jobs/{job}/events")[1]
+
+        with concurrent.futures.ThreadPoolExecutor(8) as pool:
+            list(pool.map(wait, ids))
+        return count / (time.perf_counter() - start)
+
+    rates = [[], []]
+    flags = ("--max-connections-per-address=0", "--job-queue=10000", f"--redis={redis.url}")
+    for _ in range(3):
+        with Server("--workers=4", *flags) as one:  # three of them for jobs
+            rates[0].append(run([one]))
+        with contextlib.ExitStack() as stack:
+            three = [stack.enter_context(Server("--workers=1", *flags)) for _ in range(3)]
+            rates[1].append(run(three))
+    one, three = (statistics.median(each) for each in rates)
+    print(f"  jobs a second: one server {one:.0f}, three {three:.0f} ({100 * (three / one - 1):+.0f} %); {rates}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=500)
+    arguments = parser.parse_args()
+    with Redis("--appendfsync", "everysec") as redis:
+        jobs(redis, arguments.count)
+        answers(redis, arguments.count)
+        throughput(redis, arguments.count)
+
+
+if __name__ == "__main__":
+    main()

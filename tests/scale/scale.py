@@ -1,0 +1,244 @@
+"""Three real servers that share jobs by a Redis, behind haproxy: servers and Redis are killed, paused and drained while
+clients submit jobs and ask at once, and it is said whether anything was lost, done twice or changed.
+
+A job counts once its 202 has come. In the end each has to be answered as the same request was by a quiet server. A
+request that is waited for may fail where its server is killed, but never be answered wrong, and never fail for a drain.
+"""
+
+import argparse
+import collections
+import contextlib
+import http.client
+import itertools
+import json
+import pathlib
+import re
+import signal
+import sys
+import tempfile
+import threading
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path += [str(HERE.parent / "integration"), str(HERE.parent / "soak")]
+import cases  # pylint: disable=wrong-import-position
+from engine import Redis, free_port  # pylint: disable=wrong-import-position
+from harness import Server  # pylint: disable=wrong-import-position
+from test_deploy import HAPROXY, Balancer  # pylint: disable=wrong-import-position
+
+LATER = {"Prefer": "respond-async"}
+PATIENCE = 300  # seconds for what is left in the end
+LEASE = 3       # seconds
+
+
+def ask(port, method, path, body=None, headers=None):
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE)
+    with contextlib.closing(connection):
+        connection.request(method, path, body, headers or {})
+        answer = connection.getresponse()
+        return answer.status, answer.read()
+
+
+def questions():
+    """None takes so long that three kills, after which a job is given up, are likely to come in its runs."""
+    medium = [case for case in cases.medium() if case.name.endswith("-4096")]
+    return [case for case in [*cases.small(), *cases.swift(), *medium] if case.status == 200]
+
+
+def learn():
+    """What a quiet server answers at once, by the name of the case."""
+    with Server("--workers=1") as server:
+        return {case.name: cases.essence(ask(server.port, "POST", case.path, case.body, case.headers)[1])
+                for case in questions()}
+
+
+class Replica:
+    """A server on a port of its own, which is started again whenever it has ended. Its logs are kept."""
+
+    def __init__(self, redis):
+        self.port = free_port()
+        self.flags = (f"--port={self.port}", "--workers=1", f"--job-lease={LEASE}", "--job-queue=100000",
+                      "--max-connections-per-address=0", f"--redis={redis.url}")
+        self.logs = []
+        self.server = Server(*self.flags)
+
+    def end(self, number):
+        """Ends it by a signal; returns the exit code."""
+        self.server.signal(number)
+        code = self.server.wait()
+        self.logs.append(self.server.log())
+        return code
+
+    def start(self):
+        self.server = Server(*self.flags)
+
+    def close(self):
+        with self.server:
+            self.server.stop()
+            self.logs.append(self.server.log())
+
+
+class Clients:
+    """Threads that submit jobs, as many as wanted, and threads that ask at once until they are told to stop."""
+
+    def __init__(self, port, known, wanted):
+        self.port = port
+        self.known = known
+        self.turn = iter(list(itertools.islice(itertools.cycle(questions()), wanted)))
+        self.lock = threading.Lock()
+        self.jobs = {}
+        self.refused = collections.Counter()
+        self.asked = collections.Counter()
+        self.wrong = []
+        self.over = threading.Event()
+        self.submitters = [threading.Thread(target=self._submit) for _ in range(2)]
+        self.askers = [threading.Thread(target=self._ask) for _ in range(2)]
+        for thread in self.submitters + self.askers:
+            thread.start()
+
+    def _submit(self):
+        """What was not accepted is submitted again: a job that was lost before its 202 is nobody's."""
+        while True:
+            with self.lock:
+                case = next(self.turn, None)
+            if case is None:
+                return
+            while (status := self._try(case, LATER)[0]) != 202:
+                self.refused[status] += 1
+                time.sleep(0.05)
+
+    def _try(self, case, headers):
+        try:
+            status, body = ask(self.port, "POST", case.path, case.body, {**case.headers, **headers})
+        except (OSError, http.client.HTTPException) as error:
+            return type(error).__name__, b""
+        if status == 202:
+            with self.lock:
+                self.jobs["/jobs/" + json.loads(body)["id"]] = case
+        return status, body
+
+    def _ask(self):
+        for case in itertools.cycle(questions()):
+            if self.over.is_set():
+                return
+            status, body = self._try(case, {})
+            self.asked[status] += 1
+            if status == 200 and cases.essence(body) != self.known[case.name]:
+                self.wrong.append(f"{case.name} is answered otherwise at once: {body[:200]}")
+
+    def failed(self):
+        """How many requests that were waited for were not answered."""
+        return sum(count for status, count in self.asked.items() if status != 200)
+
+    def is_submitting(self):
+        return any(thread.is_alive() for thread in self.submitters)
+
+    def join(self):
+        for thread in self.submitters:
+            thread.join()
+        self.over.set()
+        for thread in self.askers:
+            thread.join()
+
+
+def trouble(replicas, redis, clients, seconds):
+    """Does a server harm every second, and Redis three times. Returns how often what was done."""
+    done = collections.Counter()
+    end = time.monotonic() + seconds
+    for number in itertools.count():
+        if time.monotonic() > end:
+            return done
+        time.sleep(1)
+        replica = replicas[number % len(replicas)]
+        if number % 7 == 4:
+            replica.server.signal(signal.SIGSTOP)
+            time.sleep(2 * LEASE)
+            replica.server.signal(signal.SIGCONT)
+            done["servers paused"] += 1
+        elif number % 3 == 1 and done["Redis killed"] < 3:
+            redis.kill()
+            time.sleep(0.5)
+            redis.start()
+            done["Redis killed"] += 1
+        else:
+            replica.end(signal.SIGKILL)
+            replica.start()
+            done["servers killed"] += 1
+
+
+def drain(replica, clients):
+    """Drains a server under load. Returns what is wrong, in words."""
+    time.sleep(3)  # haproxy knows that all are there
+    before, asked = clients.failed(), sum(clients.asked.values())
+    code = replica.end(signal.SIGTERM)
+    time.sleep(1)
+    lost = clients.failed() - before
+    print(f"  drained with {code}; of {sum(clients.asked.values()) - asked} requests meanwhile {lost} were lost")
+    replica.start()
+    wrong = [f"a drain lost {lost} requests: {dict(clients.asked)}"] if lost else []
+    return wrong + ([f"a drained server ended with {code}"] if code else [])
+
+
+def status_of(port, job):
+    status, body = ask(port, "GET", job)
+    return json.loads(body)["status"] if status == 200 else f"answered {status}"
+
+
+def check(port, clients):
+    """What is wrong with the jobs in the end, in words."""
+    end = time.monotonic() + PATIENCE
+    left = list(clients.jobs)
+    while left and time.monotonic() < end:
+        left = [job for job in left if status_of(port, job) in ("queued", "running")]
+        time.sleep(0.1)
+    wrong = [f"{job} has not ended" for job in left]
+    for job, case in clients.jobs.items():
+        status, body = ask(port, "GET", job + "/result")
+        if (status, cases.essence(body)) != (200, clients.known[case.name]):
+            wrong.append(f"{job} ({case.name}) is answered {status}: {body[:300]}")
+    return wrong
+
+
+def twice(replicas):
+    """Jobs that servers say to have ended more than once."""
+    told = collections.Counter(job for replica in replicas for log in replica.logs
+                               for job in re.findall(r"job ([0-9a-f]{32}) (?:succeeded|failed)", log))
+    return [f"/jobs/{job} ended {count} times" for job, count in told.items() if count > 1]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--jobs", type=int, default=1000)
+    parser.add_argument("--seconds", type=float, default=60, help="of trouble, at least")
+    arguments = parser.parse_args()
+    if not HAPROXY.exists():
+        print("skipped: docker/install --unpack tools has not run")
+        return 0
+    start = time.monotonic()
+    known = learn()
+    with contextlib.ExitStack() as stack:
+        # By the second Redis tells what it has done before it is in the file, where the disk is slow.
+        redis = stack.enter_context(Redis("--appendfsync", "always"))
+        replicas = [Replica(redis) for _ in range(3)]
+        for replica in replicas:
+            stack.callback(replica.close)
+        folder = stack.enter_context(tempfile.TemporaryDirectory())
+        balancer = stack.enter_context(Balancer(folder, [replica.server for replica in replicas]))
+        clients = Clients(balancer.port, known, arguments.jobs)
+        stack.callback(clients.over.set)
+        done = trouble(replicas, redis, clients, arguments.seconds)
+        wrong = drain(replicas[0], clients)
+        clients.join()
+        print(f"  {dict(done)}; {len(clients.jobs)} jobs accepted, others answered {dict(clients.refused)}; "
+              f"at once {dict(clients.asked)}")
+        wrong += clients.wrong + check(balancer.port, clients)
+    wrong += twice(replicas)
+    if not done["servers killed"] or not done["Redis killed"] or not done["servers paused"]:
+        wrong.append("there was too little trouble")
+    print(f"{time.monotonic() - start:.0f} s")
+    print("\n".join(["FAILED:", *wrong[:20]]) if wrong else "passed")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
