@@ -88,12 +88,19 @@ Estimate keeping_off(double corners) {
     return {corners * kBytes, corners * kTime};
 }
 
+/// Corners that the outline of a mask may have; few have a tenth of it.
+std::size_t mask_corners(const SampleRequest& request) {
+    return request.mask ? std::min(kMostMaskCorners, 4 * request.mask->header.pixels()) : 0;
+}
+
 /// Makes the domain: validates it and what it is to avoid, and takes that from it.
 Estimate bounding(const SampleRequest& request) {
     const std::size_t corners = corners_of(request.domain), avoided = request.avoid.corner_count();
     const Estimate made = then(bounding(corners), bounding(avoided));
     const Estimate left = avoided == 0 ? made : then(made, bounding(corners + avoided));
-    return request.buffer > 0 ? then(left, keeping_off(static_cast<double>(corners + avoided))) : left;
+    const std::size_t masked = mask_corners(request);
+    const Estimate seen = masked == 0 ? left : then(left, bounding(corners + avoided + masked));
+    return request.buffer > 0 ? then(seen, keeping_off(static_cast<double>(corners + avoided + masked))) : seen;
 }
 
 /// Makes a grid's integrals, over whose cells the passes walk.
@@ -107,8 +114,8 @@ Estimate charting(const SampleRequest& request) {
     constexpr double kCells = 1'024 * 1'024, kCellsOfDensity = 2'048 * 2'048, kTime = 0.2 * kMicrosecond;
     const bool is_even = std::holds_alternative<std::monostate>(request.density);
     const double cells = is_even ? kCells : kCellsOfDensity;
-    return bounding(corners_of(request.domain) + request.avoid.corner_count()) * 2 + weighing(cells) +
-           Estimate{cells * sizeof(double), cells * kTime};
+    return bounding(corners_of(request.domain) + request.avoid.corner_count() + mask_corners(request)) * 2 +
+           weighing(cells) + Estimate{cells * sizeof(double), cells * kTime};
 }
 
 /// Makes the areas of a map's features, each class' fences around them, and keeps dots in these.
@@ -297,7 +304,8 @@ Cost cost_of(const SampleRequest& request, const Limits& limits) {
     const Estimate placing = bounding(request) + charting(request) + mapping(request) + density +
                              request.method->cost(request.run, is_uniform);
     const Estimate made = then(placing, writing(request, limits));
-    return cost(image != nullptr ? then(decoding(image->file), made) : made);
+    const Estimate read = image != nullptr ? decoding(image->file) : Estimate{};
+    return cost(then(request.mask ? then(decoding(*request.mask), read) : read, made));
 }
 
 Cost cost_of(const AnalyzeRequest& request) {
@@ -329,6 +337,7 @@ std::size_t size_of(const SampleRequest& request) {
     if (request.counts) size += bytes_of(*request.counts);
     if (const auto* grid = std::get_if<DensityGrid>(&request.density)) size += grid->values.size() * sizeof(double);
     if (const auto* image = std::get_if<DensityImage>(&request.density)) size += bytes_of(image->file);
+    if (request.mask) size += bytes_of(*request.mask);
     return size;
 }
 

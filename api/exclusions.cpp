@@ -12,13 +12,16 @@
 
 #include "core/geometry/difference.h"
 #include "core/geometry/inset.h"
+#include "core/geometry/pixel_outline.h"
 #include "core/globe/region.h"
 #include "core/globe/turns.h"
+#include "core/halftone/tone.h"
 
 namespace ccdt::api {
 namespace {
 
 constexpr const char* kAvoid = "/avoid";
+constexpr const char* kMaskImage = "/mask/image";
 
 /// Copies of an area in all turns of the globe in which it may meet a box.
 std::vector<Area> in_turns_of(const Box& box, const Area& area) {
@@ -73,6 +76,33 @@ Result<RepairedDomain> without_avoided(RepairedDomain area, const SampleRequest&
     return RepairedDomain{*std::move(left), std::move(area.repairs)};
 }
 
+/// Marks the pixels of a picture that are darker than half of white.
+PixelSet dark_pixels(const Picture& picture) {
+    constexpr float kHalf = 0.5F;
+    const std::vector<float> coverage = ink_coverage(picture, Tone::Linear, false);
+    PixelSet pixels{picture.width, picture.height, std::vector<bool>(coverage.size())};
+    std::transform(coverage.begin(), coverage.end(), pixels.marked.begin(), [](float ink) { return ink > kHalf; });
+    return pixels;
+}
+
+/// Takes what is dark in the mask from the area.
+Result<RepairedDomain> without_masked(RepairedDomain area, const SampleRequest& request, const Limits& limits,
+                                      const Decode& decode, const std::stop_token& stop) {
+    if (!request.mask) return area;
+    const auto picture = decode.grey(request.mask->bytes, limits.max_pixels, stop);
+    if (!picture) return failure(picture.error().code, picture.error().message, kMaskImage);
+    auto outline = outline_of(dark_pixels(*picture), area.domain.bounds(), kMostMaskCorners);
+    if (!outline)
+        return failure(
+            ErrorCode::LimitExceeded,
+            "the outline of what is dark in the mask has more than " + std::to_string(kMostMaskCorners) + " corners",
+            kMaskImage);
+    if (outline->empty()) return area;
+    auto left = without(area.domain, std::vector<Area>{*std::move(outline)}, stop);
+    if (!left) return failure(left.error().code, left.error().message, kMaskImage);
+    return RepairedDomain{*std::move(left), std::move(area.repairs)};
+}
+
 /// Three digits, rounded down or nearly so.
 std::string told(double distance) {
     constexpr double kLess = 0.995;
@@ -95,10 +125,12 @@ Result<RepairedDomain> without_buffer(RepairedDomain area, const SampleRequest& 
 
 }  // namespace
 
-Result<RepairedDomain> without_exclusions(RepairedDomain area, const SampleRequest& request,
-                                          const std::stop_token& stop) {
+Result<RepairedDomain> without_exclusions(RepairedDomain area, const SampleRequest& request, const Limits& limits,
+                                          const Decode& decode, const std::stop_token& stop) {
     const bool keeps_off = request.buffer > 0 && request.coordinates == Coordinates::Plane;
-    auto left = without_avoided(std::move(area), request, stop);
+    auto left = without_avoided(std::move(area), request, stop).and_then([&](RepairedDomain&& allowed) {
+        return without_masked(std::move(allowed), request, limits, decode, stop);
+    });
     if (!left || !keeps_off) return left;
     return without_buffer(*std::move(left), request, stop);
 }

@@ -38,7 +38,7 @@ Estimate ccdt_cost(const Options& options, bool is_uniform) {
     double microseconds = 1 + pass * options.iterations * options.passes;
     if (polished && options.quality == Quality::Standard) microseconds += is_uniform ? 2.6 : 7;
     if (polished && options.quality == Quality::Best) microseconds += is_uniform ? 12.5 : 22;
-    const double bytes = (is_uniform ? 450 : 700) + (polished ? 330 : 0) + (options.keep_mesh ? 150 : 0);
+    const double bytes = (is_uniform ? 450 : 700) + (polished ? 370 : 0) + (options.keep_mesh ? 150 : 0);
     return Estimate{sites * bytes, sites * microseconds * kMicrosecond} + leaving_room(options);
 }
 

@@ -139,6 +139,18 @@ Result<void> read_density(const Input& input, const Limits& limits, Draft& draft
     return settle_density(input, std::move(density), draft.request);
 }
 
+/// Reads an image whose dark half no point may lie in.
+Result<void> read_mask(const Input& input, const Limits& limits, Draft& draft) {
+    static constexpr std::array<OptionRule<SampleRequest>, 1> kRules = {{
+        {"/mask/image",
+         [](const Input& i, const Limits& l, SampleRequest& r) { return assign(r.mask, read_embedded_image(i, l)); }},
+    }};
+    const auto object = std::get<JsonValue>(input.value);
+    if (auto read = read_members<SampleRequest>(kRules, object, input.field, limits, draft.request); !read) return read;
+    if (!draft.request.mask) return malformed(input, "must have the member image");
+    return {};
+}
+
 /// Reads GeoJSON, and keeps where the counts of a collection's features are.
 Result<void> read_geometry(const Input& input, Draft& draft) {
     auto read = assign(draft.geometry, read_geometry(input));
@@ -158,13 +170,14 @@ Result<void> read_fixed(const Input& input, const Limits& limits, Draft& draft) 
 }
 
 /// Members of a JSON body alone: they have members of their own.
-constexpr std::array<OptionRule<Draft>, 7> kShapeRules = {{
+constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
     {"polygon", [](const Input& i, const Limits&, Draft& d) { return assign(d.polygon, read_ring(i)); }},
     {"holes", [](const Input& i, const Limits&, Draft& d) { return assign(d.holes, read_rings(i)); }},
     {"geometry", [](const Input& i, const Limits&, Draft& d) { return read_geometry(i, d); }},
     {"domain", [](const Input& i, const Limits&, Draft& d) { return assign(d.rectangle, read_rectangle(i)); }},
     {"density", read_density},
     {"fixed", read_fixed},
+    {"mask", read_mask},
     {"avoid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.avoid, read_areas(i)); }},
 }};
 
@@ -262,6 +275,7 @@ Result<void> check_map(const Draft& draft) {
         return misfit(draft, "method", "must be " + std::string(methods().front().name) + " for a map of dots");
     if (draft.request.run.keep_mesh) return misfit(draft, "mesh", "is not kept of a map of dots");
     if (!draft.request.avoid.parts.empty()) return misfit(draft, "avoid", "is not known to a map of dots");
+    if (draft.request.mask) return misfit(draft, "mask", "is not known to a map of dots");
     if (!draft.request.run.fixed.empty()) return misfit(draft, "fixed", "is not known to a map of dots");
     if (draft.request.buffer > 0) return misfit(draft, "buffer", "is not known to a map of dots");
     return {};
@@ -275,6 +289,7 @@ Result<void> check_exclusions(const Draft& draft) {
             return failure(ErrorCode::Malformed, "a torus has no border, and nothing to keep away from", field);
         };
         if (!request.avoid.parts.empty()) return refused("/avoid");
+        if (request.mask) return refused("/mask");
         if (request.buffer > 0) return refused("/buffer");
     }
     auto checked = check_size(request.avoid);
@@ -529,7 +544,7 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     if (request.counts) return run_dot_map(request, limits, decode, control, timings);
     Stopwatch watch;
     const auto made = make_domain(request, control.stop).and_then([&](RepairedDomain&& given) {
-        return without_exclusions(std::move(given), request, control.stop);
+        return without_exclusions(std::move(given), request, limits, decode, control.stop);
     });
     if (!made) return tl::unexpected(made.error());
     const auto& [domain, repairs] = *made;

@@ -33,6 +33,9 @@ struct DensityImage {
     ImageFile file;
 };
 
+/// Corners that the outline of a mask may have.
+inline constexpr std::size_t kMostMaskCorners = 100'000;
+
 /// What coordinates are.
 enum class Coordinates {
     Plane,   ///< x and y
@@ -45,8 +48,9 @@ enum class OnInvalid { Repair, Reject };
 /// Request to /sample, with its options.
 struct SampleRequest {
     std::variant<PolygonInput, Rectangle> domain;
-    PolygonInput avoid{{}, {}};  ///< taken from the domain, which is no torus; no parts: nothing
-    double buffer = 0;     ///< least distance from the border, units of the domain or metres on the ground
+    PolygonInput avoid{{}, {}};     ///< taken from the domain, which is no torus; no parts: nothing
+    std::optional<ImageFile> mask;  ///< stretched over the bounding box; its dark half is taken from the domain, too
+    double buffer = 0;              ///< least distance from the border, units of the domain or metres on the ground
     OnInvalid on_invalid = OnInvalid::Repair;
     Coordinates coordinates = Coordinates::Plane;                     ///< LonLat of polygons alone
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform

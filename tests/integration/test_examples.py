@@ -47,7 +47,8 @@ class Examples(unittest.TestCase):
         cls.server = Server("--cache=64MiB")
         cls.folder = tempfile.TemporaryDirectory()
         folder = pathlib.Path(cls.folder.name)
-        (folder / "tests").symlink_to(ROOT / "tests")
+        for name in ("server", "tests"):
+            (folder / name).symlink_to(ROOT / name)
         (folder / "photo.jpg").symlink_to(PICTURES / "chelsea.png")  # told by its first bytes
         (folder / ".curlrc").write_text("fail-with-body\nsilent\n")
 

@@ -1,16 +1,20 @@
 """POST /sample with areas where no point may lie: shapely tells what these are, and how far points are from them."""
 
+import base64
+import io
 import json
 import math
 import unittest
 
 import numpy
+import PIL.Image
+import PIL.ImageFilter
 import pyproj
 import shapely.geometry
 import shapely.ops
 import shapely.vectorized
 
-from harness import ServerCase, polygon, post_json
+from harness import ROOT, ServerCase, polygon, post_json
 
 GEOD = pyproj.Geod(ellps="WGS84")
 TO_SPACE = pyproj.Transformer.from_crs(4979, 4978, always_xy=True)
@@ -20,6 +24,12 @@ LAKES = {"type": "MultiPolygon", "coordinates": [
     [[[11, 43], [12.5, 43.2], [12.3, 44], [11.2, 44.1]]],
     [[[14, 39], [20, 39], [20, 41], [14, 41]], [[15, 39.5], [17, 39.5], [17, 40], [15, 40]]]]}
 BOWTIE = [[1, 1], [3, 3], [3, 1], [1, 3]]
+
+
+def masked(grey):
+    file = io.BytesIO()
+    PIL.Image.fromarray(grey).save(file, "PNG")
+    return {"image": base64.b64encode(file.getvalue()).decode()}
 
 
 def distances_to(border, points):
@@ -200,6 +210,47 @@ class Avoided(ServerCase):
         self.assert_problem(answer, 422, "no place")
         self.assertEqual(answer.json()["errors"][0]["pointer"], "buffer")
         self.assertEqual(self.ask("/sample?sites=10&buffer=0.2", data=document).status, 200)
+
+    def test_no_point_lies_where_a_mask_is_dark(self):
+        photograph = PIL.Image.open(ROOT / "tests/data/images/camera.png").resize((60, 40))
+        grey = numpy.asarray(photograph.filter(PIL.ImageFilter.GaussianBlur(1)))
+        dark = numpy.where(grey <= 10, grey / 3294.6, ((grey / 255 + 0.055) / 1.055) ** 2.4) < 0.5
+        self.assertTrue(0.3 < dark.mean() < 0.9)
+        for shape, coordinates in (({"geometry": ITALY}, "plane"), ({"geometry": ITALY}, "lonlat"),
+                                   ({"domain": {"type": "rectangle", "width": 3, "height": 2}}, "plane")):
+            points = self.points(**shape, coordinates=coordinates, mask=masked(grey))
+            area = shapely.geometry.shape(ITALY) if "geometry" in shape else shapely.geometry.box(0, 0, 3, 2)
+            self.assert_within(area, points)
+            west, south, east, north = area.bounds
+            columns = numpy.floor((points[:, 0] - west) / (east - west) * 60).astype(int)
+            rows = numpy.floor((north - points[:, 1]) / (north - south) * 40).astype(int)
+            self.assertFalse(dark[rows, columns].any())
+
+    def test_a_mask_has_a_border_that_a_buffer_counts_from(self):
+        grey = numpy.full((4, 4), 255, numpy.uint8)
+        grey[1, 2] = 0  # the square from (2, 2) to (3, 3)
+        points = self.points(polygon=SQUARE, mask=masked(grey), buffer=0.25, density={"width": 1, "height": 1, "values": [1]})
+        area = shapely.geometry.Polygon(SQUARE).difference(shapely.geometry.box(2, 2, 3, 3))
+        self.assert_within(area, points)
+        self.assertGreaterEqual(distances_to(area.boundary, points).min(), 0.25)
+        grey[:] = 255
+        plain = self.sample(sites=50, polygon=SQUARE)["points"]
+        self.assertEqual(self.sample(sites=50, polygon=SQUARE, mask=masked(grey))["points"], plain)
+
+    def test_masks_that_are_wrong(self):
+        noise = numpy.random.default_rng(1).integers(0, 256, (400, 400), numpy.uint8)
+        black, grey = numpy.zeros((2, 2), numpy.uint8), numpy.full((2, 2), 255, numpy.uint8)
+        for status, field, words, body in (
+                (422, "/mask/image", "nothing", {"polygon": SQUARE, "mask": masked(black)}),
+                (413, "/mask/image", "100000 corners", {"polygon": SQUARE, "mask": masked(noise)}),
+                (400, "/mask", "torus", {"domain": {"type": "torus", "width": 1, "height": 1}, "mask": masked(grey)}),
+                (400, "/mask", "image", {"polygon": SQUARE, "mask": {}}),
+                (400, "/mask/picture", "", {"polygon": SQUARE, "mask": {"picture": ""}}),
+                (400, "/mask/image", "base64", {"polygon": SQUARE, "mask": {"image": "?"}})):
+            answer = post_json(self.server, "/sample", {"sites": 10, **body})
+            self.assertEqual(answer.status, status, answer)
+            self.assertEqual(answer.json()["errors"][0]["pointer"], field)
+            self.assertIn(words, answer.json()["detail"])
 
     def test_nothing_may_be_avoided(self):
         plain = self.sample(sites=50, polygon=SQUARE)["points"]
