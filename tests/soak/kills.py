@@ -59,9 +59,14 @@ class Accepted:
     """Jobs that the servers have taken on, with the case of each."""
 
     def __init__(self, wanted):
-        self.turn = iter([*itertools.islice(itertools.cycle(questions()), wanted - 1), LAST])
+        self.turn = itertools.islice(itertools.cycle(questions()), wanted - 1)
         self.case = None
         self.jobs = {}
+
+    def prefer(self, case):
+        """Has a case submitted before all that are left."""
+        self.turn = itertools.chain([case], [self.case] if self.case else [], self.turn)
+        self.case = None
 
     def submit_next(self, server):
         """False if there are enough. What was not answered is asked again."""
@@ -119,7 +124,7 @@ def check(server, accepted, known):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--kills", type=int, default=20, help="at least 2")
     parser.add_argument("--jobs", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
@@ -130,7 +135,9 @@ def main():
         flags = ("--workers=2", "--timeout=300", "--job-ttl=3600", f"--data-dir={folder}/jobs")
         known = learn(flags)
         accepted = Accepted(arguments.jobs)
-        for _ in range(arguments.kills):
+        for left in range(arguments.kills, 0, -1):
+            if left == 2:  # a job that is started a third time and does not end has failed
+                accepted.prefer(LAST)
             with Server(*flags) as server:
                 live_and_die(server, chance.uniform(0, LONGEST_LIFE), accepted)
         with Server(*flags) as server:
