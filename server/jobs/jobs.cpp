@@ -516,8 +516,8 @@ void Jobs::advance_locked(Followed& followed, const Job& job) {
 }
 
 /// Finds where a job stands that another server may run.
-void Jobs::look_again(Followed& followed) const {
-    auto found = store_.find(followed.job.id);
+void Jobs::look_again(const std::string& id, Followed& followed) const {
+    auto found = store_.find(id);
     if (!found) return;  // once the store can be reached again, it will be told that something was missed
     if (*found) add_latest(**found);
     const std::lock_guard lock(mutex_);
@@ -546,8 +546,9 @@ std::optional<Job> Jobs::Watch::next(Clock::time_point until) {
         over_ = is_finished(followed.job.status) || followed.gone;
         if (first || is_finished(followed.job.status)) return followed.job;
         if (std::exchange(job_->stale, false)) {
+            const std::string id = followed.job.id;  // that of the job is written to, though with the same
             lock.unlock();
-            jobs_.look_again(*job_);
+            jobs_.look_again(id, *job_);
             lock.lock();
             continue;
         }

@@ -184,7 +184,7 @@ private:
     FollowedPointer find_followed_locked(const std::string& id) const;
     static void advance_locked(Followed& followed, const Job& job);
     void publish_locked(const Job& job);
-    void look_again(Followed& followed) const;
+    void look_again(const std::string& id, Followed& followed) const;
 
     void keep_time(const std::stop_token& closing);
     Clock::time_point stop_overdue_locked();
