@@ -2,43 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "core/globe/chart.h"
-#include "core/globe/inside.h"
 #include "core/globe/plane_density.h"
 #include "core/globe/region.h"
 #include "core/globe/turns.h"
+#include "core/globe/way_back.h"
 
 namespace ccdt {
 
 namespace {
-
-/// Takes points of a plane back to a feature of the globe, and what the plane's polygon, whose edges are straight, has
-/// more than the feature, into it.
-class FeatureReturn {
-public:
-    explicit FeatureReturn(const Domain& degrees) : west_(degrees.bounds().min.x), inside_(rings_of(degrees)) {}
-
-    Point operator()(Point place) const {
-        const Point turned{place.x + shift_to(place.x, west_), place.y};
-        const Point nudged = inside_.nearest(turned, std::cos(place.y * kDegree));
-        return nudged == turned ? place : Point{std::remainder(nudged.x, kTurn), nudged.y};
-    }
-
-private:
-    static std::vector<Ring> rings_of(const Domain& degrees) {
-        std::vector<Ring> rings = degrees.rings();
-        for (Ring& ring : rings) {
-            for (Point& p : ring) p = degrees.to_user(p);
-        }
-        return rings;
-    }
-
-    double west_;
-    Inside inside_;
-};
 
 std::size_t dots_of(const MapFeature& feature) {
     std::size_t sum = 0;
@@ -73,12 +49,12 @@ Result<Charted> lay_all(const Chart& chart, std::span<const MapFeature> features
 }
 
 void to_degrees(const Chart& chart, std::span<const Domain> degrees, ClassDots& all) {
-    std::optional<FeatureReturn> back;
+    std::optional<WayBack> back;
     for (std::size_t i = 0; i < all.feature_of.size(); ++i) {
         const std::uint32_t feature = all.feature_of[i];
         if (i == 0 || all.feature_of[i - 1] != feature) back.emplace(degrees[feature]);
         Point& p = all.dots.points[i];
-        p = (*back)(place_of(chart.to_direction(p)));
+        p = (*back)(chart, p);
     }
 }
 

@@ -10,10 +10,9 @@
 #include "core/geometry/inset.h"
 #include "core/globe/chart.h"
 #include "core/globe/clearance.h"
-#include "core/globe/inside.h"
 #include "core/globe/plane_density.h"
 #include "core/globe/region.h"
-#include "core/globe/turns.h"
+#include "core/globe/way_back.h"
 
 namespace ccdt {
 
@@ -50,33 +49,7 @@ std::vector<std::size_t> shared_out(std::size_t sites, const std::vector<PlaneDe
     return shares;
 }
 
-/// Takes points of a plane back to the globe, and what the plane's polygon, whose edges are straight, has more than
-/// the region, into it.
-class Return {
-public:
-    explicit Return(const Domain& degrees) : west_(degrees.bounds().min.x), inside_(rings_of(degrees)) {}
-
-    Point operator()(const Chart& chart, Point plane) const {
-        const Point place = place_of(chart.to_direction(plane));
-        const Point turned{place.x + shift_to(place.x, west_), place.y};
-        const Point nudged = inside_.nearest(turned, std::cos(place.y * kDegree));
-        return nudged == turned ? place : Point{std::remainder(nudged.x, kTurn), nudged.y};
-    }
-
-private:
-    static std::vector<Ring> rings_of(const Domain& degrees) {
-        std::vector<Ring> rings = degrees.rings();
-        for (Ring& ring : rings) {
-            for (Point& p : ring) p = degrees.to_user(p);
-        }
-        return rings;
-    }
-
-    double west_;
-    Inside inside_;
-};
-
-void to_degrees(const Chart& chart, const Return& back, Distribution& placed) {
+void to_degrees(const Chart& chart, const WayBack& back, Distribution& placed) {
     for (Point& p : placed.points) p = back(chart, p);
     if (!placed.mesh) return;
     std::vector<Point>& vertices = placed.mesh->vertices;
@@ -142,7 +115,7 @@ Result<GlobeDistribution> distribute_on_globe(const Domain& region, const Densit
         ground += bare->total;
     }
     const auto shares = shared_out(options.sites, densities);
-    const Return back(degrees);
+    const WayBack back(degrees);
     std::optional<Distribution> all;
     for (std::size_t i = 0; i < parts->size(); ++i) {
         if (shares[i] == 0) continue;
