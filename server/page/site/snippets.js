@@ -22,69 +22,62 @@ const choice = (name) => `const ${name} = await new Promise((choose) => {
   document.body.prepend(input);
 });`;
 
-/** A picture that the server has comes from there, another from the folder that one is in. */
+/**
+ * Where a file comes from, in each language: the server if it has it, else the folder that one is in, or whoever chooses.
+ * @returns  {before, curl, browser, node, python}, with `browser` and `node` lines that put it into a constant
+ */
+function sourceOf({ name, path }, constant) {
+  if (path) {
+    const at = location.origin + path;
+    const get = `const ${constant} = await (await fetch("${at}")).blob();\n`;
+    return { before: `curl -s ${shellQuoted(at)} |\n  `, curl: "--data-binary @- ", browser: get, node: get, python: `urlopen("${at}").read()` };
+  }
+  const file = JSON.stringify(name);
+  return {
+    before: "", curl: `--data-binary ${shellQuoted(`@${name}`)} \\\n  `, browser: `${choice(constant)}\n`,
+    node: `import {readFile} from "node:fs/promises";\nconst ${constant} = await readFile(${file});\n`, python: `open(${file}, "rb").read()`,
+  };
+}
+
 function halftoneSnippets({ picture, options }) {
   const url = `${location.origin}/halftone${query(options)}`;
-  const at = picture.path && location.origin + picture.path;
+  const source = sourceOf(picture, "picture");
   const allow = (kind) => (hasKey() ? authorizations[kind] : "");
   const output = `dots.${options.format ?? "png"}`;
-  const file = JSON.stringify(picture.name);
-  const curl = at
-    ? `curl -s ${shellQuoted(at)} |\n  curl${allow("curl")} --data-binary @- ${shellQuoted(url)} -o ${output}`
-    : `curl${allow("curl")} --data-binary ${shellQuoted(`@${picture.name}`)} \\\n  ${shellQuoted(url)} -o ${output}`;
-  const script = (read, kind) => `${read}
-const answer = await fetch("${url}",
+  const curl = `${source.before}curl${allow("curl")} ${source.curl}${shellQuoted(url)} -o ${output}`;
+  const script = (kind) => `${source[kind]}const answer = await fetch("${url}",
   {method: "POST", body: picture${allow(kind)}});
 if (!answer.ok) throw new Error(await answer.text());
 const dots = await answer.blob();
 console.log(dots.type, dots.size);`;
-  const get = at && `const picture = await (await fetch("${at}")).blob();`;
-  const browser = script(get || choice("picture"), "browser");
-  const node = script(get || `import {readFile} from "node:fs/promises";\nconst picture = await readFile(${file});`, "node");
   const python = `${hasKey() ? "import os\n" : ""}from urllib.request import Request, urlopen
 
-picture = ${at ? `urlopen("${at}").read()` : `open(${file}, "rb").read()`}
+picture = ${source.python}
 request = Request("${url}", picture${allow("python")})
 with urlopen(request) as answer, open("${output}", "wb") as file:
     file.write(answer.read())`;
-  return { curl, Browser: browser, Node: node, Python: python };
+  return { curl, Browser: script("browser"), Node: script("node"), Python: python };
 }
 
-/** The body in each language: a file of the sender's own, or the text itself. */
-function sampleBodies({ body, file }) {
-  if (file?.path) {
-    const at = location.origin + file.path;
-    const get = `const shape = await (await fetch("${at}")).text();\n`;
-    return {
-      before: `curl -s ${shellQuoted(at)} |\n  `, curl: "--data-binary @-", fetch: "shape", python: `urlopen("${at}").read()`,
-      browser: get, node: get,
-    };
-  }
-  if (!file) {
-    return { curl: `-d ${shellQuoted(body)}`, fetch: `JSON.stringify(${body})`, python: `r'''${body}'''.encode()`,
-      browser: "", node: "" };
-  }
-  const name = JSON.stringify(file.name);
-  return {
-    curl: `--data-binary ${shellQuoted(`@${file.name}`)}`, fetch: "shape", python: `open(${name}, "rb").read()`,
-    browser: `${choice("shape")}\n`, node: `import {readFile} from "node:fs/promises";\nconst shape = await readFile(${name});\n`,
-  };
-}
+/** As sourceOf, of a body that is written out. */
+const writtenOut = (body) => ({
+  before: "", curl: `-d ${shellQuoted(body)} \\\n  `, browser: "", node: "", python: `r'''${body}'''.encode()`,
+});
 
-function sampleSnippets(request) {
-  const url = location.origin + request.path;
-  const body = sampleBodies(request);
+function sampleSnippets({ path, body, file }) {
+  const url = location.origin + path;
+  const source = file ? sourceOf(file, "shape") : writtenOut(body);
   const allow = (kind) => (hasKey() ? authorizations[kind] : "");
-  const curl = `${body.before ?? ""}curl${allow("curl")} ${body.curl} \\\n  ${shellQuoted(url)} -o points.json`;
-  const script = (kind) => `${body[kind]}const answer = await fetch("${url}",
-  {method: "POST", body: ${body.fetch}${allow(kind)}});
+  const curl = `${source.before}curl${allow("curl")} ${source.curl}${shellQuoted(url)} -o points.json`;
+  const script = (kind) => `${source[kind]}const answer = await fetch("${url}",
+  {method: "POST", body: ${file ? "shape" : `JSON.stringify(${body})`}${allow(kind)}});
 if (!answer.ok) throw new Error(await answer.text());
 const {points, variation} = await answer.json();
 console.log(points.length, variation);`;
   const python = `import json
 ${hasKey() ? "import os\n" : ""}from urllib.request import Request, urlopen
 
-body = ${body.python}
+body = ${source.python}
 request = Request("${url}", body${allow("python")})
 with urlopen(request) as answer:
     result = json.load(answer)
