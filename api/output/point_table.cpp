@@ -83,11 +83,11 @@ std::string write_map_csv(const MapOfDots& map, const std::stop_token& stop) {
     std::string out;
     out.reserve((map.size() + 1) * (kUsualLine + kUsualName));
     out += named ? "x,y,feature,class\r\n" : "x,y,feature\r\n";
-    for (const auto& [ink, dots, radius] : map.classes) {
-        const std::string end = named ? ',' + quoted(ink.name) + "\r\n" : "\r\n";
-        for_features(dots, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
-            append_lines(out, std::span(dots.dots.points).subspan(first, count), ',' + std::to_string(feature) + end,
-                         stop);
+    for (const MapDots& each : map.classes) {
+        const std::string end = named ? ',' + quoted(each.ink.name) + "\r\n" : "\r\n";
+        for_features(each.dots, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
+            append_lines(out, std::span(each.dots.dots.points).subspan(first, count),
+                         ',' + std::to_string(feature) + end, stop);
         });
     }
     return out;
