@@ -168,8 +168,8 @@ double CapacityIntegral::at(Point p) const {
         g = {g.x - std::floor(g.x / density_.width()) * density_.width(),
              g.y - std::floor(g.y / density_.height()) * density_.height()};
     }
-    const int column = std::clamp(static_cast<int>(g.x), 0, density_.width() - 1);
-    const int row = std::clamp(static_cast<int>(g.y), 0, density_.height() - 1);
+    const auto cell = [](double place, int count) { return static_cast<int>(std::clamp(place, 0.0, count - 1.0)); };
+    const int column = cell(g.x, density_.width()), row = cell(g.y, density_.height());
     return density_.value(column, row) * to_grid_.x * to_grid_.y;
 }
 

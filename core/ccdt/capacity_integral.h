@@ -36,7 +36,8 @@ public:
     void of_edges(const Triangulation& mesh, std::vector<double>& capacities, std::vector<double>& sweeps,
                   const std::stop_token& stop = {}) const;
 
-    /// Density at a point of the unit frame, in units of capacity per area of the unit frame.
+    /// Density at a point, in units of capacity per area of the unit frame; of one far outside that of the nearest
+    /// cell.
     double at(Point p) const;
 
     /// Largest capacity per area of the unit frame.
