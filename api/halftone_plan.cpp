@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/fineness.h"
 #include "core/halftone/levels.h"
+#include "core/halftone/reduction.h"
 #include "core/halftone/separation.h"
 #include "core/halftone/tone.h"
 
@@ -22,8 +24,13 @@ namespace {
 
 struct SeparatedPicture {
     PictureSize size;
+    CellGrid cells;       ///< of the separation: as fine as its dots can show
     Separation inks;      ///< without light if there is one ink, which covers
     double fineness = 0;  ///< of the picture
+
+    double cell_area() const {
+        return static_cast<double>(size.width) * size.height / (static_cast<double>(cells.columns) * cells.rows);
+    }
 };
 
 double sum(const std::vector<float>& values) {
@@ -34,6 +41,50 @@ tl::unexpected<Error> about_image(const Error& error, const HalftoneRequest& req
     return failure(error.code, error.message, request.image_field);
 }
 
+/// Radius of dots in pixels of the picture, before it is settled.
+/// @param ink  sum of the shares that dots cover
+double rough_radius(const HalftoneRequest& request, PictureSize size, double ink, double fineness,
+                    const Limits& limits) {
+    const double pixels = static_cast<double>(size.width) * size.height;
+    const std::size_t usual = request.sites ? *request.sites : usual_sites(request, ink, fineness, limits);
+    if (request.sites || !request.dot) return std::sqrt(ink / (std::numbers::pi * static_cast<double>(usual)));
+    if (request.dot->millimetres) return request.dot->length / *request.drawing.width_mm * size.width;
+    return request.dot->length / request.scale.value_or(default_scale(ink, static_cast<std::size_t>(pixels), usual));
+}
+
+SeparatedPicture separate_grey(const Picture& picture, const HalftoneRequest& request, const Limits& limits) {
+    SeparatedPicture separated{{picture.width, picture.height}, {}, {}, fineness(picture)};
+    std::vector<float> coverage = ink_coverage(picture, request.tone, request.invert);
+    const double radius = rough_radius(request, separated.size, sum(coverage), separated.fineness, limits);
+    separated.cells = resolved_cells(picture.width, picture.height, radius);
+    if (separated.cells != CellGrid{picture.width, picture.height})
+        coverage = reduced(coverage, picture.width, picture.height, separated.cells);
+    separated.inks.coverage.push_back(std::move(coverage));
+    return separated;
+}
+
+/// Estimates the sum of the shares that dots of all inks cover, by a small copy of the picture.
+double rough_ink(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop) {
+    constexpr int kSide = 64;
+    const CellGrid cells{std::min(picture.width, kSide), std::min(picture.height, kSide)};
+    const Separation small = separate(reduced(picture, cells), inks, tone, stop);
+    double ink = 0;
+    for (const auto& each : small.coverage) ink += sum(each);
+    return ink / (static_cast<double>(cells.columns) * cells.rows) * picture.width * picture.height;
+}
+
+SeparatedPicture separate_colours(ColourPicture picture, const HalftoneRequest& request, const Limits& limits,
+                                  const std::stop_token& stop) {
+    SeparatedPicture separated{{picture.width, picture.height}, {}, {}, fineness(picture)};
+    const InkSet inks = ink_set(request.palette);
+    const double ink = rough_ink(picture, inks, request.tone, stop);
+    const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
+    separated.cells = resolved_cells(picture.width, picture.height, radius);
+    if (separated.cells != CellGrid{picture.width, picture.height}) picture = reduced(picture, separated.cells);
+    separated.inks = separate(picture, inks, request.tone, stop);
+    return separated;
+}
+
 /// Decodes, and separates into inks; one that covers needs no colours of the picture, which take three times the
 /// memory. The decoded picture is gone once this returns.
 Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
@@ -42,16 +93,14 @@ Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const 
         auto picture = decode.grey(request.image.bytes, limits.max_pixels, stop);
         if (!picture) return about_image(picture.error(), request);
         picture = with_levels(*picture, request.levels);
-        return SeparatedPicture{{picture->width, picture->height},
-                                {{ink_coverage(*picture, request.tone, request.invert)}, {}},
-                                fineness(*picture)};
+        return separate_grey(*picture, request, limits);
     }
     auto picture = decode.colour(request.image.bytes, limits.max_pixels, stop);
     if (!picture) return about_image(picture.error(), request);
     picture = with_levels(*picture, request.levels);
-    auto inks = separate(*picture, ink_set(request.palette), request.tone, stop);
+    auto separated = separate_colours(*std::move(picture), request, limits, stop);
     if (auto going = check_stop(stop); !going) return tl::unexpected(going.error());
-    return SeparatedPicture{{picture->width, picture->height}, std::move(inks), fineness(*picture)};
+    return separated;
 }
 
 tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {
@@ -100,7 +149,7 @@ bool is_proportional(const HalftoneRequest& request) {
 
 /// Settles how many dots each ink has, and how large they are; what is to be covered becomes what dots are wanted.
 /// @param usual  number of sites, unless their radius decides on it
-Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Separation& separation,
+Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
                          std::span<const double> ink, std::size_t usual, const Limits& limits,
                          const std::stop_token& stop) {
     constexpr double kToneDigits = 1e4;
@@ -109,14 +158,16 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
         plan.sites = share_sites(ink, usual);
         return {};
     }
+    const double side = std::sqrt(picture.cell_area());
     DotWish wish{request.sites, plan.radius, request.detail};
     if (!plan.radius) wish.sites = usual;
-    DotPlan dots = plan_dots(std::move(separation.coverage), plan.picture.width, plan.picture.height, wish, stop);
+    if (plan.radius) wish.radius = *plan.radius / side;
+    DotPlan dots = plan_dots(std::move(picture.inks.coverage), picture.cells.columns, picture.cells.rows, wish, stop);
     if (auto going = check_stop(stop); !going) return going;
-    separation.coverage = std::move(dots.density);
-    plan.radius = dots.radius;
+    picture.inks.coverage = std::move(dots.density);
+    plan.radius = dots.radius * side;
     plan.tone = std::round(dots.tone * kToneDigits) / kToneDigits;
-    plan.samples = samples_for(dots.radius * plan.canvas.scale, plan.canvas, request.antialias);
+    plan.samples = samples_for(*plan.radius * plan.canvas.scale, plan.canvas, request.antialias);
     auto sites = sites_of(wish, dots, limits);
     if (!sites) return tl::unexpected(sites.error());
     plan.sites = share_sites(dots.dots, *sites);
@@ -124,14 +175,14 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
 }
 
 /// Makes what dots of several inks are compared with, if they are polished.
-/// @param light  what shall be seen
-std::optional<PrintProof> make_proof(const HalftoneRequest& request, const HalftonePlan& plan,
+/// @param light  what shall be seen, of each cell
+std::optional<PrintProof> make_proof(const HalftoneRequest& request, const HalftonePlan& plan, const CellGrid& cells,
                                      const LightPlanes& light) {
     const bool polished = request.run.iterations > 0 && request.run.quality != Quality::Draft;
     if (request.palette.mixing == Mixing::Cover || !polished || !plan.radius) return std::nullopt;
     const std::size_t sites = std::accumulate(plan.sites.begin(), plan.sites.end(), std::size_t{0});
-    return PrintProof(light, plan.picture.width, plan.picture.height, toned(ink_set(request.palette), request.tone),
-                      *plan.radius, sites);
+    return PrintProof(light, cells, plan.picture.width, plan.picture.height,
+                      toned(ink_set(request.palette), request.tone), *plan.radius, sites);
 }
 
 /// Finds what is not as its sender may think: of a film that moves, one picture is taken.
@@ -147,7 +198,7 @@ Result<std::vector<Density>> make_densities(SeparatedPicture& picture, const std
     for (std::size_t ink = 0; ink < sites.size(); ++ink) {
         const std::vector<float> coverage = std::exchange(picture.inks.coverage[ink], {});
         if (sites[ink] == 0) continue;
-        auto density = Density::grid(picture.size.width, picture.size.height, std::span(coverage));
+        auto density = Density::grid(picture.cells.columns, picture.cells.rows, std::span(coverage));
         if (!density) return tl::unexpected(density.error());
         densities[ink] = *std::move(density);
     }
@@ -164,11 +215,12 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     HalftonePlan plan;
     plan.picture = picture->size;
     plan.warnings = warnings_of(request);
-    std::vector<double> ink(separation.coverage.size());
-    std::ranges::transform(separation.coverage, ink.begin(), sum);
+    std::vector<double> ink;
+    for (const auto& each : separation.coverage) ink.push_back(sum(each) * picture->cell_area());
     const double all_ink = std::accumulate(ink.begin(), ink.end(), 0.0);
     if (!(all_ink > 0)) return nothing_to_draw(request);
-    const std::size_t pixels = separation.coverage.front().size();
+    const std::size_t pixels =
+        static_cast<std::size_t>(plan.picture.width) * static_cast<std::size_t>(plan.picture.height);
     for (const double each : ink) plan.cover.push_back(each / static_cast<double>(pixels));
     const std::size_t usual = request.sites ? *request.sites : usual_sites(request, all_ink, picture->fineness, limits);
     auto canvas = plan_canvas(request, plan.box(), default_scale(all_ink, pixels, usual), limits);
@@ -176,9 +228,9 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     plan.canvas = *canvas;
     if (auto checked = request.format->check_side(*canvas, "scale", "scale"); !checked)
         return tl::unexpected(checked.error());
-    auto settled = settle_dots(request, plan, separation, ink, usual, limits, control.stop);
+    auto settled = settle_dots(request, plan, *picture, ink, usual, limits, control.stop);
     if (!settled) return tl::unexpected(settled.error());
-    plan.proof = make_proof(request, plan, std::exchange(separation.light, {}));
+    plan.proof = make_proof(request, plan, picture->cells, std::exchange(separation.light, {}));
     auto densities = make_densities(*picture, plan.sites);
     if (!densities) return about_image(densities.error(), request);
     plan.densities = *std::move(densities);

@@ -48,8 +48,8 @@ Channels at(const LightPlanes& planes, std::size_t number) {
 
 }  // namespace
 
-PrintProof::PrintProof(const LightPlanes& light, int width, int height, const InkSet& inks, double radius,
-                       std::size_t sites)
+PrintProof::PrintProof(const LightPlanes& light, const CellGrid& cells, int width, int height, const InkSet& inks,
+                       double radius, std::size_t sites)
     : radius_(radius),
       step_(std::max(radius / kFine,
                      std::sqrt(static_cast<double>(width) * height /
@@ -70,10 +70,12 @@ PrintProof::PrintProof(const LightPlanes& light, int width, int height, const In
         colours_.push_back({colour.red, colour.green, colour.blue});
     }
     wanted_ = means([&](int x, int y) {
-        const auto pixel = [&](int sample, int size) {
-            return static_cast<std::size_t>(std::min(static_cast<int>((sample + 0.5) * step_), size - 1));
+        const auto cell = [&](int sample, int count, int size) {
+            const double place = (sample + 0.5) * step_ * (static_cast<double>(count) / size);
+            return static_cast<std::size_t>(std::min(static_cast<int>(place), count - 1));
         };
-        return at(light, pixel(y, height) * static_cast<std::size_t>(width) + pixel(x, width));
+        return at(light, cell(y, cells.rows, height) * static_cast<std::size_t>(cells.columns) +
+                             cell(x, cells.columns, width));
     });
 }
 

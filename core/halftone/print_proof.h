@@ -9,6 +9,7 @@
 
 #include "core/geometry/point.h"
 #include "core/halftone/overprint.h"
+#include "core/halftone/reduction.h"
 
 namespace ccdt {
 
@@ -20,11 +21,13 @@ namespace ccdt {
 /// So moves of a few hundredths of a radius suffice to make the light of all inks together what it should be.
 class PrintProof {
 public:
-    /// @param light          [width * height] what shall be seen, as far as inks can make it
+    /// @param light          [cells] what shall be seen, as far as inks can make it
+    /// @param cells          of the picture; pixels, or what is as good for such dots
     /// @param width, height  pixels, >= 1
     /// @param radius         of all dots, pixels, > 0
     /// @param sites          how many dots there are, of all inks; bounds the memory
-    PrintProof(const LightPlanes& light, int width, int height, const InkSet& inks, double radius, std::size_t sites);
+    PrintProof(const LightPlanes& light, const CellGrid& cells, int width, int height, const InkSet& inks,
+               double radius, std::size_t sites);
 
     /// Computes the moves of a round: a step of steepest descent on the squared difference of what is seen, by
     /// ColourDifference, blurred over about three radii.

@@ -402,13 +402,15 @@ TEST(Halftone, KeepsTheMeanColour) {
     const std::string photo = photograph("chelsea.png");
     const auto wanted = mean_light(*decode_colour_image(photo, kMaxPixels));
     for (const auto* color : {"cmyk", "rgb"}) {
-        for (const auto* antialias : {"false", "true"}) {
+        // Dots of the last are so large that cells of several pixels are as good.
+        for (const auto& [sites, antialias] : {std::pair("8000", "false"), {"8000", "true"}, {"600", "true"}}) {
             const auto result =
-                answer(photo, {{"sites", "8000"}, {"scale", "4"}, {"color", color}, {"antialias", antialias}});
+                answer(photo, {{"sites", sites}, {"scale", "4"}, {"color", color}, {"antialias", antialias}});
             ASSERT_TRUE(result) << result.error().message;
-            EXPECT_EQ(result->sites, 8000U);
+            EXPECT_EQ(std::to_string(result->sites), sites);
             const auto seen = mean_light(*decode_colour_image(result->body, kMaxPixels));
-            for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(seen[i], wanted[i], 0.03) << color << antialias << i;
+            for (std::size_t i = 0; i < 3; ++i)
+                EXPECT_NEAR(seen[i], wanted[i], 0.03) << color << sites << antialias << i;
         }
     }
 }

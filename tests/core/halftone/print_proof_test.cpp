@@ -29,7 +29,7 @@ std::vector<std::vector<Point>> pair_of_dots() {
 }
 
 PrintProof proof_of(const LightPlanes& light, double radius = 4) {
-    return PrintProof(light, kSide, kSide, test::cmyk_inks(), radius, 200);
+    return PrintProof(light, {kSide, kSide}, kSide, kSide, test::cmyk_inks(), radius, 200);
 }
 
 TEST(PrintProof, MovesDotsOffOthersWhereItIsTooLight) {
@@ -43,6 +43,11 @@ TEST(PrintProof, MovesDotsOntoOthersWhereItIsTooDark) {
     const auto moves = proof_of(flat(1, 1, 1)).moves(pair_of_dots());
     EXPECT_GT(moves[0][0].x, 0.001);
     EXPECT_LT(moves[3][0].x, -0.001);
+}
+
+TEST(PrintProof, TakesTheLightOfCells) {
+    const PrintProof coarse(flat(0.3f, 0.5f, 0.5f, 20), {20, 20}, kSide, kSide, test::cmyk_inks(), 4, 200);
+    EXPECT_EQ(coarse.moves(pair_of_dots()), proof_of(flat(0.3f, 0.5f, 0.5f)).moves(pair_of_dots()));
 }
 
 TEST(PrintProof, LeavesDotsThatMeetNone) {
@@ -105,7 +110,8 @@ TEST(PrintProof, TakesBlotchesOutOfATint) {
     const double all = std::accumulate(areas.begin(), areas.end(), 0.0);
     const double radius = kTint * std::sqrt(all / (3.14159265 * kSites));
     const auto counts = share_sites(areas, kSites);
-    const PrintProof proof(flat(tint.red, tint.green, tint.blue, kTint), kTint, kTint, inks, radius, kSites);
+    const PrintProof proof(flat(tint.red, tint.green, tint.blue, kTint), {kTint, kTint}, kTint, kTint, inks, radius,
+                           kSites);
     const Domain domain = Domain::rectangle(kTint, kTint).value();
     const std::vector<Density> densities(inks.inks.size(), Density::uniform());
     const auto plain = distribute_inks(domain, densities, counts, {.seed = 7}).value();
