@@ -5,6 +5,7 @@ import concurrent.futures
 import contextlib
 import http.client
 import json
+import os
 import pathlib
 import statistics
 import sys
@@ -12,7 +13,7 @@ import time
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "integration"))
 from engine import Redis  # pylint: disable=wrong-import-position
-from harness import Server  # pylint: disable=wrong-import-position
+from harness import Server, file_of, flat  # pylint: disable=wrong-import-position
 
 TORUS = {"type": "torus", "width": 1, "height": 1}
 LATER = {"Prefer": "respond-async"}
@@ -37,6 +38,13 @@ class Client:
         _, told = self.ask("GET", f"/jobs/{json.loads(document)['id']}/events")
         assert b"event: succeeded" in told, told
         return 1000 * (time.perf_counter() - start)
+
+    def wait_for_libraries(self):
+        """Until a first picture was decoded: the server listens before, and goes on loading."""
+        self.connection.request("POST", "/halftone?sites=50", file_of(flat(100)), {"Content-Type": "image/png"})
+        answer = self.connection.getresponse()
+        answer.read()
+        assert answer.status == 200
 
     def answer(self, body):
         start = time.perf_counter()
@@ -75,6 +83,22 @@ def cpu(redis):
     return float(told["used_cpu_user"]) + float(told["used_cpu_sys"])
 
 
+def cpu_of_descendants():
+    """Seconds that servers, what they started and Redis have worked."""
+    children, seconds = {}, {}
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            # The second field, in parentheses, may hold anything.
+            fields = (process / "stat").read_text().rpartition(")")[2].split()
+            children.setdefault(int(fields[1]), []).append(int(process.name))
+            seconds[int(process.name)] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    total, found = 0, children.get(os.getpid(), [])
+    while found:
+        total += sum(seconds[process] for process in found)
+        found = [child for process in found for child in children.get(process, [])]
+    return total
+
+
 def answers(redis, count):
     """About 100 kB, found here or in Redis."""
     body = {"sites": 2500, "iterations": 0, "domain": TORUS}
@@ -93,11 +117,14 @@ def answers(redis, count):
 
 
 def throughput(redis, count):
-    """Jobs a second, from the first request to the last end."""
+    """Jobs a second, from the first request to the last end, and what all processes work for one."""
     body = {"sites": 1024, "iterations": 5, "domain": TORUS}
 
     def run(servers):
         clients = [Client(server) for server in servers]
+        for client in clients:
+            client.wait_for_libraries()
+        worked = cpu_of_descendants()
         start = time.perf_counter()
         ids = [json.loads(clients[seed % len(clients)].ask("POST", "/sample", {**body, "seed": seed}, LATER)[1])["id"]
                for seed in range(count)]
@@ -108,18 +135,26 @@ def throughput(redis, count):
 
         with concurrent.futures.ThreadPoolExecutor(8) as pool:
             list(pool.map(wait, ids))
-        return count / (time.perf_counter() - start)
+        rate = count / (time.perf_counter() - start)
+        return rate, 1000 * (cpu_of_descendants() - worked) / count
 
-    rates = [[], []]
+    runs = [[], []]
     flags = ("--max-connections-per-address=0", "--job-queue=10000", f"--redis={redis.url}")
-    for _ in range(3):
+    for _ in range(5):
         with Server("--workers=4", *flags) as one:  # three of them for jobs
-            rates[0].append(run([one]))
+            runs[0].append(run([one]))
         with contextlib.ExitStack() as stack:
             three = [stack.enter_context(Server("--workers=1", *flags)) for _ in range(3)]
-            rates[1].append(run(three))
-    one, three = (statistics.median(each) for each in rates)
-    print(f"  jobs a second: one server {one:.0f}, three {three:.0f} ({100 * (three / one - 1):+.0f} %); {rates}")
+            runs[1].append(run(three))
+    for name, each in (("jobs a second", 0), ("ms of all CPUs a job", 1)):
+        one, three = ([run[each] for run in kind] for kind in runs)
+        over = statistics.median(three) / statistics.median(one) - 1
+        print(f"  {name}: one server {shown(one)}, three {shown(three)} ({100 * over:+.0f} %)")
+
+
+def shown(numbers):
+    low, middle, high = min(numbers), statistics.median(numbers), max(numbers)
+    return f"{middle:.3g} ({low:.3g} to {high:.3g})"
 
 
 def main():
