@@ -30,4 +30,8 @@ std::optional<Trace> parse_traceparent(std::string_view header) {
     return trace;
 }
 
+std::string_view whole_traceparent(std::string_view header) {
+    return parse_traceparent(header) ? header.substr(0, kSize) : "";
+}
+
 }  // namespace ccdt::server

@@ -42,8 +42,9 @@ struct JobProgress {
 /// A request that nobody waits for: all but its body.
 struct Job {
     std::string id;
-    std::string owner;   ///< name of the API key that it came with; empty: none
-    std::string client;  ///< whose turn it takes
+    std::string owner;        ///< name of the API key that it came with; empty: none
+    std::string client;       ///< whose turn it takes
+    std::string traceparent;  ///< of the request that it came with, well formed; empty: none
     api::Cost cost;
     JobStatus status = JobStatus::Queued;
     int starts = 0;           ///< runs begun that their server did not survive, and the one that runs

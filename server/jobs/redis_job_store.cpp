@@ -242,6 +242,7 @@ Result<std::optional<Job>> RedisJobStore::job_of(const std::string& id, const Re
     job.id = id;
     job.owner = fields.text("owner");
     job.client = fields.text("client");
+    job.traceparent = fields.text("traceparent");
     job.cost = {fields.number<std::size_t>("memory"), fields.number<double>("seconds")};
     job.status = *status;
     job.starts = fields.number<int>("starts");
@@ -278,7 +279,8 @@ Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& reque
     const std::string most = std::to_string(limits_.bytes);
     const std::string memory = std::to_string(job.cost.memory);
     const std::string seconds = text_of(job.cost.seconds);
-    const auto reply = run(kAdd, {job.id, pieces, bytes, waiting, most, job.owner, job.client, memory, seconds});
+    const auto reply =
+        run(kAdd, {job.id, pieces, bytes, waiting, most, job.owner, job.client, memory, seconds, job.traceparent});
     if (!reply) return tl::unexpected(reply.error());
     if (reply->items.empty()) return not_understood("job " + job.id);
     if (reply->items[0].text == "full") return Added::QueueFull;

@@ -20,8 +20,8 @@ namespace {
 /// "ccdt", where SQLite keeps whose file it is.
 constexpr std::int64_t kApplication = 0x63636474;
 
-/// 1: without digests.
-constexpr std::int64_t kVersion = 2;
+/// 1: without digests; 2: without traces.
+constexpr std::int64_t kVersion = 3;
 
 /// Bytes of the disk that the log keeps, so that there is room to delete when the disk is full. To delete a result
 /// of 36 MiB takes 0.1 MB of it, to give back `kGivenBack` pages 4.2 MB.
@@ -83,6 +83,9 @@ constexpr const char* kDigests = R"(
     ALTER TABLE results ADD COLUMN digest TEXT NOT NULL DEFAULT '';
 )";
 
+/// The requests that jobs came with, for the log.
+constexpr const char* kTraces = "ALTER TABLE jobs ADD COLUMN traceparent TEXT NOT NULL DEFAULT ''";
+
 std::int64_t number_of(Time time) {
     return time.time_since_epoch().count();
 }
@@ -107,19 +110,22 @@ std::optional<Time> time_at(const Statement& row, int column) {
 
 constexpr int kRow = 20;
 constexpr int kBytes = 21;
-constexpr int kDigest = 22;
+constexpr int kTraceparent = 22;
+constexpr int kDigest = 23;
 
 /// Selects what `job_at` reads, then the columns above: the last one is the digest of all others.
 std::string select_jobs(const std::string& which) {
     return "SELECT id, owner, client, memory, seconds, status, starts, created, started, finished, fraction, "
            "iteration, variation, failure, message, field, media_type, result_bytes, partial, dropped, row, bytes, "
-           "digest FROM jobs " +
+           "traceparent, digest FROM jobs " +
            which;
 }
 
+/// What an earlier version did not have goes into it only where it is there: what that one wrote is still sound.
 std::string digest_of(const Statement& row) {
     Digest digest;
-    for (int column = 0; column < kDigest; ++column) digest.add(row.image(column));
+    for (int column = 0; column < kTraceparent; ++column) digest.add(row.image(column));
+    if (!row.text(kTraceparent).empty()) digest.add(row.image(kTraceparent));
     return digest.finish();
 }
 
@@ -148,6 +154,7 @@ Job job_at(const Statement& row) {
     job.result_bytes = static_cast<std::size_t>(row.integer(17));
     job.partial = row.integer(18) != 0;
     job.dropped = row.integer(19) != 0;
+    job.traceparent = row.text(kTraceparent);
     return job;
 }
 
@@ -265,11 +272,21 @@ void SqliteJobStore::check_file() {
     ++damages_;
 }
 
-/// @param version  of the tables that there are; 0: none
+/// Brings the tables to this version.
+/// @param version  of those that there are; 0: none
 void SqliteJobStore::prepare_tables(std::int64_t version) {
     Transaction transaction(database_);
-    if (version == 0) database_.execute(kTables);
-    database_.execute(kDigests);
+    if (version < 1) database_.execute(kTables);
+    if (version < 2) database_.execute(kDigests);
+    database_.execute(kTraces);
+    if (version < 2) seal_all();
+    database_.execute(("PRAGMA application_id = " + std::to_string(kApplication)).c_str());
+    database_.execute(("PRAGMA user_version = " + std::to_string(kVersion)).c_str());
+    transaction.commit();
+}
+
+/// Believes all that there is.
+void SqliteJobStore::seal_all() {
     for (const auto row : rows_where([](const Statement&) { return true; })) {
         seal(row);
         const Kept kept = *look_up("WHERE row = ?", row);
@@ -281,9 +298,6 @@ void SqliteJobStore::prepare_tables(std::int64_t version) {
             Statement(database_, "UPDATE results SET digest = ? WHERE row = ?", digest_of(id, result->value), row)
                 .run();
     }
-    database_.execute(("PRAGMA application_id = " + std::to_string(kApplication)).c_str());
-    database_.execute(("PRAGMA user_version = " + std::to_string(kVersion)).c_str());
-    transaction.commit();
 }
 
 /// Fails the jobs that are not what they were.
@@ -436,12 +450,12 @@ bool SqliteJobStore::make_room(std::size_t bytes) {
 void SqliteJobStore::insert(const Job& job, const ComputeRequest& request, std::size_t bytes) {
     take_room(bytes);
     Transaction transaction(database_);
-    Statement(
-        database_,
-        "INSERT INTO jobs (id, owner, client, memory, seconds, status, starts, created, fraction, iteration, "
-        "media_type, result_bytes, partial, dropped, bytes) VALUES (?, ?, ?, ?, ?, ?, 0, ?, 0, 0, '', 0, 0, 0, ?)",
-        job.id, job.owner, job.client, number_of(job.cost.memory), job.cost.seconds,
-        static_cast<std::int64_t>(job.status), number_of(job.created), number_of(bytes))
+    Statement(database_,
+              "INSERT INTO jobs (id, owner, client, memory, seconds, status, starts, created, fraction, iteration, "
+              "media_type, result_bytes, partial, dropped, bytes, traceparent) "
+              "VALUES (?, ?, ?, ?, ?, ?, 0, ?, 0, 0, '', 0, 0, 0, ?, ?)",
+              job.id, job.owner, job.client, number_of(job.cost.memory), job.cost.seconds,
+              static_cast<std::int64_t>(job.status), number_of(job.created), number_of(bytes), job.traceparent)
         .run();
     const auto row = database_.last_row();
     seal(row);

@@ -88,6 +88,7 @@ private:
 
     void check_file();
     void prepare_tables(std::int64_t version);
+    void seal_all();
     void fail_damaged();
     void fail_damaged(std::int64_t row);
     template <class Test>

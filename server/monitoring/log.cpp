@@ -112,8 +112,14 @@ std::string job_line(const JobEnd& end, LogFormat format) {
                                    end.job.result_bytes, queue, work.decode, work.optimise, work.encode);
     if (end.job.failure)
         line += fmt::format(fmt::runtime(text ? " error={}" : R"(,"error":{})"), end.job.failure->status);
-    add_member(line, text ? " key={}" : R"(,"key":"{}")", end.job.owner);
-    add_member(line, text ? R"( cause="{}")" : R"(,"cause":"{}")", end.cause);
+    const auto add = [&](const char* as_text, const char* as_json, std::string_view value) {
+        add_member(line, text ? as_text : as_json, value);
+    };
+    const auto trace = parse_traceparent(end.job.traceparent).value_or(Trace{});
+    add(" key={}", R"(,"key":"{}")", end.job.owner);
+    add(" trace={}", R"(,"trace":"{}")", trace.id);
+    add(" parent={}", R"(,"parent":"{}")", trace.parent);
+    add(R"( cause="{}")", R"(,"cause":"{}")", end.cause);
     return line;
 }
 

@@ -10,6 +10,7 @@
 
 #include "server/http/compression.h"
 #include "server/http/entity_tag.h"
+#include "server/http/trace.h"
 #include "server/routes/job_routes.h"
 #include "server/work/answer_headers.h"
 #include "server/work/answer_name.h"
@@ -216,6 +217,7 @@ HttpResult<Response> Computing::defer(const AcceptedPointer& asked, const Incomi
     Job job;
     job.owner = incoming.connection.key();
     job.client = incoming.connection.client_name();
+    job.traceparent = whole_traceparent(incoming.request.header("traceparent"));
     job.cost = *cost;
     job.cost.memory += asked->request.body.size();  // its run takes it from the store
     if (job.cost.memory > pool_.memory().total()) return too_large(job.cost.memory);

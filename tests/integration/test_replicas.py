@@ -99,6 +99,20 @@ class Replicas(unittest.TestCase):
         for other in others:
             self.assertEqual(wait_for_end(second, other)["status"], "succeeded", "no worker is kept")
 
+    def test_a_trace_goes_with_its_job(self):
+        first = self.start()
+        trace, parent = "0af7651916cd43dd8448eb211c80319c", "b7ad6b7169203331"
+        ids = ("--header", f"traceparent: 00-{trace}-{parent}-01")
+        jobs = [submit(first, {**LONG, "seed": seed}, *ids) for seed in range(2)]
+        wait_for(first, jobs[0], "running")
+        second = self.start()
+        self.assertEqual(first.stop(), 0)
+        for job in jobs:
+            self.assertEqual(wait_for_end(second, job)["status"], "succeeded")
+            line = second.wait_for_log(f"job {job.removeprefix('/jobs/')} succeeded")
+            self.assertIn(f" trace={trace} parent={parent}\n", line + "\n")
+            self.assertIn(f" trace={trace} parent={parent}\n", first.log())
+
     def test_all_replicas_work(self):
         servers = [self.start() for _ in range(3)]
         jobs = [submit(servers[0], {**LONG, "seed": seed}) for seed in range(3)]

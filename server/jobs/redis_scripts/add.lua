@@ -1,4 +1,5 @@
--- id, where its question is, bytes, jobs that may wait, bytes that may be kept, owner, client, memory, seconds
+-- id, where its question is, bytes, jobs that may wait, bytes that may be kept, owner, client, memory, seconds,
+-- traceparent or nothing
 -- -> accepted and when it was, full, no room
 local id, uploaded, bytes, client = ARGV[1], ARGV[2], tonumber(ARGV[3]), ARGV[7]
 local created = field(id, 'created')
@@ -16,6 +17,7 @@ local turn = math.max(state('turn'), tonumber(redis.call('ZSCORE', key('had'), c
 redis.call('ZADD', key('had'), turn + tonumber(ARGV[9]), client)
 redis.call('HSET', job_key(id), 'owner', ARGV[6], 'client', client, 'memory', ARGV[8], 'seconds', ARGV[9],
     'status', 'queued', 'starts', 0, 'claim', 0, 'created', now, 'fraction', 0, 'iteration', 0)
+if ARGV[10] ~= '' then redis.call('HSET', job_key(id), 'traceparent', ARGV[10]) end
 set_bytes(id, bytes)
 enter_queue(id, turn, string.format('%016d', redis.call('HINCRBY', key('state'), 'places', 1)) .. id)
 return {'accepted', tostring(field(id, 'created'))}

@@ -31,5 +31,13 @@ TEST(ParseTraceparent, RefusesWhatIsNotWellFormed) {
         EXPECT_FALSE(parse_traceparent(header)) << header;
 }
 
+TEST(WholeTraceparent, IsParsedAgain) {
+    EXPECT_EQ(whole_traceparent(kHeader), kHeader);
+    const std::string later = "cc" + kHeader.substr(2);
+    EXPECT_EQ(whole_traceparent(later + "-what-comes-later"), later);
+    EXPECT_EQ(parse_traceparent(later)->id, kId);
+    EXPECT_EQ(whole_traceparent(kHeader + "-x"), "");
+}
+
 }  // namespace
 }  // namespace ccdt::server

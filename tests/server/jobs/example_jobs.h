@@ -16,6 +16,7 @@ inline Job job_named(const std::string& id) {
     job.id = id;
     job.owner = "alice";
     job.client = "key alice";
+    job.traceparent = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01";
     job.cost = {1000, 0.5};
     return job;
 }

@@ -181,6 +181,7 @@ TEST_P(JobStoreTest, KeepsJobsAndQuestionsAsTheyAre) {
     EXPECT_EQ(found.id, job.id);
     EXPECT_EQ(found.owner, job.owner);
     EXPECT_EQ(found.client, job.client);
+    EXPECT_EQ(found.traceparent, job.traceparent);
     EXPECT_EQ(found.cost.memory, job.cost.memory);
     EXPECT_EQ(found.cost.seconds, job.cost.seconds);
     EXPECT_EQ(found.status, JobStatus::Queued);

@@ -176,7 +176,7 @@ TEST_F(SqliteJobStoreTest, TakesOverTheFirstVersionsFile) {
         EXPECT_EQ(**store->result("done"), std::string("\0\1\xff", 3));
         EXPECT_EQ(store->damages(), 0u);
     }
-    EXPECT_EQ(Database(file()).value_of("PRAGMA user_version"), 2);
+    EXPECT_EQ(Database(file()).value_of("PRAGMA user_version"), 3);
 }
 
 TEST_F(SqliteJobStoreTest, NeverTellsAResultThatTheDiskHasChanged) {
@@ -227,7 +227,8 @@ TEST_F(SqliteJobStoreTest, FailsJobsThatTheDiskHasChanged) {
          {"owner = 'bob'",    "client = 'b'",  "memory = 1",    "seconds = 0",  "status = 1",
           "starts = 7",       "created = 1",   "started = 1",   "fraction = 1", "iteration = 1",
           "variation = 1",    "failure = 400", "message = 'm'", "field = 'f'",  "media_type = 'text/html'",
-          "result_bytes = 7", "partial = 1",   "dropped = 1",   "bytes = 1",    "digest = ''"}) {
+          "result_bytes = 7", "partial = 1",   "dropped = 1",   "bytes = 1",    "traceparent = ''",
+          "digest = ''"}) {
         add_finished(*open(), change, "result");
         Database(file()).execute(("UPDATE jobs SET " + std::string(change)).c_str());
         const auto store = open();

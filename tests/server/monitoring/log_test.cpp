@@ -97,6 +97,16 @@ TEST(Log, WritesAJobOnOneLine) {
               R"("optimise_ms":3.0,"encode_ms":4.0,"error":500,"key":"alice","cause":"out of \"luck\"")");
 }
 
+TEST(Log, NamesTheTraceOfAJob) {
+    JobEnd end;
+    end.job.traceparent = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01";
+    EXPECT_NE(job_line(end, LogFormat::Text).find(" trace=0af7651916cd43dd8448eb211c80319c parent=b7ad6b7169203331"),
+              std::string::npos);
+    EXPECT_NE(job_line(end, LogFormat::Json)
+                  .find(R"(,"trace":"0af7651916cd43dd8448eb211c80319c","parent":"b7ad6b7169203331")"),
+              std::string::npos);
+}
+
 TEST(Log, ShowsWhatIsMissing) {
     EXPECT_TRUE(exchange_line({}, LogFormat::Text).starts_with("- - - - 200 "));
 }
