@@ -55,12 +55,12 @@ def learn():
 class Replica:
     """A server on a port of its own, which is started again whenever it has ended. Its logs are kept."""
 
-    def __init__(self, redis):
+    def __init__(self, redis, program=None):
         self.port = free_port()
         self.flags = (f"--port={self.port}", "--workers=1", f"--job-lease={LEASE}", "--job-queue=100000",
                       "--max-connections-per-address=0", f"--redis={redis.url}")
         self.logs = []
-        self.server = Server(*self.flags)
+        self.server = Server(*self.flags, program=program)
 
     def end(self, number):
         """Ends it by a signal; returns the exit code."""
@@ -210,6 +210,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--jobs", type=int, default=1000)
     parser.add_argument("--seconds", type=float, default=60, help="of trouble, at least")
+    parser.add_argument("--before", metavar="PROGRAM", help="a server of another release, which all are at first, and "
+                                                            "are exchanged for one after another under load")
     arguments = parser.parse_args()
     if not HAPROXY.exists():
         print("skipped: docker/install --unpack tools has not run")
@@ -219,15 +221,16 @@ def main():
     with contextlib.ExitStack() as stack:
         # By the second Redis tells what it has done before it is in the file, where the disk is slow.
         redis = stack.enter_context(Redis("--appendfsync", "always"))
-        replicas = [Replica(redis) for _ in range(3)]
+        replicas = [Replica(redis, arguments.before) for _ in range(3)]
         for replica in replicas:
             stack.callback(replica.close)
         folder = stack.enter_context(tempfile.TemporaryDirectory())
         balancer = stack.enter_context(Balancer(folder, [replica.server for replica in replicas]))
         clients = Clients(balancer.port, known, arguments.jobs)
         stack.callback(clients.over.set)
+        wrong = [fault for replica in replicas if arguments.before for fault in drain(replica, clients)]
         done = trouble(replicas, redis, clients, arguments.seconds)
-        wrong = drain(replicas[0], clients)
+        wrong += drain(replicas[0], clients)
         clients.join()
         print(f"  {dict(done)}; {len(clients.jobs)} jobs accepted, others answered {dict(clients.refused)}; "
               f"at once {dict(clients.asked)}")

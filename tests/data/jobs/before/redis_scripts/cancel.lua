@@ -1,0 +1,11 @@
+-- id, bytes of the job from then on -> the job, unless it is not there or has ended
+local id = ARGV[1]
+if not field(id, 'created') or field(id, 'finished') then return false end
+withdraw(id)
+redis.call('UNLINK', question_key(id))
+redis.call('ZADD', key('finished'), exact_now, id)
+redis.call('HSET', job_key(id), 'status', 'cancelled', 'finished', now, 'result_bytes', 0)
+set_bytes(id, tonumber(ARGV[2]))
+tell('stop ' .. id)
+tell('changed ' .. id)
+return redis.call('HGETALL', job_key(id))

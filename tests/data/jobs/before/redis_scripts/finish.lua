@@ -1,0 +1,29 @@
+-- id, claim, where its result is or nothing, its bytes, bytes of the job from then on, bytes that may be kept, then
+-- names and values of what is known of the job -> finished and when, lost, no room
+local id, uploaded, bytes = ARGV[1], ARGV[3], tonumber(ARGV[4])
+
+local function refuse(why)
+    if uploaded ~= '' then redis.call('UNLINK', uploaded) end
+    return why
+end
+
+if not owns(id, ARGV[2]) then
+    local finished = field(id, 'finished')  -- by this claim, whose server did not hear of it
+    if finished and field(id, 'claim') == ARGV[2] and field(id, 'status') ~= 'cancelled' then
+        return refuse({'finished', finished})
+    end
+    return refuse({'lost'})
+end
+if uploaded ~= '' then
+    if not make_room(bytes, tonumber(ARGV[6])) then return refuse({'no room'}) end
+    redis.call('RENAME', uploaded, result_key(id))
+    redis.call('PERSIST', result_key(id))
+    redis.call('ZADD', key('results'), exact_now, id)
+end
+redis.call('ZREM', key('leases'), id)
+redis.call('UNLINK', question_key(id))
+redis.call('ZADD', key('finished'), exact_now, id)
+redis.call('HSET', job_key(id), 'finished', now, 'result_bytes', bytes, unpack(ARGV, 7))
+set_bytes(id, tonumber(ARGV[5]))
+tell('changed ' .. id)
+return {'finished', field(id, 'finished')}

@@ -1,0 +1,2 @@
+-- -> jobs that wait, that are claimed, bytes kept
+return {redis.call('ZCARD', key('queue')), redis.call('ZCARD', key('leases')), state('bytes')}
