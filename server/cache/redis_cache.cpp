@@ -28,6 +28,13 @@ Number number_of(const RedisReply& reply) {
 
 }  // namespace
 
+Result<std::vector<std::string>> RedisCache::find_faults(RedisClient& client) {
+    if (const auto there = client.run(RedisCommand{"PING"}); !there) return tl::unexpected(there.error());
+    if (client.setting("maxmemory-policy") != "noeviction") return std::vector<std::string>();
+    return std::vector{"Redis at " + client.address().name() +
+                       " keeps no more answers once its memory is full (maxmemory-policy volatile-lru)"};
+}
+
 std::optional<api::Answer> RedisCache::find(const std::string& name) {
     const std::string key = std::string(kPrefix) + name;
     auto reply = client_.run(RedisCommand{"HMGET", key, "body", "media_type", "coding", "sites", "pixels", "repaired",

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "api/run/options.h"
 #include "server/redis/redis_client.h"
@@ -15,6 +16,10 @@ class RedisCache {
 public:
     /// The client must outlive it.
     explicit RedisCache(RedisClient& client) : client_(client) {}
+
+    /// Finds what of the settings of a Redis keeps answers out of it, as far as it tells them. Errors: it cannot be
+    /// reached.
+    static Result<std::vector<std::string>> find_faults(RedisClient& client);
 
     std::optional<api::Answer> find(const std::string& name);
 

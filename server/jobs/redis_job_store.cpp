@@ -177,19 +177,18 @@ void RedisJobStore::tell(std::string_view news) {
 Result<std::vector<std::string>> RedisJobStore::find_faults(RedisClient& client) {
     const auto server = client.run(RedisCommand{"INFO", "server"});
     if (!server) return tl::unexpected(server.error());
-    const auto setting = [&client](std::string_view name) -> std::string {
-        const auto reply = client.run(RedisCommand{"CONFIG", "GET", name});
-        return reply && reply->items.size() == 2 ? reply->items[1].text : "";
-    };
     const std::string place = "Redis at " + client.address().name();
     const std::string version = line_of(server->text, "redis_version");
     std::string_view major = version;
     std::vector<std::string> faults;
     if (!version.empty() && api::parse_number<int>(api::take_until(major, ".")).value_or(0) < kLeastVersion)
         faults.push_back(place + " is of version " + version + "; jobs need 7.0 or later");
-    if (setting("appendonly") == "no")
+    if (client.setting("appendonly") == "no")
         faults.push_back(place + " keeps no append-only file: jobs end with it (appendonly yes)");
-    if (setting("maxmemory-policy").starts_with("allkeys"))
+    if (client.setting("appendfsync") == "no")
+        faults.push_back(place +
+                         " does not see to it that the disk has what it writes (appendfsync always or everysec)");
+    if (client.setting("maxmemory-policy").starts_with("allkeys"))
         faults.push_back(place + " drops jobs when its memory is full (maxmemory-policy noeviction)");
     return faults;
 }

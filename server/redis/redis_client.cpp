@@ -83,6 +83,11 @@ Result<RedisReply> RedisClient::run(const RedisScript& script, std::string_view 
     return run(std::move(command));
 }
 
+std::string RedisClient::setting(std::string_view name) {
+    const auto reply = run(RedisCommand{"CONFIG", "GET", name});
+    return reply && reply->items.size() == 2 ? reply->items[1].text : "";
+}
+
 Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisCommand> commands,
                                                      Clock::time_point deadline) {
     const Turn turn(*this, deadline);

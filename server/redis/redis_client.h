@@ -8,6 +8,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/result.h"
@@ -43,6 +44,9 @@ public:
     /// Runs a script, which Redis is told if it does not know it.
     /// @param key  on which it works
     Result<RedisReply> run(const RedisScript& script, std::string_view key, const RedisCommand& arguments);
+
+    /// How Redis is set; empty where it does not tell.
+    std::string setting(std::string_view name);
 
     Counts counts() const;
     const RedisAddress& address() const { return address_; }

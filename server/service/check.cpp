@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "server/access/key_ring.h"
+#include "server/cache/redis_cache.h"
 #include "server/compute/compute_box.h"
 #include "server/config/memory_plan.h"
 #include "server/decoder/decoder_box.h"
@@ -68,12 +69,13 @@ Found check_memory(const Config& config) {
                              " are there to compute with"};
 }
 
-/// A server starts without its Redis, and waits for it.
-Found check_redis(const RedisAddress& address) {
+/// Asks a Redis, without which a server starts as well, for what is wrong with it.
+template <class FindFaults>
+Found check_redis(const RedisAddress& address, const char* does, FindFaults find_faults) {
     RedisClient client(address);
-    const auto faults = RedisJobStore::find_faults(client);
+    const Result<std::vector<std::string>> faults = find_faults(client);
     if (!faults) return {State::Weak, faults.error().message};
-    if (faults->empty()) return {State::Good, "kept by Redis at " + address.name()};
+    if (faults->empty()) return {State::Good, does + std::string(" by Redis at ") + address.name()};
     std::string words;
     for (const auto& fault : *faults) words += (words.empty() ? "" : "; ") + fault;
     return {State::Weak, words};
@@ -81,7 +83,7 @@ Found check_redis(const RedisAddress& address) {
 
 /// Jobs in a folder need one that may be written, or one in which it may be made.
 Found check_jobs(const Config& config) {
-    if (config.redis) return check_redis(*config.redis);
+    if (config.redis) return check_redis(*config.redis, "kept", RedisJobStore::find_faults);
     if (config.data_dir.empty()) return {State::Good, "kept in memory, and gone with the server"};
     std::error_code none;
     auto folder = std::filesystem::absolute(config.data_dir, none);
@@ -89,6 +91,19 @@ Found check_jobs(const Config& config) {
     const bool is_folder = std::filesystem::is_directory(folder, none);
     if (is_folder && access(folder.c_str(), W_OK | X_OK) == 0) return {State::Good, "kept in " + config.data_dir};
     return {State::Wrong, folder.string() + ": " + std::strerror(is_folder ? errno : ENOTDIR)};
+}
+
+Found check_answers(const Config& config) {
+    if (config.cache_redis) return check_redis(*config.cache_redis, "kept here and", RedisCache::find_faults);
+    return {State::Good, config.cache > 0 ? "kept here" : "not kept"};
+}
+
+Found check_rates(const Config& config) {
+    if (config.rate.per_second <= 0) return {State::Good, "not limited"};
+    if (!config.rate_redis) return {State::Good, "counted here"};
+    return check_redis(*config.rate_redis, "counted", [](RedisClient& client) {
+        return client.run(RedisCommand{"PING"}).map([](const RedisReply&) { return std::vector<std::string>(); });
+    });
 }
 
 Found check_address(const Config& config) {
@@ -105,8 +120,8 @@ struct Check {
 };
 
 constexpr Check kChecks[] = {
-    {"decoder", check_decoder}, {"worker", check_worker}, {"keys", check_keys},
-    {"memory", check_memory},   {"jobs", check_jobs},     {"address", check_address},
+    {"decoder", check_decoder}, {"worker", check_worker},   {"keys", check_keys},   {"memory", check_memory},
+    {"jobs", check_jobs},       {"answers", check_answers}, {"rates", check_rates}, {"address", check_address},
 };
 
 std::string_view name_of(State state) {

@@ -13,7 +13,8 @@ import unittest
 from engine import Redis
 from harness import PATIENCE, Server, ask
 
-PARTS = ["decoder", "worker", "keys", "memory", "jobs", "address"]
+PARTS = ["decoder", "worker", "keys", "memory", "jobs", "answers", "rates", "address"]
+MAY_BE_WRONG = [part for part in PARTS if part not in ("answers", "rates")]
 
 
 class Check(unittest.TestCase):
@@ -63,7 +64,7 @@ class Check(unittest.TestCase):
         with socket.create_server(("127.0.0.1", 0)) as taken:
             wrong = self.wrong(f"--port={taken.getsockname()[1]}", "--memory=1MiB", "--api-key-file=/none",
                                f"--data-dir={self.folder / 'file' / 'jobs'}", program=alone)
-        self.assertEqual(list(wrong), PARTS)
+        self.assertEqual(list(wrong), MAY_BE_WRONG)
         self.assertIn("ccdt-decoder", wrong["decoder"])
         self.assertIn("ccdt-worker", wrong["worker"])
         self.assertIn("/none", wrong["keys"])
@@ -89,6 +90,25 @@ class Check(unittest.TestCase):
         self.assertEqual(parts["jobs"][0], "weak")
         self.assertIn("refused", parts["jobs"][1])
         self.assertNotIn("secret", str(values))
+
+    def test_tells_where_answers_and_rates_are_shared(self):
+        _, _, parts = self.check("--port=0", "--cache=0")
+        self.assertEqual((parts["answers"], parts["rates"]), (("good", "not kept"), ("good", "not limited")))
+        _, _, parts = self.check("--port=0", "--rate-limit=1")
+        self.assertEqual((parts["answers"], parts["rates"]), (("good", "kept here"), ("good", "counted here")))
+        with Redis() as redis:
+            flags = (f"--cache-redis={redis.url}", f"--rate-redis={redis.url}", "--rate-limit=1")
+            redis.cli("CONFIG", "SET", "maxmemory-policy", "volatile-lru")
+            _, _, parts = self.check("--port=0", *flags)
+            self.assertEqual(parts["answers"], ("good", f"kept here and by Redis at 127.0.0.1:{redis.port}"))
+            self.assertEqual(parts["rates"], ("good", f"counted by Redis at 127.0.0.1:{redis.port}"))
+            redis.cli("CONFIG", "SET", "maxmemory-policy", "noeviction")
+            self.assertEqual(self.check("--port=0", *flags)[2]["answers"][0], "weak")
+        code, _, parts = self.check("--port=0", *flags)
+        self.assertEqual(code, 0, "it starts without them")
+        for part in ("answers", "rates"):
+            self.assertEqual(parts[part][0], "weak")
+            self.assertIn("refused", parts[part][1])
 
     def test_leaves_a_server_alone(self):
         flag = f"--data-dir={self.folder}"
