@@ -258,6 +258,7 @@ bool Jobs::keep_locked(const RunPointer& run, JobStore::Owned owned) {
     if (owned == JobStore::Owned::Still || run->settling) return true;
     if (owned == JobStore::Owned::Lost && run->stop != Stop::Gone) ++counts_.lost;
     drop_locked(run);
+    changed_locked(run->job.id);
     return false;
 }
 
@@ -456,6 +457,10 @@ void Jobs::work() {
 
 void Jobs::changed(const std::string& id) {
     const std::lock_guard lock(mutex_);
+    changed_locked(id);
+}
+
+void Jobs::changed_locked(const std::string& id) {
     const auto followed = find_followed_locked(id);
     if (!followed) return;
     followed->stale = true;
@@ -559,6 +564,11 @@ std::optional<Job> Jobs::Watch::next(Clock::time_point until) {
         if (!over_ && !job_->changed.wait_until(lock, until, has_news)) return std::nullopt;
     }
     return std::nullopt;
+}
+
+void Jobs::Watch::look_again() {
+    const std::lock_guard lock(jobs_.mutex_);
+    job_->stale = true;
 }
 
 void Jobs::drain() {

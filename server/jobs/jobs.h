@@ -98,6 +98,9 @@ public:
         /// @returns  none if there was none until then
         std::optional<Job> next(Clock::time_point until);
 
+        /// Has the next call ask the store, which may have lost the job without a word.
+        void look_again();
+
         /// Whether there will be no more news: it was told how the job ended, or the job is gone.
         bool is_over() const { return over_; }
 
@@ -148,7 +151,7 @@ private:
     struct Followed {
         Job job;
         std::vector<JobProgress> steps;
-        bool stale = false;  ///< the store knows better
+        bool stale = false;  ///< the store may know better
         bool gone = false;
         std::condition_variable changed;
     };
@@ -183,6 +186,7 @@ private:
     void add_latest(Job& job) const;
     FollowedPointer find_followed_locked(const std::string& id) const;
     static void advance_locked(Followed& followed, const Job& job);
+    void changed_locked(const std::string& id);
     void publish_locked(const Job& job);
     void look_again(const std::string& id, Followed& followed) const;
 

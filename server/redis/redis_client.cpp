@@ -57,6 +57,7 @@ Result<std::vector<RedisReply>> RedisClient::run(std::span<const RedisCommand> c
     auto replies = attempt(commands, began + deadline_);
     if (replies) {
         const auto failed = std::ranges::find(*replies, RedisReply::Kind::Error, &RedisReply::kind);
+        if (failed != replies->end() && failed->is_error("READONLY")) drop_idle();
         if (failed != replies->end() && !failed->is_error("NOSCRIPT"))
             replies = tl::unexpected(error_of(*failed, address_));
     }

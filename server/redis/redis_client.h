@@ -22,8 +22,9 @@ namespace ccdt::server {
 ///
 /// A connection that was lost is made again: what was on its way is sent once more if the connection had been idle, so
 /// that commands should do no harm if they are done twice. While Redis cannot be reached calls fail at once, but for
-/// one after each pause, of up to a second; also once it does not answer in time. Errors of all: Stopped if it cannot
-/// be reached, or not within the deadline; LimitExceeded if its memory is full; Internal for whatever else it says.
+/// one after each pause, of up to a second; also once it does not answer in time. All connections are made again once
+/// it says that it is a copy: its address may be another one's by then. Errors of all: Stopped if it cannot be reached,
+/// or not within the deadline; LimitExceeded if its memory is full; Internal for whatever else it says.
 class RedisClient {
 public:
     using Clock = std::chrono::steady_clock;

@@ -265,9 +265,9 @@ Result<std::optional<RedisReply>> RedisConnection::receive(Clock::time_point unt
     while (true) {
         auto reply = take_reply();
         if (!reply || *reply) return reply;
+        if (Clock::now() >= until) return std::nullopt;
         const auto bytes = receive_bytes(until);
         if (!bytes) return tl::unexpected(bytes.error());
-        if (bytes->empty() && Clock::now() >= until) return std::nullopt;
         redisReaderFeed(reader_.get(), bytes->data(), bytes->size());
     }
 }

@@ -109,6 +109,7 @@ void JobRoutes::send_events(Jobs::Watch watch, const Connection& connection, con
         const auto news = watch.next(last_look ? Clock::now() : std::min(Clock::now() + kPeek, ping));
         if (!news && (last_look || watch.is_over())) return;
         if (!news && Clock::now() < ping) continue;
+        if (!news) watch.look_again();
         if (!send(news ? event(*news) : ": ping\n\n") || (news && is_finished(news->status))) return;
         silent_since = Clock::now();
     }

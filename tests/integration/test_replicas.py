@@ -207,6 +207,40 @@ class Replicas(unittest.TestCase):
                     and now.headers["location"])
         self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
 
+    def test_what_redis_has_lost_is_gone(self):
+        server = self.start()
+        job = submit(server, ENDLESS)
+        wait_for(server, job, "running")
+        stream = Call(server.url(job + "/events"))
+        until(lambda: figure(server, "ccdt_event_streams_open") == 1)
+        self.redis.cli("FLUSHALL")
+        self.redis.cli("SCRIPT", "FLUSH")
+        self.assertNotIn(b"event: succeeded", stream.answer().body, "but it ends")
+        for path in (job, job + "/result", job + "/events"):
+            self.assertEqual(ask(server, path).status, 404)
+        until(lambda: figure(server, "ccdt_workers_busy") == 0)
+        self.assertEqual(figure(server, "ccdt_job_leases_lost_total"), 1)
+        self.assertEqual(wait_for_end(server, submit(server, SMALL))["status"], "succeeded")
+
+    def test_a_copy_that_may_not_be_written_is_waited_for(self):
+        with Redis("--replicaof", "127.0.0.1", str(self.redis.port)) as copy:
+            with Server("--workers=2", f"--redis={copy.url}") as server:
+                refused = until(lambda: (now := ask(server, "/sample", *LATER, data=json.dumps(SMALL))).status == 503
+                                and now)
+                self.assertGreater(int(refused.headers["retry-after"]), 0)
+                self.assertEqual(ask(server, "/sample", data=json.dumps(SMALL)).status, 200)
+                copy.cli("REPLICAOF", "NO", "ONE")
+                job = until(lambda: (now := ask(server, "/sample", *LATER, data=json.dumps(SMALL))).status == 202
+                            and now.headers["location"])
+                self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
+
+    def test_results_are_larger_than_redis_takes_at_once(self):
+        server = self.start()
+        self.redis.cli("CONFIG", "SET", "proto-max-bulk-len", "1mb")
+        job = submit(server, {**SMALL, "sites": 100_000, "iterations": 0})
+        self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
+        self.assertGreater(len(ask(server, job + "/result").body), 3 << 20)
+
     def test_a_full_memory_is_told(self):
         server = self.start()
         done = submit(server, SMALL)

@@ -22,7 +22,12 @@ while true do
     if #places == 0 then return false end
     for _, place in ipairs(places) do
         local id = string.sub(place, 17)
-        if tonumber(field(id, 'memory')) <= memory then return claim(id) end
+        if not is_at(id, place) then
+            redis.call('ZREM', key('queue'), place)
+            first = first - 1
+        elseif tonumber(field(id, 'memory')) <= memory then
+            return claim(id)
+        end
     end
-    first = first + 16
+    first = first + #places
 end

@@ -59,6 +59,13 @@ local function leave_queue(id)
     return tonumber(turn)
 end
 
+-- Whether there is a job with what is needed to run it, and it is at this place. It may not be where others than these
+-- scripts have changed or deleted keys, as a Redis that drops what was not asked for does.
+local function is_at(id, place)
+    local known = redis.call('HMGET', job_key(id), 'place', 'client', 'memory', 'seconds')
+    return known[1] == place and known[2] and tonumber(known[3]) and tonumber(known[4])
+end
+
 -- Once nobody waits all that was had is forgotten.
 local function forget_turns_if_empty()
     if redis.call('EXISTS', key('queue')) == 1 then return end
@@ -69,9 +76,10 @@ end
 -- Has a claimed job wait again, first of all.
 local function put_back(id)
     redis.call('ZREM', key('leases'), id)
+    if not is_at(id, field(id, 'place')) then return end
     redis.call('HSET', job_key(id), 'status', 'queued', 'fraction', 0, 'iteration', 0)
     redis.call('HDEL', job_key(id), 'started', 'variation')
-    enter_queue(id, math.min(tonumber(field(id, 'turn')), state('turn')), field(id, 'place'))
+    enter_queue(id, math.min(tonumber(field(id, 'turn') or '0'), state('turn')), field(id, 'place'))
     tell('changed ' .. id)
 end
 
@@ -102,8 +110,11 @@ local function make_room(bytes, most)
         local oldest = not dropped and redis.call('ZRANGE', key('finished'), 0, 0)[1]
         if dropped then
             redis.call('UNLINK', result_key(dropped))
-            redis.call('HSET', job_key(dropped), 'dropped', 1)
-            set_bytes(dropped, tonumber(field(dropped, 'bytes')) - tonumber(field(dropped, 'result_bytes')))
+            local bytes, of_result = tonumber(field(dropped, 'bytes')), tonumber(field(dropped, 'result_bytes'))
+            if bytes and of_result then
+                redis.call('HSET', job_key(dropped), 'dropped', 1)
+                set_bytes(dropped, bytes - of_result)
+            end
         elseif oldest then
             remove(oldest)
         else

@@ -281,6 +281,22 @@ TEST_F(JobsTest, AreForgottenInTime) {
     while (stored_bytes() > 0) std::this_thread::yield();
 }
 
+TEST_F(JobsTest, AreFollowedNoLongerThanTheyAreThere) {
+    start();
+    const std::string running = submit(kEndless);
+    wait_until_running(running);
+    const std::string lost = submit(kShort);
+    auto watch = *jobs_->watch(lost, kAlice);
+    EXPECT_TRUE(watch.next(Jobs::Clock::now()));
+    ASSERT_TRUE(*store_->remove(lost)) << "which tells nobody";
+    EXPECT_FALSE(watch.next(Jobs::Clock::now()));
+    EXPECT_FALSE(watch.is_over());
+    watch.look_again();
+    while (watch.next(Jobs::Clock::now() + std::chrono::minutes(2))) {
+    }
+    EXPECT_TRUE(watch.is_over());
+}
+
 TEST_F(JobsTest, FailWhereNobodyWillGoOn) {
     start();
     const std::string running = submit(kEndless);

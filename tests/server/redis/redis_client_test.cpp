@@ -1,5 +1,9 @@
 #include "server/redis/redis_client.h"
 
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
@@ -87,6 +91,59 @@ TEST_F(RedisClientTest, WaitsNoLongerThanItsDeadline) {
     EXPECT_EQ(late.error().code, ErrorCode::Stopped);
     redis_.resume();
     wait_until_back();
+}
+
+/// Answers whatever it is asked in its own way, and then has one thing more to say until nobody listens.
+class NoRedis {
+public:
+    NoRedis(std::string answer, std::string rest) : answer_(std::move(answer)), rest_(std::move(rest)) {
+        sockaddr_in place{};
+        place.sin_family = AF_INET;
+        place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        socklen_t size = sizeof(place);
+        EXPECT_EQ(bind(listener_, reinterpret_cast<sockaddr*>(&place), size), 0);
+        EXPECT_EQ(listen(listener_, 5), 0);
+        EXPECT_EQ(getsockname(listener_, reinterpret_cast<sockaddr*>(&place), &size), 0);
+        address_.host = "127.0.0.1";
+        address_.port = std::to_string(ntohs(place.sin_port));
+        thread_ = std::jthread([this] {
+            const int client = accept(listener_, nullptr, nullptr);
+            char asked[1000];
+            if (recv(client, asked, sizeof(asked), 0) > 0) send(client, answer_.data(), answer_.size(), MSG_NOSIGNAL);
+            while (!rest_.empty() && send(client, rest_.data(), rest_.size(), MSG_NOSIGNAL) > 0)
+                std::this_thread::yield();
+            close(client);
+        });
+    }
+    ~NoRedis() {
+        thread_.join();
+        close(listener_);
+    }
+
+    const RedisAddress& address() const { return address_; }
+
+private:
+    const int listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const std::string answer_;
+    const std::string rest_;
+    RedisAddress address_;
+    std::jthread thread_;
+};
+
+TEST(RedisClient, WaitsForNoReplyThatNeverEnds) {
+    const NoRedis slow("+OK\r\n$500000000\r\n", "a few bytes");
+    RedisClient client(slow.address(), std::chrono::milliseconds(100));
+    const auto late = client.run(RedisCommand{"PING"});
+    ASSERT_FALSE(late);
+    EXPECT_EQ(late.error().code, ErrorCode::Stopped);
+}
+
+TEST(RedisClient, TellsThatSomethingElseAnswers) {
+    const NoRedis other("HTTP/1.1 400 Bad Request\r\n\r\n", "");
+    RedisClient client(other.address());
+    const auto failed = client.run(RedisCommand{"PING"});
+    ASSERT_FALSE(failed);
+    EXPECT_NE(failed.error().message.find("not understood"), std::string::npos) << failed.error().message;
 }
 
 TEST_F(RedisClientTest, TellsThatTheMemoryIsFull) {
