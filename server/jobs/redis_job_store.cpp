@@ -19,6 +19,10 @@ constexpr std::string_view kPrefix = "ccdt:1:";
 /// Bytes of a body that are sent at a time: larger ones would keep others waiting.
 constexpr std::size_t kPiece = std::size_t{1} << 20;
 
+/// Bytes of a body that goes with the call that needs it: one round trip, and one wait for the disk, where there would
+/// be two. Larger ones would be copied several times more while nobody else's turn comes.
+constexpr std::size_t kSmall = std::size_t{64} << 10;
+
 /// Seconds that pieces are kept of which nothing came.
 constexpr std::string_view kPiecesKept = "120";
 
@@ -267,19 +271,26 @@ Result<bool> RedisJobStore::is_full(std::string_view client) {
 }
 
 Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& request) {
-    const std::string pieces = key_of_pieces(job);
-    const auto uploaded = upload(
-        pieces,
-        {"path", request.path, "query", request.query, "content_type", request.content_type, "accept", request.accept},
-        request.body);
-    if (!uploaded) return tl::unexpected(uploaded.error());
+    RedisCommand fields{"path",         request.path,         "query",  request.query,
+                        "content_type", request.content_type, "accept", request.accept};
+    const std::string pieces = request.body.size() > kSmall ? key_of_pieces(job) : "";
+    if (!pieces.empty()) {
+        if (const auto uploaded = upload(pieces, fields, request.body); !uploaded)
+            return tl::unexpected(uploaded.error());
+    }
     const std::string bytes = std::to_string(bytes_of_job(bytes_of(request)));
     const std::string waiting = std::to_string(limits_.waiting);
     const std::string most = std::to_string(limits_.bytes);
     const std::string memory = std::to_string(job.cost.memory);
     const std::string seconds = text_of(job.cost.seconds);
-    const auto reply =
-        run(kAdd, {job.id, pieces, bytes, waiting, most, job.owner, job.client, memory, seconds, job.traceparent});
+    RedisCommand arguments{job.id,    pieces,     bytes,  waiting, most,
+                           job.owner, job.client, memory, seconds, job.traceparent};
+    const std::string size = std::to_string(request.body.size());
+    if (pieces.empty()) {
+        arguments.insert(arguments.end(), fields.begin(), fields.end());
+        arguments.insert(arguments.end(), {"size", size, "0", request.body});
+    }
+    const auto reply = run(kAdd, arguments);
     if (!reply) return tl::unexpected(reply.error());
     if (reply->items.empty()) return not_understood("job " + job.id);
     if (reply->items[0].text == "full") return Added::QueueFull;
@@ -337,15 +348,15 @@ Result<void> RedisJobStore::give_back(const Job& job) {
 }
 
 Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_view result) {
-    const std::string pieces = result.empty() ? "" : key_of_pieces(job);
-    if (!result.empty()) {
+    const std::string pieces = result.size() > kSmall ? key_of_pieces(job) : "";
+    if (!pieces.empty()) {
         if (const auto uploaded = upload(pieces, {}, result); !uploaded) return tl::unexpected(uploaded.error());
     }
     const std::string claim = std::to_string(job.claim);
     const std::string size = std::to_string(result.size());
     const std::string bytes = std::to_string(bytes_of_job(result.size()));
     const std::string most = std::to_string(limits_.bytes);
-    RedisCommand arguments{job.id, claim, pieces, size, bytes, most};
+    RedisCommand arguments{job.id, claim, pieces, size, bytes, most, pieces.empty() ? result : ""};
     const auto fields = fields_of_end(job);
     arguments.insert(arguments.end(), fields.begin(), fields.end());
     const auto reply = run(kFinish, arguments);

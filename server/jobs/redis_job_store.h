@@ -21,9 +21,9 @@ namespace ccdt::server {
 /// Jobs in a Redis, which servers share.
 ///
 /// What has to happen at once is a script of `redis_scripts`, whose common.lua tells what is kept under which keys;
-/// bodies go in pieces of a MiB, lest others wait, and are renamed to where they belong once they are whole. The keys
-/// begin with the version of their layout, `ccdt:1:`. Jobs whose leases run out are taken from others only once news
-/// have come for as long as a lease: after Redis was away all servers have the time to renew theirs.
+/// large bodies go in pieces of a MiB, lest others wait, and are renamed to where they belong once they are whole. The
+/// keys begin with the version of their layout, `ccdt:1:`. Jobs whose leases run out are taken from others only once
+/// news have come for as long as a lease: after Redis was away all servers have the time to renew theirs.
 class RedisJobStore : public JobStore {
 public:
     /// Lines for the log.

@@ -34,6 +34,20 @@ local function is_full(client, most)
     return waiting >= 2 * most or redis.call('HEXISTS', key('waiting'), client) == 1
 end
 
+-- Puts a body where it belongs: one that was uploaded before, or the fields of one that came with the call.
+local function put(body_key, uploaded, fields)
+    if uploaded == '' then
+        redis.call('HSET', body_key, unpack(fields))
+    else
+        redis.call('RENAME', uploaded, body_key)
+        redis.call('PERSIST', body_key)
+    end
+end
+
+local function discard(uploaded)
+    if uploaded ~= '' then redis.call('UNLINK', uploaded) end
+end
+
 -- Changes what a job counts for.
 local function set_bytes(id, bytes)
     local before = tonumber(field(id, 'bytes') or '0')

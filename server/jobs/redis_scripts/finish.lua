@@ -1,9 +1,9 @@
--- id, claim, where its result is or nothing, its bytes, bytes of the job from then on, bytes that may be kept, then
--- names and values of what is known of the job -> finished and when, lost, no room
+-- id, claim, where its result was uploaded or nothing, its bytes, bytes of the job from then on, bytes that may be kept,
+-- a result that was not uploaded, then names and values of what is known of the job -> finished and when, lost, no room
 local id, uploaded, bytes = ARGV[1], ARGV[3], tonumber(ARGV[4])
 
 local function refuse(why)
-    if uploaded ~= '' then redis.call('UNLINK', uploaded) end
+    discard(uploaded)
     return why
 end
 
@@ -14,16 +14,15 @@ if not owns(id, ARGV[2]) then
     end
     return refuse({'lost'})
 end
-if uploaded ~= '' then
+if bytes > 0 then
     if not make_room(bytes, tonumber(ARGV[6])) then return refuse({'no room'}) end
-    redis.call('RENAME', uploaded, result_key(id))
-    redis.call('PERSIST', result_key(id))
+    put(result_key(id), uploaded, {'size', bytes, '0', ARGV[7]})
     redis.call('ZADD', key('results'), exact_now, id)
 end
 redis.call('ZREM', key('leases'), id)
 redis.call('UNLINK', question_key(id))
 redis.call('ZADD', key('finished'), exact_now, id)
-redis.call('HSET', job_key(id), 'finished', now, 'result_bytes', bytes, unpack(ARGV, 7))
+redis.call('HSET', job_key(id), 'finished', now, 'result_bytes', bytes, unpack(ARGV, 8))
 set_bytes(id, tonumber(ARGV[5]))
 tell('changed ' .. id)
 return {'finished', field(id, 'finished')}

@@ -260,6 +260,29 @@ TEST_P(JobStoreTest, KeepsLargeRequestsAndResults) {
     EXPECT_EQ(bytes(), JobStore::bytes_of_job(large.size()));
 }
 
+TEST_P(JobStoreTest, KeepsBodiesOfAllSizes) {
+    for (const std::size_t size : {1, 65'535, 65'536, 65'537, 1'048'576, 1'048'577, 2'097'152}) {
+        std::string body(size, '\0');
+        body.back() = 'x';
+        Job job = job_named(std::to_string(size));
+        ComputeRequest request = kComputeRequest;
+        request.body = body;
+        ASSERT_EQ(store_->add(job, request), JobStore::Added::Accepted);
+        const auto found = store_->request(job.id);
+        ASSERT_TRUE(found && *found);
+        EXPECT_EQ((*found)->query, request.query);
+        EXPECT_EQ((*found)->body, body);
+        ASSERT_TRUE(*store_->finish(succeeded(claim(), body), body));
+        EXPECT_EQ(**store_->result(job.id), body);
+        EXPECT_TRUE(*store_->remove(job.id));
+    }
+    Job job = job_named("empty");
+    ComputeRequest request = kComputeRequest;
+    request.body.clear();
+    ASSERT_EQ(store_->add(job, request), JobStore::Added::Accepted);
+    EXPECT_EQ((**store_->request("empty")).body, "");
+}
+
 TEST_P(JobStoreTest, KeepsFailures) {
     add(*store_, job_named("a"));
     Job job = claim();
