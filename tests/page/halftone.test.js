@@ -10,8 +10,8 @@ import { data, looksAsKept, run, runInBrowser, settled, slide, useBrowser } from
 
 const world = useBrowser();
 const picture = path.join(data, "images/camera.png");
-const slider = (name) => world.page.locator(`#halftone [data-name=${name}] input[type=range]`);
-const number = (name) => world.page.locator(`#halftone [data-name=${name}] input[type=number]`);
+const slider = (name) => world.page.locator(`#halftone .fields [data-name=${name}] input[type=range]`);
+const number = (name) => world.page.locator(`#halftone .fields [data-name=${name}] input[type=number]`);
 
 async function open() {
   await world.page.goto(world.url);
@@ -134,7 +134,7 @@ test("leaves the number of dots to the picture, or to a pen", async () => {
   await settled(world.page, "halftone");
   assert.ok(!new URL(seen.at(-1).url).searchParams.has("sites"));
   assert.match(await world.page.textContent("#halftone .status"), /^dots of radius \d/);
-  const width = world.page.locator("#halftone [data-name=width_mm]");
+  const width = world.page.locator("#halftone .fields [data-name=width_mm]");
   assert.ok(await width.isHidden());
   await world.page.uncheck("#halftone [data-name=dot] input[type=checkbox]");
   await number("dot").fill("0.5");

@@ -32,12 +32,30 @@ export class Analyze extends Panel {
     super(element);
     Object.assign(this, { halftone, sample });
     this.source = this.find("#source");
-    this.source.addEventListener("change", () => this.refresh());
+    this.source.addEventListener("change", () => { this.note(true); this.refresh(); });
     this.find(".again").addEventListener("click", () => this.refresh());
   }
 
+  get #made() {
+    return this.source.value === "halftone" ? this.halftone : this.sample;
+  }
+
+  /** With what was made goes how it was made. */
+  state() {
+    return { ...(this.source.value !== "sample" && { source: this.source.value }), ...this.#made.state() };
+  }
+
+  async restore(state) {
+    this.source.value = state.source === "halftone" ? "halftone" : "sample";
+    await this.#made.restore(state);
+  }
+
+  look() {
+    this.refresh();
+  }
+
   /** @returns  {points, domain, note} of what was made */
-  async #made(signal) {
+  async #pointsMade(signal) {
     if (this.source.value === "halftone") {
       const { points, inks, width, height } = await (await this.halftone.ask("json", signal, this.tell)).json();
       return { points: points ?? inks.flatMap((ink) => ink.points), domain: { type: "rectangle", width, height }, note: notes.halftone };
@@ -53,7 +71,7 @@ export class Analyze extends Panel {
     this.wish(async (signal) => {
       this.results = [];
       this.#show();
-      const { points, domain, note } = await this.#made(signal);
+      const { points, domain, note } = await this.#pointsMade(signal);
       if (points.length > mostToAnalyze) throw new Error(`only up to ${count(mostToAnalyze)} points are analyzed here; these are ${count(points.length)}`);
       if (points.length < 2) throw new Error("there are too few points in the largest square inside the shape");
       this.find(".note").textContent = note;

@@ -76,10 +76,15 @@ export class Newest {
 
   /** Nothing is wished for any more. */
   cancel() {
+    this.abandon();
+    this.ended(null);
+  }
+
+  /** Ends what is under way, since something else is about to be wished for. */
+  abandon() {
     this.#next = null;
     this.#running?.cancel.abort();
     this.#running = null;
-    this.ended(null);
   }
 
   async #run(work, draft) {

@@ -1,4 +1,5 @@
-// The options of a request as labelled inputs, each with the place where the server's objection to it is shown.
+// The options of a request as labelled inputs, each with a line of help where it is not plain, and the place where the
+// server's objection to it is shown.
 
 import { make } from "./dom.js";
 
@@ -13,23 +14,30 @@ function numberInputs(field, id) {
     type: "range", min: toSlider(field.min), max: toSlider(field.max), step: field.log ? 0.01 : field.step,
     attributes: { "aria-label": `${field.label}, slider` },
   });
-  slider.value = toSlider(field.value);
-  const tell = () => slider.setAttribute("aria-valuetext", number.value);
-  slider.addEventListener("input", () => { number.value = Math.round(fromSlider(Number(slider.value)) * 100) / 100; tell(); });
+  const tell = () => slider.setAttribute("aria-valuetext", Number(number.value).toLocaleString("en"));
+  const put = (value) => {
+    number.value = value;
+    slider.value = toSlider(value);
+    tell();
+  };
+  const rounded = (value) => (field.step === 1 ? Math.round(value) : Math.round(value * 100) / 100);
+  slider.addEventListener("input", () => { number.value = rounded(fromSlider(Number(slider.value))); tell(); });
   number.addEventListener("input", () => { slider.value = toSlider(Number(number.value)); tell(); });
-  tell();
-  return { number, slider, all: [number, slider] };
+  put(field.value);
+  const limit = (most) => { slider.max = toSlider(Math.min(field.max, most)); };
+  return { number, slider, all: [number, slider], put, limit };
 }
 
+/** With `field.auto` a box that leaves the number to the server; `field.free` is then the word for that. */
 function numberField(field, id, change) {
-  const { number, slider, all } = numberInputs(field, id);
+  const { number, slider, all, put: putNumber, limit } = numberInputs(field, id);
   const entry = make("div", { className: "entry" });
   const auto = field.auto !== undefined && make("input", { type: "checkbox", checked: field.auto });
   const unit = field.units && make("select", { attributes: { "aria-label": `${field.label}, unit` } },
     ...field.units.map(([value, text]) => new Option(text, value)));
   const settle = () => [...all, ...(unit ? [unit] : [])].forEach((input) => { input.disabled = auto && auto.checked; });
   if (auto) {
-    entry.append(make("label", {}, auto, "auto"));
+    entry.append(make("label", {}, auto, field.free ?? "auto"));
     auto.addEventListener("change", () => { settle(); change(false); });
   }
   settle();
@@ -46,7 +54,16 @@ function numberField(field, id, change) {
     if (number.value === "") return "";
     return unit && unit.value ? Number(number.value) + unit.value : Number(number.value);
   };
-  return { input: number, parts: [entry, slider], value };
+  const put = (text) => {
+    const ending = (field.units ?? []).map(([name]) => name).find((name) => name && text.endsWith(name)) ?? "";
+    const digits = text.slice(0, text.length - ending.length);
+    const isNumber = digits !== "" && Number.isFinite(Number(digits));
+    if (isNumber) putNumber(Number(digits));
+    if (isNumber && unit) unit.value = ending;
+    if (auto && (isNumber || text === "auto")) auto.checked = !isNumber;
+    settle();
+  };
+  return { input: number, parts: [entry, slider], value, text: () => String(value() ?? "auto"), put, limit };
 }
 
 /** Several numbers side by side, each with a label of its own; their value has commas between them. */
@@ -56,19 +73,23 @@ function numbersField(field, id, change) {
   for (const input of inputs) input.addEventListener("change", () => change(false));
   const place = make("div", { className: "numbers", attributes: { role: "group", "aria-label": field.label } },
     ...inputs.map((input, index) => make("label", {}, input, field.numbers[index].label)));
-  return { input: inputs[0], parts: [place], value: () => inputs.map(({ value }) => (value === "" ? "" : Number(value))).join(",") };
+  const value = () => inputs.map((input) => (input.value === "" ? "" : Number(input.value))).join(",");
+  const put = (text) => text.split(",").slice(0, inputs.length).forEach((one, i) => { inputs[i].value = one; });
+  return { input: inputs[0], parts: [place], value, text: value, put };
 }
 
 function choiceField(field, id, change) {
   const select = make("select", { id }, ...field.choices.map(([value, text]) => new Option(text, value)));
   select.addEventListener("change", () => change(false));
-  return { input: select, parts: [select], value: () => select.value };
+  const value = () => select.value;
+  const put = (text) => { if (field.choices.some(([name]) => name === text)) select.value = text; };
+  return { input: select, parts: [select], value, text: value, put };
 }
 
 function checkField(field, id, change) {
   const box = make("input", { id, type: "checkbox", checked: field.checked ?? false });
   box.addEventListener("change", () => change(false));
-  return { input: box, parts: [box], value: () => box.checked };
+  return { input: box, parts: [box], value: () => box.checked, text: () => String(box.checked), put: (text) => { box.checked = text === "true"; } };
 }
 
 /** Boxes for any of a few choices, of which `field.checked` are checked at first; their value lists them. */
@@ -80,8 +101,12 @@ function severalField(field, id, change) {
   });
   const place = make("div", { className: "several", attributes: { role: "group", "aria-label": field.label } },
     ...boxes.map(({ label }) => label));
-  return { input: boxes[0].box, parts: [place], value: () => boxes.filter(({ box }) => box.checked).map(({ box }) => box.value) };
+  const value = () => boxes.filter(({ box }) => box.checked).map(({ box }) => box.value);
+  const put = (text) => boxes.forEach(({ box }) => { box.checked = text.split(",").includes(box.value); });
+  return { input: boxes[0].box, parts: [place], value, text: () => value().join(","), put };
 }
+
+const isColour = (text) => /^#[0-9a-f]{6}$/.test(text);
 
 function colourField(field, id, change) {
   const well = make("input", { id, type: "color", value: field.value });
@@ -92,7 +117,12 @@ function colourField(field, id, change) {
   entry.append(well);
   well.addEventListener("input", () => change(true));
   well.addEventListener("change", () => change(false));
-  return { input: well, parts: [entry], value: () => (none?.checked ? "transparent" : well.value) };
+  const value = () => (none?.checked ? "transparent" : well.value);
+  const put = (text) => {
+    if (isColour(text)) well.value = text;
+    if (none) none.checked = well.disabled = text === "transparent";
+  };
+  return { input: well, parts: [entry], value, text: value, put };
 }
 
 /** One well for each of 1 to as many colours as `field.colours` has, of which `field.number` are there at first. */
@@ -129,14 +159,83 @@ function paletteField(field, id, change) {
   });
   place.append(more);
   field.colours.slice(0, field.number).forEach(add);
-  return { input: wells[0], parts: [place], value: () => wells.map((well) => well.value).join(",") };
+  const value = () => wells.map((well) => well.value).join(",");
+  const put = (text) => {
+    const colours = text.split(",").filter(isColour).slice(0, field.colours.length);
+    if (colours.length === 0) return;
+    while (wells.length > colours.length) wells.pop().parentElement.remove();
+    colours.forEach((colour, i) => { if (i < wells.length) wells[i].value = colour; else add(colour); });
+    settle();
+  };
+  return { input: wells[0], parts: [place], value, text: value, put };
 }
 
-const makers = { number: numberField, numbers: numbersField, choice: choiceField, several: severalField, check: checkField, colour: colourField, palette: paletteField };
+/** A text that is JSON. One that is not goes to the server as it is, which objects. */
+function jsonField(field, id, change) {
+  const area = make("textarea", { id, rows: 2, spellcheck: false });
+  area.addEventListener("change", () => change(false));
+  const value = () => {
+    if (area.value.trim() === "") return undefined;
+    try {
+      return JSON.parse(area.value);
+    } catch {
+      return area.value;
+    }
+  };
+  return { input: area, parts: [area], value, text: () => area.value, put: (text) => { area.value = text; } };
+}
+
+/** A picture that is chosen, as {image: base64}. No state holds it. */
+function pictureField(field, id, change) {
+  let image = null;
+  const input = make("input", { id, type: "file", accept: "image/*" });
+  const name = make("span", { className: "hint" });
+  const less = make("button", { type: "button", textContent: "Remove", hidden: true, attributes: { "aria-label": `Remove: ${field.label}` } });
+  const take = (base64, text) => {
+    image = base64;
+    name.textContent = text;
+    less.hidden = base64 === null;
+  };
+  input.addEventListener("change", () => {
+    const [file] = input.files;
+    if (!file) return;
+    const reader = new FileReader();
+    reader.addEventListener("load", () => { take(reader.result.split(",")[1] ?? "", file.name); change(false); });
+    reader.readAsDataURL(file);
+    input.value = "";
+  });
+  less.addEventListener("click", () => { take(null, ""); input.focus(); change(false); });
+  const parts = [make("div", { className: "entry" }, name, less, make("span", { className: "button" }, "Choose", input))];
+  return { input, parts, value: () => (image === null ? undefined : { image }), text: () => "", put: () => take(null, "") };
+}
+
+const makers = { number: numberField, numbers: numbersField, choice: choiceField, several: severalField, check: checkField, colour: colourField, palette: paletteField, json: jsonField, picture: pictureField };
+
+/** A button that shows and hides a line of help: {button, line}. */
+function helpFor(label, text, id) {
+  const line = make("p", { id, className: "help", textContent: text, hidden: true });
+  const button = make("button", {
+    type: "button", className: "about", textContent: "?",
+    attributes: { "aria-label": `About: ${label}`, "aria-expanded": "false", "aria-controls": id },
+  });
+  button.addEventListener("click", () => {
+    line.hidden = !line.hidden;
+    button.setAttribute("aria-expanded", String(!line.hidden));
+  });
+  return { button, line };
+}
+
+/** Puts a button with a line of help after an element's text. */
+export function explain(element, text) {
+  const { button, line } = helpFor(element.textContent, text, `help-${++made}`);
+  element.append(" ", button);
+  element.after(line);
+}
 
 /**
  * Fields in a form. `change(draft)` is called while a slider moves, with true, and when it rests.
- * A field has `name`, `label`, `kind`, `value` (the default, which is left out of requests).
+ * A field has `name`, `label`, `kind`, `value` (what it is at first), `standard` (the server's default, which is left out
+ * of requests) and perhaps `help`.
  */
 export class Fields {
   #entries = [];
@@ -149,10 +248,14 @@ export class Fields {
   #add(form, field, change) {
     const id = `field-${++made}`;
     const entry = { field, ...makers[field.kind](field, id, change) };
+    entry.first = entry.text();
     entry.error = make("p", { id: `${id}-error`, className: "error" });
     entry.input.setAttribute("aria-describedby", entry.error.id);
+    const label = make("label", { htmlFor: id, textContent: field.label });
+    const { button, line } = field.help ? helpFor(field.label, field.help, `${id}-help`) : {};
     entry.element = make("div", { className: "field", attributes: { "data-name": field.name } },
-      make("label", { htmlFor: id, textContent: field.label }), ...entry.parts, entry.error);
+      ...(button ? [make("span", { className: "label" }, label, button)] : [label]),
+      ...entry.parts, ...(line ? [line] : []), entry.error);
     form.append(entry.element);
     this.#entries.push(entry);
   }
@@ -161,15 +264,34 @@ export class Fields {
     return this.#entries.find((entry) => entry.field.name === name);
   }
 
+  get #offered() {
+    return this.#entries.filter(({ element }) => !element.hidden);
+  }
+
   /** What differs from the server's defaults, by name, of what is offered. */
   values() {
-    const offered = this.#entries.filter(({ element }) => !element.hidden);
-    const all = offered.map((entry) => [entry.field.name, entry.value(), entry.field.standard]);
+    const all = this.#offered.map((entry) => [entry.field.name, entry.value(), entry.field.standard]);
     return Object.fromEntries(all.filter(([, value, standard]) => value !== undefined && value !== standard));
   }
 
-  set(name, value) {
-    this.#find(name).input.value = value;
+  /** What is not as it was at first, by name, as texts that `restore` takes; of what is offered. */
+  state() {
+    const changed = this.#offered.filter((entry) => entry.text() !== entry.first);
+    return Object.fromEntries(changed.map((entry) => [entry.field.name, entry.text()]));
+  }
+
+  /** Puts into each field what a state has for it, or else what it was at first. */
+  restore(state) {
+    for (const entry of this.#entries) {
+      entry.put(entry.first);
+      const text = state[entry.field.name];
+      if (text !== undefined) entry.put(text);
+    }
+  }
+
+  /** Puts a text into a field, as states have it. */
+  put(name, text) {
+    this.#find(name).put(text);
   }
 
   offer(name, offered) {
@@ -180,6 +302,11 @@ export class Fields {
     this.#find(name).input.disabled = !enabled;
   }
 
+  /** Lets a slider go no farther than the server does. */
+  limit(name, most) {
+    this.#find(name).limit(most);
+  }
+
   /** Puts each objection beside the field that it is about, if there is one here. */
   show(errors) {
     for (const entry of this.#entries) {
@@ -188,9 +315,11 @@ export class Fields {
     }
     for (const { pointer, detail } of errors) {
       const entry = this.#find(pointer.replace(/^\//, "").split("/")[0]);
-      if (!entry) continue;
+      if (!entry || entry.element.hidden) continue;
       entry.error.textContent = detail;
       entry.input.setAttribute("aria-invalid", "true");
+      const place = entry.element.closest("details");
+      if (place) place.open = true;
     }
   }
 }

@@ -3,6 +3,7 @@
 import { capabilities } from "./api.js";
 import { acceptDrops, count, seconds } from "./dom.js";
 import { Fields } from "./fields.js";
+import { fields, moreFields } from "./halftone_options.js";
 import { postPatiently } from "./jobs.js";
 import { Panel } from "./panel.js";
 import { Snippets } from "./snippets.js";
@@ -10,25 +11,14 @@ import { Viewport } from "./viewport.js";
 
 const draftOptions = { quality: "draft", iterations: 1, passes: 2 };
 const thumbWidth = 32;
+const firstSample = "astronaut.jpg";
+const ownPicture = "own";  // in the address, which cannot hold it
 
-const fields = [
-  { kind: "number", name: "sites", label: "Dots", value: 20000, min: 200, max: 200000, step: 1, log: true, auto: false },
-  { kind: "number", name: "dot", label: "Radius", value: 3, min: 0.1, max: 12, log: true, auto: true, units: [["", "pixels"], ["mm", "mm"]] },
-  { kind: "number", name: "width_mm", label: "Picture's width, mm", value: 200, min: 20, max: 2000, step: 1, log: true },
-  { kind: "choice", name: "tone", label: "Tone", standard: "linear", choices: [["linear", "linear"], ["perceptual", "perceptual: lighter"]] },
-  { kind: "number", name: "detail", label: "Detail", value: 0.7, min: 0, max: 1, step: 0.05, standard: 0.7 },
-  { kind: "numbers", name: "levels", label: "Levels", standard: "0,1,1", numbers: [
-    { label: "black point", value: 0, min: 0, max: 1, step: 0.05 }, { label: "white point", value: 1, min: 0, max: 1, step: 0.05 },
-    { label: "gamma", value: 1, min: 0.1, max: 10, step: 0.1 }] },
-  { kind: "check", name: "invert", label: "Invert", standard: false },
-  { kind: "check", name: "antialias", label: "Soft rims", checked: true, standard: false },
-  { kind: "choice", name: "color", label: "Inks", standard: "gray", choices: [["gray", "one"], ["cmyk", "CMYK: four"], ["rgb", "RGB: light on black"], ["palette", "a palette"]] },
-  { kind: "palette", name: "palette", label: "Palette", number: 4, colours: ["#0078bf", "#ff48b0", "#ffe800", "#000000", "#00a95c", "#ff6c2f"] },
-  { kind: "colour", name: "foreground", label: "Dots' colour", value: "#000000", standard: "#000000" },
-  { kind: "colour", name: "background", label: "Paper", value: "#ffffff", standard: "#ffffff", transparent: true },
-  { kind: "choice", name: "quality", label: "Quality", standard: "standard", choices: [["standard", "standard"], ["draft", "draft: faster"], ["best", "best: slower"]] },
-  { kind: "number", name: "seed", label: "Seed", value: 0, min: 0, max: 100, step: 1, standard: 0 },
-];
+const samplePath = (name) => `/assets/samples/${name}`;
+
+/** A picture that comes with the page: {name, path, blob}; one's own has no path. */
+const sample = async (name) => ({ name, path: samplePath(name), blob: await (await fetch(samplePath(name))).blob() });
+const ownOf = (file) => ({ name: file.name, blob: file });
 
 /** How many dots there are or, if the server has chosen that, how large: in pixels of the picture. */
 function describe({ sites }, response) {
@@ -36,100 +26,159 @@ function describe({ sites }, response) {
   return `dots of radius ${Number(response.headers.get("X-Radius")).toPrecision(3)}`;
 }
 
+/** What the server has to say of the picture, though it took it. */
+function warningsOf(response) {
+  const warnings = JSON.parse(response.headers.get("X-Warnings") ?? "[]").map(({ detail }) => detail);
+  if (response.headers.has("X-Partial")) warnings.push("the server's time ran out before all dots were even");
+  return warnings.join("; ");
+}
+
 export class Halftone extends Panel {
   #picture = null;
+  #own = null;
   #original = null;
   #dots = null;
+  #scale = null;  // output pixels to one of the picture, when it was last made whole
+  #isStale = true;
 
   constructor(element) {
     super(element);
     this.divider = this.find(".divider");
     this.viewport = new Viewport(this.find("canvas"), this.find(".zoom"), (...args) => this.#draw(...args));
-    this.fields = new Fields(this.find("form"), fields, (draft) => this.refresh(draft));
+    this.fields = new Fields(this.find(".fields"), fields, (draft) => this.refresh(draft));
+    this.moreFields = new Fields(this.find(".more form"), moreFields, (draft) => this.refresh(draft));
     this.#offerFields();
     this.snippets = new Snippets(this.find(".snippets"));
-    this.divider.addEventListener("input", () => this.viewport.redraw());
+    this.divider.addEventListener("input", () => { this.#tellDivider(); this.viewport.redraw(); });
+    this.#tellDivider();
     this.addDownloads(capabilities.halftone.formats, "dots", (format, signal) => this.ask(format, signal));
     this.#listenForPictures();
   }
 
+  #tellDivider() {
+    this.divider.setAttribute("aria-valuetext", `${Math.round(this.divider.value)} % picture`);
+  }
+
+  state() {
+    const { path, name } = this.#picture ?? { path: "", name: firstSample };
+    const picture = path === undefined ? ownPicture : name;
+    return {
+      ...(picture !== firstSample && { picture }),
+      ...this.fields.state(), ...this.moreFields.state(),
+    };
+  }
+
+  async restore(state) {
+    this.#isStale = true;
+    this.element.dataset.state = "busy";
+    for (const part of [this.fields, this.moreFields]) part.restore(state);
+    this.#offerFields();
+    if (state.picture === ownPicture && this.#own) return this.#take(this.#own);
+    const isOffered = this.thumbs.some(({ dataset }) => dataset.sample === state.picture);
+    const name = isOffered ? state.picture : firstSample;
+    if (this.#picture?.path !== samplePath(name)) await this.#take(await sample(name));
+  }
+
+  look() {
+    if (this.#isStale) this.#lookAnew();
+  }
+
+  async #lookAnew() {
+    if (!this.#picture) await this.#take(await sample(firstSample));
+    this.refresh();
+  }
+
   #listenForPictures() {
     this.thumbs = [...this.element.querySelectorAll(".thumb")];
-    for (const thumb of this.thumbs) thumb.addEventListener("click", () => this.chooseSample(thumb.dataset.sample));
+    for (const thumb of this.thumbs) thumb.addEventListener("click", () => this.#chooseSample(thumb.dataset.sample));
     this.find(".file").addEventListener("change", ({ target }) => {
-      if (target.files.length > 0) this.#choose(target.files[0], { name: target.files[0].name });
+      if (target.files.length > 0) this.#choose(ownOf(target.files[0]));
       target.value = "";
     });
-    acceptDrops(this.find(".drop"), (file) => this.#choose(file, { name: file.name }));
+    acceptDrops(this.find(".drop"), (file) => this.#choose(ownOf(file)));
     document.addEventListener("paste", (event) => {
       const [file] = event.clipboardData.files;
-      if (file && !this.element.hidden) this.#choose(file, { name: file.name });
+      if (file && !this.element.hidden) this.#choose(ownOf(file));
     });
   }
 
-  async chooseSample(name) {
-    const path = `/assets/samples/${name}`;
+  async #chooseSample(name) {
     this.element.dataset.state = "busy";
-    await this.#choose(await (await fetch(path)).blob(), { name, path });
+    await this.#choose(await sample(name));
+  }
+
+  /** A picture of one's own, or a sample: a step that one may go back from. */
+  async #choose(picture) {
+    if (!picture.path) this.#own = picture;
+    await this.#take(picture);
+    if (picture !== this.#picture) return;
+    this.note(true);
+    this.refresh();
   }
 
   /** A picture that the browser cannot draw, such as a TIFF, still has its dots drawn by the server. */
-  async #choose(blob, { name, path }) {
+  async #take(picture) {
     this.element.dataset.state = "busy";
-    this.#picture = { blob, name, path };
-    this.#dots = null;
-    for (const thumb of this.thumbs) thumb.setAttribute("aria-pressed", String(path?.endsWith(thumb.dataset.sample) ?? false));
-    const picture = this.#picture;
-    const original = await createImageBitmap(blob).catch(() => null);
+    this.newest.abandon();
+    this.#picture = picture;
+    this.#dots = this.#scale = null;
+    for (const thumb of this.thumbs) thumb.setAttribute("aria-pressed", String(picture.path === samplePath(thumb.dataset.sample)));
+    const original = await createImageBitmap(picture.blob).catch(() => null);
     if (picture !== this.#picture) return;
     this.#original = original;
     if (original) this.viewport.content = { width: original.width, height: original.height };
     this.viewport.redraw();
-    this.refresh(false);
   }
 
   /** What makes no sense with the inks, or the unit, that are chosen is not there to be asked for. */
   #offerFields() {
     const { color = "gray", dot } = this.fields.values();
-    this.fields.offer("width_mm", String(dot).endsWith("mm"));
+    const isInMm = String(dot).endsWith("mm");
+    this.fields.offer("width_mm", isInMm);
     this.fields.offer("palette", color === "palette");
     this.fields.offer("foreground", color === "gray");
     this.fields.offer("invert", color === "gray");
     this.fields.offer("background", color !== "rgb");
+    this.moreFields.offer("width_mm", !isInMm);
   }
 
   /** A radius in pixels is one of the output, whose scale then must stay what it was when the radius was seen. */
   #options() {
-    const options = this.fields.values();
+    const options = { ...this.fields.values(), ...this.moreFields.values() };
     if (options.palette) delete options.color;
-    if (typeof options.dot === "number" && this.#original && this.#dots)
-      options.scale = Math.round((100 * this.#dots.width) / this.#original.width) / 100;
+    if (typeof options.dot === "number" && options.scale === undefined && this.#scale)
+      options.scale = Math.round(100 * this.#scale) / 100;
     return options;
   }
 
   /** What the panel shows, in a format. */
-  ask(format, signal, told = this.tell) {
+  async ask(format, signal, told = this.tell) {
+    if (!this.#picture) await this.#take(await sample(firstSample));
     return this.#post({ ...this.#options(), format }, signal, told);
   }
 
   #post(options, signal, told) {
-    if (!this.#picture) throw new Error("choose a picture first");
     return postPatiently(`/halftone?${new URLSearchParams(options)}`, this.#picture.blob, options,
       { signal, told, type: "application/octet-stream" });
   }
 
   refresh(draft = false) {
+    this.#isStale = false;
     this.#offerFields();
     if (!this.#picture) return;
     const options = this.#options();
     this.snippets.showHalftone({ picture: this.#picture, options });
+    if (!draft) this.note();
     this.wish(async (signal) => {
       const start = performance.now();
       const response = await this.#post({ ...options, ...(draft ? draftOptions : {}) }, signal, this.tell);
       const dots = await createImageBitmap(await response.blob());
       if (signal.aborted) return;
+      if (draft) return this.#show(dots);
+      this.#scale = this.#original && dots.width / this.#original.width;
       this.#show(dots);
-      if (!draft) this.status.textContent = `${describe(options, response)}, ${dots.width} \u00d7 ${dots.height} pixels, ${seconds(start)}`;
+      this.status.textContent = `${describe(options, response)}, ${dots.width} \u00d7 ${dots.height} pixels, ${seconds(start)}`;
+      this.find(".warnings").textContent = warningsOf(response);
     }, draft);
   }
 
@@ -137,12 +186,12 @@ export class Halftone extends Panel {
   #show(dots) {
     this.#dots = dots;
     const { width, height } = this.#original ?? dots;
-    this.viewport.unit = dots.width / width / devicePixelRatio;
+    this.viewport.unit = (this.#scale ?? dots.width / width) / devicePixelRatio;
     this.viewport.content = { width, height };
   }
 
   place(errors) {
-    this.fields.show(errors);
+    for (const part of [this.fields, this.moreFields]) part.show(errors);
     const aboutPicture = errors.filter(({ pointer }) => pointer === "image");
     this.find(".picture-error").textContent = aboutPicture.map(({ detail }) => detail).join("; ");
   }
@@ -150,6 +199,7 @@ export class Halftone extends Panel {
   /** The picture is left. */
   forget() {
     this.#dots = null;
+    this.find(".warnings").textContent = "";
     this.viewport.redraw();
   }
 

@@ -1,41 +1,45 @@
-// Puts the page together: its panels, the tabs that choose among them, the key.
+// Puts the page together: its panels, the tabs that choose among them, the address that tells of them, the key.
 
+import { readAddress, writeAddress } from "./address.js";
 import { setKey } from "./api.js";
 import { Analyze } from "./analyze.js";
 import { Halftone } from "./halftone.js";
 import { Sample } from "./sample.js";
 
 const tabs = [...document.querySelectorAll("[role=tab]")];
-const panelOf = (tab) => document.getElementById(tab.getAttribute("aria-controls"));
+const nameOf = (tab) => tab.getAttribute("aria-controls");
 
 const halftone = new Halftone(document.getElementById("halftone"));
 const sample = new Sample(document.getElementById("sample"));
 const analyze = new Analyze(document.getElementById("analyze"), { halftone, sample });
-const firstShown = {
-  halftone: () => halftone.chooseSample("astronaut.jpg"),
-  sample: () => sample.refresh(),
-};
+const panels = { halftone, sample, analyze };
 
-function show(tab) {
+function select(tab) {
   for (const other of tabs) {
     other.setAttribute("aria-selected", String(other === tab));
     other.tabIndex = other === tab ? 0 : -1;
-    panelOf(other).hidden = other !== tab;
+    panels[nameOf(other)].element.hidden = other !== tab;
   }
-  const name = panelOf(tab).id;
-  if (name === "analyze") analyze.refresh();
-  firstShown[name]?.();
-  delete firstShown[name];
 }
 
-function showNamed() {
-  show(tabs.find((tab) => `#${panelOf(tab).id}` === location.hash) ?? tabs[0]);
+async function showAddress() {
+  const { panel: name, settings } = readAddress();
+  const tab = tabs.find((one) => nameOf(one) === name) ?? tabs[0];
+  const panel = panels[nameOf(tab)];
+  select(tab);
+  await panel.restore(settings);
+  panel.look();
 }
 
 for (const tab of tabs) {
+  const panel = panels[nameOf(tab)];
   tab.addEventListener("click", () => {
-    history.pushState(null, "", `#${panelOf(tab).id}`);  // following the anchor would take the focus away
-    show(tab);
+    select(tab);
+    writeAddress(nameOf(tab), panel.state(), true);
+    panel.look();
+  });
+  panel.element.addEventListener("settings", ({ detail }) => {
+    if (!panel.element.hidden) writeAddress(nameOf(tab), panel.state(), detail.isStep);
   });
 }
 document.querySelector("[role=tablist]").addEventListener("keydown", ({ key }) => {
@@ -45,7 +49,7 @@ document.querySelector("[role=tablist]").addEventListener("keydown", ({ key }) =
   next.focus();
   next.click();
 });
-addEventListener("popstate", showNamed);
+addEventListener("popstate", showAddress);
 
 const access = document.getElementById("access");
 document.addEventListener("keyneeded", ({ detail }) => {
@@ -57,7 +61,7 @@ access.addEventListener("submit", (event) => {
   setKey(document.getElementById("key").value);
   access.hidden = true;
   document.getElementById("key-error").textContent = "";
-  for (const panel of [halftone, sample, analyze]) panel.refresh();
+  for (const panel of Object.values(panels)) panel.refresh();
 });
 
-showNamed();
+showAddress();

@@ -22,6 +22,22 @@ export class Panel {
     this.status.textContent = "Cancelled: what is shown was made before";
   }
 
+  /** Puts settings, as `state` tells them, into the panel; what is shown is made anew once it is looked at. */
+  async restore() {}
+
+  /** Its settings that are not as they were at first, by name, as texts. */
+  state() {
+    return {};
+  }
+
+  /** The panel is looked at: what is not there yet is made. */
+  look() {}
+
+  /** Tells that settings have changed; a step is one to go back from. */
+  note(isStep = false) {
+    this.element.dispatchEvent(new CustomEvent("settings", { detail: { isStep } }));
+  }
+
   /** Shows where a job stands; null: what is under way is none. */
   tell = (state) => {
     this.job.hidden = state === null;

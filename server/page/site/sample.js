@@ -1,13 +1,13 @@
 // A shape becomes points.
 
-import { capabilities } from "./api.js";
 import { chart } from "./chart.js";
 import { acceptDrops, colour, count, make, metres, seconds } from "./dom.js";
 import { Drawing } from "./drawing.js";
-import { Fields } from "./fields.js";
+import { explain, Fields } from "./fields.js";
 import { countsOf, isGeojson, mayBeDegrees, polygonsOf } from "./geojson.js";
 import { postPatiently } from "./jobs.js";
 import { Panel } from "./panel.js";
+import { drawingFields, fields, formats, methodNamed, moreFields, shapeFields } from "./sample_options.js";
 import { areaOf, boundsOf, firstPolygon, outlineOf, polygonOf, rectangle, unitTorus } from "./shape.js";
 import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
@@ -21,28 +21,20 @@ const mostCounts = 24;  // properties that one may choose among
 const mostRepairs = 20;  // that are shown
 const mostParts = 30;  // that one may choose among
 const mostPast = 100;  // polygons
+const mostInAddress = 2000;  // characters of corners
+const map = { name: "texas.geojson", counted: ["employed", "unemployed"] };
+const ownShape = "own";  // in the address, which cannot hold it
 
 let filesTaken = 0;
 
-const { formats, methods } = capabilities.sample;
-const [standard] = methods;
-const methodNamed = (name = standard.name) => methods.find((method) => method.name === name);
-
-const fields = [
-  { kind: "number", name: "sites", label: "Points", value: 1000, min: 10, max: 50000, step: 1, log: true },
-  { kind: "choice", name: "method", label: "Method", standard: standard.name, choices: methods.map(({ name, title }) => [name, title]) },
-  { kind: "choice", name: "quality", label: "Quality", standard: "standard", choices: [["standard", "standard"], ["draft", "draft: without polish"], ["best", "best"]] },
-  { kind: "number", name: "seed", label: "Seed", value: 0, min: 0, max: 100, step: 1, standard: 0 },
-];
-
-const shapeFields = [
-  { kind: "choice", name: "coordinates", label: "Coordinates", standard: "plane", choices: [["lonlat", "longitude, latitude"], ["plane", "of a plane"]] },
-];
+const bodyMembers = ["density", "mask", "avoid", "fixed"];  // which cannot be parameters
 
 /** A GeoJSON document is the body itself, beside which options are parameters; another shape is a member beside them. */
 function requestOf({ file, json, ...shape }, options) {
-  if (!file) return { path: "/sample", body: JSON.stringify({ ...options, ...shape }), type: "application/json" };
-  return { path: `/sample?${new URLSearchParams(options)}`, body: file.text, type: "application/geo+json", file };
+  const isDocument = file && !bodyMembers.some((name) => name in options);
+  if (isDocument) return { path: `/sample?${new URLSearchParams(options)}`, body: file.text, type: "application/geo+json", file };
+  const members = file ? { ...options, geometry: json } : { ...options, ...shape };
+  return { path: "/sample", body: JSON.stringify(members), type: "application/json" };
 }
 
 /** 1, 2 or 5 times a power of ten, of which about `number` make up a sum. */
@@ -61,6 +53,15 @@ function countFields(counts, checked) {
   ];
 }
 
+/** @returns  the polygon that a text tells of; null if it is none */
+function readCorners(text) {
+  try {
+    return polygonOf(JSON.parse(text));
+  } catch {
+    return null;
+  }
+}
+
 export class Sample extends Panel {
   #shapes = { polygon: structuredClone(firstPolygon), rectangle: { domain: rectangle }, torus: { domain: unitTorus } };
   #frames = new Map();
@@ -68,6 +69,8 @@ export class Sample extends Panel {
   #kept = null;
   #past = [];
   #counts = [];
+  #own = null;
+  #isStale = true;
 
   constructor(element) {
     super(element);
@@ -83,12 +86,54 @@ export class Sample extends Panel {
       toScreen: (corner) => this.#toScreen(corner), toShape: (at) => this.#toShape(at),
       grasped: () => this.#remember(), changed: (moving) => this.#shapeMoved(moving),
     });
-    this.shapeFields = new Fields(this.find(".shape-fields"), shapeFields, () => { this.#refit(); this.refresh(); });
+    this.shapeFields = new Fields(this.find(".shape-fields"), shapeFields, () => this.#sidesChanged());
     this.fields = new Fields(this.find(".fields"), fields, (draft) => this.refresh(draft));
+    this.moreFields = new Fields(this.find(".more .of-points"), moreFields, (draft) => this.refresh(draft));
+    this.drawingFields = new Fields(this.find(".more .of-drawings"), drawingFields, (draft) => { if (!draft) this.note(); });
+    explain(this.find(".trace figcaption"), "How unequal the parts of the area are that points get: the standard deviation of the triangles' capacities over their mean. 0 would be all equal; independent random points have about 1.");
     this.snippets = new Snippets(this.find(".snippets"));
-    this.addDownloads(formats, "points", (format, signal) => this.#ask({ ...this.options(), format }, signal));
+    this.addDownloads(formats, "points", (format, signal) => this.#ask({ ...this.options(), ...this.#drawing(format), format }, signal));
     this.#listen();
     this.#shapeChosen();
+  }
+
+  state() {
+    const kind = this.shapeChoice.value;
+    const shape = kind === "file" ? (this.shape?.file.path ? map.name : ownShape) : kind;
+    const corners = kind === "polygon" ? JSON.stringify(this.shape) : "";
+    const isDrawn = corners !== "" && corners !== JSON.stringify(firstPolygon) && corners.length <= mostInAddress;
+    const parts = [this.shapeFields, this.fields, ...(kind === "file" && this.countFields ? [this.countFields] : []), this.moreFields, this.drawingFields];
+    return {
+      ...(kind !== "polygon" && { shape }), ...(isDrawn && { corners }),
+      ...Object.assign({}, ...parts.map((part) => part.state())),
+      ...(this.iteration.value !== this.iteration.max && { iteration: this.iteration.value }),
+      ...(this.mesh.checked && { mesh: "on" }), ...(this.tiles.checked && { tiles: "on" }),
+    };
+  }
+
+  async restore(state) {
+    this.#isStale = true;
+    this.element.dataset.state = "busy";
+    for (const part of [this.shapeFields, this.fields, this.moreFields, this.drawingFields]) part.restore(state);
+    this.iteration.value = state.iteration ?? this.iteration.max;
+    this.mesh.checked = state.mesh === "on";
+    await this.#restoreShape(state);
+    this.#takeSides();
+    this.countFields?.restore(state);
+    this.tiles.checked = state.tiles === "on" && this.shapeChoice.value === "torus";
+    this.#refit();
+  }
+
+  async #restoreShape({ shape = "polygon", corners = "" }) {
+    if (shape === map.name) return this.#takeMap();
+    if (shape === ownShape && this.#own) return this.#takeFileShape(this.#own, []);
+    this.shapeChoice.value = ["rectangle", "torus"].includes(shape) ? shape : "polygon";
+    this.#shapes.polygon = readCorners(corners) ?? structuredClone(firstPolygon);
+    this.#shapeChosen();
+  }
+
+  look() {
+    if (this.#isStale) this.refresh();
   }
 
   get shape() {
@@ -112,7 +157,7 @@ export class Sample extends Panel {
   }
 
   #listen() {
-    this.shapeChoice.addEventListener("change", () => { this.#shapeChosen(); this.refresh(); });
+    this.shapeChoice.addEventListener("change", () => this.#chosen());
     this.find(".draw").addEventListener("click", () => this.#startDrawing(false));
     this.find(".hole").addEventListener("click", () => this.#startDrawing(true));
     this.find(".map").addEventListener("click", () => this.#chooseMap());
@@ -125,7 +170,7 @@ export class Sample extends Panel {
     this.iteration.addEventListener("input", () => this.refresh(true));
     this.iteration.addEventListener("change", () => this.refresh());
     this.mesh.addEventListener("change", () => this.refresh());
-    this.tiles.addEventListener("change", () => this.#refit());
+    this.tiles.addEventListener("change", () => { this.#refit(); this.note(); });
     this.find(".file").addEventListener("change", ({ target }) => {
       if (target.files.length > 0) this.#takeFile(target.files[0]);
       target.value = "";
@@ -142,17 +187,23 @@ export class Sample extends Panel {
     const text = await file.text();
     try {
       this.#takeDocument({ name: file.name, text });
+      this.#chosen();
     } catch {
       this.element.dataset.state = "failed";
       this.#tellOfShape(`${file.name} holds no GeoJSON polygons`);
     }
   }
 
-  /** The map that comes with the page: people at work and without, a dot for each two thousand. */
   async #chooseMap() {
     this.element.dataset.state = "busy";
-    const path = "/assets/samples/texas.geojson";
-    this.#takeDocument({ name: "texas.geojson", text: await (await fetch(path)).text(), path }, ["employed", "unemployed"]);
+    await this.#takeMap();
+    this.#chosen();
+  }
+
+  /** The map that comes with the page: people at work and without, a dot for each two thousand. */
+  async #takeMap() {
+    const path = `/assets/samples/${map.name}`;
+    this.#takeDocument({ name: map.name, text: await (await fetch(path)).text(), path }, map.counted);
   }
 
   /**
@@ -163,13 +214,17 @@ export class Sample extends Panel {
     const json = JSON.parse(file.text);
     const bounds = boundsOf(polygonsOf(json).flat());
     if (!(bounds.minX <= bounds.maxX)) throw new Error("there are no polygons");
-    const mayBe = mayBeDegrees(bounds);
-    this.shapeFields.set("coordinates", mayBe ? "lonlat" : "plane");
-    this.#shapes.file = { file: { ...file, number: ++filesTaken }, json, mayBeDegrees: mayBe };
+    this.shapeFields.put("coordinates", "lonlat");
+    const shape = { file: { ...file, number: ++filesTaken }, json, mayBeDegrees: mayBeDegrees(bounds) };
+    if (!file.path) this.#own = shape;
+    this.#takeFileShape(shape, counted);
+  }
+
+  #takeFileShape(shape, counted) {
+    this.#shapes.file = shape;
     this.shapeChoice.value = "file";
-    this.#offerCounts(countsOf(json), counted);
+    this.#offerCounts(countsOf(shape.json), counted);
     this.#shapeChosen();
-    this.refresh();
   }
 
   /** Features with numbers may have points for these. */
@@ -188,7 +243,10 @@ export class Sample extends Panel {
   #takeCorners() {
     try {
       const json = JSON.parse(this.corners.value);
-      if (isGeojson(json)) return this.#takeDocument({ name: "shape.geojson", text: this.corners.value });
+      if (isGeojson(json)) {
+        this.#takeDocument({ name: "shape.geojson", text: this.corners.value });
+        return this.#chosen();
+      }
       const polygon = polygonOf(json);
       if (!polygon) throw new Error("these are no corners");
       this.#remember();
@@ -196,7 +254,28 @@ export class Sample extends Panel {
     } catch {
       return this.#tellOfShape('the corners must be JSON: [[x, y], ...], {"polygon": [[x, y], ...], "holes": [[[x, y], ...], ...]}, or GeoJSON with polygons');
     }
+    this.#chosen();
+  }
+
+  /** Another shape is a step that one may go back from. */
+  #chosen() {
     this.#shapeChosen();
+    this.note(true);
+    this.refresh();
+  }
+
+  /** A rectangle and a torus are as large as is said; other than positive sides are the server's to refuse. */
+  #takeSides() {
+    const { rectangle: sides = "1.5,1", torus = "1,1" } = this.shapeFields.state();
+    for (const [kind, text] of Object.entries({ rectangle: sides, torus })) {
+      const [width, height] = text.split(",").map(Number);
+      this.#shapes[kind] = { domain: { ...this.#shapes[kind].domain, width, height } };
+    }
+  }
+
+  #sidesChanged() {
+    this.#takeSides();
+    this.#refit();
     this.refresh();
   }
 
@@ -236,6 +315,7 @@ export class Sample extends Panel {
     this.#tellOfAnswer({});
     this.find(".counts").hidden = kind !== "file";
     this.shapeFields.offer("coordinates", kind === "file" && this.shape?.mayBeDegrees);
+    for (const name of ["rectangle", "torus"]) this.shapeFields.offer(name, kind === name);
     this.#stopDrawing();
     this.#tellOfShape(this.shape ? "" : "choose or drop a GeoJSON file");
     if (this.shape) this.#refit();
@@ -287,8 +367,7 @@ export class Sample extends Panel {
       this.#remember();
       const { polygon, holes = [] } = this.#shapes.polygon;
       this.#shapes.polygon = hole ? { polygon, holes: [...holes, ring] } : { polygon: ring };
-      this.#shapeChosen();
-      this.refresh();
+      this.#chosen();
     });
     if (!hole) this.#result = null;
     const hint = this.find(".drawing-hint");
@@ -340,7 +419,8 @@ export class Sample extends Panel {
 
   /** The options of what is shown. Only the last frame is polished: the others are steps on the way there. */
   options(iteration = Number(this.iteration.value)) {
-    const asked = { ...this.fields.values(), ...this.shapeFields.values() };
+    const { rectangle: _, torus: __, ...ofShape } = this.shapeFields.values();
+    const asked = { ...this.fields.values(), ...ofShape, ...this.moreFields.values() };
     const { options } = methodNamed(asked.method);
     if (!options.includes("quality")) delete asked.quality;
     else if (iteration < this.#lastIteration) asked.quality = "draft";
@@ -350,6 +430,11 @@ export class Sample extends Panel {
     if (counted.length === 0) return asked;
     const { sites, method, ...others } = asked;
     return counted.length === 1 ? { sites: counted[0], per, ...others } : { classes: counted.join(","), per, ...others };
+  }
+
+  /** Options of drawings, in a format that is one. */
+  #drawing(format) {
+    return formats.find(({ name }) => name === format).drawn ? this.drawingFields.values() : {};
   }
 
   /** How many points there will be, about. */
@@ -370,9 +455,14 @@ export class Sample extends Panel {
     for (const name of ["sites", "method"]) this.fields.offer(name, !isMap);
     this.countFields?.offer("per", isMap);
     this.mesh.disabled = isMap;
-    const { options } = methodNamed(this.options().method);
+    const { options, max_sites: most } = methodNamed(this.options().method);
     this.iteration.disabled = !options.includes("iterations");
     this.fields.enable("quality", options.includes("quality"));
+    this.fields.limit("sites", most);
+    for (const name of ["passes", "tolerance"]) this.moreFields.offer(name, options.includes(name));
+    this.moreFields.offer("fixed", options.includes("fixed") && !isMap);
+    const isTorus = this.shapeChoice.value === "torus";
+    for (const name of ["avoid", "mask", "buffer"]) this.moreFields.offer(name, !isMap && !isTorus);
   }
 
   #isKept(options) {
@@ -407,8 +497,11 @@ export class Sample extends Panel {
 
   refresh(draft = false) {
     this.find("output[for=iteration]").textContent = this.iteration.value;
+    this.iteration.setAttribute("aria-valuetext", `after iteration ${this.iteration.value}`);
     if (!this.shape || this.drawing.ring) return;
+    this.#isStale = false;
     this.#offerFields();
+    if (!draft) this.note();
     this.snippets.showSample(requestOf(this.shape, this.options()));
     this.wish(async (signal) => {
       const start = performance.now();
@@ -461,7 +554,7 @@ export class Sample extends Panel {
     const isAboutShape = ({ pointer }) => (isDocument ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
     this.#tellOfShape(errors.filter(isAboutShape).map(({ detail }) => detail).join("; "));
     const others = errors.filter((error) => !isAboutShape(error));
-    for (const fields of [this.fields, this.shapeFields, this.countFields]) fields?.show(others);
+    for (const part of [this.fields, this.shapeFields, this.countFields, this.moreFields, this.drawingFields]) part?.show(others);
   }
 
   /** The outline is left. */

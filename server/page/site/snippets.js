@@ -59,16 +59,21 @@ with urlopen(request) as answer, open("${output}", "wb") as file:
   return { curl, Browser: script("browser"), Node: script("node"), Python: python };
 }
 
-/** As sourceOf, of a body that is written out. */
+const mostArgument = 100_000;  // characters; Linux takes 128 KiB
+
+/** As sourceOf, of a body that is written out: as an argument of curl or, if it is too long for one, behind it. */
 const writtenOut = (body) => ({
-  before: "", curl: `-d ${shellQuoted(body)} \\\n  `, browser: "", node: "", python: `r'''${body}'''.encode()`,
+  ...(body.length > mostArgument
+    ? { curl: "--data-binary @- \\\n  ", after: ` <<'END'\n${body}\nEND` }
+    : { curl: `-d ${shellQuoted(body)} \\\n  `, after: "" }),
+  before: "", browser: "", node: "", python: `r'''${body}'''.encode()`,
 });
 
 function sampleSnippets({ path, body, file }) {
   const url = location.origin + path;
   const source = file ? sourceOf(file, "shape") : writtenOut(body);
   const allow = (kind) => (hasKey() ? authorizations[kind] : "");
-  const curl = `${source.before}curl${allow("curl")} ${source.curl}${shellQuoted(url)} -o points.json`;
+  const curl = `${source.before}curl${allow("curl")} ${source.curl}${shellQuoted(url)} -o points.json${source.after ?? ""}`;
   const script = (kind) => `${source[kind]}const answer = await fetch("${url}",
   {method: "POST", body: ${file ? "shape" : `JSON.stringify(${body})`}${allow(kind)}});
 if (!answer.ok) throw new Error(await answer.text());

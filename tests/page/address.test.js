@@ -1,0 +1,136 @@
+// The address holds the settings: to be shared, to survive a reload, to go back and forward in.
+
+import assert from "node:assert/strict";
+import path from "node:path";
+import { test } from "node:test";
+
+import { data, settled, useBrowser } from "./harness.js";
+
+const world = useBrowser();
+const hash = () => world.page.evaluate(() => location.hash);
+const snippet = (panel) => world.page.textContent(`#${panel} pre`);
+const settings = async () => Object.fromEntries(new URLSearchParams((await hash()).split("?")[1]));
+
+async function open(address = "") {
+  await world.page.goto(`${world.url}/${address}`);
+  await settled(world.page, address.match(/#(\w+)/)?.[1] ?? "halftone");
+}
+
+async function type(panel, name, value) {
+  const input = world.page.locator(`#${panel} .fields [data-name=${name}] input[type=number]`);
+  await input.fill(value);
+  await input.blur();
+  await settled(world.page, panel);
+}
+
+/** The same address in a new page shows the same request; it has no other settings. */
+async function isShared(panel) {
+  const [address, request] = [await hash(), await snippet(panel)];
+  const page = await world.page.context().newPage();
+  await page.goto(world.url + "/" + address);
+  await settled(page, panel);
+  assert.equal(await page.textContent(`#${panel} pre`), request);
+  assert.equal(await page.evaluate(() => location.hash), address);
+  await page.close();
+}
+
+test("what is as it was at first is left out", async () => {
+  await open();
+  assert.equal(await hash(), "#halftone");
+  await type("halftone", "sites", "700");
+  assert.equal(await hash(), "#halftone?sites=700");
+  await type("halftone", "sites", "20000");
+  assert.equal(await hash(), "#halftone");
+});
+
+test("a halftone's settings are shared, of every kind of field", async () => {
+  await open();
+  const { page } = world;
+  await page.click("#halftone [data-sample='cat.jpg']");
+  await page.check("#halftone .fields [data-name=sites] input[type=checkbox]");
+  await page.uncheck("#halftone .fields [data-name=dot] input[type=checkbox]");
+  await type("halftone", "dot", "0.5");
+  await page.getByLabel("Radius, unit").selectOption("mm");
+  await page.getByLabel("black point").fill("0.1");
+  await page.uncheck("#halftone [data-name=antialias] input");
+  await page.selectOption("#halftone [data-name=color] select", "palette");
+  await page.click("#halftone [data-name=palette] button:text-is('Add')");
+  await page.check("#halftone [data-name=background] input[type=checkbox]");
+  await page.click("#halftone .more summary");
+  await page.locator("#halftone .more [data-name=iterations] input[type=number]").fill("3");
+  await page.locator("#halftone .more [data-name=iterations] input[type=number]").blur();
+  await settled(page, "halftone");
+  const { picture, sites, dot, levels, antialias, palette, background, iterations } = await settings();
+  assert.deepEqual({ picture, sites, dot, levels, antialias, background, iterations }, {
+    picture: "cat.jpg", sites: "auto", dot: "0.5mm", levels: "0.1,1,1", antialias: "false", background: "transparent", iterations: "3",
+  });
+  assert.equal(palette.split(",").length, 5);
+  await isShared("halftone");
+  await page.reload();
+  await settled(page, "halftone");
+  assert.equal((await settings()).picture, "cat.jpg");
+});
+
+test("a shape is shared: drawn, with sides, or a map", async () => {
+  const { page } = world;
+  for (const address of [
+    "#sample?corners=" + encodeURIComponent('{"polygon":[[0,0],[2,0],[2,1],[0,1]]}') + "&sites=300&seed=4&iteration=3",
+    "#sample?shape=torus&torus=2,1&method=odt&tiles=on",
+    "#sample?shape=rectangle&sites=50&mesh=on&avoid=" + encodeURIComponent("[[[0.2,0.2],[0.6,0.2],[0.4,0.6]]]"),
+    "#sample?shape=texas.geojson&counted=unemployed&per=5000",
+  ]) {
+    await open(address);
+    const [asked, told] = [address, await hash()].map((text) => Object.fromEntries(new URLSearchParams(text.split("?")[1])));
+    assert.deepEqual(told, asked);
+    await isShared("sample");
+    await page.goto("about:blank");
+  }
+});
+
+test("texts that are no settings are passed over", async () => {
+  await open("#halftone?sites=many&tone=loud&picture=../key&palette=red&color=palette&dot=3furlongs&nothing=7");
+  assert.deepEqual(await settings(), { color: "palette" });
+  await open("#sample?corners=%7B&shape=own&iteration=x&sites=");
+  assert.equal((await settings()).sites, undefined);
+  assert.match(await world.page.textContent("#sample .status"), /^1,000 points/);
+});
+
+test("one goes back and forward through panels, pictures and shapes, not through each number", async () => {
+  await open();
+  const { page } = world;
+  await type("halftone", "sites", "900");
+  await type("halftone", "sites", "800");
+  await page.setInputFiles("#halftone .file", path.join(data, "images/camera.png"));
+  await settled(page, "halftone");
+  await page.click("#tab-sample");
+  await settled(page, "sample");
+  await page.selectOption("#shape", "torus");
+  await settled(page, "sample");
+  assert.equal(await hash(), "#sample?shape=torus");
+
+  await page.goBack();
+  await settled(page, "sample");
+  assert.equal(await page.inputValue("#shape"), "polygon");
+  await page.goBack();
+  await settled(page, "halftone");
+  assert.deepEqual(await settings(), { picture: "own", sites: "800" });
+  assert.match(await snippet("halftone"), /camera\.png/);
+  await page.goBack();
+  await settled(page, "halftone");
+  assert.deepEqual(await settings(), { sites: "800" });
+  assert.match(await snippet("halftone"), /astronaut\.jpg/);
+  await page.goForward();
+  await settled(page, "halftone");
+  assert.match(await snippet("halftone"), /camera\.png/);
+  await page.reload();  // the page cannot have it any more, but still has the settings
+  await settled(page, "halftone");
+  assert.deepEqual(await settings(), { sites: "800" });
+});
+
+test("an analysis comes with what was made", async () => {
+  await open("#analyze?shape=torus&sites=400");
+  assert.match(await world.page.textContent("#analyze tbody tr td"), /^400$/);
+  await world.page.click("#tab-sample");
+  await settled(world.page, "sample");
+  assert.equal(await hash(), "#sample?shape=torus&sites=400");
+});

@@ -1,0 +1,19 @@
+// What a server of small limits offers is what it takes.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { settled, useBrowser } from "./harness.js";
+
+const world = useBrowser({ flags: ["--max-sites=700"] });
+
+test("begins with as many points as the server takes, and goes no farther", async () => {
+  const { page } = world;
+  for (const panel of ["halftone", "sample"]) {
+    await page.goto(`${world.url}/#${panel}`);
+    await settled(page, panel);
+    assert.match(await page.textContent(`#${panel} .status`), /^700 /);
+    const most = await page.getAttribute(`#${panel} .fields [data-name=sites] input[type=range]`, "max");
+    assert.equal(Math.round(Math.exp(Number(most))), 700);
+  }
+});

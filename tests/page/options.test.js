@@ -1,0 +1,138 @@
+// All that the server's routes understand can be asked for in the page, and what is not plain is told.
+
+import assert from "node:assert/strict";
+import { mkdtempSync } from "node:fs";
+import { readFile, writeFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { test } from "node:test";
+
+import { data, run, settled, useBrowser } from "./harness.js";
+
+const world = useBrowser();
+const folder = mkdtempSync(path.join(tmpdir(), "ccdt-page-"));
+const snippet = () => world.page.textContent("#sample pre");
+const request = async () => JSON.parse((await snippet()).match(/-d '(.*)' \\|<<'END'\n(.*)\nEND/s).slice(1).find(Boolean));
+
+async function open(address) {
+  await world.page.goto(`${world.url}/${address}`);
+  await settled(world.page, address.slice(1));
+}
+
+/** Options that are no fields: shapes, downloads, boxes and sliders beside the picture, the properties of a map's features. */
+const elsewhere = {
+  halftone: ["format"],
+  sample: ["polygon", "holes", "geometry", "domain", "per", "classes", "iterations", "mesh", "format"],
+};
+
+test("has a field for each option", async () => {
+  const offered = await (await fetch(`${world.url}/capabilities`)).json();
+  for (const [panel, others] of Object.entries(elsewhere)) {
+    await open(`#${panel}`);
+    const names = await world.page.locator(`#${panel} .field`).evaluateAll((fields) => fields.map(({ dataset }) => dataset.name));
+    assert.deepEqual(offered[panel].options.filter((name) => !names.includes(name)).sort(), others.sort());
+  }
+});
+
+test("asks for the size, the rounds, and what becomes of a picture that takes long", async () => {
+  await open("#halftone");
+  const { page } = world;
+  await page.click("#halftone .more summary");
+  const more = (name) => page.locator(`#halftone .more [data-name=${name}]`);
+  await more("on_deadline").locator("select").selectOption("partial");
+  await more("passes").locator("input[type=number]").fill("2");
+  await more("scale").locator("input[type=checkbox]").uncheck();
+  await more("scale").locator("input[type=number]").fill("0.5");
+  await more("scale").locator("input[type=number]").blur();
+  await settled(page, "halftone");
+  assert.match(await page.textContent("#halftone .status"), /256 \u00d7 256 pixels/);
+  const { searchParams } = new URL((await page.textContent("#halftone pre")).match(/'(http[^']*halftone[^']*)'/)[1]);
+  assert.deepEqual(Object.fromEntries(searchParams), { sites: "20000", antialias: "true", scale: "0.5", passes: "2", on_deadline: "partial" });
+  await more("scale").locator("input[type=number]").fill("99");
+  await more("scale").locator("input[type=number]").blur();
+  await settled(page, "halftone", "failed");
+  assert.match(await more("scale").locator(".error").textContent(), /0\.1 to 16/);
+});
+
+test("takes pictures for density and mask, and areas and points as text", async () => {
+  await open("#sample");
+  const { page } = world;
+  await page.click("#sample .more summary");
+  const more = (name) => page.locator(`#sample .more [data-name=${name}]`);
+  const picture = path.join(data, "images/camera.png");
+  await more("density").locator("input").setInputFiles(picture);
+  await settled(page, "sample");
+  await more("mask").locator("input").setInputFiles(picture);
+  await settled(page, "sample");
+  await more("fixed").locator("textarea").fill("[[0.3, 0.3]]");
+  await more("fixed").locator("textarea").blur();
+  await settled(page, "sample");
+  const image = (await readFile(picture)).toString("base64");
+  const { density, mask, fixed } = await request();
+  assert.deepEqual({ density, mask, fixed }, { density: { image }, mask: { image }, fixed: [[0.3, 0.3]] });
+  const script = path.join(folder, "request.sh");
+  await writeFile(script, await snippet());
+  await run("bash", [script], { cwd: folder });
+  assert.equal(JSON.parse(await readFile(path.join(folder, "points.json"), "utf8")).points.length, 1000);
+  await page.getByRole("button", { name: "Remove: Mask from a picture" }).click();
+  await settled(page, "sample");
+  assert.equal((await request()).mask, undefined);
+  await more("avoid").locator("textarea").fill("[[[0, 0], [1,");
+  await more("avoid").locator("textarea").blur();
+  await settled(page, "sample", "failed");
+  assert.notEqual(await more("avoid").locator(".error").textContent(), "");
+});
+
+test("gives a document what cannot stand beside it", async () => {
+  await open("#sample");
+  const { page } = world;
+  await page.setInputFiles("#sample .file", path.join(data, "polygons/Italy-110m.geojson"));
+  await settled(page, "sample");
+  assert.match(await page.textContent("#sample pre"), /--data-binary/);
+  await page.click("#sample .more summary");
+  const fixed = page.locator("#sample .more [data-name=fixed] textarea");
+  await fixed.fill("[[12.5, 42]]");
+  await fixed.blur();
+  await settled(page, "sample");
+  const { geometry, fixed: asked, coordinates } = await request();
+  assert.deepEqual([geometry.type, asked, coordinates], ["MultiPolygon", [[12.5, 42]], "lonlat"]);
+});
+
+test("has options of drawings in drawings alone", async () => {
+  await open("#sample");
+  const { page } = world;
+  await page.click("#sample .more summary");
+  const width = page.locator("#sample .more [data-name=width]");
+  await width.locator("input[type=checkbox]").uncheck();
+  await width.locator("input[type=number]").fill("300");
+  await width.locator("input[type=number]").blur();
+  assert.equal((await request()).width, undefined);
+  const asked = page.waitForRequest((one) => one.method() === "POST" && JSON.parse(one.postData()).format === "png");
+  await Promise.all([page.waitForEvent("download"), page.click('#sample .downloads button:text-is("PNG")')]);
+  assert.equal(JSON.parse((await asked).postData()).width, 300);
+});
+
+test("tells what is not plain, by keyboard too", async () => {
+  await open("#halftone");
+  const { page } = world;
+  const about = page.getByRole("button", { name: "About: Soft rims" });
+  const line = page.locator("#halftone [data-name=antialias] .help");
+  assert.equal(await about.getAttribute("aria-expanded"), "false");
+  assert.ok(await line.isHidden());
+  await about.focus();
+  await page.keyboard.press("Enter");
+  assert.equal(await about.getAttribute("aria-expanded"), "true");
+  assert.equal(await about.getAttribute("aria-controls"), await line.getAttribute("id"));
+  assert.match(await line.textContent(), /rim of a dot/);
+  await page.keyboard.press("Enter");
+  assert.ok(await line.isHidden());
+});
+
+test("says every slider's value in words", async () => {
+  await open("#sample");
+  await open("#halftone");
+  const silent = await world.page.locator("input[type=range]:not([aria-valuetext])").evaluateAll((sliders) => sliders.map(({ outerHTML }) => outerHTML));
+  assert.deepEqual(silent, []);
+  const dots = world.page.locator("#halftone .fields [data-name=sites] input[type=range]");
+  assert.equal(await dots.getAttribute("aria-valuetext"), "20,000");
+});
