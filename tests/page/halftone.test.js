@@ -1,7 +1,7 @@
 // A picture becomes dots.
 
 import assert from "node:assert/strict";
-import { mkdtemp, readFile, rm } from "node:fs/promises";
+import { mkdtemp, readFile, rm, stat } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
 import { test } from "node:test";
@@ -82,6 +82,67 @@ test("follows a slider with drafts, and is complete once it rests", async () => 
   const sites = await number("sites").inputValue();
   assert.equal(new URL(seen[1].url).searchParams.get("sites"), sites);
   assert.match(await world.page.textContent("#halftone .status"), new RegExp(`^${Number(sites).toLocaleString("en")} dots`));
+});
+
+/** A photograph of a megapixel and a half, and a film of two frames. */
+async function makePictures(folder) {
+  await run("/usr/bin/python3", ["-c", `
+import PIL.Image
+cat = PIL.Image.open("${path.join(data, "images/chelsea.png")}").convert("RGB")
+cat.resize((1500, 1000)).save("large.jpg", quality=95)
+cat.resize((90, 60)).save("film.gif", save_all=True, append_images=[cat.resize((90, 60)).rotate(90)])`], { cwd: folder });
+}
+
+test("sends a large photograph reduced for drafts, and whole once the slider rests", async () => {
+  const folder = await mkdtemp(path.join(tmpdir(), "ccdt-page-"));
+  await makePictures(folder);
+  const { size } = await stat(path.join(folder, "large.jpg"));
+  await world.page.addInitScript(() => {
+    const [read, send] = [window.createImageBitmap, window.fetch];
+    window.last = {};
+    window.fetch = (url, options) => {
+      if (url.startsWith("/halftone?")) window.last.sent = options.body.size;
+      return send(url, options);
+    };
+    window.createImageBitmap = async (blob) => {
+      const bitmap = await read(blob);
+      window.last.width = bitmap.width;
+      return bitmap;
+    };
+  });
+  await open();
+  await world.page.setInputFiles("#halftone .file", path.join(folder, "large.jpg"));
+  await settled(world.page, "halftone");
+  /** What is asked, sent and answered once something is done to the page. */
+  const during = async (act) => {
+    const [response] = await Promise.all([world.page.waitForResponse((one) => one.url().includes("/halftone?")), act()]);
+    await settled(world.page, "halftone");
+    return { asked: new URL(response.url()).searchParams, ...(await world.page.evaluate(() => window.last)) };
+  };
+  await during(() => world.page.uncheck("#halftone .fields [data-name=dot] input[type=checkbox]"));
+  const draft = await during(() => slider("dot").evaluate((input) => {
+    input.value = Math.log(6);
+    input.dispatchEvent(new Event("input", { bubbles: true }));
+  }));
+  const whole = await during(() => slider("dot").dispatchEvent("change"));
+  assert.ok(draft.sent < size / 4 && whole.sent === size, `${draft.sent}, ${whole.sent} of ${size} bytes`);
+  assert.ok(draft.asked.get("quality") === "draft" && draft.width <= 2 * Math.sqrt(1.5 * 300_000));
+  const share = ({ asked, width }) => Number(asked.get("dot")) / width;  // a dot's radius over the picture's width
+  assert.ok(Math.abs(share(draft) / share(whole) - 1) < 0.01, `${share(draft)} and ${share(whole)}`);
+  await rm(folder, { recursive: true });
+});
+
+test("tells which picture of a film it takes", async () => {
+  const folder = await mkdtemp(path.join(tmpdir(), "ccdt-page-"));
+  await makePictures(folder);
+  await open();
+  await world.page.setInputFiles("#halftone .file", path.join(folder, "film.gif"));
+  await settled(world.page, "halftone");
+  assert.match(await world.page.textContent("#halftone .warnings"), /2 frames: the first is used/);
+  await world.page.click("#halftone [data-sample='cat.jpg']");
+  await settled(world.page, "halftone");
+  assert.equal(await world.page.textContent("#halftone .warnings"), "");
+  await rm(folder, { recursive: true });
 });
 
 test("asks for what its fields say", async () => {

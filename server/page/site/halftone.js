@@ -6,10 +6,12 @@ import { Fields } from "./fields.js";
 import { fields, moreFields } from "./halftone_options.js";
 import { postPatiently } from "./jobs.js";
 import { Panel } from "./panel.js";
+import { isLarge, reduced } from "./reduced.js";
 import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
 
 const draftOptions = { quality: "draft", iterations: 1, passes: 2 };
+const draftScale = 2;  // of a draft of a reduced picture, at most
 const thumbWidth = 32;
 const firstSample = "astronaut.jpg";
 const ownPicture = "own";  // in the address, which cannot hold it
@@ -24,6 +26,18 @@ const ownOf = (file) => ({ name: file.name, blob: file });
 function describe({ sites }, response) {
   if (sites !== undefined) return `${count(Number(sites))} dots`;
   return `dots of radius ${Number(response.headers.get("X-Radius")).toPrecision(3)}`;
+}
+
+/**
+ * What a draft is asked for, of a picture that is `factor` times less wide than the whole one: what is seen stays as
+ * large as it is.
+ */
+function draftOf(options, factor) {
+  const draft = { ...options, ...draftOptions };
+  if (factor === 1 || options.scale === undefined) return draft;
+  draft.scale = Math.min(options.scale * factor, draftScale);
+  if (typeof options.dot === "number") draft.dot = (options.dot * draft.scale) / (options.scale * factor);
+  return draft;
 }
 
 /** What the server has to say of the picture, though it took it. */
@@ -157,9 +171,18 @@ export class Halftone extends Panel {
     return this.#post({ ...this.#options(), format }, signal, told);
   }
 
-  #post(options, signal, told) {
-    return postPatiently(`/halftone?${new URLSearchParams(options)}`, this.#picture.blob, options,
+  #post(options, signal, told, blob = this.#picture.blob) {
+    return postPatiently(`/halftone?${new URLSearchParams(options)}`, blob, options,
       { signal, told, type: "application/octet-stream" });
+  }
+
+  /** Large pictures are reduced for drafts, once. */
+  async #postDraft(options, signal) {
+    const picture = this.#picture;
+    if (!isLarge(this.#original)) return this.#post(draftOf(options, 1), signal, this.tell);
+    picture.reduced ??= reduced(this.#original);
+    const { blob, factor } = await picture.reduced;
+    return this.#post(draftOf(options, factor), signal, this.tell, blob);
   }
 
   refresh(draft = false) {
@@ -171,7 +194,7 @@ export class Halftone extends Panel {
     if (!draft) this.note();
     this.wish(async (signal) => {
       const start = performance.now();
-      const response = await this.#post({ ...options, ...(draft ? draftOptions : {}) }, signal, this.tell);
+      const response = await (draft ? this.#postDraft(options, signal) : this.#post(options, signal, this.tell));
       const dots = await createImageBitmap(await response.blob());
       if (signal.aborted) return;
       if (draft) return this.#show(dots);
