@@ -1,11 +1,12 @@
 // A picture becomes dots.
 
 import { capabilities } from "./api.js";
-import { acceptDrops, count, seconds } from "./dom.js";
+import { acceptDrops, count, save, seconds } from "./dom.js";
 import { Fields } from "./fields.js";
 import { fields, moreFields } from "./halftone_options.js";
 import { postPatiently } from "./jobs.js";
 import { Panel } from "./panel.js";
+import { Plotter } from "./plotter.js";
 import { isLarge, reduced } from "./reduced.js";
 import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
@@ -13,6 +14,7 @@ import { Viewport } from "./viewport.js";
 const draftOptions = { quality: "draft", iterations: 1, passes: 2 };
 const draftScale = 2;  // of a draft of a reduced picture, at most
 const thumbWidth = 32;
+const toneTolerance = 0.05;
 const firstSample = "astronaut.jpg";
 const ownPicture = "own";  // in the address, which cannot hold it
 
@@ -43,6 +45,8 @@ function draftOf(options, factor) {
 /** What the server has to say of the picture, though it took it. */
 function warningsOf(response) {
   const warnings = JSON.parse(response.headers.get("X-Warnings") ?? "[]").map(({ detail }) => detail);
+  const tone = Number(response.headers.get("X-Tone") ?? 1);
+  if (Math.abs(tone - 1) > toneTolerance) warnings.push(`dots cover ${Math.round(100 * tone)} % of what the tone of the picture wants: with dots on auto it is right`);
   if (response.headers.has("X-Partial")) warnings.push("the server's time ran out before all dots were even");
   return warnings.join("; ");
 }
@@ -61,6 +65,12 @@ export class Halftone extends Panel {
     this.viewport = new Viewport(this.find("canvas"), this.find(".zoom"), (...args) => this.#draw(...args));
     this.fields = new Fields(this.find(".fields"), fields, (draft) => this.refresh(draft));
     this.moreFields = new Fields(this.find(".more form"), moreFields, (draft) => this.refresh(draft));
+    this.plotter = new Plotter(this.find(".plotter"), {
+      size: () => this.#original ?? this.#dots ?? { width: 1, height: 1 },
+      changed: (draft) => this.refresh(draft),
+      turned: (isOn) => this.#penTurned(isOn),
+      save: (svg) => save(new Blob([svg], { type: "image/svg+xml" }), "plot.svg"),
+    });
     this.#offerFields();
     this.snippets = new Snippets(this.find(".snippets"));
     this.divider.addEventListener("input", () => { this.#tellDivider(); this.viewport.redraw(); });
@@ -78,14 +88,14 @@ export class Halftone extends Panel {
     const picture = path === undefined ? ownPicture : name;
     return {
       ...(picture !== firstSample && { picture }),
-      ...this.fields.state(), ...this.moreFields.state(),
+      ...this.fields.state(), ...this.moreFields.state(), ...this.plotter.state(),
     };
   }
 
   async restore(state) {
     this.#isStale = true;
     this.element.dataset.state = "busy";
-    for (const part of [this.fields, this.moreFields]) part.restore(state);
+    for (const part of [this.fields, this.moreFields, this.plotter]) part.restore(state);
     this.#offerFields();
     if (state.picture === ownPicture && this.#own) return this.#take(this.#own);
     const isOffered = this.thumbs.some(({ dataset }) => dataset.sample === state.picture);
@@ -144,8 +154,10 @@ export class Halftone extends Panel {
     this.viewport.redraw();
   }
 
-  /** What makes no sense with the inks, or the unit, that are chosen is not there to be asked for. */
+  /** What makes no sense with the inks, the unit or the pen that are chosen is not there to be asked for. */
   #offerFields() {
+    const isPlotted = this.plotter.isOn;
+    this.fields.offer("dot", !isPlotted);
     const { color = "gray", dot } = this.fields.values();
     const isInMm = String(dot).endsWith("mm");
     this.fields.offer("width_mm", isInMm);
@@ -153,12 +165,19 @@ export class Halftone extends Panel {
     this.fields.offer("foreground", color === "gray");
     this.fields.offer("invert", color === "gray");
     this.fields.offer("background", color !== "rgb");
-    this.moreFields.offer("width_mm", !isInMm);
+    this.moreFields.offer("width_mm", !isInMm && !isPlotted);
+    this.moreFields.offer("style", !isPlotted);
+  }
+
+  /** A pen that is taken up makes as many dots as the tone wants; one may still say how many. */
+  #penTurned(isOn) {
+    if (isOn) this.fields.put("sites", "auto");
+    this.refresh();
   }
 
   /** A radius in pixels is one of the output, whose scale then must stay what it was when the radius was seen. */
   #options() {
-    const options = { ...this.fields.values(), ...this.moreFields.values() };
+    const options = { ...this.fields.values(), ...this.moreFields.values(), ...(this.plotter.isOn && this.plotter.options()) };
     if (options.palette) delete options.color;
     if (typeof options.dot === "number" && options.scale === undefined && this.#scale)
       options.scale = Math.round(100 * this.#scale) / 100;
@@ -191,6 +210,7 @@ export class Halftone extends Panel {
     if (!this.#picture) return;
     const options = this.#options();
     this.snippets.showHalftone({ picture: this.#picture, options });
+    this.plotter.wait();
     if (!draft) this.note();
     this.wish(async (signal) => {
       const start = performance.now();
@@ -202,7 +222,15 @@ export class Halftone extends Panel {
       this.#show(dots);
       this.status.textContent = `${describe(options, response)}, ${dots.width} \u00d7 ${dots.height} pixels, ${seconds(start)}`;
       this.find(".warnings").textContent = warningsOf(response);
+      await this.#plot(options, signal);
     }, draft);
+  }
+
+  /** Tells how a plotter would draw what is shown. */
+  async #plot(options, signal) {
+    if (!this.plotter.isOn) return;
+    const response = await this.#post({ ...options, format: "svg" }, signal, this.tell);
+    this.plotter.tell(await response.text());
   }
 
   /** Place and zoom stay while the picture does, though the scale of its output may change. */
@@ -214,7 +242,7 @@ export class Halftone extends Panel {
   }
 
   place(errors) {
-    for (const part of [this.fields, this.moreFields]) part.show(errors);
+    for (const part of [this.fields, this.moreFields, this.plotter]) part.show(errors);
     const aboutPicture = errors.filter(({ pointer }) => pointer === "image");
     this.find(".picture-error").textContent = aboutPicture.map(({ detail }) => detail).join("; ");
   }
@@ -223,6 +251,7 @@ export class Halftone extends Panel {
   forget() {
     this.#dots = null;
     this.find(".warnings").textContent = "";
+    this.plotter.tell(null);
     this.viewport.redraw();
   }
 

@@ -1,0 +1,144 @@
+// A drawing for a plotter: on what paper, with what pen, how far the pen goes and how long that takes.
+
+import { element as shape } from "./chart.js";
+import { count, make, metres } from "./dom.js";
+import { Fields } from "./fields.js";
+
+const papers = { a6: [105, 148], a5: [148, 210], a4: [210, 297], a3: [297, 420], a2: [420, 594], letter: [215.9, 279.4] };  // mm
+
+const fields = [
+  { kind: "choice", name: "paper", label: "Paper", choices: [["a4", "A4"], ["a6", "A6"], ["a5", "A5"], ["a3", "A3"], ["a2", "A2"], ["letter", "Letter"], ["none", "none: a width"]] },
+  { kind: "number", name: "margin_mm", label: "Least margin, mm", value: 10, min: 0, max: 50, step: 1 },
+  { kind: "number", name: "width_mm", label: "Width, mm", value: 200, min: 20, max: 2000, step: 1, log: true },
+  { kind: "number", name: "pen_mm", label: "Pen's width, mm", value: 0.7, min: 0.1, max: 5, log: true,
+    help: "A dot is as wide as what the pen leaves when it touches the paper. A wider pen needs fewer dots." },
+  { kind: "choice", name: "style", label: "A dot is", choices: [["stroke", "a short stroke"], ["fill", "a circle"]],
+    help: "Of a stroke as short as these the pen goes down and up in one place. Programs for plotters draw circles around, or fill them." },
+  { kind: "number", name: "speed", label: "Speed, mm a second", value: 100, min: 5, max: 500, step: 1, log: true },
+  { kind: "number", name: "lift", label: "Down and up, seconds", value: 0.15, min: 0.01, max: 2, log: true,
+    help: "How long the pen takes for one dot, besides the way there." },
+];
+
+/** Hours and minutes, or minutes and seconds. */
+function duration(seconds) {
+  const minutes = Math.round(seconds / 60);
+  if (minutes >= 60) return `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+  return seconds >= 60 ? `${minutes} min` : `${Math.round(seconds)} s`;
+}
+
+/** The layers of a drawing, as its descriptions tell them: [{name, colour, dots, path}], path in mm. */
+function layersOf(svg) {
+  const found = svg.matchAll(/(?:inkscape:label="([^"]*)"[^>]*>\s*)?<desc>(\d+) dots along a path of ([\d.e+]+) mm[^<]*<\/desc>\s*<g[^>]*?(?:stroke|fill)="(#[0-9a-f]+)"/g);
+  return [...found].map(([, name = "dots", dots, path, colour]) => ({ name, colour, dots: Number(dots), path: Number(path) }));
+}
+
+export class Plotter {
+  #svg = null;
+
+  /**
+   * @param place    an element with a box, a form, figures and a button
+   * @param size     tells the width and height of what is drawn, in units of its own
+   * @param changed  called with whether it is a draft, once options are others
+   * @param turned   called with whether a pen draws, once it does or does not any more
+   * @param save     takes a drawing as SVG on its paper
+   */
+  constructor(place, { size, changed, turned, save }) {
+    this.size = size;
+    this.box = place.querySelector("input[type=checkbox]");
+    this.body = place.querySelector(".plot");
+    this.figures = place.querySelector(".figures");
+    this.button = place.querySelector(".plot button");
+    this.fields = new Fields(place.querySelector("form"), fields, (draft) => { this.#settle(); changed(draft); });
+    this.box.addEventListener("change", () => { this.#settle(); turned(this.isOn); });
+    this.button.addEventListener("click", () => save(this.#onPaper()));
+    this.#settle();
+  }
+
+  get isOn() {
+    return this.box.checked;
+  }
+
+  state() {
+    return this.isOn ? { plotter: "on", ...this.fields.state() } : {};
+  }
+
+  restore(state) {
+    this.box.checked = state.plotter === "on";
+    this.fields.restore(state);
+    this.#settle();
+  }
+
+  /** The least that is wished of the drawing: its width in mm, and a pen's width for each dot. */
+  options() {
+    const { pen_mm: pen, style } = this.fields.values();
+    return { width_mm: this.#page().width, dot: `${Number((pen / 2).toPrecision(6))}mm`, ...(style === "stroke" && { style }) };
+  }
+
+  /** Tells of a drawing as the server made it; null: there is none. */
+  tell(svg) {
+    this.#svg = svg;
+    this.button.disabled = svg === null;
+    this.figures.replaceChildren(...(svg === null ? [] : this.#describe(layersOf(svg))));
+  }
+
+  /** Saves nothing until the next drawing is there. */
+  wait() {
+    this.button.disabled = true;
+  }
+
+  /** What the server objects to, in its own names. */
+  show(errors) {
+    this.fields.show(errors.map((error) => (/^\/?dot$/.test(error.pointer) ? { ...error, pointer: "pen_mm" } : error)));
+  }
+
+  #settle() {
+    this.body.hidden = !this.isOn;
+    const isFree = this.fields.values().paper === "none";
+    this.fields.offer("width_mm", isFree);
+    this.fields.offer("margin_mm", !isFree);
+  }
+
+  /** Width and height of the drawing, and of the paper that it lies on the middle of; in mm, turned as it fits best. */
+  #page() {
+    const { paper, margin_mm: margin, width_mm: wished } = this.fields.values();
+    const { width, height } = this.size();
+    const sheet = papers[paper];
+    if (!sheet) return { width: wished, height: (wished * height) / width };
+    const fit = ([w, h]) => ({ paper: [w, h], scale: Math.min((w - 2 * margin) / width, (h - 2 * margin) / height) });
+    const [upright, across] = [fit(sheet), fit(sheet.toReversed())];
+    const best = across.scale > upright.scale ? across : upright;
+    const least = Math.max(Math.floor(10 * best.scale * width) / 10, 1);
+    return { width: least, height: (least * height) / width, paper: best.paper };
+  }
+
+  /** The drawing in the middle of its paper, whose units are millimetres. */
+  #onPaper() {
+    const { width, height, paper } = this.#page();
+    if (!paper) return this.#svg;
+    const [x, y] = [(width - paper[0]) / 2, (height - paper[1]) / 2].map((value) => Number(value.toFixed(3)));
+    return this.#svg.replace(/ width="[^"]*" height="[^"]*" viewBox="[^"]*"/,
+      ` width="${paper[0]}mm" height="${paper[1]}mm" viewBox="${x} ${y} ${paper[0]} ${paper[1]}"`);
+  }
+
+  #describe(layers) {
+    const { speed, lift } = this.fields.values();
+    const page = this.#page();
+    const round = (value) => Number(value.toFixed(1));
+    const time = ({ dots, path }) => path / speed + dots * lift;
+    const sum = layers.reduce((all, { dots, path }) => ({ dots: all.dots + dots, path: all.path + path }), { dots: 0, path: 0 });
+    const line = ({ name, colour, ...layer }) => make("li", { style: `--class: ${colour}` },
+      `${name}: ${count(layer.dots)}, ${metres(layer.path / 1000)}, ${duration(time(layer))}`);
+    return [
+      drawPage(page),
+      make("p", { textContent: `${round(page.width)} \u00d7 ${round(page.height)} mm. ${count(sum.dots)} dots in ${count(layers.length)} ${layers.length === 1 ? "layer" : "layers"}, a path of ${metres(sum.path / 1000)}: about ${duration(time(sum))}.` }),
+      ...(layers.length > 1 ? [make("ul", { className: "legend", attributes: { "aria-label": "Layers" } }, ...layers.map(line))] : []),
+    ];
+  }
+}
+
+/** A little picture of where on the paper the drawing lies. */
+function drawPage({ width, height, paper = [width, height] }) {
+  const box = (x, y, w, h, name) => shape("rect", { class: name, x, y, width: w, height: h });
+  return shape("svg", { viewBox: `-4 -4 ${paper[0] + 8} ${paper[1] + 8}`, class: "sheet", "aria-hidden": "true" },
+    box(0, 0, ...paper, "paper"), box((paper[0] - width) / 2, (paper[1] - height) / 2, width, height, "drawing"));
+}

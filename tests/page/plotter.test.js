@@ -1,0 +1,79 @@
+// What a plotter gets: strokes as wide as its pen, on its paper, and how long they take.
+
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { test } from "node:test";
+
+import { looksAsKept, settled, useBrowser } from "./harness.js";
+
+const world = useBrowser();
+
+async function open(address) {
+  await world.page.goto(`${world.url}/${address}`);
+  await settled(world.page, "halftone");
+}
+
+async function put(name, value, state = "done") {
+  const input = world.page.locator(`#halftone .plot [data-name=${name}] input[type=number]`);
+  await input.fill(value);
+  await input.blur();
+  await settled(world.page, "halftone", state);
+}
+
+async function saved() {
+  const [download] = await Promise.all([
+    world.page.waitForEvent("download"),
+    world.page.getByRole("button", { name: "SVG on this paper" }).click(),
+  ]);
+  return readFile(await download.path(), "utf8");
+}
+
+const figures = () => world.page.textContent("#halftone .figures p");
+
+test("takes a pen: as many dots as the tone wants, each as wide as it", async () => {
+  await open("");
+  await world.page.getByLabel("Draw with a pen").check();
+  await settled(world.page, "halftone");
+  await put("pen_mm", "2");
+  assert.ok(await world.page.isHidden("#halftone .fields [data-name=dot]"));
+  assert.ok(await world.page.isChecked("#halftone .fields [data-name=sites] input[type=checkbox]"));
+  assert.equal(await world.page.textContent("#halftone .warnings"), "");
+  const svg = await saved();
+  assert.match(svg, /^<svg [^>]*width="210mm" height="297mm" viewBox="-10 -53\.5 210 297"/);
+  const [, dots, path] = svg.match(/<desc>(\d+) dots along a path of ([\d.]+) mm/).map(Number);
+  assert.match(svg, /stroke-width="2"/);
+  assert.equal((svg.match(/^(<path d=")?M/gm) ?? []).length, dots);
+  const told = await figures();
+  assert.ok(told.startsWith(`190 \u00d7 190 mm. ${dots.toLocaleString("en")} dots in 1 layer, a path of ${Math.round(path / 1000)} m`), told);
+  await looksAsKept(world, world.page.locator("#halftone .plotter"), "halftone-plotter");
+});
+
+test("tells how long the pen takes", async () => {
+  await open("#halftone?sites=100&plotter=on&pen_mm=4&lift=1&speed=500");
+  assert.match(await figures(), /100 dots .*: about 2 min/);
+  assert.match(await world.page.textContent("#halftone .warnings"), /dots cover \d+ % of what the tone/);
+  await put("lift", "60");
+  assert.match(await figures(), /about 1 h 40 min/);
+});
+
+test("has a layer for each ink, and paper of any size", async () => {
+  await open("#halftone?color=cmyk&sites=2000&plotter=on&pen_mm=3&paper=a5&style=fill");
+  const layers = await world.page.locator("#halftone .figures li").allTextContents();
+  assert.deepEqual(layers.map((text) => text.split(":")[0]), ["cyan", "magenta", "yellow", "black"]);
+  const numbers = layers.map((text) => Number(text.match(/: ([\d,]+),/)[1].replace(",", "")));
+  assert.equal(numbers.reduce((a, b) => a + b), 2000);
+  assert.match(await figures(), /2,000 dots in 4 layers/);
+  assert.match(await saved(), /^<svg [^>]*width="148mm" height="210mm"/);
+  await world.page.selectOption("#halftone .plot [data-name=paper] select", "none");
+  await put("width_mm", "333");
+  assert.match(await figures(), /^333 \u00d7 333 mm/);
+  assert.match(await saved(), /^<svg [^>]*width="333mm" height="333mm" viewBox="0 0 333 333"/);
+});
+
+test("turns the paper to fit, and refuses what is no pen", async () => {
+  await open("#halftone?picture=cat.jpg&plotter=on&pen_mm=3&paper=a4");
+  assert.match(await saved(), /^<svg [^>]*width="297mm" height="210mm"/);
+  await put("pen_mm", "0", "failed");
+  assert.notEqual(await world.page.textContent("#halftone .plot [data-name=pen_mm] .error"), "");
+  assert.ok(await world.page.getByRole("button", { name: "SVG on this paper" }).isDisabled());
+});
