@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -215,12 +216,36 @@ constexpr auto kRules = [] {
     return rules;
 }();
 
+Result<void> missing_sites(const SampleRequest& request) {
+    return failure(ErrorCode::Malformed, "sites is missing", request.field_of("sites"));
+}
+
+Result<void> not_one_shape() {
+    return failure(ErrorCode::Malformed, "exactly one of polygon, geometry and domain must be given");
+}
+
+/// Reads options and shapes. Where some are wrong, those that are missing are told with them; else once all is read.
+Result<void> read_inputs(std::span<const OptionRule<Draft>> rules, std::span<const Input> inputs, const Limits& limits,
+                         Draft& draft) {
+    const auto read = read_options<Draft>(rules, inputs, limits, draft);
+    if (read) return read;
+    const auto has_any = [&](std::initializer_list<std::string_view> names) {
+        return std::ranges::find_first_of(inputs, names, {}, &Input::name) != inputs.end();
+    };
+    ErrorList errors;
+    errors.add(read);
+    if (!has_any({"sites", "classes"})) errors.add(missing_sites(draft.request));
+    if (!draft.request.is_document && !has_any({"polygon", "geometry", "domain"})) errors.add(not_one_shape());
+    return errors.result();
+}
+
 /// Reads a body that is a GeoJSON document, whose options came as text.
 Result<void> read_document(JsonValue root, const std::vector<TextOption>& options, const Limits& limits, Draft& draft) {
     draft.request.is_document = true;
-    const auto inputs = inputs_of(options);
-    if (auto read = read_options<Draft>(kOptionRules, inputs, limits, draft); !read) return read;
-    return read_geometry({"the body", "", root}, draft);
+    ErrorList errors;
+    errors.add(read_inputs(kOptionRules, inputs_of(options), limits, draft));
+    errors.add(read_geometry({"the body", "", root}, draft));
+    return errors.result();
 }
 
 /// Makes an error about options that do not fit together.
@@ -259,13 +284,15 @@ Result<void> read_request(std::string_view body, const std::vector<TextOption>& 
     if (!options.empty())
         return failure(ErrorCode::Malformed, "options are members of the JSON body, unless it is a GeoJSON document",
                        excerpt(options.front().name));
-    if (auto read = read_members<Draft>(kRules, document->root(), "", limits, draft); !read) return read;
+    const auto inputs = inputs_of(document->root(), "");
+    if (!inputs) return tl::unexpected(inputs.error());
+    if (auto read = read_inputs(kRules, *inputs, limits, draft); !read) return read;
     return settle_counts(limits, draft);
 }
 
 Result<void> check_sites(const SampleRequest& request) {
     if (request.run.sites > 0) return {};
-    return failure(ErrorCode::Malformed, "sites is missing", request.field_of("sites"));
+    return missing_sites(request);
 }
 
 /// Checks that a map of dots is asked for nothing that it has not.
@@ -312,7 +339,7 @@ Result<void> check_fixed(const SampleRequest& request) {
 
 Result<void> settle_domain(Draft& draft) {
     const int given = (draft.polygon ? 1 : 0) + (draft.geometry ? 1 : 0) + (draft.rectangle ? 1 : 0);
-    if (given != 1) return failure(ErrorCode::Malformed, "exactly one of polygon, geometry and domain must be given");
+    if (given != 1) return not_one_shape();
     if (draft.holes && !draft.polygon) return failure(ErrorCode::Malformed, "holes belong to a polygon", "/holes");
     if (auto checked = check_exclusions(draft); !checked) return checked;
     if (draft.rectangle) {

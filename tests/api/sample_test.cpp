@@ -206,6 +206,27 @@ TEST(SampleRequest, PointsAtWhatIsWrong) {
     }
 }
 
+/// Fields of all that is wrong with a request.
+std::vector<std::string> fields_of(const Result<SampleRequest>& request) {
+    if (request) return {};
+    std::vector<std::string> fields = {request.error().field};
+    for (const auto& other : request.error().others) fields.push_back(other.field);
+    return fields;
+}
+
+TEST(SampleRequest, TellsWhatIsMissingWithWhatIsWrong) {
+    using Fields = std::vector<std::string>;
+    EXPECT_EQ(fields_of(parse("{}")), (Fields{"/sites", ""}));
+    EXPECT_EQ(fields_of(parse(R"({"quality":"fine","seed":-1})")), (Fields{"/quality", "/seed", "/sites", ""}));
+    EXPECT_EQ(fields_of(parse(R"({"sites":0,"domain":7})")), (Fields{"/sites", "/domain"}));
+    EXPECT_EQ(fields_of(parse(R"({"sites":0})")), (Fields{"/sites", ""}));
+    EXPECT_EQ(fields_of(parse(R"({"classes":7,"geometry":7})")), (Fields{"/classes", "/geometry"}));
+    EXPECT_EQ(fields_of(parse("{")), (Fields{""}));
+    const std::string open = R"({"type":"Polygon","coordinates":[[[0,0],[1,0],[1,"x"]]]})";
+    EXPECT_EQ(fields_of(parse_sample(open, {{"quality", "fine"}}, "", {})),
+              (Fields{"quality", "sites", "/coordinates/0/2"}));
+}
+
 TEST(SampleRequest, ReadsWhatIsAvoided) {
     const std::string body = '{' + kSquare + R"(,"sites":1,"avoid":)";
     EXPECT_TRUE(parse('{' + kSquare + R"(,"sites":1})")->avoid.parts.empty());
