@@ -108,8 +108,7 @@ FeatureArea DotGround::make_fence(std::uint32_t feature) const {
     });
 }
 
-/// What the ground wants, as the density has it.
-double DotGround::wanted(Point p) const {
+double DotGround::density(Point p) const {
     const Density& density = map_.density;
     if (density.is_uniform()) return 1;
     const auto index = [](double share, int cells) {
@@ -132,7 +131,7 @@ Result<Density> DotGround::cut_out(const Domain& area, double& largest) const {
     std::vector<double> values;
     for (int row = 0; row < rows; ++row) {
         for (int column = 0; column < columns; ++column)
-            values.push_back(wanted(
+            values.push_back(density(
                 {box.min.x + (column + 0.5) / columns * box.width(), box.min.y + (row + 0.5) / rows * box.height()}));
     }
     largest = *std::ranges::max_element(values);
@@ -243,16 +242,16 @@ double DotGround::around(Point p) const {
 }
 
 bool DotGround::may_be(std::uint32_t feature, Point p) const {
-    return map_.areas[feature].contains(p) && (is_uniform() || wanted(p) > 0);
+    return map_.areas[feature].contains(p) && (is_uniform() || density(p) > 0);
 }
 
 bool DotGround::is_clear(std::uint32_t feature, Point p) const {
-    return fences_[feature].place_of(p) == FeatureArea::Place::Inside && (is_uniform() || wanted(p) > 0);
+    return fences_[feature].place_of(p) == FeatureArea::Place::Inside && (is_uniform() || density(p) > 0);
 }
 
 Point DotGround::towards(std::uint32_t feature, Point from, Point to) const {
     const Point there = fences_[feature].towards(from, to);
-    return is_uniform() || wanted(there) > 0 ? there : from;
+    return is_uniform() || density(there) > 0 ? there : from;
 }
 
 }  // namespace ccdt

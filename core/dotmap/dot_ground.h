@@ -42,9 +42,18 @@ public:
     /// @param stop  asked now and then: Error Stopped
     static Result<DotGround> create(const Map& map, std::size_t number, const std::stop_token& stop);
 
+    std::size_t features() const { return map_.features.size(); }
+    const Domain& area(std::size_t feature) const { return map_.features[feature].area; }
     std::size_t dots() const { return dots_; }
     std::size_t dots(std::size_t feature) const { return map_.features[feature].dots[class_]; }
     bool is_uniform() const { return map_.density.is_uniform(); }
+    bool is_smooth() const { return map_.density.is_smooth(); }
+
+    /// Dots to a squared unit that a feature has where the density is 1.
+    double weight(std::size_t feature) const { return wanted_[feature]; }
+
+    /// What the ground wants, as the density has it.
+    double density(Point p) const;
 
     /// Draws the first dots: of each feature a few in each of many cells that want as many, at random. Features come in
     /// an order in which neighbours follow each other, mostly.
@@ -83,9 +92,8 @@ public:
 private:
     DotGround(const Map& map, std::size_t number) : map_(map), class_(number) {}
 
-    double wanted(Point p) const;
     FeatureArea make_fence(std::uint32_t feature) const;
-    double own(std::uint32_t feature, Point p) const { return wanted_[feature] * wanted(p); }
+    double own(std::uint32_t feature, Point p) const { return wanted_[feature] * density(p); }
     Result<Density> cut_out(const Domain& area, double& largest) const;
     std::vector<std::uint32_t> order() const;
     Result<void> draw(std::uint32_t feature, std::uint64_t seed, const std::function<Point(Point)>& rounded,

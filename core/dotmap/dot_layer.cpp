@@ -10,6 +10,7 @@
 #include "core/ccdt/border.h"
 #include "core/ccdt/construction.h"
 #include "core/ccdt/goals.h"
+#include "core/dotmap/dot_error.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/predicates.h"
 
@@ -77,6 +78,7 @@ Result<void> DotLayer::start() {
     radii_.resize(dots_.size());
     moves_.resize(dots_.size());
     before_.resize(dots_.size());
+    spacings_.resize(dots_.size());
     result_.trace.push_back(measure());
     if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
     return {};
@@ -177,7 +179,7 @@ Point DotLayer::fenced(std::uint32_t dot, Point to) const {
     return ground_.may_be(dots_[dot].feature, land_.to_user(rounded)) ? rounded : mesh().point(dot);
 }
 
-bool DotLayer::iterate() {
+void DotLayer::relax(int passes) {
     RelaxationOptions settings;
     constexpr double kPolishedSpring = 0.03;
     if (has_polish(options_) && ground_.is_uniform()) settings.spring = kPolishedSpring;
@@ -187,7 +189,19 @@ bool DotLayer::iterate() {
     settings.fence = [this](std::uint32_t dot, Point to) { return fenced(dot, to); };
     Relaxation relaxation(mesh(), placed_->border.corner, false, settings);
     relaxation.prepare(goals_, stop_);
-    for (int pass = 0; pass < options_.passes && !stopping(); ++pass) relaxation.pass();
+    for (int pass = 0; pass < passes && !stopping(); ++pass) relaxation.pass();
+}
+
+void DotLayer::ease(const PolishSettings& settings) {
+    constexpr int kFirst = 2;  // before, dots are not near their places yet
+    if (result_.iterations < std::max(kFirst, options_.iterations - settings.early)) return;
+    begin();
+    push_apart(settings.reach, settings.push, {});
+    even_out();
+}
+
+bool DotLayer::iterate() {
+    relax(options_.passes);
     if (!stopping()) mesh().restore_delaunay(stop_);
     if (stopping()) return false;
     result_.trace.push_back(measure());
@@ -227,6 +241,43 @@ void DotLayer::push_apart(double reach, double push, std::span<const Point> push
         if (length > longest) moves_[dot] = (longest / length) * moves_[dot];
     }
     if (!stopping()) apply();
+}
+
+/// Nothing flows where densities differ so much that dense dots keep clear of the border, which would hold them up.
+MeshTransport DotLayer::make_transport() const {
+    constexpr double kMostContrast = 2;
+    auto measure = [error = DotError(ground_, land_, dots_)](std::span<const Point> places,
+                                                             std::span<double> errors) mutable {
+        error.measure(places, errors);
+    };
+    return {mesh(), std::move(measure), [this](std::uint32_t a, std::uint32_t b) {
+                const auto [least, most] = std::minmax(radii_[a], radii_[b]);
+                return most * most <= kMostContrast * least * least;
+            }};
+}
+
+void DotLayer::even_out() {
+    if (!ground_.is_smooth()) return;
+    if (!transport_) transport_.emplace(make_transport());
+    std::ranges::transform(radii_, spacings_.begin(), [](double radius) { return 2 / hexagonal_spacing(1) * radius; });
+    if (transport_->displacements(mesh(), spacings_, moves_, stop_)) apply();
+}
+
+void DotLayer::equalise(int passes) {
+    mesh().restore_delaunay(stop_);
+    if (stopping()) return;
+    measure();
+    relax(passes);
+    begin();
+}
+
+double DotLayer::least_distance() const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t h : edges_) {
+        const double both = radii_[mesh().origin(h)] + radii_[mesh().target(h)];
+        least = std::min(least, dot(mesh().along(h), mesh().along(h)) / (both * both));
+    }
+    return std::sqrt(least);
 }
 
 void DotLayer::apply() {

@@ -13,6 +13,8 @@
 #include "core/dotmap/dot_ground.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
+#include "core/polish/mesh_transport.h"
+#include "core/polish/settings.h"
 #include "core/result.h"
 
 namespace ccdt {
@@ -32,6 +34,9 @@ public:
     Result<void> start();
 
     bool goes_on() const;
+    /// Does the steps of the polish that come before the next iteration, if there are any: a push, and a round that
+    /// evens out.
+    void ease(const PolishSettings& settings);
     /// @returns  false if it was stopped
     bool iterate();
 
@@ -47,6 +52,15 @@ public:
     /// @param push    share of what is missing by which each of the two moves in the mean
     /// @param pushed  [dots] or empty: how far others push each
     void push_apart(double reach, double push, std::span<const Point> pushed);
+
+    /// Undoes long waves of density error. Nothing happens if the density is not smooth.
+    void even_out();
+
+    /// Makes the triangulation Delaunay and its triangles more equal, amid the polish, and begins anew.
+    void equalise(int passes);
+
+    /// Least distance of two neighbours, over that which they should have.
+    double least_distance() const;
 
     /// Makes the triangulation Delaunay again, and begins anew.
     void restore();
@@ -64,6 +78,7 @@ private:
     const Triangulation& mesh() const { return placed_->mesh; }
     Triangulation& mesh() { return placed_->mesh; }
     double scale() const;
+    void relax(int passes);
     double radius(double density) const;
     std::vector<double> length_in_dots(Point a, Point b) const;
     Result<void> insert_all();
@@ -72,6 +87,7 @@ private:
     void find_aims();
     double measure();
     void soften_borders();
+    MeshTransport make_transport() const;
     Point fenced(std::uint32_t dot, Point to) const;
     void apply();
     void take_back();
@@ -89,7 +105,9 @@ private:
     std::vector<TriangleGoal> goals_;    ///< [triangles]
     std::vector<std::uint32_t> edges_;   ///< half-edges between dots
     std::vector<Point> moves_, before_;  ///< [dots]
-    std::vector<double> areas_;          ///< doubled [triangles], before the last move
+    std::optional<MeshTransport> transport_;  ///< once it is asked for
+    std::vector<double> spacings_;            ///< [dots]
+    std::vector<double> areas_;               ///< doubled [triangles], before the last move
     Distribution result_;
 };
 

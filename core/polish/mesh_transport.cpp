@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
+#include "core/polish/error_grid.h"
 #include "core/polish/first_row.h"
 
 namespace ccdt {
@@ -52,9 +54,9 @@ std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     return owner;
 }
 
-/// Edges of the mesh with the conductances of linear finite elements, vertices of the border taken for one with their
-/// sites.
-std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh) {
+/// Edges of the mesh that are passed, with the conductances of linear finite elements, vertices of the border taken for
+/// one with their sites.
+std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, const MeshTransport::Passes& passes) {
     // Of needles; a negative one, of two triangles at an edge of the border, is no conductance.
     constexpr double kLeast = 1e-3, kMost = 2;
     const auto owner = owners(mesh);
@@ -74,12 +76,34 @@ std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh) {
             const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
             if (twin != kNone && twin < h) continue;
             const std::uint32_t a = owner[corners[i]], b = owner[corners[(i + 1) % 3]];
-            if (a == b || a == kNone || b == kNone) continue;
+            if (a == b || a == kNone || b == kNone || !passes(a, b)) continue;
             const double other = twin == kNone ? 0 : cotangents[Triangulation::triangle_of(twin)][twin % 4];
             edges.push_back({a, b, std::clamp((cotangents[t][i] + other) / 2, kLeast, kMost)});
         }
     }
     return edges;
+}
+
+/// Numbers what hangs together [vertices].
+std::vector<std::uint32_t> parts_of(const GraphSolver& graph) {
+    std::vector<std::uint32_t> part_of(graph.size(), kNone), reached;
+    std::uint32_t parts = 0;
+    for (std::uint32_t v = 0; v < part_of.size(); ++v) {
+        if (part_of[v] != kNone) continue;
+        part_of[v] = parts;
+        reached.push_back(v);
+        while (!reached.empty()) {
+            const std::uint32_t from = reached.back();
+            reached.pop_back();
+            for (const GraphSolver::Link& link : graph.links(from)) {
+                if (part_of[link.to] != kNone) continue;
+                part_of[link.to] = parts;
+                reached.push_back(link.to);
+            }
+        }
+        ++parts;
+    }
+    return part_of;
 }
 
 /// Borders of the parts that have sites, each weighing as much as makes it want as many as it has.
@@ -129,27 +153,38 @@ double cell_of(const Domain& domain, const Density& density, std::size_t sites) 
 }  // namespace
 
 MeshTransport::MeshTransport(const Domain& domain, const Density& density, const Triangulation& mesh)
-    : solver_(mesh.site_count(), edges_between_sites(mesh)),
-      grid_(domain.unit_bounds().max, cell_of(domain, density, mesh.site_count()), mesh.site_count(),
-            border_of(domain, density, mesh), density),
+    : MeshTransport(
+          mesh,
+          [grid = ErrorGrid(domain.unit_bounds().max, cell_of(domain, density, mesh.site_count()), mesh.site_count(),
+                            border_of(domain, density, mesh), density)](std::span<const Point> sites,
+                                                                        std::span<double> errors) mutable {
+              grid.measure(sites);
+              std::ranges::transform(sites, errors.begin(), [&](Point site) { return grid.at(site); });
+          },
+          [](std::uint32_t, std::uint32_t) { return true; }) {}
+
+MeshTransport::MeshTransport(const Triangulation& mesh, Measure measure, const Passes& passes)
+    : solver_(mesh.site_count(), edges_between_sites(mesh, passes)),
+      measure_(std::move(measure)),
       error_(mesh.site_count()),
       potential_(mesh.site_count()),
-      sums_(mesh.part_count()),
-      counts_(mesh.part_count()) {}
+      part_of_(parts_of(solver_)),
+      sums_(part_of_.empty() ? 0 : *std::ranges::max_element(part_of_) + 1),
+      counts_(sums_.size()) {}
 
-/// What the grid has smoothed across water stays where it is.
-void MeshTransport::measure(const Triangulation& mesh) {
+/// What the measure has smoothed across water stays where it is.
+void MeshTransport::find_errors(const Triangulation& mesh) {
     constexpr double kMost = 0.1;  // in tongues one site too few is most of what there is: no error of first order
-    grid_.measure(std::span<const Point>(mesh.points()).first(mesh.site_count()));
+    measure_(std::span<const Point>(mesh.points()).first(mesh.site_count()), error_);
     std::ranges::fill(sums_, 0.0);
     std::ranges::fill(counts_, 0.0);
     for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
-        error_[v] = std::clamp(grid_.at(mesh.point(v)), -kMost, kMost);
-        sums_[mesh.part_of(v)] += error_[v];
-        counts_[mesh.part_of(v)] += 1;
+        error_[v] = std::clamp(error_[v], -kMost, kMost);
+        sums_[part_of_[v]] += error_[v];
+        counts_[part_of_[v]] += 1;
     }
     for (std::uint32_t v = 0; v < mesh.site_count(); ++v)
-        error_[v] = sums_[mesh.part_of(v)] / counts_[mesh.part_of(v)] - error_[v];
+        error_[v] = sums_[part_of_[v]] / counts_[part_of_[v]] - error_[v];
 }
 
 /// Carries what flows along an edge over its length: half of it moves with the site at either end.
@@ -171,7 +206,7 @@ bool MeshTransport::displacements(const Triangulation& mesh, std::span<const dou
     constexpr double kFirstRow = 0.45;  // spacings; half a row of the hexagonal grid has 0.47
     constexpr int kSteps = 2;           // benchmark CountryPattern: twice as many gain a decibel where there are fjords
     if (stop.stop_requested()) return false;
-    measure(mesh);
+    find_errors(mesh);
     if (stop.stop_requested()) return false;
     solver_.solve(error_, potential_, kSteps);
     if (stop.stop_requested()) return false;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -10,7 +11,6 @@
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 #include "core/mesh/triangulation.h"
-#include "core/polish/error_grid.h"
 #include "core/polish/graph_solver.h"
 
 namespace ccdt {
@@ -30,6 +30,16 @@ public:
     /// O(sites + vertices of the border), and the grid's cells: at most 64 for each site.
     MeshTransport(const Domain& domain, const Density& density, const Triangulation& mesh);
 
+    /// Finds the share of the error, in sites, that falls to each site, as ErrorGrid::at() has it.
+    using Measure = std::function<void(std::span<const Point> sites, std::span<double> errors)>;
+
+    /// Tells whether what is too many may flow along the edge between two sites.
+    using Passes = std::function<bool(std::uint32_t, std::uint32_t)>;
+
+    /// The same, of sites whose error is measured otherwise, and that do not all follow each other.
+    /// O(sites + vertices of the border).
+    MeshTransport(const Triangulation& mesh, Measure measure, const Passes& passes);
+
     /// Computes the moves of a round. Sites do not come nearer to the border than half a row, unless they are.
     /// @param mesh      as it was, or with edges flipped and sites moved since by less than a spacing or two
     /// @param spacings  [sites] 1 / sqrt(density of the sites that are wanted)
@@ -41,12 +51,13 @@ public:
                        const std::stop_token& stop = {});
 
 private:
-    void measure(const Triangulation& mesh);
+    void find_errors(const Triangulation& mesh);
     void flow(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves) const;
 
     GraphSolver solver_;
-    ErrorGrid grid_;
+    Measure measure_;
     std::vector<double> error_, potential_;  ///< [sites]
+    std::vector<std::uint32_t> part_of_;     ///< [sites]: that edges link, of those that pass
     std::vector<double> sums_;               ///< [parts] of the error
     std::vector<double> counts_;             ///< [parts] of sites
 };

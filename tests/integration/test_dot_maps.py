@@ -10,6 +10,7 @@ import time
 import unittest
 
 import numpy
+import scipy.optimize
 import scipy.spatial
 import shapely
 import shapely.geometry
@@ -144,28 +145,53 @@ class Formats(ServerCase):
         self.assertLessEqual(colours | {(255, 255, 255)}, found)
 
 
+def cut(area, share, upright):
+    """The part of an area on one side of a line that holds so much of it, and the rest."""
+    west, south, east, north = area.bounds
+    low, high = (west, east) if upright else (south, north)
+
+    def below(line):
+        return area.intersection(shapely.geometry.box(west, south, line, north) if upright
+                                 else shapely.geometry.box(west, south, east, line))
+
+    part = below(scipy.optimize.brentq(lambda line: below(line).area / area.area - share, low, high, xtol=1e-12))
+    return part, area.difference(part)
+
+
+def pieces_of(area, shares, upright):
+    pieces = []
+    for i in range(len(shares) - 1):
+        part, area = cut(area, shares[i] / sum(shares[i:]), upright)
+        pieces.append(part)
+    return [*pieces, area]
+
+
 class Undivided(ServerCase):
-    def test_pieces_have_few_long_waves(self):
-        """In a country in pieces whose counts are in proportion to their areas."""
+    SITES = 8192
+
+    def test_pieces_have_no_more_long_waves(self):
+        """Than a country in one, if it is cut in pieces that want a whole number of points each."""
         country = json.loads((POLYGONS / "South-Africa-50m.geojson").read_text())
         country = country.get("geometry", country)
         whole = max(getattr(shapely.geometry.shape(country), "geoms", [shapely.geometry.shape(country)]),
                     key=lambda part: part.area)
-        west, south, east, north = whole.bounds
-        lines = numpy.linspace(west, east, 6)
-        pieces = [whole.intersection(shapely.geometry.box(lines[i], low, lines[i + 1], high))
-                  for i in range(5) for low, high in ((south, (south + north) / 2), ((south + north) / 2, north))]
-        given = [{"type": "Feature", "properties": {"area": piece.area}, "geometry": shapely.geometry.mapping(piece)}
-                 for piece in pieces]
-        sites = 8192
-        per = sum(piece.area for piece in pieces) / sites
-        divided = post_json(self.server, "/sample", {"geometry": collection(given),
-                                                     "sites": {"property": "area", "per": per}}).json()
-        pitch = math.sqrt(whole.area / sites)
-        for pitches in (1, 2, 4):
-            with self.subTest(pitches=pitches):
-                noise = self.noise(numpy.array(divided["points"]), whole, pitches * pitch)
-                self.assertLess(10 * math.log10(noise), -24)
+        counts = [(800, 838), (819, 819), (700, 938), (900, 738), (820, 820)]
+        columns = pieces_of(whole, [sum(each) for each in counts], True)
+        given = [{"type": "Feature", "properties": {"points": count}, "geometry": shapely.geometry.mapping(piece)}
+                 for column, each in zip(columns, counts, strict=True)
+                 for count, piece in zip(each, pieces_of(column, each, False), strict=True)]
+        self.assertEqual(sum(map(sum, counts)), self.SITES)
+        pitch = math.sqrt(whole.area / self.SITES)
+        for quality in ("standard", "best"):
+            divided = self.points(geometry=collection(given), sites="points", quality=quality)
+            undivided = self.points(geometry=shapely.geometry.mapping(whole), sites=self.SITES, quality=quality)
+            for pitches in (1, 2, 4):
+                with self.subTest(quality=quality, pitches=pitches):
+                    noise, least = (self.noise(points, whole, pitches * pitch) for points in (divided, undivided))
+                    self.assertLess(10 * math.log10(noise / least), 3)
+
+    def points(self, **body):
+        return numpy.array(post_json(self.server, "/sample", body).json()["points"])
 
     def noise(self, points, whole, radius):
         """Mean squared error of the number of points, weighed by Gaussians far from the border, over that of
