@@ -31,73 +31,111 @@ ErrorGrid::ErrorGrid(Point sides, double cell, std::size_t sites, std::span<cons
                      const Density& density)
     : cell_(cell_side(sides, cell, sites)),
       columns_(cells(sides.x, cell_) + kTaps - 1),
-      rows_(cells(sides.y, cell_) + kTaps - 1),
-      wanted_(columns_ * rows_, 0),
-      values_(columns_ * rows_, 0) {
+      rows_(cells(sides.y, cell_) + kTaps - 1) {
     constexpr std::size_t kPieces = 2;  // areas are spread in pieces of half a cell, each from its middle
     const std::size_t columns = kPieces * cells(sides.x, cell_), rows = kPieces * cells(sides.y, cell_);
-    auto masses = coverage(border, sides, static_cast<int>(columns), static_cast<int>(rows));
+    auto masses = crossed_coverage(border, sides, static_cast<int>(columns), static_cast<int>(rows));
     if (!density.is_uniform()) {
         std::vector<double> values(columns);
-        for (std::size_t row = 0; row < rows; ++row) {
+        for (std::size_t number = 0; number < rows; ++number) {
+            const CrossedCells::Row& row = masses.rows[number];
+            if (row.first == row.end) continue;
             density.resample_row(density.cells(), static_cast<int>(columns), static_cast<int>(rows),
-                                 static_cast<int>(row), values);
-            for (std::size_t column = 0; column < columns; ++column) masses[row * columns + column] *= values[column];
+                                 static_cast<int>(number), values);
+            for (std::size_t column = row.first; column < row.end; ++column)
+                masses.values[row.number + column - row.first] *= values[column];
         }
     }
+    const Point side{sides.x / static_cast<double>(columns), sides.y / static_cast<double>(rows)};
+    store(masses, side);
     double all = 0;
-    for (const double mass : masses) all += mass;
+    for (const double mass : masses.values) all += mass;
     if (!(all > 0)) return;
-    for (double& mass : masses) mass *= static_cast<double>(sites) / all;
-    want(masses, columns, rows, {sides.x / static_cast<double>(columns), sides.y / static_cast<double>(rows)});
+    for (double& mass : masses.values) mass *= static_cast<double>(sites) / all;
+    want(masses, side);
 }
 
-/// Spreads pieces of areas: along rows, then along columns.
+/// Finds which points of the grid something may be spread on.
 /// @param side  of the pieces
-void ErrorGrid::want(const std::vector<double>& masses, std::size_t columns, std::size_t rows, Point side) {
-    std::vector<double> lines(columns_ * rows, 0);
-    for (std::size_t column = 0; column < columns; ++column) {
-        const auto [first, fraction] = place({(static_cast<double>(column) + 0.5) * side.x, 0});
-        const auto weights = weights_at(fraction.x);
-        for (std::size_t row = 0; row < rows; ++row) {
-            const double mass = masses[row * columns + column];
-            if (mass == 0) continue;
-            for (std::size_t k = 0; k < kTaps; ++k) lines[row * columns_ + first + k] += weights[k] * mass;
-        }
+void ErrorGrid::store(const CrossedCells& pieces, Point side) {
+    constexpr double kMargin = 0.5;  // pieces: rounding may put what lies at a side beyond it
+    struct Range {
+        std::size_t first, end;
+    };
+    std::vector<Range> ranges(rows_, {columns_, 0});
+    const auto cell = [&](double piece, double length, std::size_t count) {
+        return std::min(static_cast<std::size_t>(std::max(0.0, piece * length / cell_)), count - kTaps);
+    };
+    for (std::size_t number = 0; number < pieces.rows.size(); ++number) {
+        const CrossedCells::Row& row = pieces.rows[number];
+        if (row.first == row.end) continue;
+        const std::size_t first = cell(static_cast<double>(row.first) - kMargin, side.x, columns_);
+        const std::size_t end = cell(static_cast<double>(row.end) + kMargin, side.x, columns_) + kTaps;
+        const std::size_t last = cell(static_cast<double>(number + 1) + kMargin, side.y, rows_) + kTaps;
+        for (std::size_t j = cell(static_cast<double>(number) - kMargin, side.y, rows_); j < last; ++j)
+            ranges[j] = {std::min(ranges[j].first, first), std::max(ranges[j].end, end)};
     }
-    for (std::size_t row = 0; row < rows; ++row) {
-        const auto [first, fraction] = place({0, (static_cast<double>(row) + 0.5) * side.y});
-        const auto weights = weights_at(fraction.y);
-        for (std::size_t k = 0; k < kTaps; ++k) {
-            double* to = &wanted_[first + k * columns_];
-            const double* from = &lines[row * columns_];
-            for (std::size_t column = 0; column < columns_; ++column) to[column] += weights[k] * from[column];
+    std::size_t count = 0;
+    for (const Range& range : ranges) {
+        numbers_.push_back(count - range.first);
+        if (range.end > range.first) count += range.end - range.first;
+    }
+    wanted_.assign(count, 0);
+    values_.assign(count, 0);
+}
+
+/// Spreads pieces of areas: along each row, then across.
+/// @param side  of the pieces
+void ErrorGrid::want(const CrossedCells& masses, Point side) {
+    std::vector<double> line(columns_, 0);
+    for (std::size_t number = 0; number < masses.rows.size(); ++number) {
+        const CrossedCells::Row& row = masses.rows[number];
+        if (row.first == row.end) continue;
+        const auto middle = [](std::size_t piece, double length) {
+            return (static_cast<double>(piece) + 0.5) * length;
+        };
+        for (std::size_t piece = row.first; piece < row.end; ++piece) {
+            const double mass = masses.values[row.number + piece - row.first];
+            if (mass == 0) continue;
+            const auto at = place({middle(piece, side.x), 0});
+            const auto weights = weights_at(at.fraction.x);
+            for (std::size_t k = 0; k < kTaps; ++k) line[at.column + k] += weights[k] * mass;
         }
+        const std::size_t first = place({middle(row.first, side.x), 0}).column;
+        const std::size_t end = place({middle(row.end - 1, side.x), 0}).column + kTaps;
+        const auto up = place({0, middle(number, side.y)});
+        const auto weights = weights_at(up.fraction.y);
+        for (std::size_t k = 0; k < kTaps; ++k) {
+            for (std::size_t column = first; column < end; ++column)
+                wanted_[this->number(column, up.row + k)] += weights[k] * line[column];
+        }
+        std::fill(line.begin() + static_cast<std::ptrdiff_t>(first), line.begin() + static_cast<std::ptrdiff_t>(end),
+                  0.0);
     }
 }
 
 void ErrorGrid::measure(std::span<const Point> sites) {
     std::ranges::fill(values_, 0.0);
     for (const Point p : sites) {
-        const auto [first, fraction] = place(p);
+        const auto [column, row, fraction] = place(p);
         const auto across = weights_at(fraction.x), up = weights_at(fraction.y);
         for (std::size_t j = 0; j < kTaps; ++j) {
-            double* row = &values_[first + j * columns_];
-            for (std::size_t i = 0; i < kTaps; ++i) row[i] += up[j] * across[i];
+            double* line = &values_[number(column, row + j)];
+            for (std::size_t i = 0; i < kTaps; ++i) line[i] += up[j] * across[i];
         }
     }
     for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = values_[i] > 0 ? 1 - wanted_[i] / values_[i] : 0;
 }
 
 double ErrorGrid::at(Point site) const {
-    const auto [first, fraction] = place(site);
+    const auto [column, row, fraction] = place(site);
     const auto across = weights_at(fraction.x), up = weights_at(fraction.y);
     double sum = 0;
     for (std::size_t j = 0; j < kTaps; ++j) {
-        const double* row = &values_[first + j * columns_];
-        double line = 0;
-        for (std::size_t i = 0; i < kTaps; ++i) line += across[i] * row[i];
-        sum += up[j] * line;
+        const double* line = &values_[number(column, row + j)];
+        double part = 0;
+        for (std::size_t i = 0; i < kTaps; ++i) part += across[i] * line[i];
+        sum += up[j] * part;
     }
     return sum;
 }

@@ -5,19 +5,16 @@
 
 namespace ccdt {
 
-namespace {
-
-double length(Point p) {
-    return std::sqrt(dot(p, p));
-}
-
-}  // namespace
-
 void keep_off_border(const Triangulation& mesh, std::span<const double> spacings, double depth,
                      std::span<Point> moves) {
     const auto keep_off = [&](std::uint32_t site, Point away, double distance) {
         const double least = std::min(distance, depth * spacings[site]), left = distance + dot(moves[site], away);
         if (left < least) moves[site] = moves[site] + (least - left) * away;
+    };
+    // What is far enough for any direction of its move needs no root.
+    const auto is_far = [&](std::uint32_t site, double squared) {
+        const double least = depth * spacings[site];
+        return squared > 2 * (least * least + dot(moves[site], moves[site]));
     };
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         const auto corners = mesh.corners(t);
@@ -28,13 +25,17 @@ void keep_off_border(const Triangulation& mesh, std::span<const double> spacings
                 const std::uint32_t apex = mesh.origin(Triangulation::previous(h));
                 if (mesh.twin(h) != Triangulation::kNone || !mesh.is_site(apex)) continue;
                 const Point along = mesh.along(h);
-                const double side = length(along);
-                keep_off(apex, 1 / side * Point{-along.y, along.x},
-                         cross(along, mesh.point(apex) - mesh.point(a)) / side);
+                const double area = cross(along, mesh.point(apex) - mesh.point(a)), squared = dot(along, along);
+                if (is_far(apex, area * area / squared)) continue;
+                const double side = std::sqrt(squared);
+                keep_off(apex, 1 / side * Point{-along.y, along.x}, area / side);
             } else {
                 const std::uint32_t site = mesh.is_site(a) ? a : b;
                 const Point away = mesh.is_site(a) ? Point{} - mesh.along(h) : mesh.along(h);
-                keep_off(site, 1 / length(away) * away, length(away));
+                const double squared = dot(away, away);
+                if (is_far(site, squared)) continue;
+                const double distance = std::sqrt(squared);
+                keep_off(site, 1 / distance * away, distance);
             }
         }
     }

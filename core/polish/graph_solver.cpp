@@ -58,16 +58,16 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
     level.first.reserve(vertices + 1);
     level.first.push_back(0);
     level.all.reserve(links.size());
+    std::vector<std::uint32_t> last(vertices, kNone);  // link to each vertex
     for (std::size_t v = 0; v < vertices; ++v) {
-        const auto begin = static_cast<std::ptrdiff_t>(level.all.size());
+        const std::size_t begin = level.all.size();
         double sum = 0;
         for (const Link& link : std::span(links).subspan(first[v], first[v + 1] - first[v])) {
-            const auto same = std::find_if(level.all.begin() + begin, level.all.end(),
-                                           [&](const Link& other) { return other.to == link.to; });
-            if (same == level.all.end()) {
+            if (last[link.to] == kNone || last[link.to] < begin) {
+                last[link.to] = static_cast<std::uint32_t>(level.all.size());
                 level.all.push_back(link);
             } else {
-                same->conductance += link.conductance;
+                level.all[last[link.to]].conductance += link.conductance;
             }
             sum += link.conductance;
         }

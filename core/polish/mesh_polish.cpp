@@ -102,15 +102,20 @@ bool MeshPolish::clear_gaps(std::span<Point> sites) const {
 }
 
 void MeshPolish::begin(const Triangulation& mesh) {
-    edges_.clear();
+    // Of each edge one half is listed; which one is as good as random, so that branches would be mispredicted.
+    edges_.resize(3 * mesh.triangle_count());
+    std::size_t count = 0;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        const auto corners = mesh.corners(t);
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
-            if (twin == Triangulation::kNone || twin < h) continue;
-            const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
-            if (mesh.is_site(a) && mesh.is_site(b) && (mesh.is_free(a) || mesh.is_free(b))) edges_.push_back(h);
+            const auto [nearer, farther] = std::minmax(corners[i], corners[(i + 1) % 3]);
+            edges_[count] = h;
+            count += static_cast<std::size_t>((twin != Triangulation::kNone) & (twin > h) & mesh.is_site(farther) &
+                                              mesh.is_free(nearer));
         }
     }
+    edges_.resize(count);
     areas_.resize(mesh.triangle_count());
     moved_areas_.resize(mesh.triangle_count());
     for (std::uint32_t t = 0; t < areas_.size(); ++t) areas_[t] = mesh.doubled_area(t);
@@ -138,6 +143,10 @@ double MeshPolish::least_distance(const Triangulation& mesh) const {
 }
 
 void MeshPolish::measure_spacings(const Triangulation& mesh) {
+    if (!transport_ && !local_) {
+        std::ranges::fill(spacings_, spacing({}));
+        return;
+    }
     for (std::uint32_t v = 0; v < mesh.site_count(); ++v) spacings_[v] = spacing(mesh.point(v));
 }
 
