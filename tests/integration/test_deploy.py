@@ -70,7 +70,7 @@ class Compose(unittest.TestCase):
 
     def test_jobs_are_not_lost_by_their_engine(self):
         command = " ".join(SCALE["redis"]["command"])
-        for setting in ("--appendonly yes", "--maxmemory-policy noeviction"):
+        for setting in ("--appendonly yes", "--appendfsync always", "--maxmemory-policy noeviction"):
             self.assertIn(setting, command)
         self.assertIn("jobs:/data", SCALE["redis"]["volumes"])
 

@@ -160,8 +160,9 @@ def shown(numbers):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=500)
+    parser.add_argument("--appendfsync", choices=("always", "everysec"), default="everysec")
     arguments = parser.parse_args()
-    with Redis("--appendfsync", "everysec") as redis:
+    with Redis("--appendfsync", arguments.appendfsync) as redis:
         jobs(redis, arguments.count)
         answers(redis, arguments.count)
         throughput(redis, arguments.count)
