@@ -59,6 +59,14 @@ def events(body):
     return found
 
 
+def wait_for_event(stream):
+    """Until a curl that follows a job was told something."""
+    end = time.monotonic() + PATIENCE
+    while not stream.body.is_file() or b"event: " not in stream.body.read_bytes():
+        if time.monotonic() > end:
+            raise AssertionError("no event came")
+
+
 def begin_stream(server, job):
     """A connection over which a first event has come, and what has."""
     client = socket.create_connection(("127.0.0.1", server.port), timeout=PATIENCE)
@@ -192,6 +200,7 @@ class Jobs(ServerCase):
         before = [self.submit_endless(), self.submit_endless()]
         job = submit(self.server, {**SMALL, "iterations": 9})
         stream = Call(self.server.url(job + "/events"), "--no-buffer")
+        wait_for_event(stream)
         for other in before:
             self.assertEqual(ask(self.server, other, "--request", "DELETE").status, 204)
         answer = stream.answer()
