@@ -1,11 +1,13 @@
 """A Redis of its own for a test."""
 
+import contextlib
 import os
 import pathlib
 import signal
 import socket
 import subprocess
 import tempfile
+import threading
 import time
 
 from harness import PATIENCE
@@ -78,3 +80,37 @@ class Redis:
     def __exit__(self, *_):
         self.kill()
         self.folder.cleanup()
+
+
+class SlowWay:
+    """A way to a Redis by which each of its answers is late."""
+
+    def __init__(self, redis, seconds):
+        self.redis, self.seconds = redis, seconds
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.url = f"redis://127.0.0.1:{self.listener.getsockname()[1]}"
+        self.thread = threading.Thread(target=self._accept)
+        self.thread.start()
+
+    def _accept(self):
+        with contextlib.suppress(OSError):
+            while True:
+                client = self.listener.accept()[0]
+                server = socket.create_connection(("127.0.0.1", self.redis.port))
+                threading.Thread(target=self._pass_on, args=(client, server, 0), daemon=True).start()
+                threading.Thread(target=self._pass_on, args=(server, client, self.seconds), daemon=True).start()
+
+    @staticmethod
+    def _pass_on(source, target, late):
+        with contextlib.suppress(OSError), source, target:
+            while data := source.recv(65536):
+                time.sleep(late)
+                target.sendall(data)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.listener.shutdown(socket.SHUT_RDWR)
+        self.thread.join()
+        self.listener.close()

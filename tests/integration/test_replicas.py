@@ -12,7 +12,7 @@ import time
 import unittest
 
 import test_jobs
-from engine import Redis
+from engine import Redis, SlowWay
 from harness import PATIENCE, Call, Server, ServerCase, ask
 from test_jobs import ENDLESS, LATER, LONG, SMALL, events, status, submit, wait_for, wait_for_end, without_time
 
@@ -206,6 +206,21 @@ class Replicas(unittest.TestCase):
         job = until(lambda: (now := ask(server, "/sample", *LATER, data=json.dumps(SMALL))).status == 202
                     and now.headers["location"])
         self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
+
+    def test_a_slow_redis_holds_up_nothing_but_jobs(self):
+        with SlowWay(self.redis, 0.4) as way:
+            server = self.stack.enter_context(Server(
+                "--workers=2", f"--redis={way.url}", f"--cache-redis={way.url}", f"--rate-redis={way.url}",
+                "--rate-limit=1000"))
+            server.wait_for_log("jobs are kept by Redis")
+            job = submit(server, SMALL)
+            now = ask(server, "/sample", data=json.dumps(SMALL))
+            self.assertEqual(now.status, 200)
+            self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
+            self.assertEqual(without_time(ask(server, job + "/result")), without_time(now))
+            for use, fails in (("jobs", False), ("answers", True), ("rates", True)):
+                failures = figure(server, f'ccdt_redis_failures_total{{use="{use}"}}')
+                self.assertEqual(failures > 0, fails, "what can be done without is waited for 0.2 s")
 
     def test_what_redis_has_lost_is_gone(self):
         server = self.start()
