@@ -45,11 +45,15 @@ def questions():
     return [case for case in [*cases.small(), *cases.swift(), *medium] if case.status == 200]
 
 
-def learn():
-    """What a quiet server answers at once, by the name of the case."""
-    with Server("--workers=1") as server:
-        return {case.name: cases.essence(ask(server.port, "POST", case.path, case.body, case.headers)[1])
-                for case in questions()}
+def learn(*programs):
+    """What quiet servers answer at once, by the name of the case: those of another release may do so otherwise."""
+    known = {case.name: [] for case in questions()}
+    for program in programs:
+        with Server("--workers=1", program=program) as server:
+            for case in questions():
+                answer = ask(server.port, "POST", case.path, case.body, case.headers)[1]
+                known[case.name].append(cases.essence(answer))
+    return known
 
 
 class Replica:
@@ -123,7 +127,7 @@ class Clients:
                 return
             status, body = self._try(case, {})
             self.asked[status] += 1
-            if status == 200 and cases.essence(body) != self.known[case.name]:
+            if status == 200 and cases.essence(body) not in self.known[case.name]:
                 self.wrong.append(f"{case.name} is answered otherwise at once: {body[:200]}")
 
     def failed(self):
@@ -194,7 +198,7 @@ def check(port, clients):
     wrong = [f"{job} has not ended" for job in left]
     for job, case in clients.jobs.items():
         status, body = ask(port, "GET", job + "/result")
-        if (status, cases.essence(body)) != (200, clients.known[case.name]):
+        if status != 200 or cases.essence(body) not in clients.known[case.name]:
             wrong.append(f"{job} ({case.name}) is answered {status}: {body[:300]}")
     return wrong
 
@@ -217,7 +221,7 @@ def main():
         print("skipped: docker/install --unpack tools has not run")
         return 0
     start = time.monotonic()
-    known = learn()
+    known = learn(None, *([arguments.before] if arguments.before else []))
     with contextlib.ExitStack() as stack:
         # By the second Redis tells what it has done before it is in the file, where the disk is slow.
         redis = stack.enter_context(Redis("--appendfsync", "always"))
