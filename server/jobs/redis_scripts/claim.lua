@@ -22,10 +22,11 @@ while true do
     if #places == 0 then return false end
     for _, place in ipairs(places) do
         local id = string.sub(place, 17)
-        if not is_at(id, place) then
+        local taken = memory_at(id, place)
+        if not taken then
             redis.call('ZREM', key('queue'), place)
             first = first - 1
-        elseif tonumber(field(id, 'memory')) <= memory then
+        elseif taken <= memory then
             return claim(id)
         end
     end

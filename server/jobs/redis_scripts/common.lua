@@ -73,11 +73,11 @@ local function leave_queue(id)
     return tonumber(turn)
 end
 
--- Whether there is a job with what is needed to run it, and it is at this place. It may not be where others than these
--- scripts have changed or deleted keys, as a Redis that drops what was not asked for does.
-local function is_at(id, place)
+-- Returns the memory that the job at a place takes, or nothing if there is no whole job: others than these scripts may
+-- have deleted keys, as a Redis does that drops what was not asked for.
+local function memory_at(id, place)
     local known = redis.call('HMGET', job_key(id), 'place', 'client', 'memory', 'seconds')
-    return known[1] == place and known[2] and tonumber(known[3]) and tonumber(known[4])
+    return known[1] == place and known[2] and tonumber(known[4]) and tonumber(known[3])
 end
 
 -- Once nobody waits all that was had is forgotten.
@@ -90,7 +90,7 @@ end
 -- Has a claimed job wait again, first of all.
 local function put_back(id)
     redis.call('ZREM', key('leases'), id)
-    if not is_at(id, field(id, 'place')) then return end
+    if not memory_at(id, field(id, 'place')) then return end
     redis.call('HSET', job_key(id), 'status', 'queued', 'fraction', 0, 'iteration', 0)
     redis.call('HDEL', job_key(id), 'started', 'variation')
     enter_queue(id, math.min(tonumber(field(id, 'turn') or '0'), state('turn')), field(id, 'place'))
