@@ -79,7 +79,7 @@ constexpr std::array<OptionRule<Draft>, 20> kRules = {{
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
     {"passes", [](const Input& i, const Limits&, Draft& d) { return read_passes(i, d.request.run); }},
-    {"quality", [](const Input& i, const Limits&, Draft& d) { return read_quality(i, d.request.run); }},
+    {"quality", [](const Input& i, const Limits&, Draft& d) { return read_halftone_quality(i, d.request.run); }},
     {"on_deadline",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_deadline, read_on_deadline(i)); }},
     {"scale", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.scale, read_number(i, kScales)); }},

@@ -37,8 +37,11 @@ Estimate ccdt_cost(const Options& options, bool is_uniform) {
     const double pass = is_uniform ? 0.06 : 0.22;
     double microseconds = 1 + pass * options.iterations * options.passes;
     if (polished && options.quality == Quality::Standard) microseconds += is_uniform ? 2.6 : 7;
-    if (polished && options.quality == Quality::Best) microseconds += is_uniform ? 12.5 : 22;
-    const double bytes = (is_uniform ? 450 : 700) + (polished ? 370 : 0) + (options.keep_mesh ? 150 : 0);
+    if (polished && options.quality >= Quality::Best) microseconds += is_uniform ? 12.5 : 22;
+    const bool silent = polished && options.quality == Quality::Stealthy;
+    if (silent) microseconds += 5;
+    const double bytes =
+        (is_uniform ? 450 : 700) + (polished ? 370 : 0) + (silent ? 450 : 0) + (options.keep_mesh ? 150 : 0);
     return Estimate{sites * bytes, sites * microseconds * kMicrosecond} + leaving_room(options);
 }
 

@@ -358,6 +358,24 @@ Result<void> settle_domain(Draft& draft) {
     return {};
 }
 
+/// Holds a quality to what it is defined for.
+Result<void> check_quality(const Draft& draft) {
+    constexpr double kFewestRows = 4;  // as Stealth::fits() has them
+    const SampleRequest& request = draft.request;
+    if (request.run.quality != Quality::Stealthy) return {};
+    const auto refused = [&](std::string what) -> Result<void> {
+        return failure(ErrorCode::Malformed, "quality stealthy " + std::move(what), request.field_of("quality"));
+    };
+    if (!draft.rectangle || !draft.rectangle->periodic) return refused("needs a domain of the type torus");
+    if (!std::holds_alternative<std::monostate>(request.density)) return refused("is of points without a density");
+    if (!request.run.fixed.empty()) return refused("leaves no point where it is: it allows no fixed ones");
+    if (request.run.iterations == 0) return refused("needs an iteration at least");
+    const auto [shorter, longer] = std::minmax(draft.rectangle->width, draft.rectangle->height);
+    const double least = kFewestRows * kFewestRows * (longer / shorter);
+    if (static_cast<double>(request.run.sites) >= least) return {};
+    return refused("needs four rows of points at least: 16 sites, times the torus' longer side over its shorter one");
+}
+
 /// Makes an error about a polygon one about the request.
 Error located(Error error, const PolygonInput& polygon) {
     error.field = polygon.locate(error.field);
@@ -560,6 +578,7 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
         return error_of_options(draft.request, std::move(error));
     }));
     errors.add(check_fixed(draft.request));
+    errors.add(check_quality(draft));
     errors.add(settle_domain(draft));
     errors.add(settle_format(accept, sample_formats(), draft.request.format));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());

@@ -8,8 +8,11 @@ namespace {
 constexpr std::uint64_t kMaxIterations = 1000;
 constexpr std::uint64_t kMaxPasses = 100;
 
-constexpr std::array<Choice<Quality>, 3> kQualities = {
-    {{"draft", Quality::Draft}, {"standard", Quality::Standard}, {"best", Quality::Best}}};
+/// The last is of points alone.
+constexpr std::array<Choice<Quality>, 4> kQualities = {{{"draft", Quality::Draft},
+                                                        {"standard", Quality::Standard},
+                                                        {"best", Quality::Best},
+                                                        {"stealthy", Quality::Stealthy}}};
 
 constexpr std::array<Choice<OnStop>, 2> kOnStops = {{{"error", OnStop::Error}, {"partial", OnStop::Partial}}};
 
@@ -17,6 +20,10 @@ constexpr std::array<Choice<OnStop>, 2> kOnStops = {{{"error", OnStop::Error}, {
 
 std::span<const Choice<Quality>> qualities() {
     return kQualities;
+}
+
+std::span<const Choice<Quality>> halftone_qualities() {
+    return qualities().first(kQualities.size() - 1);
 }
 
 Result<void> read_seed(const Input& input, Options& options) {
@@ -32,7 +39,11 @@ Result<void> read_passes(const Input& input, Options& options) {
 }
 
 Result<void> read_quality(const Input& input, Options& options) {
-    return assign(options.quality, read_choice<Quality>(input, kQualities));
+    return assign(options.quality, read_choice<Quality>(input, qualities()));
+}
+
+Result<void> read_halftone_quality(const Input& input, Options& options) {
+    return assign(options.quality, read_choice<Quality>(input, halftone_qualities()));
 }
 
 Result<OnStop> read_on_deadline(const Input& input) {

@@ -8,14 +8,16 @@
 
 namespace ccdt::api {
 
-/// Words of the option `quality`.
+/// Words of the option `quality`, and those of them that halftones have.
 std::span<const Choice<Quality>> qualities();
+std::span<const Choice<Quality>> halftone_qualities();
 
 /// Reads an option that every endpoint with sites shares, of its member's name. Errors: Malformed.
 Result<void> read_seed(const Input& input, Options& options);
 Result<void> read_iterations(const Input& input, Options& options);
 Result<void> read_passes(const Input& input, Options& options);
 Result<void> read_quality(const Input& input, Options& options);
+Result<void> read_halftone_quality(const Input& input, Options& options);
 Result<OnStop> read_on_deadline(const Input& input);
 
 }  // namespace ccdt::api

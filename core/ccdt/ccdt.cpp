@@ -9,6 +9,7 @@
 #include "core/ccdt/construction.h"
 #include "core/polish/polish.h"
 #include "core/polish/settings.h"
+#include "core/polish/stealth.h"
 #include "core/random.h"
 
 namespace ccdt {
@@ -25,6 +26,7 @@ public:
 
 private:
     bool stopping() const { return control_.stop.stop_requested(); }
+    bool can_be_silent() const;
     Result<void> start();
     void iterate();
     Result<void> polish();
@@ -67,6 +69,13 @@ InkConstructions::InkConstructions(const Domain& domain, std::span<const Density
         settings_ =
             polish_settings(options.quality, constructions_.size(), smooth, domain.is_box() || !options.fixed.empty());
     if (settings_ && !retouch_) settings_->retouch_rounds = 0;
+    if (settings_ && !can_be_silent()) settings_->stealth_rounds = 0;
+}
+
+/// Tells whether the sites' low frequencies can be silenced.
+bool InkConstructions::can_be_silent() const {
+    return constructions_.size() == 1 && constructions_.front()->is_uniform() && domain_.is_torus() &&
+           options_.fixed.empty() && Stealth::fits(domain_, constructions_.front()->sites());
 }
 
 Result<std::vector<Distribution>> InkConstructions::execute() {

@@ -55,6 +55,8 @@ public:
 
     Distribution collect();
 
+    std::size_t sites() const { return options_.sites; }
+    bool is_uniform() const { return density_.is_uniform(); }
     int iterations() const { return result_.iterations; }
     double variation() const { return result_.trace.back(); }
 

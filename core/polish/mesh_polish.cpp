@@ -150,6 +150,12 @@ void MeshPolish::measure_spacings(const Triangulation& mesh) {
     for (std::uint32_t v = 0; v < mesh.site_count(); ++v) spacings_[v] = spacing(mesh.point(v));
 }
 
+void MeshPolish::silence(Triangulation& mesh, const std::stop_token& stop) {
+    if (!stealth_) stealth_.emplace(domain_, mesh.site_count());
+    const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
+    if (stealth_->displacements(sites, moves_, stop)) apply(mesh);
+}
+
 void MeshPolish::move(Triangulation& mesh, std::span<const Point> moves) {
     std::ranges::copy(moves, moves_.begin());
     apply(mesh);

@@ -14,6 +14,7 @@
 #include "core/polish/fixed_sites.h"
 #include "core/polish/local_spacing.h"
 #include "core/polish/mesh_transport.h"
+#include "core/polish/stealth.h"
 #include "core/polish/support.h"
 #include "core/polish/transport.h"
 
@@ -59,6 +60,10 @@ public:
     /// Undoes long waves of density error. Nothing happens in polygons if the density is not smooth.
     void even_out(Triangulation& mesh, const std::stop_token& stop);
 
+    /// Silences the low frequencies of a torus of uniform density that is wide enough for its sites, none of them
+    /// fixed; nothing happens once they are silent.
+    void silence(Triangulation& mesh, const std::stop_token& stop);
+
     /// @param moves  [sites]
     void move(Triangulation& mesh, std::span<const Point> moves);
 
@@ -81,6 +86,7 @@ private:
     std::optional<CellList> others_;  ///< of the fixed sites
     std::optional<Transport> transport_;
     std::optional<MeshTransport> mesh_transport_;  ///< in polygons, once it is asked for
+    std::optional<Stealth> stealth_;               ///< once it is asked for
     std::optional<LocalSpacing> local_;            ///< where a density varies and transport_ does not know it
     Support support_;
     std::vector<std::uint32_t> edges_;  ///< half-edges between sites

@@ -76,6 +76,8 @@ void Polish::refine(const PolishSettings& settings, const std::stop_token& stop,
     }
     repeat(settings.last_rounds, stop, after, [&](int) { even_out_each(stop); });
     repeat(settings.retouch_rounds, stop, after, [&](int) { this->retouch(retouch, stop); });
+    repeat(settings.stealth_rounds, stop, after,
+           [&](int) { layers_.front().steps->silence(*layers_.front().mesh, stop); });
 }
 
 /// Calls with each ink, and the moves of its sites if there are several, until it is stopped.

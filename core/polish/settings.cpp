@@ -69,12 +69,17 @@ constexpr Row kInks{
      .retouch_rounds = 6},
 };
 
+/// The first leaves a power of about 1e-7, the second 1e-11, the third what rounding makes.
+constexpr int kStealthRounds = 4;
+
 }  // namespace
 
 PolishSettings polish_settings(Quality quality, std::size_t inks, bool smooth, bool in_box) {
     assert(quality != Quality::Draft);
     const Row& row = inks > 1 ? kInks : !smooth ? kVarying : in_box ? kSmooth : kPolygon;
-    return quality == Quality::Best ? row.best : row.standard;
+    PolishSettings settings = quality == Quality::Standard ? row.standard : row.best;
+    if (quality == Quality::Stealthy) settings.stealth_rounds = kStealthRounds;
+    return settings;
 }
 
 }  // namespace ccdt

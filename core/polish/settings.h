@@ -9,6 +9,8 @@ enum class Quality {
     Draft,     ///< none: triangles of equal capacity, as in the paper
     Standard,  ///< near neighbours are pushed apart and long waves evened out
     Best,      ///< the same for longer: a few times the time
+    Stealthy,  ///< then no power at all is left in the low frequencies of a torus of uniform density (Stealth), if that
+               ///< is wide enough, has one ink and no fixed points; of other domains as Best
 };
 
 /// Schedule of a polish, in the order in which it is done, and the strength of its steps. Reaches are over the distance
@@ -30,8 +32,11 @@ struct PolishSettings {
     double least = 0;        ///< distance of neighbours below which they are pushed so again, found anew each time
     int last_rounds = 0;     ///< then, that even out what these have left behind
     int retouch_rounds = 0;  ///< last, of moves that the caller chooses by what is seen of all inks together
+    int stealth_rounds = 0;  ///< at most, that silence low frequencies
 
-    int all_rounds() const { return rounds + relax_rounds + even_rounds + near_rounds + last_rounds + retouch_rounds; }
+    int all_rounds() const {
+        return rounds + relax_rounds + even_rounds + near_rounds + last_rounds + retouch_rounds + stealth_rounds;
+    }
 };
 
 /// @param quality  not Draft, which has no polish

@@ -108,6 +108,22 @@ void SplineGrid::spread(Point p, double value) {
     }
 }
 
+void SplineGrid::spread_move(Point p, Point move) {
+    const auto [first, fraction] = place(p);
+    const Taps weights = weights_at(fraction), slopes = slopes_at(fraction);
+    const Point cell = this->cell();
+    std::array<double, kTaps> along_x, across;
+    for (std::size_t i = 0; i < kTaps; ++i) {
+        along_x[i] = move.x / cell.x * slopes[i][0];
+        across[i] = move.y / cell.y * weights[i][0];
+    }
+    for (std::size_t j = 0; j < kTaps; ++j) {
+        double* row = &padded_[first + j * stride_];
+        const double weight = weights[j][1], slope = slopes[j][1];
+        for (std::size_t i = 0; i < kTaps; ++i) row[i] += weight * along_x[i] + slope * across[i];
+    }
+}
+
 Point SplineGrid::gradient(Point p) const {
     const auto [first, fraction] = place(p);
     const Taps weights = weights_at(fraction), slopes = slopes_at(fraction);

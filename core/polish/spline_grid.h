@@ -33,6 +33,9 @@ public:
     /// Adds a point of this value.
     /// @param p  inside the box; on a torus anywhere
     void spread(Point p, double value);
+    /// Adds the change of what a point of value 1 spreads, as it moves by a vector that is as small as may be: the
+    /// transpose of gradient(), but for what is told of window().
+    void spread_move(Point p, Point move);
     /// Computes the coefficients of what was spread.
     void transform();
 

@@ -118,6 +118,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(SampleCase{"draft", R"("sites":100000,"quality":"draft",)" + kSquare},
                     SampleCase{"standard", R"("sites":100000,)" + kSquare},
                     SampleCase{"best", R"("sites":50000,"quality":"best",)" + kSquare},
+                    SampleCase{"stealthy", R"("sites":50000,"quality":"stealthy",)" + kTorus},
                     SampleCase{"torus", R"("sites":100000,)" + kTorus},
                     SampleCase{"mesh", R"("sites":100000,"mesh":true,)" + kSquare},
                     SampleCase{"start", R"("sites":100000,"iterations":0,)" + kSquare},

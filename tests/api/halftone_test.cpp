@@ -86,14 +86,31 @@ TEST(HalftoneOptions, AreAllRead) {
 }
 
 TEST(HalftoneOptions, AreRefusedByName) {
-    const Options wrong = {{"sites", "0"},      {"sites", "12abc"},     {"seed", "9007199254740992"},
-                           {"seed", "-1"},      {"iterations", "1001"}, {"passes", "0"},
-                           {"passes", "101"},   {"scale", "0.05"},      {"scale", "17"},
-                           {"scale", "nan"},    {"dot", "0"},           {"dot", "big"},
-                           {"detail", "-0.1"},  {"detail", "1.1"},      {"antialias", "2"},
-                           {"quality", "good"}, {"tone", "loud"},       {"foreground", "transparent"},
-                           {"background", ""},  {"format", "bmp"},      {"format", "geojson"},
-                           {"sights", "10"},    {"image", "aGVsbG8="},  {"method", "ccdt"}};
+    const Options wrong = {{"sites", "0"},
+                           {"sites", "12abc"},
+                           {"seed", "9007199254740992"},
+                           {"seed", "-1"},
+                           {"iterations", "1001"},
+                           {"passes", "0"},
+                           {"passes", "101"},
+                           {"scale", "0.05"},
+                           {"scale", "17"},
+                           {"scale", "nan"},
+                           {"dot", "0"},
+                           {"dot", "big"},
+                           {"detail", "-0.1"},
+                           {"detail", "1.1"},
+                           {"antialias", "2"},
+                           {"quality", "good"},
+                           {"quality", "stealthy"},
+                           {"tone", "loud"},
+                           {"foreground", "transparent"},
+                           {"background", ""},
+                           {"format", "bmp"},
+                           {"format", "geojson"},
+                           {"sights", "10"},
+                           {"image", "aGVsbG8="},
+                           {"method", "ccdt"}};
     for (const auto& option : wrong) {
         const auto request = parse({option});
         ASSERT_FALSE(request) << option.name << '=' << option.value;

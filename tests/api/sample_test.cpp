@@ -70,6 +70,9 @@ TEST(SampleRequest, ReadsTheQuality) {
         ASSERT_TRUE(request) << request.error().message;
         EXPECT_EQ(request->run.quality, quality);
     }
+    const auto stealthy = parse(R"({"sites":32,"quality":"stealthy","domain":{"type":"torus","width":1,"height":2}})");
+    ASSERT_TRUE(stealthy) << stealthy.error().message;
+    EXPECT_EQ(stealthy->run.quality, Quality::Stealthy);
 }
 
 TEST(SampleRequest, ReadsATorus) {
@@ -212,6 +215,22 @@ std::vector<std::string> fields_of(const Result<SampleRequest>& request) {
     std::vector<std::string> fields = {request.error().field};
     for (const auto& other : request.error().others) fields.push_back(other.field);
     return fields;
+}
+
+TEST(SampleRequest, SilencesNoOtherThanEvenToriOfSomeRows) {
+    const std::string torus = R"("domain":{"type":"torus","width":1,"height":2})";
+    for (const std::string& wrong : {
+             R"("sites":31,)" + torus,
+             R"("sites":32,"iterations":0,)" + torus,
+             R"("sites":32,"fixed":[[0.5,0.5]],)" + torus,
+             R"("sites":32,"density":{"width":1,"height":2,"values":[1,2]},)" + torus,
+             R"("sites":32,)" + kSquare,
+             std::string(R"("sites":32,"domain":{"type":"rectangle","width":1,"height":1})"),
+             std::string(R"("sites":999,"domain":{"type":"torus","width":1e308,"height":1e-308})"),
+         }) {
+        EXPECT_EQ(fields_of(parse(R"({"quality":"stealthy",)" + wrong + "}")), std::vector<std::string>{"/quality"})
+            << wrong;
+    }
 }
 
 TEST(SampleRequest, TellsWhatIsMissingWithWhatIsWrong) {

@@ -145,5 +145,24 @@ TEST(SplineGrid, HasTheGradientOfAWave) {
     }
 }
 
+TEST(SplineGrid, SpreadsMoves) {
+    for (const bool torus : {true, false}) {
+        SplineGrid grid(torus, {1, 0.5}, 40, 20);
+        const auto points = random_points({1, 0.5}, 30);
+        const auto spread_moved = [&](double share) {
+            grid.clear();
+            for (const auto& [place, value] : points) grid.spread(place + share * Point{value, 1 - value}, 1);
+            grid.transform();
+            return grid.grid()[7] + 2 * grid.grid()[333];
+        };
+        constexpr double kStep = 1e-5;
+        const double slope = (spread_moved(kStep) - spread_moved(-kStep)) / (2 * kStep);
+        grid.clear();
+        for (const auto& [place, value] : points) grid.spread_move(place, {value, 1 - value});
+        grid.transform();
+        EXPECT_NEAR(grid.grid()[7] + 2 * grid.grid()[333], slope, 1e-4 * std::abs(slope)) << torus;
+    }
+}
+
 }  // namespace
 }  // namespace ccdt

@@ -1,0 +1,148 @@
+#include "core/polish/stealth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <type_traits>
+
+namespace ccdt {
+
+namespace {
+
+constexpr double kTau = 2 * std::numbers::pi;
+constexpr double kCells = 5;       ///< of the splines' grid, a cycle of the highest frequency: see SplineGrid
+constexpr double kFewestRows = 4;  ///< spacings across a torus
+constexpr double kLeft = 0.01;     ///< share of F that the steps of a round may leave; the next one squares the rest
+constexpr int kMostSteps = 40;
+
+/// The frequency that is the first not to be silenced, in cycles a unit.
+double end_of(const Domain& torus, std::size_t sites) {
+    return Stealth::kLimit * std::sqrt(static_cast<double>(sites) / torus.unit_area());
+}
+
+int highest(double end, double side) {
+    return static_cast<int>(std::ceil(end * side)) - 1;
+}
+
+int cells_for(double end, double side) {
+    return good_size(std::max(kCells * end * side, 8.0));
+}
+
+}  // namespace
+
+bool Stealth::fits(const Domain& torus, std::size_t sites) {
+    const Point sides = torus.unit_bounds().max;
+    const double spacing = std::sqrt(torus.unit_area() / static_cast<double>(sites));
+    return std::min(sides.x, sides.y) >= kFewestRows * spacing;
+}
+
+Stealth::Stealth(const Domain& torus, std::size_t sites)
+    : sides_(torus.unit_bounds().max),
+      sites_(static_cast<double>(sites)),
+      listener_(highest(end_of(torus, sites), sides_.x), highest(end_of(torus, sites), sides_.y)),
+      listened_(sites),
+      grid_(true, sides_, cells_for(end_of(torus, sites), sides_.x), cells_for(end_of(torus, sites), sides_.y)) {
+    const double end = end_of(torus, sites);
+    const int columns = highest(end, sides_.x), rows = highest(end, sides_.y);
+    for (int row = -rows; row <= rows; ++row) {
+        for (int column = 0; column <= columns; ++column) {
+            if (column == 0 && row <= 0) continue;
+            const Point f = grid_.frequency(column, row);
+            const double squared = dot(f, f);
+            if (squared < end * end) waves_.push_back({column, row, sites_ * kTau * kTau * squared});
+        }
+    }
+    sums_.resize(waves_.size());
+}
+
+bool Stealth::displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop) {
+    if (!listen(sites, stop) || loudest_ < kSilence) return false;
+    Coefficients left(waves_.size()), eased(waves_.size()), changed(waves_.size()), potential(waves_.size());
+    std::ranges::transform(sums_, left.begin(), [](const auto& sum) { return -sum; });
+    precondition(left, eased);
+    Coefficients step = eased;
+    double size = product(left, eased);
+    const double enough = kLeft * kLeft * size;
+    for (int steps = 0; steps < kMostSteps && size > enough; ++steps) {
+        if (stop.stop_requested()) return false;
+        find_moves(step, sites, moves);
+        change_of(sites, moves, changed);
+        const double curvature = product(step, changed);
+        if (!(curvature > 0)) break;
+        const double length = size / curvature;
+        for (std::size_t k = 0; k < waves_.size(); ++k) {
+            potential[k] += length * step[k];
+            left[k] -= length * changed[k];
+        }
+        precondition(left, eased);
+        const double next = product(left, eased), share = next / size;
+        for (std::size_t k = 0; k < waves_.size(); ++k) step[k] = eased[k] + share * step[k];
+        size = next;
+    }
+    find_moves(potential, sites, moves);
+    return true;
+}
+
+/// Computes F, and how loud it is. Returns false if it was stopped.
+bool Stealth::listen(std::span<const Point> sites, const std::stop_token& stop) {
+    const auto share = [](double place, double side) {
+        const double periods = place / side;
+        return std::clamp(periods - std::floor(periods), 0.0, 1.0);
+    };
+    std::ranges::transform(sites, listened_.begin(), [&](Point p) {
+        return WeightedPoint{{share(p.x, sides_.x), share(p.y, sides_.y)}, 1};
+    });
+    listener_.run(listened_, stop);
+    if (stop.stop_requested()) return false;
+    loudest_ = 0;
+    for (std::size_t k = 0; k < waves_.size(); ++k) {
+        sums_[k] = listener_.value(waves_[k].column, waves_[k].row);
+        loudest_ = std::max(loudest_, std::norm(sums_[k]) / sites_);
+    }
+    return true;
+}
+
+/// J* p: the gradient of a potential at the sites.
+void Stealth::find_moves(const Coefficients& potential, std::span<const Point> sites, std::span<Point> moves) {
+    grid_.with_coefficients([&](auto spectrum) {
+        if constexpr (std::is_same_v<typename decltype(spectrum)::value_type, std::complex<double>>) {
+            std::ranges::fill(spectrum, std::complex<double>());
+            for (std::size_t k = 0; k < waves_.size(); ++k) {
+                const auto [column, row, diagonal] = waves_[k];
+                const auto value = potential[k] / grid_.window(column, row);
+                spectrum[grid_.number(column, row)] = value;
+                if (column == 0) spectrum[grid_.number(0, -row)] = std::conj(value);
+            }
+        }
+    });
+    grid_.transform_back();
+    std::ranges::transform(sites, moves.begin(), [&](Point p) { return grid_.gradient(p); });
+}
+
+/// J u: how moves change F.
+void Stealth::change_of(std::span<const Point> sites, std::span<const Point> moves, Coefficients& change) {
+    grid_.clear();
+    for (std::size_t i = 0; i < sites.size(); ++i) grid_.spread_move(sites[i], moves[i]);
+    grid_.transform();
+    grid_.with_coefficients([&](auto spectrum) {
+        if constexpr (std::is_same_v<typename decltype(spectrum)::value_type, std::complex<double>>) {
+            for (std::size_t k = 0; k < waves_.size(); ++k) {
+                const auto [column, row, diagonal] = waves_[k];
+                change[k] = spectrum[grid_.number(column, row)] / grid_.window(column, row);
+            }
+        }
+    });
+}
+
+/// Of all waves, k as well as -k.
+double Stealth::product(const Coefficients& a, const Coefficients& b) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < waves_.size(); ++k) sum += 2 * (a[k].real() * b[k].real() + a[k].imag() * b[k].imag());
+    return sum;
+}
+
+void Stealth::precondition(const Coefficients& from, Coefficients& to) const {
+    for (std::size_t k = 0; k < waves_.size(); ++k) to[k] = from[k] / waves_[k].diagonal;
+}
+
+}  // namespace ccdt
