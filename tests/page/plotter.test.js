@@ -8,9 +8,9 @@ import { looksAsKept, settled, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 
-async function open(address) {
+async function open(address, panel = "halftone") {
   await world.page.goto(`${world.url}/${address}`);
-  await settled(world.page, "halftone");
+  await settled(world.page, panel);
 }
 
 async function put(name, value, state = "done") {
@@ -23,16 +23,16 @@ async function put(name, value, state = "done") {
 async function saved() {
   const [download] = await Promise.all([
     world.page.waitForEvent("download"),
-    world.page.getByRole("button", { name: "SVG on this paper" }).click(),
+    world.page.locator(".plot button:text('SVG on this paper'):visible").click(),
   ]);
   return readFile(await download.path(), "utf8");
 }
 
-const figures = () => world.page.textContent("#halftone .figures p");
+const figures = (panel = "halftone") => world.page.textContent(`#${panel} .figures p`);
 
 test("takes a pen: as many dots as the tone wants, each as wide as it", async () => {
   await open("");
-  await world.page.getByLabel("Draw with a pen").check();
+  await world.page.locator("#halftone").getByLabel("Draw with a pen").check();
   await settled(world.page, "halftone");
   await put("pen_mm", "2");
   assert.ok(await world.page.isHidden("#halftone .fields [data-name=dot]"));
@@ -68,6 +68,20 @@ test("has a layer for each ink, and paper of any size", async () => {
   await put("width_mm", "333");
   assert.match(await figures(), /^333 \u00d7 333 mm/);
   assert.match(await saved(), /^<svg [^>]*width="333mm" height="333mm" viewBox="0 0 333 333"/);
+});
+
+test("draws points, and the classes of a map of dots", async () => {
+  await open("#sample?sites=200&shape=rectangle&plotter=on&pen_mm=1.5&paper=none&width_mm=150", "sample");
+  const svg = await saved();
+  assert.match(svg, /^<svg [^>]*width="150mm" height="100mm"/);
+  assert.match(svg, /stroke-width="1.5"/);
+  const path = Number(svg.match(/along a path of ([\d.]+) mm/)[1]);
+  assert.match(await figures("sample"), new RegExp(`^150 \u00d7 100 mm. 200 dots in 1 layer, a path of ${(path / 1000).toPrecision(2)} m`));
+  await world.page.goto("about:blank");
+  await open("#sample?shape=texas.geojson&per=50000&plotter=on", "sample");
+  assert.match(await figures("sample"), /dots in 2 layers/);
+  const layers = await world.page.locator("#sample .figures li").allTextContents();
+  assert.deepEqual(layers.map((text) => text.split(":")[0]), ["employed", "unemployed"]);
 });
 
 test("turns the paper to fit, and refuses what is no pen", async () => {

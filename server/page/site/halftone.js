@@ -1,7 +1,7 @@
 // A picture becomes dots.
 
 import { capabilities } from "./api.js";
-import { acceptDrops, count, save, seconds } from "./dom.js";
+import { acceptDrops, count, seconds } from "./dom.js";
 import { Fields } from "./fields.js";
 import { fields, moreFields } from "./halftone_options.js";
 import { postPatiently } from "./jobs.js";
@@ -68,8 +68,8 @@ export class Halftone extends Panel {
     this.plotter = new Plotter(this.find(".plotter"), {
       size: () => this.#original ?? this.#dots ?? { width: 1, height: 1 },
       changed: (draft) => this.refresh(draft),
+      dot: (radius) => `${Number(radius.toPrecision(6))}mm`,
       turned: (isOn) => this.#penTurned(isOn),
-      save: (svg) => save(new Blob([svg], { type: "image/svg+xml" }), "plot.svg"),
     });
     this.#offerFields();
     this.snippets = new Snippets(this.find(".snippets"));

@@ -1,7 +1,7 @@
 // A drawing for a plotter: on what paper, with what pen, how far the pen goes and how long that takes.
 
 import { element as shape } from "./chart.js";
-import { count, make, metres } from "./dom.js";
+import { count, make, metres, save } from "./dom.js";
 import { Fields } from "./fields.js";
 
 const papers = { a6: [105, 148], a5: [148, 210], a4: [210, 297], a3: [297, 420], a2: [420, 594], letter: [215.9, 279.4] };  // mm
@@ -26,31 +26,46 @@ function duration(seconds) {
   return seconds >= 60 ? `${minutes} min` : `${Math.round(seconds)} s`;
 }
 
-/** The layers of a drawing, as its descriptions tell them: [{name, colour, dots, path}], path in mm. */
+/** How far it is from dot to dot, in the order of a drawing: {dots, path}, in units of the drawing. */
+function wayOf(part) {
+  let [dots, path, before] = [0, 0, null];
+  for (const [, x, y, cx = x, cy = y] of part.matchAll(/M([-\d.e]+) ([-\d.e]+)h|cx="([^"]+)" cy="([^"]+)"/g)) {
+    const here = [Number(cx), Number(cy)];
+    if (before) path += Math.hypot(here[0] - before[0], here[1] - before[1]);
+    before = here;
+    ++dots;
+  }
+  return { dots, path };
+}
+
+/** The layers of a drawing: [{name, colour, dots, path}]; one that has none is a layer itself. */
 function layersOf(svg) {
-  const found = svg.matchAll(/(?:inkscape:label="([^"]*)"[^>]*>\s*)?<desc>(\d+) dots along a path of ([\d.e+]+) mm[^<]*<\/desc>\s*<g[^>]*?(?:stroke|fill)="(#[0-9a-f]+)"/g);
-  return [...found].map(([, name = "dots", dots, path, colour]) => ({ name, colour, dots: Number(dots), path: Number(path) }));
+  const parts = svg.split(/inkscape:groupmode="layer" inkscape:label="([^"]*)"/);
+  const named = parts.length === 1 ? [["dots", svg]] : parts.slice(1).flatMap((name, i, all) => (i % 2 ? [] : [[name, all[i + 1]]]));
+  return named.map(([name, part]) => ({ name, colour: part.match(/(?:stroke|fill)="(#[0-9a-f]+)"/)?.[1], ...wayOf(part) }));
 }
 
 export class Plotter {
   #svg = null;
 
   /**
-   * @param place    an element with a box, a form, figures and a button
+   * @param place    where it goes, under a heading
    * @param size     tells the width and height of what is drawn, in units of its own
+   * @param dot      tells the option `dot` of a radius, with the width of the drawing; in mm
    * @param changed  called with whether it is a draft, once options are others
    * @param turned   called with whether a pen draws, once it does or does not any more
-   * @param save     takes a drawing as SVG on its paper
    */
-  constructor(place, { size, changed, turned, save }) {
-    this.size = size;
-    this.box = place.querySelector("input[type=checkbox]");
-    this.body = place.querySelector(".plot");
-    this.figures = place.querySelector(".figures");
-    this.button = place.querySelector(".plot button");
-    this.fields = new Fields(place.querySelector("form"), fields, (draft) => { this.#settle(); changed(draft); });
+  constructor(place, { size, dot, changed, turned }) {
+    Object.assign(this, { size, dot });
+    const form = make("form", { noValidate: true });
+    this.box = make("input", { type: "checkbox" });
+    this.figures = make("div", { className: "figures", role: "status" });
+    this.button = make("button", { type: "button", textContent: "SVG on this paper", disabled: true });
+    this.body = make("div", { className: "plot" }, form, this.figures, this.button);
+    place.append(make("label", {}, this.box, " Draw with a pen"), this.body);
+    this.fields = new Fields(form, fields, (draft) => { this.#settle(); changed(draft); });
     this.box.addEventListener("change", () => { this.#settle(); turned(this.isOn); });
-    this.button.addEventListener("click", () => save(this.#onPaper()));
+    this.button.addEventListener("click", () => save(new Blob([this.#onPaper()], { type: "image/svg+xml" }), "plot.svg"));
     this.#settle();
   }
 
@@ -68,10 +83,11 @@ export class Plotter {
     this.#settle();
   }
 
-  /** The least that is wished of the drawing: its width in mm, and a pen's width for each dot. */
+  /** What is wished of the drawing: its width in mm, and a pen's width for each dot. */
   options() {
     const { pen_mm: pen, style } = this.fields.values();
-    return { width_mm: this.#page().width, dot: `${Number((pen / 2).toPrecision(6))}mm`, ...(style === "stroke" && { style }) };
+    const { width } = this.#page();
+    return { width_mm: width, dot: this.dot(pen / 2, width), ...(style === "stroke" && { style }) };
   }
 
   /** Tells of a drawing as the server made it; null: there is none. */

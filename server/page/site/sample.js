@@ -7,6 +7,7 @@ import { explain, Fields } from "./fields.js";
 import { countsOf, isGeojson, mayBeDegrees, polygonsOf } from "./geojson.js";
 import { postPatiently } from "./jobs.js";
 import { Panel } from "./panel.js";
+import { Plotter } from "./plotter.js";
 import { drawingFields, fields, formats, methodNamed, moreFields, shapeFields } from "./sample_options.js";
 import { areaOf, boundsOf, firstPolygon, outlineOf, polygonOf, rectangle, unitTorus } from "./shape.js";
 import { Snippets } from "./snippets.js";
@@ -90,6 +91,12 @@ export class Sample extends Panel {
     this.fields = new Fields(this.find(".fields"), fields, (draft) => this.refresh(draft));
     this.moreFields = new Fields(this.find(".more .of-points"), moreFields, (draft) => this.refresh(draft));
     this.drawingFields = new Fields(this.find(".more .of-drawings"), drawingFields, (draft) => { if (!draft) this.note(); });
+    this.plotter = new Plotter(this.find(".plotter"), {
+      size: () => this.#given,
+      dot: (radius, width) => Number(((radius * this.#given.width) / width).toPrecision(6)),
+      changed: (draft) => { if (!draft) this.refresh(); },
+      turned: () => this.refresh(),
+    });
     explain(this.find(".trace figcaption"), "How unequal the parts of the area are that points get: the standard deviation of the triangles' capacities over their mean. 0 would be all equal; independent random points have about 1.");
     this.snippets = new Snippets(this.find(".snippets"));
     this.addDownloads(formats, "points", (format, signal) => this.#ask({ ...this.options(), ...this.#drawing(format), format }, signal));
@@ -102,7 +109,7 @@ export class Sample extends Panel {
     const shape = kind === "file" ? (this.shape?.file.path ? map.name : ownShape) : kind;
     const corners = kind === "polygon" ? JSON.stringify(this.shape) : "";
     const isDrawn = corners !== "" && corners !== JSON.stringify(firstPolygon) && corners.length <= mostInAddress;
-    const parts = [this.shapeFields, this.fields, ...(kind === "file" && this.countFields ? [this.countFields] : []), this.moreFields, this.drawingFields];
+    const parts = [this.shapeFields, this.fields, ...(kind === "file" && this.countFields ? [this.countFields] : []), this.moreFields, this.drawingFields, this.plotter];
     return {
       ...(kind !== "polygon" && { shape }), ...(isDrawn && { corners }),
       ...Object.assign({}, ...parts.map((part) => part.state())),
@@ -114,7 +121,7 @@ export class Sample extends Panel {
   async restore(state) {
     this.#isStale = true;
     this.element.dataset.state = "busy";
-    for (const part of [this.shapeFields, this.fields, this.moreFields, this.drawingFields]) part.restore(state);
+    for (const part of [this.shapeFields, this.fields, this.moreFields, this.drawingFields, this.plotter]) part.restore(state);
     this.iteration.value = state.iteration ?? this.iteration.max;
     this.mesh.checked = state.mesh === "on";
     await this.#restoreShape(state);
@@ -149,6 +156,12 @@ export class Sample extends Panel {
     const [shape, onGlobe] = [this.shape, this.#onGlobe];
     if (this.#kept?.shape !== shape || this.#kept.onGlobe !== onGlobe) this.#kept = { shape, onGlobe, ...outlineOf(shape, onGlobe) };
     return this.#kept;
+  }
+
+  /** Width and height of the shape in units of its own, which drawings have. */
+  get #given() {
+    const bounds = boundsOf(outlineOf(this.shape, false).rings);
+    return { width: bounds.maxX - bounds.minX, height: bounds.maxY - bounds.minY };
   }
 
   /** What was made last: what the server answered, its shape, that one's outline and the points' places there. */
@@ -434,7 +447,15 @@ export class Sample extends Panel {
 
   /** Options of drawings, in a format that is one. */
   #drawing(format) {
-    return formats.find(({ name }) => name === format).drawn ? this.drawingFields.values() : {};
+    if (!formats.find(({ name }) => name === format).drawn) return {};
+    return { ...this.drawingFields.values(), ...(this.plotter.isOn && this.plotter.options()) };
+  }
+
+  /** Tells how a plotter would draw what is shown. */
+  async #plot(signal) {
+    if (!this.plotter.isOn) return;
+    const response = await this.#ask({ ...this.options(), ...this.#drawing("svg"), format: "svg" }, signal);
+    this.plotter.tell(await response.text());
   }
 
   /** How many points there will be, about. */
@@ -462,6 +483,7 @@ export class Sample extends Panel {
     for (const name of ["passes", "tolerance"]) this.moreFields.offer(name, options.includes(name));
     this.moreFields.offer("fixed", options.includes("fixed") && !isMap);
     const isTorus = this.shapeChoice.value === "torus";
+    for (const name of ["dot", "width_mm", "style"]) this.drawingFields.offer(name, !this.plotter.isOn);
     for (const name of ["avoid", "mask", "buffer"]) this.moreFields.offer(name, !isMap && !isTorus);
   }
 
@@ -501,6 +523,7 @@ export class Sample extends Panel {
     if (!this.shape || this.drawing.ring) return;
     this.#isStale = false;
     this.#offerFields();
+    this.plotter.wait();
     if (!draft) this.note();
     this.snippets.showSample(requestOf(this.shape, this.options()));
     this.wish(async (signal) => {
@@ -513,6 +536,7 @@ export class Sample extends Panel {
       const apart = frame.pitch_m && !frame.features ? `${metres(frame.pitch_m)} apart, ` : "";
       if (!draft) this.status.textContent = `${count(frame.sites)} points, ${apart}variation ${frame.variation.toFixed(3)}, ${seconds(start)}`;
       if (!draft || this.#isKept(this.options(this.#lastIteration))) await this.#showTrace(signal);
+      if (!draft) await this.#plot(signal);
     }, draft);
   }
 
@@ -554,13 +578,14 @@ export class Sample extends Panel {
     const isAboutShape = ({ pointer }) => (isDocument ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
     this.#tellOfShape(errors.filter(isAboutShape).map(({ detail }) => detail).join("; "));
     const others = errors.filter((error) => !isAboutShape(error));
-    for (const part of [this.fields, this.shapeFields, this.countFields, this.moreFields, this.drawingFields]) part?.show(others);
+    for (const part of [this.fields, this.shapeFields, this.countFields, this.moreFields, this.drawingFields, this.plotter]) part?.show(others);
   }
 
   /** The outline is left. */
   forget() {
     this.#result = null;
     this.#tellOfAnswer({});
+    this.plotter.tell(null);
     this.find(".trace").hidden = true;
     this.viewport.redraw();
   }
@@ -608,7 +633,8 @@ export class Sample extends Panel {
 
   #drawResult(context, result, [dx, dy]) {
     const pitch = Math.sqrt(areaOf(result.outline.parts) / result.places.length);
-    const radius = Math.max((result.features ? mapShare : dotShare) * pitch * this.viewport.scale, leastRadius);
+    const dot = this.plotter.isOn ? this.plotter.options().dot : (result.features ? mapShare : dotShare) * pitch;
+    const radius = Math.max(dot * this.viewport.scale, leastRadius);
     if (result.triangles && this.mesh.checked) this.#drawMesh(context, result, [dx, dy]);
     const classes = result.classes ?? [{ color: colour(dx === 0 && dy === 0 ? "--ink" : "--quiet") }];
     for (const [number, { color }] of classes.entries()) {
