@@ -71,6 +71,14 @@ test("a halftone's settings are shared, of every kind of field", async () => {
   assert.equal((await settings()).picture, "cat.jpg");
 });
 
+test("a radius in pixels is shared with the scale that it was seen at", async () => {
+  await open();
+  await world.page.uncheck("#halftone .fields [data-name=dot] input[type=checkbox]");
+  await type("halftone", "dot", "2.5");
+  assert.deepEqual(await settings(), { dot: "2.5", scale: "2" });
+  await isShared("halftone");
+});
+
 test("a shape is shared: drawn, with sides, or a map", async () => {
   const { page } = world;
   for (const address of [
@@ -125,6 +133,20 @@ test("one goes back and forward through panels, pictures and shapes, not through
   await page.reload();  // the page cannot have it any more, but still has the settings
   await settled(page, "halftone");
   assert.deepEqual(await settings(), { sites: "800" });
+});
+
+test("one may go back faster than what is shown is made", async () => {
+  await open("#halftone?sites=300");
+  const { page } = world;
+  for (const name of ["cat.jpg", "camera.jpg", "astronaut.jpg"]) {
+    await page.click(`#halftone [data-sample='${name}']`);
+    await settled(page, "halftone");
+  }
+  await page.evaluate(() => { history.back(); history.back(); history.forward(); });
+  await page.waitForFunction(() => location.hash.includes("camera"));
+  await page.waitForFunction(() => document.querySelector("#halftone pre").textContent.includes("camera.jpg"));
+  await settled(page, "halftone");
+  assert.equal(await page.getAttribute("#halftone [data-sample='camera.jpg']", "aria-pressed"), "true");
 });
 
 test("an analysis comes with what was made", async () => {

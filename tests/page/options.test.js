@@ -96,6 +96,10 @@ test("gives a document what cannot stand beside it", async () => {
   await settled(page, "sample");
   const { geometry, fixed: asked, coordinates } = await request();
   assert.deepEqual([geometry.type, asked, coordinates], ["MultiPolygon", [[12.5, 42]], "lonlat"]);
+  await fixed.fill("[[12.5, 91]]");
+  await fixed.blur();
+  await settled(page, "sample", "failed");
+  assert.match(await page.textContent("#sample .more [data-name=fixed] .error"), /latitude/);
 });
 
 test("has options of drawings in drawings alone", async () => {

@@ -88,7 +88,7 @@ export class Halftone extends Panel {
     const picture = path === undefined ? ownPicture : name;
     return {
       ...(picture !== firstSample && { picture }),
-      ...this.fields.state(), ...this.moreFields.state(), ...this.plotter.state(),
+      ...this.fields.state(), ...this.moreFields.state(), ...this.#heldScale, ...this.plotter.state(),
     };
   }
 
@@ -175,12 +175,15 @@ export class Halftone extends Panel {
     this.refresh();
   }
 
-  /** A radius in pixels is one of the output, whose scale then must stay what it was when the radius was seen. */
+  /** A radius in pixels is one of the output, whose scale then must stay what it was when the radius was seen: that. */
+  get #heldScale() {
+    const isHeld = typeof this.fields.values().dot === "number" && this.moreFields.values().scale === undefined;
+    return isHeld && this.#scale ? { scale: Math.round(100 * this.#scale) / 100 } : {};
+  }
+
   #options() {
-    const options = { ...this.fields.values(), ...this.moreFields.values(), ...(this.plotter.isOn && this.plotter.options()) };
+    const options = { ...this.fields.values(), ...this.moreFields.values(), ...this.#heldScale, ...(this.plotter.isOn && this.plotter.options()) };
     if (options.palette) delete options.color;
-    if (typeof options.dot === "number" && options.scale === undefined && this.#scale)
-      options.scale = Math.round(100 * this.#scale) / 100;
     return options;
   }
 

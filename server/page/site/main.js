@@ -22,13 +22,19 @@ function select(tab) {
   }
 }
 
-async function showAddress() {
+async function show() {
   const { panel: name, settings } = readAddress();
   const tab = tabs.find((one) => nameOf(one) === name) ?? tabs[0];
   const panel = panels[nameOf(tab)];
   select(tab);
   await panel.restore(settings);
   panel.look();
+}
+
+/** One after the other, the last of which shows what the address then says. */
+let shown = Promise.resolve();
+function showAddress() {
+  shown = shown.catch(() => {}).then(show);
 }
 
 for (const tab of tabs) {

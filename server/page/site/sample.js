@@ -30,10 +30,12 @@ let filesTaken = 0;
 
 const bodyMembers = ["density", "mask", "avoid", "fixed"];  // which cannot be parameters
 
-/** A GeoJSON document is the body itself, beside which options are parameters; another shape is a member beside them. */
+/** A GeoJSON file is the body itself, unless something is asked for that cannot stand beside it. */
+const isDocument = ({ file }, options) => Boolean(file) && !bodyMembers.some((name) => name in options);
+
+/** A document is the body itself, beside which options are parameters; another shape is a member beside them. */
 function requestOf({ file, json, ...shape }, options) {
-  const isDocument = file && !bodyMembers.some((name) => name in options);
-  if (isDocument) return { path: `/sample?${new URLSearchParams(options)}`, body: file.text, type: "application/geo+json", file };
+  if (isDocument({ file }, options)) return { path: `/sample?${new URLSearchParams(options)}`, body: file.text, type: "application/geo+json", file };
   const members = file ? { ...options, geometry: json } : { ...options, ...shape };
   return { path: "/sample", body: JSON.stringify(members), type: "application/json" };
 }
@@ -574,8 +576,8 @@ export class Sample extends Panel {
 
   /** Of a document pointers are its own; options, which came beside it, have none. */
   place(errors) {
-    const isDocument = Boolean(this.shape?.file);
-    const isAboutShape = ({ pointer }) => (isDocument ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
+    const isBody = this.shape !== null && isDocument(this.shape, this.options());
+    const isAboutShape = ({ pointer }) => (isBody ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
     this.#tellOfShape(errors.filter(isAboutShape).map(({ detail }) => detail).join("; "));
     const others = errors.filter((error) => !isAboutShape(error));
     for (const part of [this.fields, this.shapeFields, this.countFields, this.moreFields, this.drawingFields, this.plotter]) part?.show(others);
