@@ -19,17 +19,34 @@ async function openAll(context, visit) {
   await context.close();
 }
 
+async function isAccessible(page, panel, width) {
+  const found = await page.evaluate(() => window.axe.run(document));
+  assert.deepEqual(found.violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), [], panel);
+  const taken = await page.evaluate(() => document.documentElement.scrollWidth);
+  assert.ok(taken <= width, `${panel} is ${taken} wide`);
+}
+
+/** Shows what is closed at first: rarer options, lines of help, the plotter's part. */
+async function unfold(page, panel) {
+  await page.evaluate((id) => {
+    const place = document.getElementById(id);
+    for (const details of place.querySelectorAll("details")) details.open = true;
+    place.querySelector(".plotter input[type=checkbox]")?.click();
+    for (const button of place.querySelectorAll(".about")) button.click();
+  }, panel);
+  await settled(page, panel);
+}
+
 for (const colorScheme of ["light", "dark"]) {
   for (const [size, viewport] of [["wide", { width: 1280, height: 860 }], ["narrow", { width: 390, height: 844 }]]) {
     test(`is accessible and fits: ${colorScheme}, ${size}`, async () => {
       const context = await world.browser.newContext({ colorScheme, viewport, bypassCSP: true });
       await openAll(context, async (page, panel) => {
         await page.addScriptTag({ path: axe });
-        const found = await page.evaluate(() => window.axe.run(document));
-        assert.deepEqual(found.violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), [], panel);
-        const width = await page.evaluate(() => document.documentElement.scrollWidth);
-        assert.ok(width <= viewport.width, `${panel} is ${width} wide`);
+        await isAccessible(page, panel, viewport.width);
         if (panel !== "analyze") await looksAsKept(world, page, `page-${panel}-${colorScheme}-${size}`);
+        await unfold(page, panel);
+        await isAccessible(page, panel, viewport.width);
       });
     });
   }
