@@ -69,6 +69,50 @@ test("makes a halftone, and shows how far a large one is", async () => {
   assert.ok((await page.evaluate(() => window.shown)).some((percent) => percent > 0 && percent < 100));
 });
 
+test("drafts a large photograph from a reduced one", async () => {
+  await show("halftone");
+  const sent = await page.evaluate(async () => {
+    const panel = document.getElementById("halftone");
+    const done = () => new Promise((resolve) => {
+      const look = () => (panel.dataset.state === "done" ? resolve() : requestAnimationFrame(look));
+      look();
+    });
+    const canvas = Object.assign(document.createElement("canvas"), { width: 1500, height: 1000 });
+    canvas.getContext("2d").fillRect(300, 200, 600, 500);
+    const transfer = new DataTransfer();
+    transfer.items.add(new File([await new Promise((take) => canvas.toBlob(take))], "large.png", { type: "image/png" }));
+    panel.querySelector(".drop").dispatchEvent(new DragEvent("drop", { dataTransfer: transfer }));
+    await done();
+    const send = window.fetch;
+    const bodies = [];
+    window.fetch = (url, options) => {
+      bodies.push(options.body);
+      return send(url, options);
+    };
+    const slider = panel.querySelector("[data-name=detail] input[type=range]");
+    slider.value = 0.2;
+    for (const name of ["input", "change"]) {
+      slider.dispatchEvent(new Event(name, { bubbles: true }));
+      if (name === "input") await done();
+    }
+    await done();
+    window.fetch = send;
+    return Promise.all(bodies.map(async (body) => (await createImageBitmap(body)).width));
+  });
+  assert.deepEqual(sent, [670, 1500]);
+});
+
+test("opens at an address, and goes back to it", async () => {
+  await page.goto(`${running.url}/#halftone?picture=cat.jpg&sites=900&plotter=on&pen_mm=3`);
+  await page.waitForSelector("#halftone[data-state=done]");
+  assert.match(await textOf("#halftone .figures p"), /^277 .*900 dots in 1 layer/);
+  await page.click("#tab-sample");
+  await page.waitForSelector("#sample[data-state=done]");
+  await page.goBack();
+  await page.waitForSelector("#halftone:not([hidden])");
+  assert.equal(await page.evaluate(() => location.hash), "#halftone?picture=cat.jpg&sites=900&plotter=on&pen_mm=3");
+});
+
 test("fills a polygon that is drawn", async () => {
   await show("sample");
   assert.match(await textOf("#sample .status"), /^1,000 points/);
