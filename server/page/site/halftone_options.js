@@ -7,7 +7,7 @@ const { max_sites: mostDots } = capabilities.limits;
 export const fields = [
   { kind: "number", name: "sites", label: "Dots", value: Math.min(20000, mostDots), min: 200, max: Math.min(200000, mostDots), step: 1, log: true, auto: false,
     help: "auto: as many as the ink and the detail of the picture want, 4,096 to 100,000." },
-  { kind: "number", name: "dot", label: "Radius", value: 3, min: 0.1, max: 12, log: true, auto: true, units: [["", "pixels"], ["mm", "mm"]],
+  { kind: "number", name: "dot", label: "Radius", value: 3, min: 0.1, max: 12, log: true, auto: true, units: [["", "px"], ["mm", "mm"]],
     help: "auto: such that the tone is right. A radius of your own, with dots on auto, is a pen's: as many dots as make the tone right." },
   { kind: "number", name: "width_mm", label: "Picture's width, mm", value: 200, min: 20, max: 2000, step: 1, log: true },
   { kind: "choice", name: "tone", label: "Tone", standard: "linear", choices: [["linear", "linear"], ["perceptual", "perceptual: lighter"], ["density", "density: darker"]],
