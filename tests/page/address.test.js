@@ -49,8 +49,8 @@ test("a halftone's settings are shared, of every kind of field", async () => {
   await page.click("#halftone [data-sample='cat.jpg']");
   await page.check("#halftone .fields [data-name=sites] input[type=checkbox]");
   await page.uncheck("#halftone .fields [data-name=dot] input[type=checkbox]");
-  await type("halftone", "dot", "0.5");
   await page.getByLabel("Radius, unit").selectOption("mm");
+  await type("halftone", "dot", "0.5");
   await page.getByLabel("black point").fill("0.1");
   await page.uncheck("#halftone [data-name=antialias] input");
   await page.selectOption("#halftone [data-name=color] select", "palette");

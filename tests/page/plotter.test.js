@@ -52,8 +52,12 @@ test("tells how long the pen takes", async () => {
   await open("#halftone?sites=100&plotter=on&pen_mm=4&lift=1&speed=500");
   assert.match(await figures(), /100 dots .*: about 2 min/);
   assert.match(await world.page.textContent("#halftone .warnings"), /dots cover \d+ % of what the tone/);
+  let asked = 0;
+  world.page.on("request", (request) => { asked += request.method() === "POST" ? 1 : 0; });
   await put("lift", "60");
   assert.match(await figures(), /about 1 h 40 min/);
+  assert.equal(asked, 0);  // the drawing is the same
+  assert.match(await world.page.evaluate(() => location.hash), /lift=60/);
 });
 
 test("has a layer for each ink, and paper of any size", async () => {

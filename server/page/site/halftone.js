@@ -70,6 +70,7 @@ export class Halftone extends Panel {
       changed: (draft) => this.refresh(draft),
       dot: (radius) => `${Number(radius.toPrecision(6))}mm`,
       turned: (isOn) => this.#penTurned(isOn),
+      noted: () => this.note(),
     });
     this.#offerFields();
     this.snippets = new Snippets(this.find(".snippets"));

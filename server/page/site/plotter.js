@@ -19,7 +19,7 @@ const fields = [
     help: "How long the pen takes for one dot, besides the way there." },
 ];
 
-/** Hours and minutes, or minutes and seconds. */
+/** In hours and minutes, in minutes, or in seconds. */
 function duration(seconds) {
   const minutes = Math.round(seconds / 60);
   if (minutes >= 60) return `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
@@ -27,7 +27,7 @@ function duration(seconds) {
 }
 
 /** How far it is from dot to dot, in the order of a drawing: {dots, path}, in units of the drawing. */
-function wayOf(part) {
+function pathOf(part) {
   let [dots, path, before] = [0, 0, null];
   for (const [, x, y, cx = x, cy = y] of part.matchAll(/M([-\d.e]+) ([-\d.e]+)h|cx="([^"]+)" cy="([^"]+)"/g)) {
     const here = [Number(cx), Number(cy)];
@@ -42,11 +42,13 @@ function wayOf(part) {
 function layersOf(svg) {
   const parts = svg.split(/inkscape:groupmode="layer" inkscape:label="([^"]*)"/);
   const named = parts.length === 1 ? [["dots", svg]] : parts.slice(1).flatMap((name, i, all) => (i % 2 ? [] : [[name, all[i + 1]]]));
-  return named.map(([name, part]) => ({ name, colour: part.match(/(?:stroke|fill)="(#[0-9a-f]+)"/)?.[1], ...wayOf(part) }));
+  return named.map(([name, part]) => ({ name, colour: part.match(/(?:stroke|fill)="(#[0-9a-f]+)"/)?.[1], ...pathOf(part) }));
 }
 
 export class Plotter {
   #svg = null;
+  #asked = null;  // options that it was made with; null: another one is on its way, or none
+  #layers = [];
 
   /**
    * @param place    where it goes, under a heading
@@ -54,16 +56,17 @@ export class Plotter {
    * @param dot      tells the option `dot` of a radius, with the width of the drawing; in mm
    * @param changed  called with whether it is a draft, once options are others
    * @param turned   called with whether a pen draws, once it does or does not any more
+   * @param noted    called once something is another that the server need not know
    */
-  constructor(place, { size, dot, changed, turned }) {
-    Object.assign(this, { size, dot });
+  constructor(place, { size, dot, changed, turned, noted }) {
+    Object.assign(this, { size, dot, changed, noted });
     const form = make("form", { noValidate: true });
     this.box = make("input", { type: "checkbox" });
     this.figures = make("div", { className: "figures", role: "status" });
     this.button = make("button", { type: "button", textContent: "SVG on this paper", disabled: true });
     this.body = make("div", { className: "plot" }, form, this.figures, this.button);
     place.append(make("label", {}, this.box, " Draw with a pen"), this.body);
-    this.fields = new Fields(form, fields, (draft) => { this.#settle(); changed(draft); });
+    this.fields = new Fields(form, fields, (draft) => this.#fieldChanged(draft));
     this.box.addEventListener("change", () => { this.#settle(); turned(this.isOn); });
     this.button.addEventListener("click", () => save(new Blob([this.#onPaper()], { type: "image/svg+xml" }), "plot.svg"));
     this.#settle();
@@ -94,17 +97,32 @@ export class Plotter {
   tell(svg) {
     this.#svg = svg;
     this.button.disabled = svg === null;
-    this.figures.replaceChildren(...(svg === null ? [] : this.#describe(layersOf(svg))));
+    this.#asked = svg === null ? null : JSON.stringify(this.options());
+    this.#layers = svg === null ? [] : layersOf(svg);
+    this.#tellFigures();
   }
 
   /** Saves nothing until the next drawing is there. */
   wait() {
     this.button.disabled = true;
+    this.#asked = null;
   }
 
   /** What the server objects to, in its own names. */
   show(errors) {
     this.fields.show(errors.map((error) => (/^\/?dot$/.test(error.pointer) ? { ...error, pointer: "pen_mm" } : error)));
+  }
+
+  /** How fast a pen is changes nothing of the drawing. */
+  #fieldChanged(draft) {
+    this.#settle();
+    if (JSON.stringify(this.options()) !== this.#asked) return this.changed(draft);
+    this.#tellFigures();
+    if (!draft) this.noted();
+  }
+
+  #tellFigures() {
+    this.figures.replaceChildren(...(this.#layers.length === 0 ? [] : this.#describe(this.#layers)));
   }
 
   #settle() {

@@ -98,10 +98,11 @@ export class Sample extends Panel {
       dot: (radius, width) => Number(((radius * this.#given.width) / width).toPrecision(6)),
       changed: (draft) => { if (!draft) this.refresh(); },
       turned: () => this.refresh(),
+      noted: () => this.note(),
     });
     explain(this.find(".trace figcaption"), "How unequal the parts of the area are that points get: the standard deviation of the triangles' capacities over their mean. 0 would be all equal; independent random points have about 1.");
     this.snippets = new Snippets(this.find(".snippets"));
-    this.addDownloads(formats, "points", (format, signal) => this.#ask({ ...this.options(), ...this.#drawing(format), format }, signal));
+    this.addDownloads(formats, "points", (format, signal) => this.#ask({ ...this.options(), ...this.#drawingOptions(format), format }, signal));
     this.#listen();
     this.#shapeChosen();
   }
@@ -434,8 +435,8 @@ export class Sample extends Panel {
 
   /** The options of what is shown. Only the last frame is polished: the others are steps on the way there. */
   options(iteration = Number(this.iteration.value)) {
-    const { rectangle: _, torus: __, ...ofShape } = this.shapeFields.values();
-    const asked = { ...this.fields.values(), ...ofShape, ...this.moreFields.values() };
+    const { coordinates } = this.shapeFields.values();
+    const asked = { ...this.fields.values(), ...(coordinates && { coordinates }), ...this.moreFields.values() };
     const { options } = methodNamed(asked.method);
     if (!options.includes("quality")) delete asked.quality;
     else if (iteration < this.#lastIteration) asked.quality = "draft";
@@ -448,7 +449,7 @@ export class Sample extends Panel {
   }
 
   /** Options of drawings, in a format that is one. */
-  #drawing(format) {
+  #drawingOptions(format) {
     if (!formats.find(({ name }) => name === format).drawn) return {};
     return { ...this.drawingFields.values(), ...(this.plotter.isOn && this.plotter.options()) };
   }
@@ -456,7 +457,7 @@ export class Sample extends Panel {
   /** Tells how a plotter would draw what is shown. */
   async #plot(signal) {
     if (!this.plotter.isOn) return;
-    const response = await this.#ask({ ...this.options(), ...this.#drawing("svg"), format: "svg" }, signal);
+    const response = await this.#ask({ ...this.options(), ...this.#drawingOptions("svg"), format: "svg" }, signal);
     this.plotter.tell(await response.text());
   }
 
