@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <variant>
 
+#include "api/exclusions.h"
 #include "api/image/overlay.h"
 #include "api/input/degrees.h"
 #include "api/output/json_writer.h"
@@ -17,6 +19,7 @@
 #include "api/run/deadline.h"
 #include "api/run/stopwatch.h"
 #include "api/sample_steps.h"
+#include "core/dotmap/confine.h"
 #include "core/dotmap/dot_map.h"
 #include "core/dotmap/globe_dots.h"
 #include "core/globe/region.h"
@@ -42,6 +45,28 @@ std::string points(std::size_t count) {
     return std::to_string(count) + (count == 1 ? " point" : " points");
 }
 
+std::size_t points_of(const FeatureCounts& counts, std::size_t feature) {
+    std::size_t sum = 0;
+    for (std::size_t number = 0; number < counts.classes.size(); ++number) sum += counts.count(feature, number);
+    return sum;
+}
+
+/// Leaves out the points of a feature, with a word. Errors: the one given, if such features are to be rejected.
+/// @param error  why; its field a pointer
+Result<void> leave_out(const SampleRequest& request, std::size_t feature, const Error& error,
+                       std::vector<Warning>& warnings) {
+    const std::size_t count = points_of(*request.counts, feature);
+    if (count == 0) return {};
+    if (request.on_invalid == OnInvalid::Reject) return tl::unexpected(error);
+    warnings.push_back({error.field, error.message + ": " + points(count) + " left out"});
+    return {};
+}
+
+Result<void> check_points(const Areas& areas, const FeatureCounts& counts) {
+    if (std::ranges::any_of(areas.features, [](const MapFeature& each) { return dots_of(each) > 0; })) return {};
+    return failure(ErrorCode::Unusable, "no feature that has points has an area", counts.pointer);
+}
+
 /// Makes the areas of features, one after the other.
 class AreaMaker {
 public:
@@ -54,21 +79,11 @@ public:
             if (auto going = check_stop(stop); !going) return tl::unexpected(going.error());
             if (auto added = add(i, stop); !added) return tl::unexpected(added.error());
         }
-        const auto has_points = [](const MapFeature& each) {
-            return std::ranges::any_of(each.dots, [](std::size_t dots) { return dots > 0; });
-        };
-        if (std::ranges::none_of(areas_.features, has_points))
-            return failure(ErrorCode::Unusable, "no feature that has points has an area", counts_.pointer);
+        if (auto any = check_points(areas_, counts_); !any) return tl::unexpected(any.error());
         return std::move(areas_);
     }
 
 private:
-    std::size_t points_of(std::size_t feature) const {
-        std::size_t sum = 0;
-        for (std::size_t number = 0; number < counts_.classes.size(); ++number) sum += counts_.count(feature, number);
-        return sum;
-    }
-
     void warn_of_missing() {
         for (std::size_t number = 0; number < counts_.classes.size(); ++number) {
             const auto& missing = counts_.missing[number];
@@ -117,15 +132,11 @@ private:
         return {};
     }
 
-    /// Leaves out a feature of which nothing can be made; with a word, if it has points.
+    /// Leaves out a feature of which nothing can be made.
     Result<void> leave_out(std::size_t feature, const Error& error) {
-        const std::size_t count = points_of(feature);
-        const std::string pointer = locate(feature, error.field);
-        if (error.code != ErrorCode::Unusable) return failure(error.code, error.message, pointer);
-        if (count == 0) return {};
-        if (request_.on_invalid == OnInvalid::Reject) return failure(error.code, error.message, pointer);
-        areas_.warnings.push_back({pointer, error.message + ": " + points(count) + " left out"});
-        return {};
+        const Error told{error.code, error.message, locate(feature, error.field)};
+        if (error.code != ErrorCode::Unusable) return tl::unexpected(told);
+        return api::leave_out(request_, feature, told, areas_.warnings);
     }
 
     const SampleRequest& request_;
@@ -140,10 +151,63 @@ Result<Domain> united(const Areas& areas, const std::stop_token& stop) {
     return Domain::united(domains, stop);
 }
 
+/// Leaves out the points of features of which nothing is left.
+/// @param lost  among the areas' features
+Result<void> leave_out(const SampleRequest& request, std::span<const std::uint32_t> lost, Areas& areas) {
+    for (const std::uint32_t i : lost) {
+        const std::uint32_t feature = areas.numbers[i];
+        const Error error{ErrorCode::Unusable, "nothing is left of the feature",
+                          pointer_below(request.counts->pointer, feature)};
+        if (auto left = leave_out(request, feature, error, areas.warnings); !left) return left;
+    }
+    return {};
+}
+
+/// Takes exclusions from each feature that has points.
+/// @returns  those of which nothing is left, without points now
+Result<std::vector<std::uint32_t>> cut_out(const SampleRequest& request, const Exclusions& exclusions,
+                                           std::vector<MapFeature>& features, const std::stop_token& stop) {
+    std::vector<std::uint32_t> lost;
+    for (std::uint32_t i = 0; i < features.size(); ++i) {
+        if (dots_of(features[i]) == 0) continue;
+        auto left = without(features[i].area, exclusions, request, stop);
+        if (left) {
+            features[i].area = *std::move(left);
+            continue;
+        }
+        if (left.error().code != ErrorCode::Unusable) return tl::unexpected(left.error());
+        std::ranges::fill(features[i].dots, std::size_t{0});
+        lost.push_back(i);
+    }
+    return lost;
+}
+
+/// Takes from features what a request excludes; the buffer, only in a plane.
+/// @param whole  all of them together
+/// @returns      what is left of it
+Result<Domain> exclude(const SampleRequest& request, Domain whole, const Limits& limits, const Decode& decode,
+                       Areas& areas, const std::stop_token& stop) {
+    if (!request.has_exclusions()) return whole;
+    auto exclusions = find_exclusions(request, whole.bounds(), limits, decode, stop);
+    if (!exclusions) return tl::unexpected(exclusions.error());
+    auto left = without(whole, *exclusions, request, stop);
+    const bool keeps_off = request.buffer > 0 && request.coordinates == Coordinates::Plane;
+    if (left && keeps_off) left = without_buffer(*left, request, stop);
+    if (!left) return left;
+    const auto lost =
+        keeps_off ? confine(areas.features, *left, stop) : cut_out(request, *exclusions, areas.features, stop);
+    if (!lost) return tl::unexpected(lost.error());
+    if (auto told = leave_out(request, *lost, areas); !told) return tl::unexpected(told.error());
+    if (auto any = check_points(areas, *request.counts); !any) return tl::unexpected(any.error());
+    std::ranges::move(exclusions->repairs, std::back_inserter(areas.repairs));
+    return left;
+}
+
 /// Dots, and the distance in metres that they would have in a square grid, if they are on the ground.
 struct PlacedDots {
     std::vector<ClassDots> classes;
     std::optional<double> pitch;
+    std::vector<std::uint32_t> lost;  ///< features that lost their points to a buffer on the ground
 };
 
 Result<PlacedDots> distribute(const SampleRequest& request, const Areas& areas, const Domain& whole,
@@ -151,12 +215,13 @@ Result<PlacedDots> distribute(const SampleRequest& request, const Areas& areas, 
     if (request.coordinates == Coordinates::Plane) {
         return distribute_dots(areas.features, whole.bounds(), density, request.run, control)
             .map([](std::vector<ClassDots>&& classes) {
-                return PlacedDots{std::move(classes), {}};
+                return PlacedDots{std::move(classes), {}, {}};
             });
     }
-    return distribute_dots_on_globe(areas.features, whole, density, request.run, control).map([](GlobeDots&& placed) {
-        return PlacedDots{std::move(placed.classes), placed.pitch};
-    });
+    return distribute_dots_on_globe(areas.features, whole, density, request.run, request.buffer, control)
+        .map([](GlobeDots&& placed) {
+            return PlacedDots{std::move(placed.classes), placed.pitch, std::move(placed.lost)};
+        });
 }
 
 /// Makes an error about a feature that has an area one about the request.
@@ -250,7 +315,9 @@ Result<Answer> run_dot_map(const SampleRequest& request, const Limits& limits, c
     Stopwatch watch;
     auto areas = AreaMaker(request).execute(control.stop);
     if (!areas) return tl::unexpected(areas.error());
-    const auto whole = united(*areas, control.stop);
+    const auto whole = united(*areas, control.stop).and_then([&](Domain&& all) {
+        return exclude(request, std::move(all), limits, decode, *areas, control.stop);
+    });
     if (!whole) return tl::unexpected(whole.error());
     const auto page = plan_page(request, *whole, limits);
     if (!page) return tl::unexpected(page.error());
@@ -261,6 +328,7 @@ Result<Answer> run_dot_map(const SampleRequest& request, const Limits& limits, c
     auto placed = place(request, *areas, *whole, *density, control);
     timings.optimise = watch.lap();
     if (!placed) return tl::unexpected(placed.error());
+    if (auto told = leave_out(request, placed->lost, *areas); !told) return tl::unexpected(told.error());
     Answer answer;
     for (ClassDots& each : placed->classes) {
         if (request.format->is_drawn() && placed->pitch) bring_into(page->box, each.dots.points);

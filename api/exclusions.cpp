@@ -63,19 +63,6 @@ Result<RepairedArea> avoided_area(const SampleRequest& request, const std::stop_
     return failure(ErrorCode::Unusable, area->repairs.front().detail, area->repairs.front().field);
 }
 
-Result<RepairedDomain> without_avoided(RepairedDomain area, const SampleRequest& request, const std::stop_token& stop) {
-    if (request.avoid.parts.empty()) return area;
-    auto avoided = avoided_area(request, stop);
-    if (!avoided) return tl::unexpected(avoided.error());
-    const std::vector<Area> areas = request.coordinates == Coordinates::Plane
-                                        ? std::vector<Area>{std::move(avoided->rings)}
-                                        : in_turns_of(area.domain.bounds(), avoided->rings);
-    auto left = without(area.domain, areas, stop);
-    if (!left) return failure(left.error().code, left.error().message, kAvoid);
-    std::ranges::move(avoided->repairs, std::back_inserter(area.repairs));
-    return RepairedDomain{*std::move(left), std::move(area.repairs)};
-}
-
 /// Marks the pixels of a picture that are darker than half of white.
 PixelSet dark_pixels(const Picture& picture) {
     constexpr float kHalf = 0.5F;
@@ -85,22 +72,28 @@ PixelSet dark_pixels(const Picture& picture) {
     return pixels;
 }
 
-/// Takes what is dark in the mask from the area.
-Result<RepairedDomain> without_masked(RepairedDomain area, const SampleRequest& request, const Limits& limits,
-                                      const Decode& decode, const std::stop_token& stop) {
-    if (!request.mask) return area;
+/// Finds out what is dark in the mask, if there is one.
+Result<std::vector<Area>> masked_areas(const SampleRequest& request, const Box& box, const Limits& limits,
+                                       const Decode& decode, const std::stop_token& stop) {
+    if (!request.mask) return {};
     const auto picture = decode.grey(request.mask->bytes, limits.max_pixels, stop);
     if (!picture) return failure(picture.error().code, picture.error().message, kMaskImage);
-    auto outline = outline_of(dark_pixels(*picture), area.domain.bounds(), kMostMaskCorners);
+    auto outline = outline_of(dark_pixels(*picture), box, kMostMaskCorners);
     if (!outline)
         return failure(
             ErrorCode::LimitExceeded,
             "the outline of what is dark in the mask has more than " + std::to_string(kMostMaskCorners) + " corners",
             kMaskImage);
-    if (outline->empty()) return area;
-    auto left = without(area.domain, std::vector<Area>{*std::move(outline)}, stop);
-    if (!left) return failure(left.error().code, left.error().message, kMaskImage);
-    return RepairedDomain{*std::move(left), std::move(area.repairs)};
+    if (outline->empty()) return {};
+    return std::vector<Area>{*std::move(outline)};
+}
+
+Result<Domain> without(const Domain& domain, std::span<const Area> areas, const char* field,
+                       const std::stop_token& stop) {
+    return ccdt::without(domain, areas, stop).map_error([&](Error error) {
+        error.field = field;
+        return error;
+    });
 }
 
 /// Three digits, rounded down or nearly so.
@@ -111,11 +104,43 @@ std::string told(double distance) {
     return "about " + std::string(text.begin(), end);
 }
 
-Result<RepairedDomain> without_buffer(RepairedDomain area, const SampleRequest& request, const std::stop_token& stop) {
-    auto left = inset(area.domain, request.buffer, stop);
-    if (left) return RepairedDomain{*std::move(left), std::move(area.repairs)};
+}  // namespace
+
+Result<Exclusions> find_exclusions(const SampleRequest& request, const Box& box, const Limits& limits,
+                                   const Decode& decode, const std::stop_token& stop) {
+    Exclusions found;
+    if (!request.avoid.parts.empty()) {
+        auto avoided = avoided_area(request, stop);
+        if (!avoided) return tl::unexpected(avoided.error());
+        found.avoided.push_back(std::move(avoided->rings));
+        found.repairs = std::move(avoided->repairs);
+    }
+    auto masked = masked_areas(request, box, limits, decode, stop);
+    if (!masked) return tl::unexpected(masked.error());
+    found.masked = *std::move(masked);
+    return found;
+}
+
+Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const SampleRequest& request,
+                       const std::stop_token& stop) {
+    std::vector<Area> avoided;
+    for (const Area& area : exclusions.avoided) {
+        if (request.coordinates == Coordinates::Plane) {
+            avoided.push_back(area);
+        } else {
+            std::ranges::move(in_turns_of(domain.bounds(), area), std::back_inserter(avoided));
+        }
+    }
+    return without(domain, avoided, kAvoid, stop).and_then([&](const Domain& allowed) {
+        return without(allowed, exclusions.masked, kMaskImage, stop);
+    });
+}
+
+Result<Domain> without_buffer(const Domain& domain, const SampleRequest& request, const std::stop_token& stop) {
+    auto left = inset(domain, request.buffer, stop);
+    if (left) return left;
     constexpr double kSure = 1.02;  // the farthest place, and the buffer, are known to a hundredth
-    const double farthest = largest_clearance(area.domain, stop);
+    const double farthest = largest_clearance(domain, stop);
     if (left.error().code != ErrorCode::Unusable || farthest > kSure * request.buffer)
         return failure(left.error().code, left.error().message, request.field_of("buffer"));
     return failure(ErrorCode::Unusable,
@@ -123,16 +148,17 @@ Result<RepairedDomain> without_buffer(RepairedDomain area, const SampleRequest& 
                    request.field_of("buffer"));
 }
 
-}  // namespace
-
 Result<RepairedDomain> without_exclusions(RepairedDomain area, const SampleRequest& request, const Limits& limits,
                                           const Decode& decode, const std::stop_token& stop) {
-    const bool keeps_off = request.buffer > 0 && request.coordinates == Coordinates::Plane;
-    auto left = without_avoided(std::move(area), request, stop).and_then([&](RepairedDomain&& allowed) {
-        return without_masked(std::move(allowed), request, limits, decode, stop);
-    });
-    if (!left || !keeps_off) return left;
-    return without_buffer(*std::move(left), request, stop);
+    if (!request.has_exclusions()) return area;
+    auto exclusions = find_exclusions(request, area.domain.bounds(), limits, decode, stop);
+    if (!exclusions) return tl::unexpected(exclusions.error());
+    auto left = without(area.domain, *exclusions, request, stop);
+    if (left && request.buffer > 0 && request.coordinates == Coordinates::Plane)
+        left = without_buffer(*left, request, stop);
+    if (!left) return tl::unexpected(left.error());
+    std::ranges::move(exclusions->repairs, std::back_inserter(area.repairs));
+    return RepairedDomain{*std::move(left), std::move(area.repairs)};
 }
 
 }  // namespace ccdt::api

@@ -64,6 +64,9 @@ struct SampleRequest {
     std::optional<FeatureCounts> counts;  ///< of a map of dots, whose features' parts are those of the polygon
     bool is_document = false;             ///< the body is GeoJSON: options came as text
 
+    /// Tells whether points may not lie all over the domain.
+    bool has_exclusions() const { return !avoid.parts.empty() || mask || buffer > 0; }
+
     /// What errors about an option call it.
     std::string field_of(std::string_view option) const;
 };

@@ -6,7 +6,9 @@
 #include <string>
 #include <utility>
 
+#include "core/dotmap/confine.h"
 #include "core/globe/chart.h"
+#include "core/globe/clearance.h"
 #include "core/globe/plane_density.h"
 #include "core/globe/region.h"
 #include "core/globe/turns.h"
@@ -16,9 +18,9 @@ namespace ccdt {
 
 namespace {
 
-std::size_t dots_of(const MapFeature& feature) {
+std::size_t all_dots(std::span<const MapFeature> features) {
     std::size_t sum = 0;
-    for (const std::size_t dots : feature.dots) sum += dots;
+    for (const MapFeature& feature : features) sum += dots_of(feature);
     return sum;
 }
 
@@ -61,20 +63,30 @@ void to_degrees(const Chart& chart, std::span<const Domain> degrees, ClassDots& 
 }  // namespace
 
 Result<GlobeDots> distribute_dots_on_globe(std::span<const MapFeature> features, const Domain& region,
-                                           const Density& density, const Options& options, const Control& control) {
-    std::size_t dots = 0;
-    for (const MapFeature& feature : features) dots += dots_of(feature);
+                                           const Density& density, const Options& options, double buffer,
+                                           const Control& control) {
+    std::size_t dots = all_dots(features);
     const auto turned = in_one_turn(region, control.stop);
     if (!turned) return tl::unexpected(turned.error());
-    const auto parts = chart_region(*turned, dots, 0, control.stop);
+    auto parts = chart_region(*turned, dots, buffer, control.stop);
     if (!parts) return tl::unexpected(parts.error());
     if (parts->size() > 1) {
         return failure(ErrorCode::Unusable,
                        "the features cover the globe: on a map of dots some cap of 5 degrees must be free");
     }
-    const ChartedPart& part = parts->front();
+    ChartedPart& part = parts->front();
     auto charted = lay_all(part.chart, features, control.stop);
     if (!charted) return tl::unexpected(charted.error());
+    std::vector<std::uint32_t> lost;
+    if (buffer > 0) {
+        if (auto kept = keep_off_border(part, buffer, control.stop); !kept) return tl::unexpected(kept.error());
+        auto confined = confine(charted->plane, part.domain, control.stop);
+        if (!confined) return tl::unexpected(confined.error());
+        lost = *std::move(confined);
+        dots = all_dots(charted->plane);
+        if (dots == 0)
+            return failure(ErrorCode::Unusable, "the buffer leaves nothing of any feature that has points", "buffer");
+    }
     const auto wanted = plane_density(part, *turned, density, dots, control.stop);
     if (!wanted) return tl::unexpected(wanted.error());
     const auto bare =
@@ -83,7 +95,7 @@ Result<GlobeDots> distribute_dots_on_globe(std::span<const MapFeature> features,
     auto classes = distribute_dots(charted->plane, part.domain.bounds(), wanted->density, options, control);
     if (!classes) return tl::unexpected(classes.error());
     for (ClassDots& each : *classes) to_degrees(part.chart, charted->degrees, each);
-    return GlobeDots{*std::move(classes), std::sqrt(bare->total / static_cast<double>(dots))};
+    return GlobeDots{*std::move(classes), std::sqrt(bare->total / static_cast<double>(dots)), std::move(lost)};
 }
 
 }  // namespace ccdt

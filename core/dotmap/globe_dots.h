@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -12,8 +13,9 @@
 namespace ccdt {
 
 struct GlobeDots {
-    std::vector<ClassDots> classes;  ///< points in longitude, within [-180, 180], and latitude, degrees
-    double pitch = 0;                ///< metres: the square root of the ground to each dot
+    std::vector<ClassDots> classes;   ///< points in longitude, within [-180, 180], and latitude, degrees
+    double pitch = 0;                 ///< metres: the square root of the ground to each dot
+    std::vector<std::uint32_t> lost;  ///< features that lost their dots: the buffer leaves nothing of them
 };
 
 /// Distributes dots as distribute_dots() does, evenly on the ground in each feature.
@@ -21,8 +23,11 @@ struct GlobeDots {
 /// @param features  in longitude and latitude
 /// @param region    all of them together, in longitude and latitude, as distribute_on_globe() has it
 /// @param density   stretched over the bounding box of the region: what ground of one feature wants
-/// Errors: those of distribute_dots() and chart_region(); Unusable for features that cover the globe.
+/// @param buffer    least distance on the ground from the border of the region, in metres
+/// Errors: those of distribute_dots() and chart_region(); Unusable for features that cover the globe, or a buffer that
+/// leaves nothing of those that have dots.
 Result<GlobeDots> distribute_dots_on_globe(std::span<const MapFeature> features, const Domain& region,
-                                           const Density& density, const Options& options, const Control& control = {});
+                                           const Density& density, const Options& options, double buffer = 0,
+                                           const Control& control = {});
 
 }  // namespace ccdt

@@ -1,5 +1,7 @@
 #include "core/geometry/difference.h"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -40,6 +42,14 @@ Ring clipped(const Ring& ring, const Side& side) {
     return kept;
 }
 
+/// Tells, quickly, whether a ring is not beyond one of the sides of a box.
+bool may_meet(const Ring& ring, const Box& box) {
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    Box own{{kFar, kFar}, {-kFar, -kFar}};
+    for (const Point& p : ring) own.include(p);
+    return own.min.x <= box.max.x && own.max.x >= box.min.x && own.min.y <= box.max.y && own.max.y >= box.min.y;
+}
+
 }  // namespace
 
 Ring clipped(Ring ring, const Box& box) {
@@ -50,11 +60,26 @@ Ring clipped(Ring ring, const Box& box) {
     return ring;
 }
 
+Area outside_of(const Domain& domain, const Box& box) {
+    Box all = domain.bounds();
+    all.include(box.min);
+    all.include(box.max);
+    const double beyond = std::max(all.width(), all.height());
+    const Point low = all.min - Point{beyond, beyond}, high = all.max + Point{beyond, beyond};
+    Area area = {{low, {high.x, low.y}, high, {low.x, high.y}}};
+    for (Ring ring : domain.rings()) {
+        for (Point& p : ring) p = domain.to_user(p);
+        area.push_back(std::move(ring));
+    }
+    return area;
+}
+
 Result<Domain> without(const Domain& domain, std::span<const Area> areas, const std::stop_token& stop) {
     std::vector<Area> inside;
     for (const Area& area : areas) {
         Area rings;
         for (const Ring& given : area) {
+            if (!may_meet(given, domain.bounds())) continue;
             Ring& ring = rings.emplace_back(clipped(given, domain.bounds()));
             for (Point& p : ring) p = domain.to_unit(p);
             if (ring.size() < 3) rings.pop_back();

@@ -22,4 +22,8 @@ Ring clipped(Ring ring, const Box& box);
 /// Errors (Unusable): nothing is left; areas that cross too often; Stopped. Same input, same bytes.
 Result<Domain> without(const Domain& domain, std::span<const Area> areas, const std::stop_token& stop = {});
 
+/// What of the plane lies outside of a domain, out to beyond a box.
+/// @param domain  no torus
+Area outside_of(const Domain& domain, const Box& box);
+
 }  // namespace ccdt

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace ccdt {
 
@@ -18,6 +19,19 @@ Disc disc_on_ground(const Chart& chart, Point place, double metres) {
     const double nearest = 2 * std::tan((from_centre - angle) / 2), farthest = 2 * std::tan((from_centre + angle) / 2);
     const Point outwards = length > 0 ? 1 / length * place : Point{1, 0};
     return {(nearest + farthest) / 2 * outwards, (farthest - nearest) / 2};
+}
+
+Result<void> keep_off_border(ChartedPart& part, double buffer, const std::stop_token& stop) {
+    constexpr double kOnSeam = 1e-9;
+    if (!(buffer > 0)) return {};
+    const DiscAround disc_around = [&](Point p) {
+        const bool is_cut = std::abs(std::sqrt(dot(p, p)) - part.seam) < kOnSeam * part.seam;
+        return is_cut ? Disc{} : disc_on_ground(part.chart, p, buffer);
+    };
+    auto kept = inset(part.domain, disc_around, stop);
+    if (!kept) return failure(kept.error().code, "the buffer leaves nothing of the polygon", "buffer");
+    part.domain = *std::move(kept);
+    return {};
 }
 
 }  // namespace ccdt

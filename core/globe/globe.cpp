@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/inset.h"
 #include "core/globe/chart.h"
 #include "core/globe/clearance.h"
 #include "core/globe/plane_density.h"
@@ -17,22 +16,6 @@
 namespace ccdt {
 
 namespace {
-
-/// Takes from parts what is nearer to their border than so many metres.
-Result<void> keep_off_border(std::vector<ChartedPart>& parts, double buffer, const std::stop_token& stop) {
-    constexpr double kOnSeam = 1e-9;
-    if (!(buffer > 0)) return {};
-    for (ChartedPart& part : parts) {
-        const DiscAround disc_around = [&](Point p) {
-            const bool is_cut = std::abs(std::sqrt(dot(p, p)) - part.seam) < kOnSeam * part.seam;
-            return is_cut ? Disc{} : disc_on_ground(part.chart, p, buffer);
-        };
-        auto kept = inset(part.domain, disc_around, stop);
-        if (!kept) return failure(kept.error().code, "the buffer leaves nothing of the polygon", "buffer");
-        part.domain = *std::move(kept);
-    }
-    return {};
-}
 
 /// Numbers of sites of the parts, in proportion to their integrals.
 std::vector<std::size_t> shared_out(std::size_t sites, const std::vector<PlaneDensity>& densities) {
@@ -101,7 +84,9 @@ Result<GlobeDistribution> distribute_on_globe(const Domain& region, const Densit
     const Domain& degrees = *turned;
     auto parts = chart_region(degrees, options.sites, buffer, control.stop);
     if (!parts) return tl::unexpected(parts.error());
-    if (auto kept = keep_off_border(*parts, buffer, control.stop); !kept) return tl::unexpected(kept.error());
+    for (ChartedPart& part : *parts) {
+        if (auto kept = keep_off_border(part, buffer, control.stop); !kept) return tl::unexpected(kept.error());
+    }
     std::vector<PlaneDensity> densities;
     double ground = 0;
     for (const ChartedPart& part : *parts) {

@@ -96,9 +96,7 @@ TEST(DotMapRequest, RefusesWhatDoesNotFitTogether) {
         {request(R"("classes":["a","a"])"), "/classes/1"},
         {request(R"("classes":["a","b","c","d","e","f","g"])"), "/classes"},
         {request(R"("sites":"people","method":"cvt")"), "/method"},
-        {request(R"("sites":"people","mesh":true)"), "/mesh"},
-        {request(R"("sites":"people","avoid":[[[0,0],[1,0],[1,1]]])"), "/avoid"},
-        {request(R"("sites":"people","buffer":0.1)"), "/buffer"}};
+        {request(R"("sites":"people","mesh":true)"), "/mesh"}};
     for (const auto& [body, field] : wrong) {
         const Error error = error_of(body);
         EXPECT_EQ(error.code, ErrorCode::Malformed) << body;
@@ -177,6 +175,69 @@ TEST(DotMap, PointsToAFeatureWithoutDensity) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::Unusable);
     EXPECT_EQ(refused.error().field, "/geometry/features/1");
+}
+
+/// Calls check(x, y) with each point of a map of all points.
+template <class Check>
+void check_all(const nlohmann::json& told, std::size_t points, Check check) {
+    ASSERT_EQ(told["points"].size(), points);
+    for (const auto& point : told["points"]) check(point[0].get<double>(), point[1].get<double>());
+}
+
+TEST(DotMap, AvoidsWhatItIsTo) {
+    for (const std::string coordinates : {"plane", "lonlat"}) {
+        const auto told =
+            map(request(R"("sites":"people","per":10,"avoid":[[[0.5,0.25],[1.5,0.25],[1.5,0.75],[0.5,0.75]]],)"
+                        R"("coordinates":")" +
+                        coordinates + '"'));
+        EXPECT_EQ(told["features"], nlohmann::json::parse(R"([{"id":"west","sites":200},{"sites":50}])"));
+        check_all(told, 250, [](double x, double y) { EXPECT_TRUE(x < 0.5 || x > 1.5 || y < 0.25 || y > 0.75); });
+    }
+}
+
+TEST(DotMap, AvoidsWhatIsOnAnotherTurnOfTheGlobe) {
+    const auto told = map(request(
+        R"("sites":"people","per":10,"coordinates":"lonlat","avoid":[[[360.5,-1],[361.5,-1],[361.5,2],[360.5,2]]])"));
+    check_all(told, 250, [](double x, double) { EXPECT_TRUE(x < 0.5 || x > 1.5); });
+}
+
+TEST(DotMap, KeepsOffTheBorderOfAllFeatures) {
+    const auto told = map(request(R"("sites":"people","per":10,"buffer":0.125)"));
+    double between = 1;
+    check_all(told, 250, [&](double x, double y) {
+        EXPECT_TRUE(x >= 0.125 && x <= 1.875 && y >= 0.125 && y <= 0.875) << x << ' ' << y;
+        between = std::min(between, std::abs(x - 1));
+    });
+    EXPECT_LT(between, 0.05);
+    const auto apart =
+        map(request(R"("sites":"people","per":10,"buffer":0.125,"avoid":[[[0.5,-1],[1.5,-1],[1.5,2],[0.5,2]]])"));
+    check_all(apart, 250, [](double x, double) { EXPECT_TRUE(x <= 0.375 || x >= 1.625) << x; });
+}
+
+TEST(DotMap, LeavesOutFeaturesOfWhichNothingIsLeft) {
+    const std::string avoid = R"("sites":"people","per":10,"avoid":[[[1,0],[2,0],[2,1],[1,1]]])";
+    for (const std::string& rest : {avoid, avoid + R"(,"buffer":0.1)", avoid + R"(,"coordinates":"lonlat")",
+                                    avoid + R"(,"coordinates":"lonlat","buffer":9000)"}) {
+        const auto told = map(request(rest));
+        EXPECT_EQ(told["features"], nlohmann::json::parse(R"([{"id":"west","sites":200},{"sites":0}])")) << rest;
+        const auto& warning = told["warnings"].back();
+        EXPECT_EQ(warning["pointer"], "/geometry/features/1") << rest;
+        EXPECT_EQ(warning["detail"], "nothing is left of the feature: 50 points left out") << rest;
+        EXPECT_EQ(answer(request(rest + R"(,"invalid":"reject")")).error().field, "/geometry/features/1") << rest;
+    }
+    const auto nothing = answer(request(R"("sites":"people","avoid":[[[-1,-1],[3,-1],[3,3],[-1,3]]])"));
+    ASSERT_FALSE(nothing);
+    EXPECT_EQ(nothing.error().code, ErrorCode::Unusable);
+    EXPECT_EQ(nothing.error().field, "/avoid");
+    EXPECT_EQ(answer(request(R"("sites":"people","buffer":0.6)")).error().field, "/buffer");
+    EXPECT_EQ(answer(request(R"("sites":"people","buffer":70000,"coordinates":"lonlat")")).error().field, "/buffer");
+}
+
+TEST(DotMap, TellsRepairsOfWhatItAvoids) {
+    const auto told = map(request(R"("sites":"people","per":10,"avoid":[[[0.2,0.2],[0.4,0.4],[0.4,0.2],[0.2,0.4]]])"));
+    ASSERT_EQ(told["repaired"].size(), 1U);
+    const std::string pointer = told["repaired"][0]["pointer"];
+    EXPECT_TRUE(pointer.starts_with("/avoid/0")) << pointer;
 }
 
 TEST(DotMap, IsWrittenInEveryFormat) {

@@ -3,6 +3,7 @@
 Their counts are made up, and differ by up to 10,000 times on neighbouring ground.
 """
 
+import base64
 import io
 import json
 import math
@@ -15,6 +16,7 @@ import scipy.spatial
 import shapely
 import shapely.geometry
 import shapely.vectorized
+from PIL import Image
 
 from harness import PATIENCE, POLYGONS, ServerCase, ask, post_json
 from test_maps import features, repaired_area
@@ -143,6 +145,33 @@ class Formats(ServerCase):
         picture = self.draw(format="png").picture("RGB")
         found = {tuple(colour) for colour in numpy.asarray(picture).reshape(-1, 3).tolist()}
         self.assertLessEqual(colours | {(255, 255, 255)}, found)
+
+
+class Exclusions(ServerCase):
+    def test_leave_counts_as_they_are(self):
+        given = [{"type": "Feature", "properties": {"n": 400 + 300 * i},
+                  "geometry": shapely.geometry.mapping(shapely.geometry.box(i % 2, i // 2, i % 2 + 1, i // 2 + 1))}
+                 for i in range(4)]
+        lake = shapely.geometry.Point(1, 1).buffer(0.4)
+        picture = numpy.full((64, 64), 255, numpy.uint8)
+        picture[8:24, 8:24] = 0
+        image = io.BytesIO()
+        Image.fromarray(picture).save(image, "PNG")
+        dark = shapely.geometry.box(0.25, 1.25, 0.75, 1.75)
+        for coordinates, buffer in (("plane", 0.1), ("lonlat", 10_000)):
+            with self.subTest(coordinates=coordinates):
+                told = post_json(self.server, "/sample", {
+                    "geometry": collection(given), "sites": "n", "coordinates": coordinates, "buffer": buffer,
+                    "avoid": shapely.geometry.mapping(lake),
+                    "mask": {"image": base64.b64encode(image.getvalue()).decode()}}).json()
+                self.assertEqual([each["sites"] for each in told["features"]], [400, 700, 1000, 1300])
+                points = numpy.array(told["points"])
+                degrees = 0.1 if coordinates == "plane" else buffer / 111_500
+                left = shapely.geometry.box(0, 0, 2, 2).difference(lake).difference(dark).buffer(-0.99 * degrees)
+                self.assertTrue(shapely.vectorized.contains(left, *points.T).all())
+                # No strip is left between the features, which the lake has been taken from each by itself.
+                for across in points.T:
+                    self.assertGreater((numpy.abs(across - 1) < 0.01).sum(), 10)
 
 
 def cut(area, share, upright):

@@ -18,14 +18,14 @@ struct Given {
     std::size_t dots;
 };
 
-Result<GlobeDots> distribute(const std::vector<Given>& given) {
+Result<GlobeDots> distribute(const std::vector<Given>& given, double buffer = 0) {
     std::vector<MapFeature> features;
     Parts all;
     for (const auto& [parts, dots] : given) {
         features.push_back({Domain::repair(parts).value().domain, {dots}});
         all.insert(all.end(), parts.begin(), parts.end());
     }
-    return distribute_dots_on_globe(features, Domain::repair(all).value().domain, Density::uniform(), {});
+    return distribute_dots_on_globe(features, Domain::repair(all).value().domain, Density::uniform(), {}, buffer);
 }
 
 TEST(DistributeDotsOnGlobe, IsEvenOnTheGround) {
@@ -63,6 +63,28 @@ TEST(DistributeDotsOnGlobe, CrossesTheAntimeridian) {
         }
     }
     EXPECT_GT(least, 0.4 * std::sqrt(200.0 / 600));
+}
+
+TEST(DistributeDotsOnGlobe, KeepsOffTheBorderOfAll) {
+    // A degree of latitude has 111 km; on the border of the two dots may lie.
+    const std::vector<Given> given = {
+        {{{box(0, 0, 2, 2), {}}}, 200}, {{{box(2, 0, 2, 2), {}}}, 200}, {{{box(4, 0.5, 0.5, 0.5), {}}}, 5}};
+    const auto placed = distribute(given, 50'000);
+    ASSERT_TRUE(placed) << placed.error().message;
+    EXPECT_EQ(placed->lost, (std::vector<std::uint32_t>{2}));
+    const ClassDots& dots = placed->classes.front();
+    ASSERT_EQ(dots.dots.points.size(), 400U);
+    double least = 90, nearest = 90;
+    for (std::size_t i = 0; i < dots.feature_of.size(); ++i) {
+        const Point p = dots.dots.points[i];
+        ASSERT_TRUE(test::contains(given[dots.feature_of[i]].parts, p));
+        least = std::min({least, p.x, p.y, 2 - p.y, p.x < 4 ? 90 : 4.5 - p.x});
+        nearest = std::min(nearest, std::abs(p.x - 2));
+    }
+    EXPECT_GT(least, 50 / 111.4);
+    EXPECT_LT(least, 0.48);
+    EXPECT_LT(nearest, 0.1);
+    EXPECT_EQ(distribute({given[2]}, 50'000).error().field, "buffer");
 }
 
 TEST(DistributeDotsOnGlobe, RefusesAllOfTheGlobe) {

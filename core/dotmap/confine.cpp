@@ -1,0 +1,38 @@
+#include "core/dotmap/confine.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "core/geometry/difference.h"
+
+namespace ccdt {
+
+std::size_t dots_of(const MapFeature& feature) {
+    return std::accumulate(feature.dots.begin(), feature.dots.end(), std::size_t{0});
+}
+
+Result<std::vector<std::uint32_t>> confine(std::span<MapFeature> features, const Domain& kept,
+                                           const std::stop_token& stop) {
+    Box box = kept.bounds();
+    for (const MapFeature& feature : features) {
+        box.include(feature.area.bounds().min);
+        box.include(feature.area.bounds().max);
+    }
+    const Area outside = outside_of(kept, box);
+    std::vector<std::uint32_t> lost;
+    for (std::uint32_t i = 0; i < features.size(); ++i) {
+        if (dots_of(features[i]) == 0) continue;
+        auto left = without(features[i].area, {&outside, 1}, stop);
+        if (left) {
+            features[i].area = *std::move(left);
+            continue;
+        }
+        if (left.error().code != ErrorCode::Unusable) return tl::unexpected(left.error());
+        std::ranges::fill(features[i].dots, std::size_t{0});
+        lost.push_back(i);
+    }
+    return lost;
+}
+
+}  // namespace ccdt
