@@ -301,7 +301,6 @@ Result<void> check_map(const Draft& draft) {
     if (draft.request.method != &methods().front())
         return misfit(draft, "method", "must be " + std::string(methods().front().name) + " for a map of dots");
     if (draft.request.run.keep_mesh) return misfit(draft, "mesh", "is not kept of a map of dots");
-    if (!draft.request.run.fixed.empty()) return misfit(draft, "fixed", "is not known to a map of dots");
     return {};
 }
 

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "core/ccdt/border.h"
+#include "core/ccdt/fixed_choice.h"
 #include "core/ccdt/placement.h"
-#include "core/ccdt/thinned_points.h"
 
 namespace ccdt {
 
@@ -66,10 +66,7 @@ double Construction::site_share() const {
     return 1 / (fixed_.sites > 0 ? fixed_.sites : static_cast<double>(options_.sites));
 }
 
-/// Chooses those fixed points that get a vertex: inside, and not so close to the border or to each other that what lies
-/// between is a needle.
 Result<void> Construction::choose_fixed() {
-    constexpr double kApart = 0.2, kOthersApart = 0.02, kFromBorder = 0.05;  // of a site's spacing
     const std::vector<Point>& points = start_->fixed();
     if (points.empty()) return {};
     fixed_.sites = start_->room().sites;
@@ -78,21 +75,9 @@ Result<void> Construction::choose_fixed() {
     const double spacing = std::sqrt(capacity_.total() * site_share() / densest);
     auto trial = mesh_for(points.size());
     if (!trial) return tl::unexpected(trial.error());
-    ThinnedPoints kept(domain_, kApart * spacing), others(domain_, kOthersApart * spacing);
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
-        const double weight = start_->room().weights[i];
-        if (const auto near = kept.near(points[i])) {
-            fixed_.weights[*near] += weight;
-            if (!others.near(points[i])) others.add(points[i]);
-        } else if (trial->mesh.insert(i, points[i], kFromBorder * spacing)) {
-            kept.add(points[i]);
-            fixed_.weights.push_back(weight);
-        } else if (!others.near(points[i])) {
-            others.add(points[i]);
-        }
-    }
-    fixed_.places = std::move(kept).take();
-    fixed_.others = std::move(others).take();
+    const double sites = fixed_.sites;
+    fixed_ = ccdt::choose_fixed(domain_, points, start_->room().weights, spacing, trial->mesh);
+    fixed_.sites = sites;
     return {};
 }
 

@@ -54,6 +54,7 @@ std::uint64_t along_curve(Point share) {
 
 Result<DotGround> DotGround::create(const Map& map, std::size_t number, const std::stop_token& stop) {
     DotGround ground(map, number);
+    ground.find_fixed();
     for (std::size_t i = 0; i < map.features.size(); ++i) {
         const MapFeature& feature = map.features[i];
         const std::size_t dots = feature.dots[number];
@@ -71,7 +72,14 @@ Result<DotGround> DotGround::create(const Map& map, std::size_t number, const st
             const double cell = box.width() / own->width() * (box.height() / own->height());
             capacity = std::ldexp(cells * cell, std::ilogb(largest));
         }
-        ground.wanted_.push_back(static_cast<double>(dots) / capacity);
+        const auto each = static_cast<std::uint32_t>(i);
+        double sites = static_cast<double>(dots);
+        if (dots > 0 && !ground.fixed_.empty() && !ground.fixed_[i].empty()) {
+            const auto own = ground.density_of(each);
+            if (!own) return tl::unexpected(own.error());
+            sites = StartSites(feature.area, *own, ground.start_options(each, 0)).room().sites;
+        }
+        ground.wanted_.push_back(sites / capacity);
     }
     ground.overlaps_.resize(map.features.size());
     ground.fences_.reserve(map.features.size());
@@ -80,6 +88,32 @@ Result<DotGround> DotGround::create(const Map& map, std::size_t number, const st
         ground.fences_.push_back(ground.make_fence(i));
     }
     return ground;
+}
+
+/// Finds out which features fixed points lie in.
+void DotGround::find_fixed() {
+    if (map_.fixed.empty()) return;
+    fixed_.resize(map_.features.size());
+    for (const Point& p : map_.fixed) {
+        map_.index.for_near(p, [&](std::uint32_t feature) {
+            if (map_.areas[feature].contains(p)) fixed_[feature].push_back(p);
+        });
+    }
+}
+
+/// The density over the bounding box of a feature.
+Result<Density> DotGround::density_of(std::uint32_t feature) const {
+    double largest = 0;
+    return is_uniform() ? Result<Density>(Density::uniform()) : cut_out(map_.features[feature].area, largest);
+}
+
+/// What first dots are drawn by.
+Options DotGround::start_options(std::uint32_t feature, std::uint64_t seed) const {
+    Options options;
+    options.sites = dots(feature);
+    options.seed = seed;
+    if (!fixed_.empty()) options.fixed = fixed_[feature];
+    return options;
 }
 
 /// Has dots keep clear of sparser ground: with next to none beyond that push back, rows of dots would be pushed onto
@@ -170,12 +204,9 @@ Result<void> DotGround::draw(std::uint32_t feature, std::uint64_t seed, const st
     constexpr int kAttempts = 16;  // where the feature covers half of a dot's cell, one of 65,536 is still unplaced
     constexpr int kClearAttempts = 8;
     const Domain& area = map_.features[feature].area;
-    double largest = 0;
-    const auto density = is_uniform() ? Result<Density>(Density::uniform()) : cut_out(area, largest);
+    const auto density = density_of(feature);
     if (!density) return tl::unexpected(density.error());
-    Options options;
-    options.sites = dots(feature);
-    options.seed = seed;
+    const Options options = start_options(feature, seed);
     const StartSites start(area, *density, options);
     std::optional<InteriorSampler> interior;
     for (std::size_t site = 0; site < options.sites; ++site) {

@@ -36,6 +36,7 @@ public:
         const FeatureIndex& index;           ///< of the areas
         const Box& box;                      ///< that the density is stretched over
         const Density& density;
+        std::span<const Point> fixed;  ///< points that are there already: dots get what they leave of a feature
     };
 
     /// Errors: Unusable if the density is zero all over a feature that has dots.
@@ -49,7 +50,8 @@ public:
     bool is_uniform() const { return map_.density.is_uniform(); }
     bool is_smooth() const { return map_.density.is_smooth(); }
 
-    /// Dots to a squared unit that a feature has where the density is 1.
+    /// Dots to a squared unit that a feature has, with the room of fixed points counted for dots, where the density
+    /// is 1.
     double weight(std::size_t feature) const { return wanted_[feature]; }
 
     /// What the ground wants, as the density has it.
@@ -93,6 +95,9 @@ private:
     DotGround(const Map& map, std::size_t number) : map_(map), class_(number) {}
 
     FeatureArea make_fence(std::uint32_t feature) const;
+    void find_fixed();
+    Result<Density> density_of(std::uint32_t feature) const;
+    Options start_options(std::uint32_t feature, std::uint64_t seed) const;
     double own(std::uint32_t feature, Point p) const { return wanted_[feature] * density(p); }
     Result<Density> cut_out(const Domain& area, double& largest) const;
     std::vector<std::uint32_t> order() const;
@@ -104,6 +109,7 @@ private:
     std::size_t dots_ = 0;
     std::vector<FeatureArea> fences_;                   ///< [features] with the clearance of these dots
     std::vector<double> wanted_;                        ///< [features] dots to a squared unit where the density is 1
+    std::vector<std::vector<Point>> fixed_;             ///< [features] that lie in it; empty if there are none in any
     std::vector<std::vector<std::uint32_t>> overlaps_;  ///< [features] others of which a part lies in it
 };
 

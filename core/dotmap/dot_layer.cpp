@@ -9,6 +9,8 @@
 
 #include "core/ccdt/border.h"
 #include "core/ccdt/construction.h"
+#include "core/ccdt/fixed_choice.h"
+#include "core/ccdt/fixed_room.h"
 #include "core/ccdt/goals.h"
 #include "core/dotmap/dot_error.h"
 #include "core/geometry/hexagonal_spacing.h"
@@ -67,20 +69,42 @@ Result<void> DotLayer::start() {
     if (!drawn) return tl::unexpected(drawn.error());
     dots_ = *std::move(drawn);
     ground_.find_overlaps(dots_, stop_);
-    auto empty = empty_mesh(land_,
-                            make_border(
-                                land_, [this](Point a, Point b) { return length_in_dots(a, b); }, dots_.size()),
-                            dots_.size(), stop_);
+    const Border border = make_border(
+        land_, [this](Point a, Point b) { return length_in_dots(a, b); }, dots_.size());
+    if (auto chosen = choose_fixed(border); !chosen) return chosen;
+    const std::size_t sites = dots_.size() + fixed_.places.size();
+    auto empty = empty_mesh(land_, border, sites, stop_);
     if (!empty) return tl::unexpected(empty.error());
     placed_ = *std::move(empty);
+    mesh().fix_last(fixed_.places.size());
+    radii_.resize(sites);
+    moves_.resize(sites);
+    before_.resize(sites);
+    spacings_.resize(sites);
+    for (std::size_t i = 0; i < fixed_.places.size(); ++i) {
+        const std::size_t site = dots_.size() + i;
+        mesh().insert(static_cast<std::uint32_t>(site), fixed_.places[i]);
+        const double density = ground_.around(land_.to_user(fixed_.places[i]));
+        radii_[site] = radius(density > 0 ? density : static_cast<double>(dots_.size()) / land_.area());
+        before_[site] = fixed_.places[i];
+    }
     if (auto inserted = insert_all(); !inserted) return inserted;
     mesh().trim();
-    radii_.resize(dots_.size());
-    moves_.resize(dots_.size());
-    before_.resize(dots_.size());
-    spacings_.resize(dots_.size());
     result_.trace.push_back(measure());
     if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
+    return {};
+}
+
+Result<void> DotLayer::choose_fixed(const Border& border) {
+    const std::vector<Point> points = to_unit_frame(land_, options_.fixed);
+    if (points.empty()) return {};
+    double densest = static_cast<double>(dots_.size()) / land_.area();
+    for (const Point& p : points) densest = std::max(densest, ground_.around(land_.to_user(p)));
+    auto trial = empty_mesh(land_, border, points.size(), stop_);
+    if (!trial) return tl::unexpected(trial.error());
+    const double spacing = 1 / std::sqrt(densest) / scale();
+    fixed_ = ccdt::choose_fixed(land_, points, std::vector<double>(points.size(), 1), spacing, trial->mesh);
+    if (!fixed_.others.empty()) others_.emplace(land_, fixed_.others);
     return {};
 }
 
@@ -142,8 +166,8 @@ double DotLayer::measure() {
     capacities_.resize(aims_.size());
     for (std::uint32_t t = 0; t < aims_.size(); ++t)
         capacities_[t] = aims_[t] > 0 ? 0.5 * mesh().doubled_area(t) / aims_[t] : 0;
-    const double variation =
-        set_goals(mesh(), static_cast<double>(dots_.size()), std::numeric_limits<double>::max(), capacities_, goals_);
+    const double variation = set_goals(mesh(), static_cast<double>(mesh().site_count()),
+                                       std::numeric_limits<double>::max(), capacities_, goals_);
     soften_borders();
     return variation;
 }
@@ -218,7 +242,8 @@ void DotLayer::begin() {
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t h = Triangulation::edge(t, i), twin = mesh().twin(h);
             if (twin == Triangulation::kNone || twin < h) continue;
-            if (mesh().is_site(mesh().origin(h)) && mesh().is_site(mesh().target(h))) edges_.push_back(h);
+            const std::uint32_t a = mesh().origin(h), b = mesh().target(h);
+            if (mesh().is_site(a) && mesh().is_site(b) && (mesh().is_free(a) || mesh().is_free(b))) edges_.push_back(h);
         }
     }
 }
@@ -233,14 +258,29 @@ void DotLayer::push_apart(double reach, double push, std::span<const Point> push
         const double squared = dot(along, along);
         if (squared >= least * least) continue;
         const Point by = 2 * push * (least / std::sqrt(squared) - 1) * along;
-        moves_[a] = moves_[a] - radii_[a] / both * by;
-        moves_[b] = moves_[b] + radii_[b] / both * by;
+        // One that stays leaves all of the way to the other one.
+        moves_[a] = moves_[a] - (mesh().is_free(b) ? radii_[a] / both : 1) * by;
+        moves_[b] = moves_[b] + (mesh().is_free(a) ? radii_[b] / both : 1) * by;
     }
+    if (others_) push_off_others(reach, push);
     for (std::size_t dot = 0; dot < moves_.size(); ++dot) {
         const double longest = kLongestPush * radii_[dot], length = std::hypot(moves_[dot].x, moves_[dot].y);
         if (length > longest) moves_[dot] = (longest / length) * moves_[dot];
     }
     if (!stopping()) apply();
+}
+
+/// Pushes dots off fixed points that no edge leads to.
+void DotLayer::push_off_others(double reach, double push) {
+    for (std::uint32_t dot = 0; dot < dots_.size(); ++dot) {
+        const double least = 2 * reach * radii_[dot];
+        others_->for_near(mesh().point(dot), least, [&](Point place, std::uint32_t) {
+            const Point along = mesh().point(dot) - place;
+            const double squared = ccdt::dot(along, along);
+            if (squared >= least * least || squared == 0) return;
+            moves_[dot] = moves_[dot] + 2 * push * (least / std::sqrt(squared) - 1) * along;
+        });
+    }
 }
 
 /// Nothing flows where densities differ so much that dense dots keep clear of the border, which would hold them up.
@@ -257,7 +297,7 @@ MeshTransport DotLayer::make_transport() const {
 }
 
 void DotLayer::even_out() {
-    if (!ground_.is_smooth()) return;
+    if (!ground_.is_smooth() || !options_.fixed.empty()) return;
     if (!transport_) transport_.emplace(make_transport());
     std::ranges::transform(radii_, spacings_.begin(), [](double radius) { return 2 / hexagonal_spacing(1) * radius; });
     if (transport_->displacements(mesh(), spacings_, moves_, stop_)) apply();

@@ -7,12 +7,15 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/ccdt/border.h"
 #include "core/ccdt/ccdt.h"
 #include "core/ccdt/domain_mesh.h"
 #include "core/ccdt/relaxation.h"
 #include "core/dotmap/dot_ground.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
+#include "core/polish/cell_list.h"
+#include "core/polish/fixed_sites.h"
 #include "core/polish/mesh_transport.h"
 #include "core/polish/settings.h"
 #include "core/result.h"
@@ -53,7 +56,7 @@ public:
     /// @param pushed  [dots] or empty: how far others push each
     void push_apart(double reach, double push, std::span<const Point> pushed);
 
-    /// Undoes long waves of density error. Nothing happens if the density is not smooth.
+    /// Undoes long waves of density error. Nothing happens if the density is not smooth, or there are fixed points.
     void even_out();
 
     /// Makes the triangulation Delaunay and its triangles more equal, amid the polish, and begins anew.
@@ -81,6 +84,7 @@ private:
     void relax(int passes);
     double radius(double density) const;
     std::vector<double> length_in_dots(Point a, Point b) const;
+    Result<void> choose_fixed(const Border& border);
     Result<void> insert_all();
     Result<void> insert(std::uint32_t dot);
     void find_radii();
@@ -91,6 +95,7 @@ private:
     Point fenced(std::uint32_t dot, Point to) const;
     void apply();
     void take_back();
+    void push_off_others(double reach, double push);
     bool is_sound(std::uint32_t triangle, double area) const;
 
     DotGround& ground_;
@@ -99,14 +104,16 @@ private:
     std::stop_token stop_;
     std::optional<DomainMesh> placed_;
     std::vector<FeatureDot> dots_;       ///< in the order of their sites; places are those of the start
-    std::vector<double> radii_;          ///< [dots] half the distance that neighbours should have, in the unit frame
+    FixedSites fixed_;                   ///< the places are vertices behind the dots: sites, as the dots are
+    std::optional<CellList> others_;     ///< of the fixed ones
+    std::vector<double> radii_;          ///< [sites] half the distance that neighbours should have, in the unit frame
     std::vector<double> aims_;           ///< [triangles] doubled area that each should have
     std::vector<double> capacities_;     ///< [triangles] area over what it should be, in halves of a dot
     std::vector<TriangleGoal> goals_;    ///< [triangles]
     std::vector<std::uint32_t> edges_;   ///< half-edges between dots
-    std::vector<Point> moves_, before_;  ///< [dots]
+    std::vector<Point> moves_, before_;  ///< [sites]
     std::optional<MeshTransport> transport_;  ///< once it is asked for
-    std::vector<double> spacings_;            ///< [dots]
+    std::vector<double> spacings_;            ///< [sites]
     std::vector<double> areas_;               ///< doubled [triangles], before the last move
     Distribution result_;
 };

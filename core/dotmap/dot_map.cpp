@@ -40,7 +40,7 @@ public:
         : features_(features),
           areas_(areas_of(features)),
           index_(areas_),
-          map_{features, areas_, index_, box, density},
+          map_{features, areas_, index_, box, density, options.fixed},
           options_(options),
           control_(control) {}
 
@@ -119,7 +119,9 @@ Result<void> DotMap::make_layers() {
 PolishSettings DotMap::settings() const {
     constexpr int kNearRounds = 4;
     constexpr double kNearest = 0.82;
-    PolishSettings settings = polish_settings(options_.quality, used_.size(), map_.density.is_smooth(), false);
+    const bool is_pushed_alone = !options_.fixed.empty();  // so are boxes, but for transport
+    PolishSettings settings =
+        polish_settings(options_.quality, used_.size(), map_.density.is_smooth(), is_pushed_alone);
     settings.retouch_rounds = 0;
     if (used_.size() > 1 || !map_.density.is_smooth()) return settings;
     settings.near_rounds = std::max(settings.near_rounds, kNearRounds);

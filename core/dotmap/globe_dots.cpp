@@ -92,7 +92,9 @@ Result<GlobeDots> distribute_dots_on_globe(std::span<const MapFeature> features,
     const auto bare =
         density.is_uniform() ? wanted : plane_density(part, *turned, Density::uniform(), dots, control.stop);
     if (!bare) return tl::unexpected(bare.error());
-    auto classes = distribute_dots(charted->plane, part.domain.bounds(), wanted->density, options, control);
+    Options own = options;
+    for (Point& p : own.fixed) p = part.chart.to_plane(direction_of(p));
+    auto classes = distribute_dots(charted->plane, part.domain.bounds(), wanted->density, own, control);
     if (!classes) return tl::unexpected(classes.error());
     for (ClassDots& each : *classes) to_degrees(part.chart, charted->degrees, each);
     return GlobeDots{*std::move(classes), std::sqrt(bare->total / static_cast<double>(dots)), std::move(lost)};

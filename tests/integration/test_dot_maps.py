@@ -158,17 +158,20 @@ class Exclusions(ServerCase):
         image = io.BytesIO()
         Image.fromarray(picture).save(image, "PNG")
         dark = shapely.geometry.box(0.25, 1.25, 0.75, 1.75)
+        wells = numpy.random.default_rng(2).uniform(0, 2, (50, 2))
         for coordinates, buffer in (("plane", 0.1), ("lonlat", 10_000)):
             with self.subTest(coordinates=coordinates):
                 told = post_json(self.server, "/sample", {
                     "geometry": collection(given), "sites": "n", "coordinates": coordinates, "buffer": buffer,
-                    "avoid": shapely.geometry.mapping(lake),
+                    "avoid": shapely.geometry.mapping(lake), "fixed": wells.tolist(),
                     "mask": {"image": base64.b64encode(image.getvalue()).decode()}}).json()
                 self.assertEqual([each["sites"] for each in told["features"]], [400, 700, 1000, 1300])
                 points = numpy.array(told["points"])
                 degrees = 0.1 if coordinates == "plane" else buffer / 111_500
                 left = shapely.geometry.box(0, 0, 2, 2).difference(lake).difference(dark).buffer(-0.99 * degrees)
                 self.assertTrue(shapely.vectorized.contains(left, *points.T).all())
+                near, _ = scipy.spatial.cKDTree(points).query(wells)
+                self.assertGreater(near.min(), 0.5 * hexagonal_spacing(1300 / left.area * 4))
                 # No strip is left between the features, which the lake has been taken from each by itself.
                 for across in points.T:
                     self.assertGreater((numpy.abs(across - 1) < 0.01).sum(), 10)

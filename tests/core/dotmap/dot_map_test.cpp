@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/geometry/hexagonal_spacing.h"
+#include "core/random.h"
 #include "tests/support/shapes.h"
 
 namespace ccdt {
@@ -173,6 +174,37 @@ TEST(DistributeDots, KeepsClassesApart) {
     std::ranges::sort(found);
     // Of dots that know nothing of each other it is 0.1.
     EXPECT_GT(found[found.size() / 20], 0.4);
+}
+
+/// Of 60 fixed points at random, on two features of which one is twice as dense, and a hundred in one place.
+TEST(DistributeDots, KeepsClearOfFixedPoints) {
+    const std::vector<Given> given = {{{{box(0, 0, 1, 1), {}}}, {400, 30}}, {{{box(1, 0, 1, 1), {}}}, {800, 0}}};
+    Options options;
+    Random random(7, 0);
+    for (int i = 0; i < 60; ++i) {
+        const double x = 2.2 * random.uniform();
+        options.fixed.push_back({x, random.uniform()});
+    }
+    options.fixed.insert(options.fixed.end(), 100, {0.5, 0.5});
+    for (const Quality quality : {Quality::Standard, Quality::Best}) {
+        options.quality = quality;
+        const auto classes = distribute(features_of(given), Density::uniform(), options);
+        ASSERT_TRUE(classes) << classes.error().message;
+        for (std::size_t number = 0; number < 2; ++number) check(given, (*classes)[number], number);
+        const auto& [placed, feature_of] = classes->front();
+        std::vector<double> from_fixed(options.fixed.size(), 2);
+        for (std::size_t i = 0; i < placed.points.size(); ++i) {
+            for (std::size_t k = 0; k < options.fixed.size(); ++k) {
+                const Point off = placed.points[i] - options.fixed[k];
+                const double spacing = hexagonal_spacing(feature_of[i] == 0 ? 430 : 830);
+                from_fixed[k] = std::min(from_fixed[k], std::sqrt(dot(off, off)) / spacing);
+            }
+        }
+        std::ranges::sort(from_fixed);
+        EXPECT_GT(from_fixed.front(), 0.6);
+        // No hole is left around them either.
+        EXPECT_LT(from_fixed[from_fixed.size() / 2], 1.1);
+    }
 }
 
 TEST(DistributeDots, FollowsADensityInEachFeature) {

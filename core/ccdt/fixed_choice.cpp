@@ -1,0 +1,30 @@
+#include "core/ccdt/fixed_choice.h"
+
+#include <utility>
+
+#include "core/ccdt/thinned_points.h"
+
+namespace ccdt {
+
+FixedSites choose_fixed(const Domain& domain, std::span<const Point> points, std::span<const double> weights,
+                        double spacing, Triangulation& trial) {
+    constexpr double kApart = 0.2, kOthersApart = 0.02, kFromBorder = 0.05;  // of the spacing
+    FixedSites chosen;
+    ThinnedPoints kept(domain, kApart * spacing), others(domain, kOthersApart * spacing);
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        if (const auto near = kept.near(points[i])) {
+            chosen.weights[*near] += weights[i];
+            if (!others.near(points[i])) others.add(points[i]);
+        } else if (trial.insert(i, points[i], kFromBorder * spacing)) {
+            kept.add(points[i]);
+            chosen.weights.push_back(weights[i]);
+        } else if (!others.near(points[i])) {
+            others.add(points[i]);
+        }
+    }
+    chosen.places = std::move(kept).take();
+    chosen.others = std::move(others).take();
+    return chosen;
+}
+
+}  // namespace ccdt
