@@ -118,14 +118,32 @@ Estimate charting(const SampleRequest& request) {
            weighing(cells) + Estimate{cells * sizeof(double), cells * kTime};
 }
 
+/// Takes from each of a map's features what is to be kept free; with a buffer that has the border of all.
+Estimate cutting(const SampleRequest& request) {
+    if (!request.has_exclusions()) return {};
+    constexpr double kFeature = 60 * kMicrosecond, kCornerSeen = 0.01 * kMicrosecond, kBytes = 420;
+    const auto features = static_cast<double>(request.counts->features());
+    const std::size_t own = request.buffer > 0 ? corners_of(request.domain) : 0;
+    const auto corners = static_cast<double>(own + request.avoid.corner_count() + mask_corners(request));
+    return {corners * kBytes, features * (kFeature + corners * kCornerSeen)};
+}
+
+/// Takes the room of fixed points from the features that they lie in.
+Estimate leaving_room(const SampleRequest& request) {
+    constexpr double kFeature = 900 * kMicrosecond;
+    return {0, kFeature * static_cast<double>(std::min(request.run.fixed.size(), request.counts->features()))};
+}
+
 /// Makes the areas of a map's features, each class' fences around them, and keeps dots in these.
 Estimate mapping(const SampleRequest& request) {
     if (!request.counts) return {};
-    constexpr Estimate kFeature{4'096, 50 * kMicrosecond}, kCorner{600, 2 * kMicrosecond}, kDot{150, 3 * kMicrosecond};
+    constexpr Estimate kFeature{4'096, 25 * kMicrosecond}, kCorner{600, 2.5 * kMicrosecond};
+    constexpr Estimate kDot{150, 3 * kMicrosecond};
     const auto features = static_cast<double>(request.counts->features());
-    const auto corners = static_cast<double>(std::get<PolygonInput>(request.domain).corner_count());
+    const auto corners = static_cast<double>(corners_of(request.domain));
     const auto classes = static_cast<double>(request.counts->classes.size());
-    return (kFeature * features + kCorner * corners) * classes + kDot * static_cast<double>(request.run.sites);
+    return cutting(request) + (kFeature * features + kCorner * corners + leaving_room(request)) * classes +
+           kDot * static_cast<double>(request.run.sites);
 }
 
 /// Makes grids: of several inks one each, and one of all together.

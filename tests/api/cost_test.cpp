@@ -97,6 +97,20 @@ std::string grid(int side) {
     return text + "]}";
 }
 
+/// A map of so many features in each row and column, each with as many points of each class.
+std::string squares(int side, int points, const std::string& options = R"("sites":"a")") {
+    std::string text = options + R"(,"geometry":{"type":"FeatureCollection","features":[)";
+    const std::string count = std::to_string(points);
+    for (int i = 0; i < side * side; ++i) {
+        const std::string west = std::to_string(0.05 * (i % side)), east = std::to_string(0.05 * (i % side + 1));
+        const std::string south = std::to_string(0.05 * (i / side)), north = std::to_string(0.05 * (i / side + 1));
+        text += (i > 0 ? "," : "") + std::string(R"({"type":"Feature","properties":{"a":)") + count + R"(,"b":)" +
+                count + R"(},"geometry":{"type":"Polygon","coordinates":[[[)" + west + ',' + south + "],[" + east +
+                ',' + south + "],[" + east + ',' + north + "],[" + west + ',' + north + "]]]}}";
+    }
+    return text + "]}";
+}
+
 class SampleCost : public testing::TestWithParam<SampleCase> {};
 
 TEST_P(SampleCost, IsNeverPassed) {
@@ -136,6 +150,13 @@ INSTANTIATE_TEST_SUITE_P(
                     SampleCase{"geojson", R"("sites":200000,"method":"random","format":"geojson",)" + kSquare},
                     SampleCase{"svg", R"("sites":200000,"method":"random","format":"svg",)" + kSquare},
                     SampleCase{"png", R"("sites":100000,"method":"random","format":"png",)" + kSquare},
+                    SampleCase{"map", squares(3, 11'111)}, SampleCase{"map_of_many", squares(100, 2), 6},
+                    SampleCase{"map_best", squares(3, 11'111, R"("sites":"a","quality":"best")")},
+                    SampleCase{"map_draft", squares(3, 11'111, R"("sites":"a","quality":"draft")")},
+                    SampleCase{"map_classes", squares(3, 5'555, R"("classes":["a","b"])")},
+                    SampleCase{"map_globe", squares(3, 11'111, R"("sites":"a","coordinates":"lonlat")"), 6},
+                    SampleCase{"map_buffer", squares(3, 11'111, R"("sites":"a","buffer":0.01)")},
+                    SampleCase{"map_fixed", squares(30, 11, R"("sites":"a","fixed":[[0.1,0.1],[0.2,0.2],[1,1]])"), 6},
                     SampleCase{"wide", R"("sites":1000,"method":"random","format":"png","width":4000,)" + kSquare}),
     [](const auto& each) { return each.param.name; });
 
