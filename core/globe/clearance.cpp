@@ -1,5 +1,6 @@
 #include "core/globe/clearance.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -24,9 +25,10 @@ Disc disc_on_ground(const Chart& chart, Point place, double metres) {
 Result<void> keep_off_border(ChartedPart& part, double buffer, const std::stop_token& stop) {
     constexpr double kOnSeam = 1e-9;
     if (!(buffer > 0)) return {};
+    const double metres = std::max(buffer, kLeastBuffer);
     const DiscAround disc_around = [&](Point p) {
         const bool is_cut = std::abs(std::sqrt(dot(p, p)) - part.seam) < kOnSeam * part.seam;
-        return is_cut ? Disc{} : disc_on_ground(part.chart, p, buffer);
+        return is_cut ? Disc{} : disc_on_ground(part.chart, p, metres);
     };
     auto kept = inset(part.domain, disc_around, stop);
     if (!kept) return failure(kept.error().code, "the buffer leaves nothing of the polygon", "buffer");

@@ -18,7 +18,8 @@ namespace ccdt {
 /// nearer than an angle is a disc, and so it is in the plane, with another centre.
 Disc disc_on_ground(const Chart& chart, Point place, double metres);
 
-/// Takes from a part what is nearer to its border than so many metres; a cut is no border. Nothing happens for 0.
+/// Takes from a part what is nearer to its border than so many metres; a cut is no border. Nothing happens for 0,
+/// and what is less than kLeastBuffer counts as that.
 /// Errors: Unusable if nothing is left, with the field `buffer`; Stopped.
 Result<void> keep_off_border(ChartedPart& part, double buffer, const std::stop_token& stop = {});
 

@@ -173,7 +173,7 @@ private:
 Charting::Charting(const Domain& degrees, std::size_t sites, double buffer, const std::stop_token& stop)
     : stop_(stop),
       sites_(static_cast<double>(sites)),
-      buffer_(buffer / kLeastRadius),
+      buffer_(buffer > 0 ? std::max(buffer, kLeastBuffer) / kLeastRadius : 0),
       west_(degrees.bounds().min.x),
       east_(degrees.bounds().max.x) {
     closes_ = east_ - west_ > kTurn - kClose;

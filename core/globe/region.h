@@ -25,6 +25,9 @@ Result<std::vector<PolygonPart>> unrolled(std::vector<PolygonPart> parts);
 /// in again on the other side. Other regions stay as they are. Errors: those of Domain::enclosed_by.
 Result<Domain> in_one_turn(const Domain& degrees, const std::stop_token& stop = {});
 
+/// The least distance that is kept from a border, if any is: less is hardly told from the rounding of degrees. Metres.
+inline constexpr double kLeastBuffer = 1e-5;
+
 /// A part of a region of the globe, on a chart of its own.
 struct ChartedPart {
     Chart chart;

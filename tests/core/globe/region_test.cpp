@@ -108,6 +108,15 @@ TEST(ChartRegion, BendsEdges) {
     EXPECT_NEAR(area(parts.front()) / area_of_box(-100, 40, -60, 50), 1, 3e-3);
 }
 
+TEST(ChartRegion, BendsEdgesNoFurtherThanIsOfUse) {
+    const Domain degrees = Domain::create({{{{0, 0}, {2, 0}, {2, 1}, {0, 1}}, {}}}).value();
+    const auto corners = [&](double buffer) {
+        return chart_region(degrees, 100, buffer)->front().domain.corner_count();
+    };
+    EXPECT_GT(corners(1e-3), corners(1));
+    EXPECT_LT(corners(1e-300), 1'000'000U);
+}
+
 TEST(ChartRegion, JoinsWhatMeetsAtTheMeridianOf180Degrees) {
     const Ring whole = box(170, -20, 190, 10);
     const Ring west = box(170, -20, 180, 10), east{{-180, -20}, {-170, -20}, {-170, 10}, {-180, 10}, {-180, 0}};
