@@ -262,6 +262,21 @@ test("tiles the plane with a torus", async () => {
   assert.ok(!(await world.page.isChecked("#tiles")));
 });
 
+test("has a quality that is of a torus alone", async () => {
+  await open();
+  const { page } = world;
+  const quality = "#sample [data-name=quality] select";
+  assert.ok(await page.isDisabled(`${quality} option[value=stealthy]`));
+  await page.selectOption("#shape", "torus");
+  await page.selectOption(quality, "stealthy");
+  await settled(page, "sample");
+  assert.equal((await request()).quality, "stealthy");
+  await page.selectOption("#shape", "rectangle");
+  await settled(page, "sample");
+  assert.equal((await request()).quality, undefined);
+  assert.equal(await page.inputValue(quality), "standard");
+});
+
 test("has the methods that CCDT is compared with", async () => {
   await open();
   for (const method of ["cvt", "odt", "ccvt", "random"]) {

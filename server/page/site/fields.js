@@ -83,7 +83,12 @@ function choiceField(field, id, change) {
   select.addEventListener("change", () => change(false));
   const value = () => select.value;
   const put = (text) => { if (field.choices.some(([name]) => name === text)) select.value = text; };
-  return { input: select, parts: [select], value, text: value, put };
+  const allow = (name, allowed) => {
+    const option = [...select.options].find((one) => one.value === name);
+    option.disabled = option.hidden = !allowed;
+    if (!allowed && select.value === name) select.value = field.standard;
+  };
+  return { input: select, parts: [select], value, text: value, put, allow };
 }
 
 function checkField(field, id, change) {
@@ -300,6 +305,11 @@ export class Fields {
 
   enable(name, enabled) {
     this.#find(name).input.disabled = !enabled;
+  }
+
+  /** Lets a choice be taken or not; where it was, the server's default is. */
+  allow(name, choice, allowed) {
+    this.#find(name).allow(choice, allowed);
   }
 
   /** Lets a slider go no farther than the server does. */

@@ -486,6 +486,7 @@ export class Sample extends Panel {
     for (const name of ["passes", "tolerance"]) this.moreFields.offer(name, options.includes(name));
     this.moreFields.offer("fixed", options.includes("fixed") && !isMap);
     const isTorus = this.shapeChoice.value === "torus";
+    this.fields.allow("quality", "stealthy", isTorus);
     for (const name of ["dot", "width_mm", "style"]) this.drawingFields.offer(name, !this.plotter.isOn);
     for (const name of ["avoid", "mask", "buffer"]) this.moreFields.offer(name, !isMap && !isTorus);
   }

@@ -12,8 +12,8 @@ export const fields = [
   { kind: "number", name: "sites", label: "Points", value: Math.min(1000, mostPoints), min: 10, max: Math.min(50000, mostPoints), step: 1, log: true },
   { kind: "choice", name: "method", label: "Method", standard: standard.name, choices: methods.map(({ name, title }) => [name, title]),
     help: "CCDT is what this server is for. The others are what it is compared with; they are slower, and take fewer points." },
-  { kind: "choice", name: "quality", label: "Quality", standard: "standard", choices: [["standard", "standard"], ["draft", "draft: without polish"], ["best", "best"]],
-    help: "How evenly points are spread: a draft takes half the time, the best twice as long." },
+  { kind: "choice", name: "quality", label: "Quality", standard: "standard", choices: [["standard", "standard"], ["draft", "draft: without polish"], ["best", "best"], ["stealthy", "stealthy"]],
+    help: "How evenly points are spread: a draft takes half the time, the best twice as long. On a torus, stealthy points have no power at low frequencies at all." },
   { kind: "number", name: "seed", label: "Seed", value: 0, min: 0, max: 100, step: 1, standard: 0,
     help: "Another number gives other points, as good. The same number gives the same points again." },
 ];
