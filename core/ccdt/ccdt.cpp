@@ -97,7 +97,6 @@ void InkConstructions::iterate() {
     while (std::ranges::any_of(constructions_, &Construction::goes_on)) {
         for (Construction* construction : constructions_) {
             if (!construction->goes_on()) continue;
-            if (settings_) construction->ease(*settings_);
             construction->iterate();
         }
         if (!stopping()) report();

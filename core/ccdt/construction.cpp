@@ -150,15 +150,6 @@ Relaxation& Construction::relaxation() {
     return relaxation_.emplace(placed_->mesh, placed_->border.corner, capacity_.is_uniform(), settings);
 }
 
-void Construction::ease(const PolishSettings& settings) {
-    constexpr int kFirst = 2;  // before, sites are not near their places yet
-    if (result_.iterations < std::max(kFirst, options_.iterations - settings.early)) return;
-    Triangulation& mesh = placed_->mesh;
-    polish_->begin(mesh);
-    polish_->push_apart(mesh, settings.reach, settings.push, {}, stop_);
-    polish_->even_out(mesh, stop_);
-}
-
 bool Construction::iterate() {
     Triangulation& mesh = placed_->mesh;
     Relaxation& relaxation = this->relaxation();

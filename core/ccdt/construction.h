@@ -36,9 +36,6 @@ public:
 
     /// Tells whether there is an iteration to do.
     bool goes_on() const;
-    /// Does the steps of the polish that come before the next iteration, if there are any: a push, and a round that
-    /// evens out.
-    void ease(const PolishSettings& settings);
     /// Does the geometry passes of an iteration and its triangulation phase.
     /// @returns  false if it was stopped
     bool iterate();

@@ -114,18 +114,12 @@ Result<void> DotMap::make_layers() {
     return {};
 }
 
-/// Those of a polygon; but where dots may not cross a border, evening out pushes them onto it. With fewer of the last
-/// pushes, or shorter ones, one dot in a hundred has a neighbour that is nearer than .75: test_dot_maps.py, Counties.
 PolishSettings DotMap::settings() const {
-    constexpr int kNearRounds = 4;
-    constexpr double kNearest = 0.82;
     const bool is_pushed_alone = !options_.fixed.empty();  // so are boxes, but for transport
-    PolishSettings settings =
-        polish_settings(options_.quality, used_.size(), map_.density.is_smooth(), is_pushed_alone);
+    const bool is_smooth = map_.density.is_smooth();
+    if (used_.size() == 1 && is_smooth && !is_pushed_alone) return map_settings(options_.quality);
+    PolishSettings settings = polish_settings(options_.quality, used_.size(), is_smooth, is_pushed_alone);
     settings.retouch_rounds = 0;
-    if (used_.size() > 1 || !map_.density.is_smooth()) return settings;
-    settings.near_rounds = std::max(settings.near_rounds, kNearRounds);
-    settings.nearest = std::max(settings.nearest, kNearest);
     return settings;
 }
 

@@ -5,39 +5,59 @@
 
 namespace ccdt {
 
-void keep_off_border(const Triangulation& mesh, std::span<const double> spacings, double depth,
-                     std::span<Point> moves) {
-    const auto keep_off = [&](std::uint32_t site, Point away, double distance) {
-        const double least = std::min(distance, depth * spacings[site]), left = distance + dot(moves[site], away);
-        if (left < least) moves[site] = moves[site] + (least - left) * away;
-    };
-    // What is far enough for any direction of its move needs no root.
-    const auto is_far = [&](std::uint32_t site, double squared) {
-        const double least = depth * spacings[site];
-        return squared > 2 * (least * least + dot(moves[site], moves[site]));
-    };
+namespace {
+
+/// Takes from a site's move what would bring it nearer than so much.
+/// @param away      any vector off what it may come near to
+/// @param squared   its length, squared
+/// @param distance  times that length
+void keep_off(Point away, double squared, double distance, double least, Point& move) {
+    // What is far enough for any direction of the move needs no root.
+    if (distance * distance > 2 * (least * least + dot(move, move)) * squared) return;
+    const double scale = 1 / std::sqrt(squared);
+    const double before = scale * distance, after = before + scale * dot(move, away), kept = std::min(before, least);
+    if (after < kept) move = move + (kept - after) * scale * away;
+}
+
+}  // namespace
+
+void FirstRow::find(const Triangulation& mesh) {
+    ends_.clear();
+    segments_.clear();
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         const auto corners = mesh.corners(t);
         if (std::ranges::all_of(corners, [&](std::uint32_t v) { return mesh.is_site(v); })) continue;
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t h = Triangulation::edge(t, i), a = corners[i], b = corners[(i + 1) % 3];
-            if (mesh.is_site(a) == mesh.is_site(b)) {
-                const std::uint32_t apex = mesh.origin(Triangulation::previous(h));
-                if (mesh.twin(h) != Triangulation::kNone || !mesh.is_site(apex)) continue;
-                const Point along = mesh.along(h);
-                const double area = cross(along, mesh.point(apex) - mesh.point(a)), squared = dot(along, along);
-                if (is_far(apex, area * area / squared)) continue;
-                const double side = std::sqrt(squared);
-                keep_off(apex, 1 / side * Point{-along.y, along.x}, area / side);
-            } else {
-                const std::uint32_t site = mesh.is_site(a) ? a : b;
-                const Point away = mesh.is_site(a) ? Point{} - mesh.along(h) : mesh.along(h);
-                const double squared = dot(away, away);
-                if (is_far(site, squared)) continue;
-                const double distance = std::sqrt(squared);
-                keep_off(site, 1 / distance * away, distance);
+            if (mesh.is_site(a) != mesh.is_site(b)) {
+                if (mesh.twin(h) > h) ends_.push_back({std::min(a, b), std::max(a, b)});
+            } else if (mesh.twin(h) == Triangulation::kNone && mesh.is_site(corners[(i + 2) % 3])) {
+                segments_.push_back(h);
             }
         }
+    }
+    sites_.clear();
+    for (const auto& [site, vertex] : ends_) sites_.push_back(site);
+    std::ranges::sort(sites_);
+    sites_.erase(std::ranges::unique(sites_).begin(), sites_.end());
+}
+
+void FirstRow::keep_off_edges(const Triangulation& mesh, std::span<const double> spacings, double depth,
+                              std::span<Point> moves) const {
+    for (const std::uint32_t h : segments_) {
+        const std::uint32_t site = mesh.origin(Triangulation::previous(h));
+        const Point along = mesh.along(h);
+        const double area = cross(along, mesh.point(site) - mesh.point(mesh.origin(h)));
+        keep_off({-along.y, along.x}, dot(along, along), area, depth * spacings[site], moves[site]);
+    }
+}
+
+void FirstRow::keep_off_vertices(const Triangulation& mesh, std::span<const double> spacings, double depth,
+                                 std::span<Point> moves) const {
+    for (const auto& [site, vertex] : ends_) {
+        const Point away = mesh.point(site) - mesh.point(vertex);
+        const double squared = dot(away, away);
+        keep_off(away, squared, squared, depth * spacings[site], moves[site]);
     }
 }
 

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
 #include <utility>
 
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/predicates.h"
-#include "core/polish/first_row.h"
 
 namespace ccdt {
 
@@ -17,7 +16,8 @@ namespace {
 /// distance.
 constexpr double kLongestPush = 0.2;
 /// Spacings from the border that a push keeps clear of. Without, needles hold sites together; more of it does so where
-/// there is little room: Polish.LeavesNoNearPairsAtNeedles.
+/// there is little room: Polish.LeavesNoNearPairsAtNeedles. A push that reaches beyond the nearest neighbours would
+/// press sites against the border, from where nothing pushes back: it keeps the first row where it is.
 constexpr double kBorderDepth = 0.1;
 constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps, as in a relaxation
 
@@ -109,13 +109,14 @@ void MeshPolish::begin(const Triangulation& mesh) {
         const auto corners = mesh.corners(t);
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
-            const auto [nearer, farther] = std::minmax(corners[i], corners[(i + 1) % 3]);
+            const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
             edges_[count] = h;
-            count += static_cast<std::size_t>((twin != Triangulation::kNone) & (twin > h) & mesh.is_site(farther) &
-                                              mesh.is_free(nearer));
+            count += static_cast<std::size_t>((twin != Triangulation::kNone) & (twin > h) &
+                                              mesh.is_site(std::max(a, b)) & mesh.is_free(std::min(a, b)));
         }
     }
     edges_.resize(count);
+    if (!domain_.is_box()) row_.find(mesh);
     areas_.resize(mesh.triangle_count());
     moved_areas_.resize(mesh.triangle_count());
     for (std::uint32_t t = 0; t < areas_.size(); ++t) areas_[t] = mesh.doubled_area(t);
@@ -128,18 +129,49 @@ void MeshPolish::even_out(Triangulation& mesh, const std::stop_token& stop) {
     } else if (density_.is_smooth() && fixed_.places.empty() && fixed_.others.empty()) {
         if (!mesh_transport_) mesh_transport_.emplace(domain_, density_, mesh);
         measure_spacings(mesh);
-        if (mesh_transport_->displacements(mesh, spacings_, moves_, stop)) apply(mesh);
+        if (mesh_transport_->displacements(mesh, row_, spacings_, moves_, stop)) apply(mesh);
     }
 }
 
-double MeshPolish::least_distance(const Triangulation& mesh) const {
-    double least = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t h : edges_) {
-        const Point along = mesh.along(h);
-        const double spacing = this->spacing(mesh.point(mesh.origin(h)));
-        least = std::min(least, dot(along, along) / (spacing * spacing));
+bool MeshPolish::find_nearer(const Triangulation& mesh, double least) {
+    measure_spacings(mesh);
+    const double half_reach = 0.5 * least * hexagonal_spacing(1);
+    if (!domain_.is_box()) find_facing(mesh, half_reach);
+    return !facing_.empty() || std::ranges::any_of(edges_, [&](std::uint32_t h) {
+        return is_nearer(mesh, mesh.origin(h), mesh.target(h), half_reach);
+    });
+}
+
+bool MeshPolish::is_nearer(const Triangulation& mesh, std::uint32_t a, std::uint32_t b, double half_reach) const {
+    const Point apart = mesh.point(b) - mesh.point(a);
+    const double reach = half_reach * (spacings_[a] + spacings_[b]);
+    return dot(apart, apart) < reach * reach;
+}
+
+/// Lists near sites that no edge joins. Only those next to the border can be such.
+void MeshPolish::find_facing(const Triangulation& mesh, double half_reach) {
+    facing_.clear();
+    const auto sites = row_.sites();
+    if (sites.empty()) return;
+    std::vector<Point> places;
+    for (const std::uint32_t site : sites) places.push_back(mesh.point(site));
+    const CellList cells(domain_, places);
+    for (const std::uint32_t a : sites) {
+        cells.for_near(mesh.point(a), 2 * half_reach * spacings_[a], [&](Point, std::uint32_t number) {
+            const std::uint32_t b = sites[number];
+            if (a < b && is_nearer(mesh, a, b, half_reach)) facing_.push_back({a, b});
+        });
     }
-    return std::sqrt(least) / hexagonal_spacing(1);
+    if (facing_.empty()) return;
+    std::ranges::sort(facing_);
+    std::vector<std::array<std::uint32_t, 2>> joined, others;
+    for (const std::uint32_t h : edges_) {
+        const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
+        if (is_nearer(mesh, a, b, half_reach)) joined.push_back({std::min(a, b), std::max(a, b)});
+    }
+    std::ranges::sort(joined);
+    std::ranges::set_difference(facing_, joined, std::back_inserter(others));
+    facing_ = std::move(others);
 }
 
 void MeshPolish::measure_spacings(const Triangulation& mesh) {
@@ -163,27 +195,35 @@ void MeshPolish::move(Triangulation& mesh, std::span<const Point> moves) {
 
 void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                             const std::stop_token& stop) {
+    constexpr double kStuck = 0.6;  // share of the reach; after a push or two only those are nearer that are held
     const double half_reach = 0.5 * reach * hexagonal_spacing(1);
     measure_spacings(mesh);
     std::fill(moves_.begin(), moves_.end(), Point{});
     std::ranges::copy(pushed, moves_.begin());
-    for (const std::uint32_t h : edges_) {
-        const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
-        const Point along = mesh.along(h);
+    const auto push_two = [&](std::uint32_t a, std::uint32_t b, Point along) {
         const double least = half_reach * (spacings_[a] + spacings_[b]);
         const double squared = dot(along, along);
-        if (squared >= least * least) continue;
-        const Point by = push * (least / std::sqrt(squared) - 1) * along;
+        if (squared >= least * least) return;
+        // Two that face each other across a tongue of land would only be pressed against its shores.
+        const bool turns = !domain_.is_box() && squared < kStuck * kStuck * least * least;
+        const Point way = turns ? Point{along.x - along.y, along.x + along.y} : along;
+        const Point by = push * (least / std::sqrt(squared) - 1) * way;
         // One that stays leaves all of the way to the other one.
         moves_[a] = moves_[a] - (mesh.is_free(b) ? 1 : 2) * by;
         moves_[b] = moves_[b] + (mesh.is_free(a) ? 1 : 2) * by;
-    }
+    };
+    for (const std::uint32_t h : edges_) push_two(mesh.origin(h), mesh.target(h), mesh.along(h));
+    for (const auto& [a, b] : facing_) push_two(a, b, mesh.point(b) - mesh.point(a));
     if (others_) push_off_others(mesh, half_reach, push);
     for (std::size_t v = 0; v < moves_.size(); ++v) {
         const double longest = kLongestPush * spacings_[v], length = std::sqrt(dot(moves_[v], moves_[v]));
         if (length > longest) moves_[v] = (longest / length) * moves_[v];
     }
-    if (!domain_.is_box()) keep_off_border(mesh, spacings_, kBorderDepth, moves_);
+    if (!domain_.is_box()) {
+        const bool presses = reach > 1;
+        if (presses) row_.keep_off_vertices(mesh, spacings_, kFirstRow, moves_);
+        row_.keep_off_edges(mesh, spacings_, presses ? kFirstRow : kBorderDepth, moves_);
+    }
     if (!stop.stop_requested()) apply(mesh);
 }
 
@@ -225,16 +265,20 @@ bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, dou
     return area >= std::min(areas_[triangle], least) && orientation(a, b, c) > 0;
 }
 
-/// Takes back moves next to triangles that would turn over, or lose most of their area, until there is none.
+/// Shortens moves and takes them back next to triangles that would turn over, or lose most of their area, until there
+/// is none.
 void MeshPolish::take_back(Triangulation& mesh) {
-    for (bool found = true; found;) {
+    constexpr int kHalvings = 3;  // in polygons, where vertices of the border leave less room
+    bool found = true;
+    for (int sweep = 0; found; ++sweep) {
+        const double kept = !domain_.is_box() && sweep < kHalvings ? 0.5 : 0;
         found = false;
         for (std::uint32_t t = 0; t < areas_.size(); ++t) {
             const double area = moved_areas_[t] = mesh.doubled_area(t);
             if (is_sound(mesh, t, area)) continue;
             for (const std::uint32_t v : mesh.corners(t)) {
                 if (!mesh.is_site(v) || mesh.point(v) == before_[v]) continue;
-                mesh.points()[v] = before_[v];
+                mesh.points()[v] = before_[v] + kept * (mesh.point(v) - before_[v]);
                 found = true;
             }
         }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -11,6 +12,7 @@
 #include "core/geometry/point.h"
 #include "core/mesh/triangulation.h"
 #include "core/polish/cell_list.h"
+#include "core/polish/first_row.h"
 #include "core/polish/fixed_sites.h"
 #include "core/polish/local_spacing.h"
 #include "core/polish/mesh_transport.h"
@@ -54,8 +56,10 @@ public:
     void push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                     const std::stop_token& stop);
 
-    /// Least distance of two neighbours, over that of neighbours in a hexagonal grid.
-    double least_distance(const Triangulation& mesh) const;
+    /// Tells whether any two sites are nearer than so much, over the distance of neighbours in a hexagonal grid. In
+    /// polygons such two may stand on two shores, or a vertex of the border between them, so that no edge joins them:
+    /// the next pushes push them apart, too.
+    bool find_nearer(const Triangulation& mesh, double least);
 
     /// Undoes long waves of density error. Nothing happens in polygons if the density is not smooth.
     void even_out(Triangulation& mesh, const std::stop_token& stop);
@@ -72,6 +76,8 @@ public:
     bool clear_gaps(std::span<Point> sites) const;
 
 private:
+    bool is_nearer(const Triangulation& mesh, std::uint32_t a, std::uint32_t b, double half_reach) const;
+    void find_facing(const Triangulation& mesh, double half_reach);
     void push_off_others(const Triangulation& mesh, double half_reach, double push);
     void measure_spacings(const Triangulation& mesh);
     void apply(Triangulation& mesh);
@@ -89,7 +95,9 @@ private:
     std::optional<Stealth> stealth_;               ///< once it is asked for
     std::optional<LocalSpacing> local_;            ///< where a density varies and transport_ does not know it
     Support support_;
-    std::vector<std::uint32_t> edges_;  ///< half-edges between sites
+    FirstRow row_;                                      ///< in polygons
+    std::vector<std::uint32_t> edges_;                  ///< half-edges between sites
+    std::vector<std::array<std::uint32_t, 2>> facing_;  ///< near sites that no edge joins
     std::vector<Point> moves_, before_;
     std::vector<double> spacings_;
     std::vector<double> areas_, moved_areas_;  ///< doubled [triangles], before a move and after it

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/polish/error_grid.h"
-#include "core/polish/first_row.h"
 
 namespace ccdt {
 
@@ -203,15 +202,22 @@ void MeshTransport::flow(const Triangulation& mesh, std::span<const double> spac
 
 bool MeshTransport::displacements(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves,
                                   const std::stop_token& stop) {
-    constexpr double kFirstRow = 0.45;  // spacings; half a row of the hexagonal grid has 0.47
-    constexpr int kSteps = 2;           // benchmark CountryPattern: twice as many gain a decibel where there are fjords
+    FirstRow row;
+    row.find(mesh);
+    return displacements(mesh, row, spacings, moves, stop);
+}
+
+bool MeshTransport::displacements(const Triangulation& mesh, const FirstRow& row, std::span<const double> spacings,
+                                  std::span<Point> moves, const std::stop_token& stop) {
+    constexpr int kSteps = 2;  // benchmark CountryPattern: twice as many gain a decibel where there are fjords
     if (stop.stop_requested()) return false;
     find_errors(mesh);
     if (stop.stop_requested()) return false;
     solver_.solve(error_, potential_, kSteps);
     if (stop.stop_requested()) return false;
     flow(mesh, spacings, moves);
-    keep_off_border(mesh, spacings, kFirstRow, moves);
+    row.keep_off_vertices(mesh, spacings, kFirstRow, moves);
+    row.keep_off_edges(mesh, spacings, kFirstRow, moves);
     return true;
 }
 

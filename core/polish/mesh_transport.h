@@ -11,6 +11,7 @@
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 #include "core/mesh/triangulation.h"
+#include "core/polish/first_row.h"
 #include "core/polish/graph_solver.h"
 
 namespace ccdt {
@@ -49,6 +50,9 @@ public:
     /// O(sites + vertices of the border).
     bool displacements(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves,
                        const std::stop_token& stop = {});
+    /// @param row  of the mesh as it is
+    bool displacements(const Triangulation& mesh, const FirstRow& row, std::span<const double> spacings,
+                       std::span<Point> moves, const std::stop_token& stop = {});
 
 private:
     void find_errors(const Triangulation& mesh);

@@ -53,26 +53,28 @@ Polish::Polish(const Domain& domain, std::vector<Layer> layers, const std::stop_
 void Polish::refine(const PolishSettings& settings, const std::stop_token& stop, const std::function<void()>& after,
                     const Retouch& retouch) {
     constexpr double kNearPush = 0.5;  // each of two goes half of what is missing
-    constexpr int kMostAgain = 3;
+    const auto push_near = [&] { push_apart(settings.nearest, kNearPush, settings.ink_nearest, settings.push, stop); };
     begin();
     repeat(settings.rounds, stop, after, [&](int round) {
         if (settings.mesh_every > 0 && round > 0 && round % settings.mesh_every == 0) restore_meshes(stop);
         push_apart(settings.reach, settings.push, settings.ink_reach, settings.push, stop);
         if ((round + 1) % settings.even_every == 0) even_out_each(stop);
     });
-    repeat(settings.relax_rounds, stop, after, [&](int) {
-        even_out_each(stop);
+    repeat(settings.relax_rounds, stop, after, [&](int round) {
+        push_apart(settings.reach, settings.push, settings.ink_reach, settings.push, stop);
+        if ((round + 1) % settings.even_every == 0) even_out_each(stop);
         equalise(settings.relax_passes, stop);
     });
     repeat(settings.even_rounds, stop, after, [&](int) {
         even_out_together(stop);
         even_out_each(stop);
+        for (int push = 0; push < settings.even_pushes; ++push) push_near();
     });
-    repeat(settings.near_rounds, stop, after,
-           [&](int) { push_apart(settings.nearest, kNearPush, settings.ink_nearest, settings.push, stop); });
-    for (int round = 0; round < kMostAgain && !stop.stop_requested() && is_any_nearer(settings.least); ++round) {
+    repeat(settings.near_rounds, stop, after, [&](int) { push_near(); });
+    for (int round = 0; round < settings.most_again && !stop.stop_requested() && is_any_nearer(settings.least);
+         ++round) {
         restore_meshes(stop);
-        push_apart(settings.nearest, kNearPush, settings.ink_nearest, settings.push, stop);
+        push_near();
     }
     repeat(settings.last_rounds, stop, after, [&](int) { even_out_each(stop); });
     repeat(settings.retouch_rounds, stop, after, [&](int) { this->retouch(retouch, stop); });
@@ -115,10 +117,9 @@ void Polish::begin() {
     for (const Layer& layer : layers_) layer.steps->begin(*layer.mesh);
 }
 
-bool Polish::is_any_nearer(double least) const {
-    return least > 0 && std::ranges::any_of(layers_, [&](const Layer& layer) {
-               return layer.steps->least_distance(*layer.mesh) < least;
-           });
+bool Polish::is_any_nearer(double least) {
+    return least > 0 && std::ranges::any_of(
+                            layers_, [&](const Layer& layer) { return layer.steps->find_nearer(*layer.mesh, least); });
 }
 
 void Polish::restore_meshes(const std::stop_token& stop) {

@@ -54,7 +54,7 @@ private:
     double spacing(Point p) const;
     void gather();
     void begin();
-    bool is_any_nearer(double least) const;
+    bool is_any_nearer(double least);
     void restore_meshes(const std::stop_token& stop);
     void push_apart(double reach, double push, double ink_reach, double ink_push, const std::stop_token& stop);
     void equalise(int passes, const std::stop_token& stop);

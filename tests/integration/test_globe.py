@@ -136,8 +136,8 @@ class Globe(ServerCase):
         for geometry in (cut, uncut, box(170, -20, 190, 20), box(-190, -20, -170, 20)):
             answer, points = self.ask_for(geometry, 4000)
             mean, least = self.spacing(answer)
-            self.assertGreater(mean, 0.86)
-            self.assertGreater(least, 0.76)
+            self.assertGreater(mean, 0.88)
+            self.assertGreater(least, 0.8)
             self.assertAlmostEqual((points[:, 0] > 0).mean(), 0.5, delta=0.01)
             at_seam = points[numpy.abs(points[:, 0]) > 179]
             self.assertAlmostEqual(len(at_seam) / 4000, 0.1, delta=0.01)
@@ -147,13 +147,14 @@ class Globe(ServerCase):
                                    (box(-180, -90, 180, 90), 0.5)):
             answer, points = self.ask_for(geometry, 4000)
             mean, least = self.spacing(answer)
-            self.assertGreater(mean, 0.86)
-            self.assertGreater(least, 0.76)
+            self.assertGreater(mean, 0.88)
+            self.assertGreater(least, 0.8)
             self.assertAlmostEqual((points[:, 1] > 0).mean(), expected, delta=0.005)
             south, north = (corner[1] for corner in geometry["coordinates"][0][1:3])
             share = (height(points[:, 1]) - height(south)) / (height(north) - height(south))
             counts = numpy.histogram(share, 10, (0, 1))[0]
-            self.assertLess(numpy.abs(counts / 400 - 1).max(), 0.06)
+            # Sites stand in rows along a border, and a band there holds whole ones.
+            self.assertLess(numpy.abs(counts / 400 - 1).max(), 0.07)
 
     def test_maps_that_were_sewn_together(self):
         given = {each["properties"]["name"]: each["geometry"]
@@ -162,7 +163,7 @@ class Globe(ServerCase):
         for name, area in (("Russia", 16.94), ("Fiji", 0.0183), ("Antarctica", 12.36)):
             answer, points = self.ask_for(given[name], 4000)
             self.assertAlmostEqual(answer["pitch_m"] ** 2 * 4000 / 1e12 / area, 1, delta=0.01)
-            self.assertGreater(self.spacing(answer)[0], 0.85)
+            self.assertGreater(self.spacing(answer)[0], 0.87)
             if name == "Russia":
                 east = points[points[:, 0] < 0]
                 self.assertAlmostEqual(east[:, 0].max(), -170, delta=1)
