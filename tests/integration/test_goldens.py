@@ -86,6 +86,7 @@ def samples(formats, methods):
     for form, method in itertools.product(("json", "png"), methods):
         yield f"iterations {form} {method}", {"sites": 90, "format": form, "method": method, "iterations": 2,
                                          "domain": RECTANGLE}
+    yield "torus stealthy", {"sites": 500, "quality": "stealthy", "domain": {**TORUS, "width": 3}}
     yield "drawing", {"sites": 200, "format": "png", "width": 333, "dot": 0.02, "domain": RECTANGLE}
     yield "plot", {"sites": 200, "format": "svg", "width_mm": 90, "style": "stroke", "domain": RECTANGLE}
     yield "tolerance", {"sites": 500, "tolerance": 0.2, "domain": RECTANGLE}
