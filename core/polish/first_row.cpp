@@ -39,7 +39,7 @@ void FirstRow::find(const Triangulation& mesh) {
     sites_.clear();
     for (const auto& [site, vertex] : ends_) sites_.push_back(site);
     std::ranges::sort(sites_);
-    sites_.erase(std::ranges::unique(sites_).begin(), sites_.end());
+    sites_.erase(std::unique(sites_.begin(), sites_.end()), sites_.end());
 }
 
 void FirstRow::keep_off_edges(const Triangulation& mesh, std::span<const double> spacings, double depth,

@@ -111,8 +111,8 @@ void MeshPolish::begin(const Triangulation& mesh) {
             const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
             const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
             edges_[count] = h;
-            count += static_cast<std::size_t>((twin != Triangulation::kNone) & (twin > h) &
-                                              mesh.is_site(std::max(a, b)) & mesh.is_free(std::min(a, b)));
+            count += std::size_t{twin != Triangulation::kNone} & std::size_t{twin > h} &
+                     std::size_t{mesh.is_site(std::max(a, b))} & std::size_t{mesh.is_free(std::min(a, b))};
         }
     }
     edges_.resize(count);

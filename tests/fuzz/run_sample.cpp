@@ -16,7 +16,7 @@ namespace {
 
 constexpr api::Limits kLimits = {.max_sites = 100, .max_pixels = 4'096};
 
-constexpr std::array<std::string_view, 3> kQualities = {"draft", "standard", "best"};
+constexpr std::array<std::string_view, 4> kQualities = {"draft", "standard", "best", "stealthy"};
 
 /// Which members a request has, by the bits of a number.
 enum class Given : std::uint16_t {
