@@ -58,13 +58,16 @@ std::vector<std::uint32_t> owners(const Triangulation& mesh) {
 std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, const MeshTransport::Passes& passes) {
     // Of needles; a negative one, of two triangles at an edge of the border, is no conductance.
     constexpr double kLeast = 1e-3, kMost = 2;
+    // Doubled area over squared sides: angles of thinner triangles are rounding alone.
+    constexpr double kThinnest = 1e-12;
     const auto owner = owners(mesh);
     std::vector<std::array<double, 3>> cotangents;  // of the angles that face the edges
     cotangents.reserve(mesh.triangle_count());
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         const auto [a, b, c] = mesh.places(t);
         const Point ab = b - a, bc = c - b, ca = a - c;
-        const double scale = -1 / cross(ab, bc);
+        const double area = cross(ab, bc);
+        const double scale = area > kThinnest * (dot(ab, ab) + dot(bc, bc)) ? -1 / area : 0;
         cotangents.push_back({scale * dot(bc, ca), scale * dot(ca, ab), scale * dot(ab, bc)});
     }
     std::vector<GraphSolver::Edge> edges;
