@@ -27,6 +27,7 @@
 #include "core/globe/region.h"
 #include "core/globe/turns.h"
 #include "core/halftone/tone.h"
+#include "core/polish/stealth.h"
 
 namespace ccdt::api {
 namespace {
@@ -356,7 +357,6 @@ Result<void> settle_domain(Draft& draft) {
 
 /// Holds a quality to what it is defined for.
 Result<void> check_quality(const Draft& draft) {
-    constexpr double kFewestRows = 4;  // as Stealth::fits() has them
     const SampleRequest& request = draft.request;
     if (request.run.quality != Quality::Stealthy) return {};
     const auto refused = [&](std::string what) -> Result<void> {
@@ -366,9 +366,8 @@ Result<void> check_quality(const Draft& draft) {
     if (!std::holds_alternative<std::monostate>(request.density)) return refused("is of points without a density");
     if (!request.run.fixed.empty()) return refused("leaves no point where it is: it allows no fixed ones");
     if (request.run.iterations == 0) return refused("needs an iteration at least");
-    const auto [shorter, longer] = std::minmax(draft.rectangle->width, draft.rectangle->height);
-    const double least = kFewestRows * kFewestRows * (longer / shorter);
-    if (static_cast<double>(request.run.sites) >= least) return {};
+    const double fewest = Stealth::fewest_sites({draft.rectangle->width, draft.rectangle->height});
+    if (static_cast<double>(request.run.sites) >= fewest) return {};
     return refused("needs four rows of points at least: 16 sites, times the torus' longer side over its shorter one");
 }
 

@@ -30,10 +30,13 @@ int cells_for(double end, double side) {
 
 }  // namespace
 
+double Stealth::fewest_sites(Point sides) {
+    return kFewestRows * kFewestRows * (std::max(sides.x, sides.y) / std::min(sides.x, sides.y));
+}
+
 bool Stealth::fits(const Domain& torus, std::size_t sites) {
-    const Point sides = torus.unit_bounds().max;
-    const double spacing = std::sqrt(torus.unit_area() / static_cast<double>(sites));
-    return std::min(sides.x, sides.y) >= kFewestRows * spacing;
+    constexpr double kRounding = 1e-9;
+    return static_cast<double>(sites) >= (1 - kRounding) * fewest_sites(torus.unit_bounds().max);
 }
 
 Stealth::Stealth(const Domain& torus, std::size_t sites)

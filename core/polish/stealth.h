@@ -29,7 +29,10 @@ public:
     /// Power, of which random sites have 1, below which a frequency is silent. Rounding makes 1e-18 or so.
     static constexpr double kSilence = 1e-12;
 
-    /// Tells whether a torus is wide enough for so many sites: four of their spacings, sqrt(area / sites), each way.
+    /// The fewest sites of a torus for which it is wide enough: four of their spacings, sqrt(area / sites), each way.
+    static double fewest_sites(Point sides);
+
+    /// Tells whether a torus is wide enough for so many sites, its sides taken for what they were before rounding.
     static bool fits(const Domain& torus, std::size_t sites);
 
     /// @param torus  that fits the sites

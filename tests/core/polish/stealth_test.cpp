@@ -51,7 +51,7 @@ std::vector<Point> distributed(const Domain& domain, std::size_t sites, Quality 
 
 TEST(Stealth, LeavesNoPowerBelowAHalf) {
     for (const auto& [sides, sites] :
-         {std::pair(Point{1, 1}, 16U), {{1, 1}, 17U}, {{1, 1}, 300U}, {{300, 5}, 1'000U}}) {
+         {std::pair(Point{1, 1}, 16U), {{1, 1}, 17U}, {{1, 1}, 300U}, {{3, 1}, 48U}, {{300, 5}, 1'000U}}) {
         const Domain torus = Domain::torus(sides.x, sides.y).value();
         const auto points = distributed(torus, sites, Quality::Stealthy);
         EXPECT_LT(loudest(torus, points), 2 * Stealth::kSilence) << sites;
