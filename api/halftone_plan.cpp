@@ -41,6 +41,13 @@ tl::unexpected<Error> about_image(const Error& error, const HalftoneRequest& req
     return failure(error.code, error.message, request.image_field);
 }
 
+/// A radius that is asked for, in pixels of a picture.
+/// @param scale  output pixels per pixel of the picture
+double picture_radius(const HalftoneRequest& request, PictureSize size, double scale) {
+    return request.dot->millimetres ? request.dot->length / *request.drawing.width_mm * size.width
+                                    : request.dot->length / scale;
+}
+
 /// Radius of dots in pixels of the picture, before it is settled.
 /// @param ink  sum of the shares that dots cover
 double rough_radius(const HalftoneRequest& request, PictureSize size, double ink, double fineness,
@@ -48,8 +55,8 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
     const double pixels = static_cast<double>(size.width) * size.height;
     const std::size_t usual = request.sites ? *request.sites : usual_sites(request, ink, fineness, limits);
     if (request.sites || !request.dot) return std::sqrt(ink / (std::numbers::pi * static_cast<double>(usual)));
-    if (request.dot->millimetres) return request.dot->length / *request.drawing.width_mm * size.width;
-    return request.dot->length / request.scale.value_or(default_scale(ink, static_cast<std::size_t>(pixels), usual));
+    const double chosen = default_scale(ink, static_cast<std::size_t>(pixels), usual);
+    return picture_radius(request, size, request.scale.value_or(chosen));
 }
 
 SeparatedPicture separate_grey(const Picture& picture, const HalftoneRequest& request, const Limits& limits) {
@@ -126,8 +133,7 @@ Result<Canvas> plan_canvas(const HalftoneRequest& request, const Box& box, doubl
 /// Radius that is asked for, in pixels of the picture.
 std::optional<double> wished_radius(const HalftoneRequest& request, const HalftonePlan& plan) {
     if (!request.dot) return std::nullopt;
-    if (request.dot->millimetres) return request.dot->length / *request.drawing.width_mm * plan.picture.width;
-    return request.dot->length / plan.canvas.scale;
+    return picture_radius(request, plan.picture, plan.canvas.scale);
 }
 
 /// Number of sites: a radius alone decides on it.

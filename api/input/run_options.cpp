@@ -22,10 +22,6 @@ std::span<const Choice<Quality>> qualities() {
     return kQualities;
 }
 
-std::span<const Choice<Quality>> halftone_qualities() {
-    return qualities().first(kQualities.size() - 1);
-}
-
 Result<void> read_seed(const Input& input, Options& options) {
     return assign(options.seed, read_integer(input, 0, kMaxInteger));
 }
@@ -43,7 +39,7 @@ Result<void> read_quality(const Input& input, Options& options) {
 }
 
 Result<void> read_halftone_quality(const Input& input, Options& options) {
-    return assign(options.quality, read_choice<Quality>(input, halftone_qualities()));
+    return assign(options.quality, read_choice<Quality>(input, qualities().first(kQualities.size() - 1)));
 }
 
 Result<OnStop> read_on_deadline(const Input& input) {

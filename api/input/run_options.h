@@ -8,9 +8,8 @@
 
 namespace ccdt::api {
 
-/// Words of the option `quality`, and those of them that halftones have.
+/// Words of the option `quality`.
 std::span<const Choice<Quality>> qualities();
-std::span<const Choice<Quality>> halftone_qualities();
 
 /// Reads an option that every endpoint with sites shares, of its member's name. Errors: Malformed.
 Result<void> read_seed(const Input& input, Options& options);
