@@ -163,25 +163,6 @@ Result<void> leave_out(const SampleRequest& request, std::span<const std::uint32
     return {};
 }
 
-/// Takes exclusions from each feature that has points.
-/// @returns  those of which nothing is left, without points now
-Result<std::vector<std::uint32_t>> cut_out(const SampleRequest& request, const Exclusions& exclusions,
-                                           std::vector<MapFeature>& features, const std::stop_token& stop) {
-    std::vector<std::uint32_t> lost;
-    for (std::uint32_t i = 0; i < features.size(); ++i) {
-        if (dots_of(features[i]) == 0) continue;
-        auto left = without(features[i].area, exclusions, request, stop);
-        if (left) {
-            features[i].area = *std::move(left);
-            continue;
-        }
-        if (left.error().code != ErrorCode::Unusable) return tl::unexpected(left.error());
-        std::ranges::fill(features[i].dots, std::size_t{0});
-        lost.push_back(i);
-    }
-    return lost;
-}
-
 /// Takes from features what a request excludes; the buffer, only in a plane.
 /// @param whole  all of them together
 /// @returns      what is left of it
@@ -195,7 +176,9 @@ Result<Domain> exclude(const SampleRequest& request, Domain whole, const Limits&
     if (left && keeps_off) left = without_buffer(*left, request, stop);
     if (!left) return left;
     const auto lost =
-        keeps_off ? confine(areas.features, *left, stop) : cut_out(request, *exclusions, areas.features, stop);
+        keeps_off
+            ? confine(areas.features, *left, stop)
+            : cut_areas(areas.features, [&](const Domain& area) { return without(area, *exclusions, request, stop); });
     if (!lost) return tl::unexpected(lost.error());
     if (auto told = leave_out(request, *lost, areas); !told) return tl::unexpected(told.error());
     if (auto any = check_points(areas, *request.counts); !any) return tl::unexpected(any.error());
