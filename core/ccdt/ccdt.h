@@ -12,6 +12,7 @@
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
+#include "core/parallel/team.h"
 #include "core/polish/settings.h"
 #include "core/result.h"
 
@@ -51,11 +52,12 @@ struct Progress {
     double done() const { return (2.0 + iteration + round) / (3.0 + iterations + rounds); }
 };
 
-/// Means by which a caller stops and watches a computation.
+/// Means by which a caller stops, watches and speeds up a computation.
 struct Control {
     std::stop_token stop;  ///< asked at least once per pass
     /// Called after the start, each iteration and each round of the polish; may be empty.
     std::function<void(const Progress&)> progress;
+    Team* team = &alone();  ///< does the work; never null
 };
 
 /// The triangulation behind a distribution, in the caller's coordinates. Around a torus a triangle's corners may be

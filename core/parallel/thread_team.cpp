@@ -1,0 +1,91 @@
+#include "core/parallel/thread_team.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+namespace ccdt {
+
+namespace {
+
+class Alone : public Team {
+public:
+    void run(std::size_t count, const std::function<void(std::size_t)>& task) override {
+        for (std::size_t number = 0; number < count; ++number) task(number);
+    }
+};
+
+}  // namespace
+
+Team& alone() {
+    static Alone team;
+    return team;
+}
+
+ThreadTeam::ThreadTeam(std::function<std::size_t()> size) : size_(std::move(size)) {}
+
+ThreadTeam::ThreadTeam(std::size_t size) : ThreadTeam([size] { return size; }) {}
+
+ThreadTeam::~ThreadTeam() = default;
+
+void ThreadTeam::run(std::size_t count, const std::function<void(std::size_t)>& task) {
+    const std::size_t helpers = std::min(std::max<std::size_t>(size_(), 1), count) - (count > 0 ? 1 : 0);
+    if (helpers == 0) return alone().run(count, task);
+    hire(helpers);
+    Work work;
+    work.count = count;
+    work.task = &task;
+    {
+        const std::lock_guard lock(mutex_);
+        work_ = &work;
+        ++round_;
+        places_ = helpers;
+    }
+    wanted_.notify_all();
+    work_on(work);
+    std::unique_lock lock(mutex_);
+    work_ = nullptr;
+    left_.wait(lock, [this] { return busy_ == 0; });
+    if (work.failure) std::rethrow_exception(work.failure);
+}
+
+/// Makes threads until there are so many.
+void ThreadTeam::hire(std::size_t helpers) {
+    try {
+        while (helpers_.size() < helpers) {
+            helpers_.emplace_back([this](const std::stop_token& stop) { help(stop); });
+        }
+    } catch (const std::system_error&) {  // of threads, at a limit
+    }
+}
+
+void ThreadTeam::help(const std::stop_token& stop) {
+    std::size_t done = 0;
+    std::unique_lock lock(mutex_);
+    while (wanted_.wait(lock, stop, [&] { return work_ != nullptr && round_ != done && places_ > 0; })) {
+        done = round_;
+        --places_;
+        ++busy_;
+        Work& work = *work_;
+        lock.unlock();
+        work_on(work);
+        lock.lock();
+        if (--busy_ == 0) left_.notify_one();
+    }
+}
+
+void ThreadTeam::work_on(Work& work) {
+    for (std::size_t number = work.next++; number < work.count; number = work.next++) {
+        try {
+            (*work.task)(number);
+        } catch (...) {
+            const std::lock_guard lock(work.failing);
+            if (!work.failure || number < work.failed) {
+                work.failure = std::current_exception();
+                work.failed = number;
+            }
+        }
+    }
+}
+
+}  // namespace ccdt
