@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/density/grid_walk.h"
 
@@ -45,7 +46,7 @@ namespace {
 /// Copies of a torus' grid on each side of it; more than places and shifts come to.
 constexpr int kRepeats = 8;
 
-constexpr std::uint32_t kStopStride = 16384;  ///< triangles between two looks at the stop token
+constexpr std::size_t kAreas = 32768;  ///< that a task takes
 
 bool is_in(Point p, Point sides) {
     return p.x >= 0 && p.y >= 0 && p.x <= sides.x && p.y <= sides.y;
@@ -98,61 +99,77 @@ CapacityIntegral::Sweep CapacityIntegral::sweep(Point a, Point b) const {
 }
 
 /// Adds an edge's flow to the capacities of its two triangles, which around a torus may see it in different places.
-void CapacityIntegral::add_flow(const Triangulation& mesh, std::uint32_t edge, double flow,
-                                std::vector<double>& capacities) const {
+template <class Add>
+void CapacityIntegral::add_flow(const Triangulation& mesh, std::uint32_t edge, double flow, bool repeated,
+                                Add&& add) const {
     const std::uint32_t twin = mesh.twin(edge);
+    if (!repeated) {
+        add(Triangulation::triangle_of(edge), flow);
+        if (twin != Triangulation::kNone) add(Triangulation::triangle_of(twin), -flow);
+        return;
+    }
     const Point a = mesh.point(mesh.origin(edge)), b = a + mesh.along(edge);
     const double rise = rows_below(b.y) - rows_below(a.y);
-    capacities[Triangulation::triangle_of(edge)] += flow + mesh.lift(edge).x * rise;
-    capacities[Triangulation::triangle_of(twin)] -= flow + (mesh.lift(twin) - mesh.shift(edge)).x * rise;
+    add(Triangulation::triangle_of(edge), flow + mesh.lift(edge).x * rise);
+    add(Triangulation::triangle_of(twin), -(flow + (mesh.lift(twin) - mesh.shift(edge)).x * rise));
+}
+
+/// Sums up the flows along the edges around each triangle.
+/// @param flow  called with each edge and whether it leaves a torus' box, several at the same time
+template <class Flow>
+void CapacityIntegral::sum_flows(const Triangulation& mesh, std::vector<double>& capacities,
+                                 const std::stop_token& stop, Flow&& flow) const {
+    constexpr std::size_t kRange = 8192;  // triangles that a task takes
+    capacities.assign(mesh.triangle_count(), 0);
+    // Of those that other tasks have.
+    std::vector<std::vector<std::pair<std::uint32_t, double>>> later((capacities.size() + kRange - 1) / kRange);
+    for_ranges(mesh.team(), capacities.size(), kRange, [&](std::size_t begin, std::size_t end) {
+        if (stop.stop_requested()) return;
+        const auto add = [&](std::uint32_t triangle, double part) {
+            if (triangle - begin < end - begin) {
+                capacities[triangle] += part;
+            } else {
+                later[begin / kRange].emplace_back(triangle, part);
+            }
+        };
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
+            for (std::uint32_t i = 0; i < 3; ++i) {
+                const std::uint32_t h = Triangulation::edge(t, i);
+                if (mesh.twin(h) < h) continue;  // kNone is the largest number
+                const bool repeated = mesh.is_torus() && leaves_box(mesh, h);
+                add_flow(mesh, h, flow(h, repeated), repeated, add);
+            }
+        }
+    });
+    for (const auto& list : later) {
+        for (const auto& [triangle, part] : list) capacities[triangle] += part;
+    }
 }
 
 void CapacityIntegral::of_triangles(const Triangulation& mesh, std::vector<double>& capacities,
                                     const std::stop_token& stop) const {
-    capacities.assign(mesh.triangle_count(), 0);
-    if (is_uniform()) {
-        for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) capacities[t] = mesh.doubled_area(t) / 2;
-        return;
+    if (!is_uniform()) {
+        return sum_flows(mesh, capacities, stop, [&](std::uint32_t h, bool repeated) {
+            const Point a = mesh.point(mesh.origin(h));
+            return repeated ? sweep<true>(a, a + mesh.along(h)).flow : along(a, mesh.point(mesh.target(h)));
+        });
     }
-    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        if (t % kStopStride == 0 && stop.stop_requested()) return;
-        for (std::uint32_t i = 0; i < 3; ++i) {
-            const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
-            if (twin < h) continue;  // kNone is the largest number
-            if (mesh.is_torus() && leaves_box(mesh, h)) {
-                const Point a = mesh.point(mesh.origin(h));
-                add_flow(mesh, h, sweep<true>(a, a + mesh.along(h)).flow, capacities);
-                continue;
-            }
-            const double flow = along(mesh.point(mesh.origin(h)), mesh.point(mesh.target(h)));
-            capacities[t] += flow;
-            if (twin != Triangulation::kNone) capacities[Triangulation::triangle_of(twin)] -= flow;
-        }
-    }
+    capacities.resize(mesh.triangle_count());
+    for_ranges(mesh.team(), capacities.size(), kAreas, [&](std::size_t begin, std::size_t end) {
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) capacities[t] = mesh.doubled_area(t) / 2;
+    });
 }
 
 void CapacityIntegral::of_edges(const Triangulation& mesh, std::vector<double>& capacities, std::vector<double>& sweeps,
                                 const std::stop_token& stop) const {
-    capacities.assign(mesh.triangle_count(), 0);
     sweeps.resize(4 * mesh.triangle_count());
-    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        if (t % kStopStride == 0 && stop.stop_requested()) return;
-        for (std::uint32_t i = 0; i < 3; ++i) {
-            const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
-            if (twin < h) continue;  // kNone is the largest number
-            const bool repeated = mesh.is_torus() && leaves_box(mesh, h);
-            const Point a = mesh.point(mesh.origin(h)), b = a + mesh.along(h);
-            const Sweep found = repeated ? sweep<true>(a, b) : sweep<false>(a, b);
-            sweeps[h] = found.near;
-            if (twin != Triangulation::kNone) sweeps[twin] = found.far;
-            if (repeated) {
-                add_flow(mesh, h, found.flow, capacities);
-                continue;
-            }
-            capacities[t] += found.flow;
-            if (twin != Triangulation::kNone) capacities[Triangulation::triangle_of(twin)] -= found.flow;
-        }
-    }
+    sum_flows(mesh, capacities, stop, [&](std::uint32_t h, bool repeated) {
+        const Point a = mesh.point(mesh.origin(h)), b = a + mesh.along(h);
+        const Sweep found = repeated ? sweep<true>(a, b) : sweep<false>(a, b);
+        sweeps[h] = found.near;
+        if (mesh.twin(h) != Triangulation::kNone) sweeps[mesh.twin(h)] = found.far;
+        return found.flow;
+    });
 }
 
 int CapacityIntegral::cells_along(Point a, Point b) const {

@@ -60,7 +60,11 @@ private:
     template <bool kRepeated>
     Sweep sweep(Point a, Point b) const;
     double rows_below(double y) const;
-    void add_flow(const Triangulation& mesh, std::uint32_t edge, double flow, std::vector<double>& capacities) const;
+    template <class Add>
+    void add_flow(const Triangulation& mesh, std::uint32_t edge, double flow, bool repeated, Add&& add) const;
+    template <class Flow>
+    void sum_flows(const Triangulation& mesh, std::vector<double>& capacities, const std::stop_token& stop,
+                   Flow&& flow) const;
     Point to_grid(Point p) const { return {p.x * to_grid_.x, p.y * to_grid_.y}; }
 
     const Density& density_;

@@ -61,7 +61,7 @@ InkConstructions::InkConstructions(const Domain& domain, std::span<const Density
         Options own = options;
         own.sites = sites[ink];
         own.seed = seed_of(options.seed, constructions_.size());
-        inks_.back() = std::make_unique<Construction>(domain, densities[ink], own, control.stop);
+        inks_.back() = std::make_unique<Construction>(domain, densities[ink], own, control);
         constructions_.push_back(inks_.back().get());
         smooth = smooth && densities[ink].is_smooth();
     }

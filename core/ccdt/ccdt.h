@@ -88,7 +88,7 @@ struct Distribution {
 /// @param density  stretched over the domain's bounding box; zero outside the domain, repeated around a torus
 /// @param control  a stop returns the sites as they stand, is no error; stopped during the start: Error Stopped
 /// Errors: Malformed for an option out of range; Unusable if the density is zero all over the domain.
-/// Same input, same bytes, on any number of threads (it uses one). O(n) per pass.
+/// Same input, same bytes, by any team. O(n) per pass.
 /// Source: Xu, Liu, Gotsman, Gortler 2011, section 3. The polish is not theirs.
 Result<Distribution> distribute(const Domain& domain, const Density& density, const Options& options,
                                 const Control& control = {});
@@ -110,7 +110,7 @@ using Retouch = std::function<std::vector<std::vector<Point>>(std::span<const st
 /// @param retouch    called in the last rounds of the polish if there is one and several inks have sites; may be empty
 /// @returns          [inks]; an ink without sites has no points, and a trace of one 0
 /// Errors: as distribute(), which is this with one ink; Malformed if the densities have different grids. Same input,
-/// same bytes, on any number of threads (it uses one). O(sites) per pass.
+/// same bytes, by any team. O(sites) per pass.
 Result<std::vector<Distribution>> distribute_inks(const Domain& domain, std::span<const Density> densities,
                                                   std::span<const std::size_t> sites, const Options& options,
                                                   const Control& control = {}, const Retouch& retouch = {});

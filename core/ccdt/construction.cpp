@@ -41,9 +41,13 @@ bool has_polish(const Options& options) {
     return options.quality != Quality::Draft && options.iterations > 0;
 }
 
-Construction::Construction(const Domain& domain, const Density& density, const Options& options,
-                           const std::stop_token& stop)
-    : domain_(domain), density_(density), options_(options), stop_(stop), capacity_(domain, density) {}
+Construction::Construction(const Domain& domain, const Density& density, const Options& options, const Control& control)
+    : domain_(domain),
+      density_(density),
+      options_(options),
+      stop_(control.stop),
+      team_(*control.team),
+      capacity_(domain, density) {}
 
 Result<void> Construction::start() {
     if (!(capacity_.total() > 0)) {
@@ -51,7 +55,8 @@ Result<void> Construction::start() {
     }
     start_.emplace(domain_, density_, options_);
     if (auto chosen = choose_fixed(); !chosen) return chosen;
-    if (has_polish(options_)) polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_);
+    if (has_polish(options_))
+        polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_, team_);
     if (stopping()) return stopped_at_start();
     auto placed = triangulate_sites(even_start());
     if (!placed) return tl::unexpected(placed.error());
@@ -92,6 +97,7 @@ Result<DomainMesh> Construction::mesh_for(std::size_t fixed) const {
 Result<DomainMesh> Construction::triangulate_sites(const std::vector<Point>& first) {
     auto placed = mesh_for(fixed_.places.size());
     if (!placed) return placed;
+    placed->mesh.set_team(team_);
     placed->mesh.fix_last(fixed_.places.size());
     for (std::size_t i = 0; i < fixed_.places.size(); ++i)
         placed->mesh.insert(static_cast<std::uint32_t>(options_.sites + i), fixed_.places[i]);
@@ -112,8 +118,11 @@ Result<DomainMesh> Construction::triangulate_sites(const std::vector<Point>& fir
 std::vector<Point> Construction::even_start() {
     std::vector<Point> first;
     if (!polish_ || capacity_.is_uniform() || !domain_.is_box()) return first;
-    first.reserve(options_.sites);
-    for (std::size_t site = 0; site < options_.sites; ++site) first.push_back(start_->draw(site, 0));
+    constexpr std::size_t kSites = 4096;  // that a task takes
+    first.resize(options_.sites);
+    for_ranges(team_, options_.sites, kSites, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t site = begin; site < end; ++site) first[site] = start_->draw(site, 0);
+    });
     polish_->even_out_start(first, stop_);
     return first;
 }

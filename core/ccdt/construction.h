@@ -26,7 +26,7 @@ bool has_polish(const Options& options);
 class Construction {
 public:
     /// @param domain, density  must outlive this
-    Construction(const Domain& domain, const Density& density, const Options& options, const std::stop_token& stop);
+    Construction(const Domain& domain, const Density& density, const Options& options, const Control& control);
     Construction(const Construction&) = delete;  // the relaxation holds on to the mesh
     Construction& operator=(const Construction&) = delete;
 
@@ -72,6 +72,7 @@ private:
     const Density& density_;
     Options options_;
     std::stop_token stop_;
+    Team& team_;
     CapacityIntegral capacity_;
     std::optional<StartSites> start_;
     FixedSites fixed_;

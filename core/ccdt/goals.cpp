@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/geometry/hexagonal_spacing.h"
 
@@ -10,6 +11,14 @@ namespace ccdt {
 namespace {
 
 constexpr std::uint32_t kNone = Triangulation::kNone;
+constexpr std::size_t kRange = 8192;  ///< triangles that a task takes
+
+/// Sums over triangles.
+struct Reached {
+    double targets = 0;
+    double sum = 0;
+    double squares = 0;  ///< over the targets
+};
 
 /// The edge of the border that a triangle with a site lies on; there can be no second one, as the others end in it.
 std::uint32_t border_edge(const Triangulation& mesh, std::uint32_t triangle) {
@@ -86,31 +95,48 @@ double set_goals(const Triangulation& mesh, double total, double densest, const 
     const auto reached_by = [&](std::uint32_t t) { return unit * std::max(0.0, capacities[t]); };
     std::vector<double> faced(mesh.site_count(), 0);
     goals.resize(mesh.triangle_count());
-    for (std::uint32_t t = 0; t < goals.size(); ++t) {
-        const double area = mesh.doubled_area(t);
-        goals[t].weight = area > 0 ? std::min(reached_by(t) / area, largest_weight) : largest_weight;
-        const std::uint32_t edge = faced_edge(mesh, t), site = edge == kNone ? kNone : facing_site(mesh, edge);
-        if (site != kNone) faced[site] += length(mesh, edge, goals[t].weight);
+    std::vector<std::vector<std::pair<std::uint32_t, double>>> lists((goals.size() + kRange - 1) / kRange);
+    for_ranges(mesh.team(), goals.size(), kRange, [&](std::size_t begin, std::size_t end) {
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
+            const double area = mesh.doubled_area(t);
+            goals[t].weight = area > 0 ? std::min(reached_by(t) / area, largest_weight) : largest_weight;
+            const std::uint32_t edge = faced_edge(mesh, t), site = edge == kNone ? kNone : facing_site(mesh, edge);
+            if (site != kNone) lists[begin / kRange].emplace_back(site, length(mesh, edge, goals[t].weight));
+        }
+    });
+    for (const auto& list : lists) {
+        for (const auto& [site, length] : list) faced[site] += length;
     }
 
-    double targets = 0, sum = 0, squares = 0;
-    for (std::uint32_t t = 0; t < goals.size(); ++t) {
-        const double reached = reached_by(t);
-        TriangleGoal& goal = goals[t];
-        if (std::ranges::none_of(mesh.corners(t), [&](std::uint32_t v) { return mesh.is_free(v); })) {
-            goal = {.weight = goal.weight, .target = reached};  // nothing there can move it
-            continue;
+    std::vector<Reached> parts(lists.size());
+    for_ranges(mesh.team(), goals.size(), kRange, [&](std::size_t begin, std::size_t end) {
+        Reached own;
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
+            const double reached = reached_by(t);
+            TriangleGoal& goal = goals[t];
+            if (std::ranges::none_of(mesh.corners(t), [&](std::uint32_t v) { return mesh.is_free(v); })) {
+                goal = {.weight = goal.weight, .target = reached};  // nothing there can move it
+                continue;
+            }
+            aim(mesh, t, faced, goal);
+            if (goal.target < kLeastTarget) continue;
+            own.targets += goal.target;
+            own.sum += reached;
+            own.squares += reached * reached / goal.target;
         }
-        aim(mesh, t, faced, goal);
-        if (goal.target < kLeastTarget) continue;
-        targets += goal.target;
-        sum += reached;
-        squares += reached * reached / goal.target;
+        parts[begin / kRange] = own;
+    });
+    Reached all;
+    for (const Reached& part : parts) {
+        all.targets += part.targets;
+        all.sum += part.sum;
+        all.squares += part.squares;
     }
+
     // Mean and variance of reached / target, each triangle weighing as much as its target.
-    if (!(sum > 0)) return 0;
-    const double mean = sum / targets;
-    return std::sqrt(std::max(0.0, squares / targets - mean * mean)) / mean;
+    if (!(all.sum > 0)) return 0;
+    const double mean = all.sum / all.targets;
+    return std::sqrt(std::max(0.0, all.squares / all.targets - mean * mean)) / mean;
 }
 
 }  // namespace ccdt

@@ -13,20 +13,41 @@ namespace ccdt {
 
 namespace {
 
-/// Inserts one site after the other.
+/// Inserts sites where the start draws them, or wherever there is room.
 class Placement {
 public:
     Placement(Triangulation& mesh, std::span<const Point> first, const StartSites& start, std::vector<std::size_t> room,
               std::uint64_t seed, double margin)
         : mesh_(mesh), first_(first), start_(start), room_(std::move(room)), seed_(seed), margin_(margin) {}
 
-    /// @returns  false if there is no place for it
-    bool place(std::uint32_t site) {
-        constexpr int kAttempts = 16;  // where the domain covers half of a site's cell, one of 65,536 is still unplaced
-        for (int attempt = 0; attempt < kAttempts; ++attempt) {
-            if (insert(site, attempt == 0 && !first_.empty() ? first_[site] : start_.draw(site, attempt))) return true;
+    /// Places sites, given in ascending order.
+    /// @returns  false if there is no place for one; of no use once a stop is asked for
+    bool place(std::span<const std::uint32_t> sites, const std::stop_token& stop) {
+        const auto draw = [this](std::uint32_t site, int attempt) { return this->draw(site, attempt); };
+        if (room_.empty()) {
+            const auto left = mesh_.insert_all(sites, draw, kAttempts, margin_, stop);
+            return std::ranges::all_of(left, [&](auto site) { return stop.stop_requested() || place_anywhere(site); });
         }
-        // Next to nothing of the site's cell lies where there is room.
+        return std::ranges::all_of(sites, [&](auto site) { return stop.stop_requested() || place(site); });
+    }
+
+private:
+    static constexpr int kAttempts =
+        16;  ///< where the domain covers half of a site's cell, 1 of 65,536 is still unplaced
+
+    Point draw(std::uint32_t site, int attempt) const {
+        return attempt == 0 && !first_.empty() ? first_[site] : start_.draw(site, attempt);
+    }
+
+    bool place(std::uint32_t site) {
+        for (int attempt = 0; attempt < kAttempts; ++attempt) {
+            if (insert(site, draw(site, attempt))) return true;
+        }
+        return place_anywhere(site);
+    }
+
+    /// Places a site next to nothing of whose cell lies where there is room.
+    bool place_anywhere(std::uint32_t site) {
         while (!room_.empty()) {
             const auto most = std::ranges::max_element(room_);
             if (*most == 0) {
@@ -40,7 +61,6 @@ public:
         return place_in(Triangulation::kNone, site);
     }
 
-private:
     bool insert(std::uint32_t site, Point p) {
         if (room_.empty()) return mesh_.insert(site, p, margin_);
         const std::uint32_t part = mesh_.part_at(p);
@@ -51,11 +71,11 @@ private:
 
     /// Places a site anywhere in a part; of kNone, in the domain.
     bool place_in(std::uint32_t part, std::uint32_t site) {
-        constexpr int kAttempts = 1000;
+        constexpr int kTries = 1000;
         constexpr std::uint64_t kStream = 0x616e797768657265;  // keeps these draws apart from the start's
         if (!interior_ || part_ != part) interior_.emplace(mesh_.inside_triangles(part_ = part));
         Random random(seed_ ^ kStream, site);
-        for (int attempt = 0; attempt < kAttempts; ++attempt) {
+        for (int attempt = 0; attempt < kTries; ++attempt) {
             if (insert(site, interior_->draw(random))) return true;
         }
         return false;
@@ -76,22 +96,20 @@ private:
 std::optional<Error> place_sites(Triangulation& mesh, std::span<const Point> first, const StartSites& start,
                                  std::vector<std::size_t> room, std::uint64_t seed, double margin,
                                  const std::stop_token& stop) {
-    constexpr std::size_t kStopStride = 4096;
     const std::size_t sites = mesh.free_count();
     Placement placement(mesh, first, start, std::move(room), seed, margin);
     // Coarse to fine: points far apart first keep the triangles round, neighbours in turn keep walks short.
-    std::size_t placed = 0;
+    std::vector<std::uint32_t> step;
     for (std::size_t stride = 64, coarser = 0; stride >= 1; coarser = stride, stride /= 4) {
+        step.clear();
         for (std::size_t site = 0; site < sites; site += stride) {
-            if (coarser != 0 && site % coarser == 0) continue;
-            if (++placed % kStopStride == 0 && stop.stop_requested()) {
-                return Error{ErrorCode::Stopped, "stopped before there was a result", ""};
-            }
-            if (!placement.place(static_cast<std::uint32_t>(site))) {
-                return Error{ErrorCode::Unusable,
-                             "the domain is too thin to hold " + std::to_string(sites) + " sites strictly inside",
-                             "sites"};
-            }
+            if (coarser == 0 || site % coarser != 0) step.push_back(static_cast<std::uint32_t>(site));
+        }
+        const bool placed = placement.place(step, stop);
+        if (stop.stop_requested()) return Error{ErrorCode::Stopped, "stopped before there was a result", ""};
+        if (!placed) {
+            return Error{ErrorCode::Unusable,
+                         "the domain is too thin to hold " + std::to_string(sites) + " sites strictly inside", "sites"};
         }
     }
     return std::nullopt;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "core/geometry/pair.h"
@@ -17,6 +18,7 @@ namespace {
 constexpr double kKeptArea = 0.1;     ///< least share of its area that a move leaves a triangle
 constexpr double kLeastShape = 1e-5;  ///< least doubled area that a move leaves it, over its longest edge squared
 constexpr double kSmall = 1e-2;       ///< doubled area over the mean one below which a triangle takes the general path
+constexpr std::size_t kRange = 8192;  ///< triangles that a task takes
 constexpr double kSingular = 1e-12;   ///< least determinant over the product of the diagonal, above its rounding
 
 /// Step to the minimum of the quadratic with this half Hessian and half gradient; none where it is singular.
@@ -79,93 +81,152 @@ Relaxation::Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool unifor
 void Relaxation::prepare(std::span<const TriangleGoal> goals, const std::stop_token& stop) {
     if (kinds_.empty()) small_ = options_.small_area ? *options_.small_area : kSmall * mean_doubled_area();
     set_terms(goals);
-    old_batches_.swap(batches_);
-    clear_lists();
     list_sites(stop);
+    border_.clear();
     const auto sites = static_cast<std::uint32_t>(mesh_.site_count());
     for (std::uint32_t v = sites; v < mesh_.vertex_count(); ++v) {
-        if (!fixed_[v - sites]) add_fan(v, border_fans_);
+        if (!fixed_[v - sites]) add_fan(v, border_);
     }
 }
 
 void Relaxation::set_terms(std::span<const TriangleGoal> goals) {
     plain_weight_ = goals[0].weight;
-    terms_.clear();
-    for (const TriangleGoal& goal : goals) {
-        const double scale = goal.share == 1 ? 1 : 1 / std::sqrt(goal.share);
-        terms_.push_back({scale * goal.weight, scale * goal.target, goal.share * goal.weight, scale});
-    }
-    terms_.emplace_back();
-}
-
-void Relaxation::clear_lists() {
-    for (Batch& batch : batches_) batch.clear();
-    for (auto& starts : block_starts_) starts.clear();
-    site_fans_.clear();
-    border_fans_.clear();
-    fan_vertices_.clear();
-    fan_lifts_.clear();
-    fan_triangles_.clear();
-}
-
-/// Adds each free site to a batch or, for the general path, to the fans. Most have kept their neighbours: their records
-/// are taken over from the old batches, in the same order.
-void Relaxation::list_sites(const std::stop_token& stop) {
-    const bool first_time = kinds_.empty();
-    const auto sites = static_cast<std::uint32_t>(mesh_.free_count());
-    kinds_.resize(sites, kFanKind);
-    std::array<std::size_t, kKinds> taken{};
-    for (std::uint32_t v = 0; v < sites; ++v) {
-        if (v % kBlock == 0) {
-            if (stop.stop_requested()) return;
-            for (std::size_t kind = 0; kind < kKinds; ++kind) block_starts_[kind].push_back(batches_[kind].size());
+    terms_.resize(goals.size() + 1);
+    for_ranges(mesh_.team(), goals.size(), kRange, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+            const TriangleGoal& goal = goals[t];
+            const double scale = goal.share == 1 ? 1 : 1 / std::sqrt(goal.share);
+            terms_[t] = {scale * goal.weight, scale * goal.target, goal.share * goal.weight, scale};
         }
-        const std::uint8_t kind = kinds_[v];
+    });
+    terms_.back() = {};
+}
+
+/// Sorts the free sites into groups that can be moved at the same time.
+void Relaxation::list_sites(const std::stop_token& stop) {
+    const SiteBlocks& blocks = mesh_.blocks();
+    groups_.resize(static_cast<std::size_t>(blocks.levels()));
+    for (int level = 0; level < blocks.levels(); ++level)
+        groups_[static_cast<std::size_t>(level)].resize(blocks.count(level));
+    const bool first_time = kinds_.empty();
+    kinds_.resize(blocks.sites(), kFanKind);
+    levels_.resize(blocks.sites());
+    mesh_.team().run(blocks.count(0), [&](std::size_t number) {
+        if (!stop.stop_requested()) list_block(number, first_time);
+    });
+    for (std::size_t level = 1; level < groups_.size(); ++level) {
+        mesh_.team().run(groups_[level].size(), [&](std::size_t number) { list_larger(level, number); });
+    }
+}
+
+/// Lists the sites all of whose neighbours lie in one block, and takes down the others. Most have kept their
+/// neighbours: their records are taken over from the old batches, in the same order.
+void Relaxation::list_block(std::size_t number, bool first_time) {
+    const SiteBlocks& blocks = mesh_.blocks();
+    Group& group = groups_[0][number];
+    group.old_batches.swap(group.batches);
+    group.clear();
+    std::array<std::size_t, kKinds> taken{};
+    const std::uint32_t begin = blocks.begin(number), end = blocks.begin(number + 1);
+    for (std::uint32_t v = begin; v < end; ++v) {
+        const bool kept = !first_time && !mesh_.has_changed(v);
+        const std::uint8_t kind = first_time || levels_[v] > 0 ? kFanKind : kinds_[v];
         if (kind != kFanKind) {
-            const auto record = old_batches_[kind].begin() + static_cast<std::ptrdiff_t>(taken[kind]);
+            const auto record = group.old_batches[kind].begin() + static_cast<std::ptrdiff_t>(taken[kind]);
             taken[kind] += stride(kind);
-            if (!mesh_.has_changed(v)) {
-                batches_[kind].insert(batches_[kind].end(), record, record + static_cast<std::ptrdiff_t>(stride(kind)));
+            if (kept) {
+                Batch& batch = group.batches[kind];
+                batch.insert(batch.end(), record, record + static_cast<std::ptrdiff_t>(stride(kind)));
                 continue;
             }
         }
-        if ((!first_time && kind == kFanKind && !mesh_.has_changed(v)) || !add_to_batch(v)) {
-            kinds_[v] = kFanKind;
-            add_fan(v, site_fans_);
+        if (kept && levels_[v] > 0) {
+            group.others.push_back(v);
+        } else if (add_site(v, group, begin, end - begin)) {
+            levels_[v] = 0;
+        } else {
+            levels_[v] = level_of(v);
+            group.others.push_back(v);
         }
     }
-    for (std::size_t kind = 0; kind < kKinds; ++kind) block_starts_[kind].push_back(batches_[kind].size());
+}
+
+/// Lists the sites for which a block of a higher level is needed.
+void Relaxation::list_larger(std::size_t level, std::size_t number) {
+    Group& group = groups_[level][number];
+    group.clear();
+    const auto& smaller = groups_[level - 1];
+    const std::size_t first = groups_[level].size() == 1 ? 0 : 4 * number;
+    const std::size_t last = groups_[level].size() == 1 ? smaller.size() : first + 4;
+    for (std::size_t block = first; block < last; ++block) {
+        for (const std::uint32_t v : smaller[block].others) {
+            if (levels_[v] > level) {
+                group.others.push_back(v);
+            } else {
+                group.sites.push_back(v);
+                add_site(v, group, 0, Triangulation::kNone);
+            }
+        }
+    }
+}
+
+/// Level of the block in which a site has all of its neighbours that move at the same time.
+std::uint8_t Relaxation::level_of(std::uint32_t site) const {
+    const SiteBlocks& blocks = mesh_.blocks();
+    const std::uint32_t own = blocks.of(site), first = mesh_.edge_of(site);
+    std::uint32_t apart = 0, h = first;
+    do {
+        const std::uint32_t other = mesh_.target(h);
+        if (mesh_.is_free(other)) apart |= blocks.of(other) ^ own;
+        h = mesh_.twin(Triangulation::previous(h));
+    } while (h != first);
+    return static_cast<std::uint8_t>(blocks.block(own, apart).level);
 }
 
 double Relaxation::mean_doubled_area() const {
-    double area = 0;
-    for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) area += mesh_.doubled_area(t);
-    return area / static_cast<double>(mesh_.triangle_count());
+    std::vector<double> areas((mesh_.triangle_count() + kRange - 1) / kRange, 0);
+    for_ranges(mesh_.team(), mesh_.triangle_count(), kRange, [&](std::size_t begin, std::size_t end) {
+        double& area = areas[begin / kRange];
+        for (std::size_t t = begin; t < end; ++t) area += mesh_.doubled_area(static_cast<std::uint32_t>(t));
+    });
+    return std::accumulate(areas.begin(), areas.end(), 0.0) / static_cast<double>(mesh_.triangle_count());
 }
 
-/// @returns false, and nothing changes, where the site has too many neighbours
-bool Relaxation::add_to_batch(std::uint32_t site) {
+/// Adds a site to a batch or, for the general path, to the fans.
+/// @param first, size  sites that the group has
+/// @returns            false, and nothing changes, where others of the site's neighbours move
+bool Relaxation::add_site(std::uint32_t site, Group& group, std::uint32_t first, std::uint32_t size) {
     constexpr std::size_t kMost = 2 * kMostPairs;
     std::array<std::uint32_t, 2 + 2 * kMost> record;
     std::array<std::uint32_t, kMost> triangles;
     std::uint32_t* around = &record[1];
     std::size_t count = 0;
     std::uint32_t largest = 0;
-    const std::uint32_t first = mesh_.edge_of(site);
-    std::uint32_t h = first;
+    bool fits = true;
+    const std::uint32_t begin = mesh_.edge_of(site);
+    std::uint32_t h = begin;
     do {
-        if (count == kMost || mesh_.crosses_seam(Triangulation::triangle_of(h))) return false;
-        largest = std::max(largest, around[count] = mesh_.target(h));
-        triangles[count++] = Triangulation::triangle_of(h);
+        const std::uint32_t other = mesh_.target(h), triangle = Triangulation::triangle_of(h);
+        if (other - first >= size && mesh_.is_free(other)) return false;
+        fits = fits && count < kMost && !mesh_.crosses_seam(triangle);
+        if (fits) {
+            largest = std::max(largest, around[count] = other);
+            triangles[count++] = triangle;
+        }
         h = mesh_.twin(Triangulation::previous(h));
-    } while (h != first);
+    } while (h != begin);
+    if (!fits) {
+        kinds_[site] = kFanKind;
+        add_fan(site, group.fans);
+        return true;
+    }
 
     const std::size_t pairs = std::max((count + 1) / 2, kFewestPairs);
     const bool plain = uniform_ && mesh_.is_free(largest);
     record[0] = site;
     for (std::size_t i = count; i <= 2 * pairs; ++i) around[i] = around[0];
     kinds_[site] = kind_of(plain, pairs);
-    Batch& batch = batches_[kinds_[site]];
+    Batch& batch = group.batches[kinds_[site]];
     batch.insert(batch.end(), record.begin(), record.begin() + 2 + 2 * static_cast<std::ptrdiff_t>(pairs));
     if (plain) return true;
     for (std::size_t i = count; i < 2 * pairs; ++i) triangles[i] = static_cast<std::uint32_t>(terms_.size() - 1);
@@ -173,50 +234,53 @@ bool Relaxation::add_to_batch(std::uint32_t site) {
     return true;
 }
 
-void Relaxation::add_fan(std::uint32_t vertex, std::vector<Fan>& fans) {
-    Fan fan{vertex, static_cast<std::uint32_t>(fan_vertices_.size()), 0, 0};
+void Relaxation::add_fan(std::uint32_t vertex, Fans& fans) const {
+    Fan fan{vertex, static_cast<std::uint32_t>(fans.vertices.size()), 0, 0};
     const std::uint32_t first = mesh_.edge_of(vertex);
     std::uint32_t h = first;
     do {
-        fan_vertices_.push_back(mesh_.target(h));
-        fan_lifts_.push_back(mesh_.distance(mesh_.shift(h)));
-        fan_triangles_.push_back(Triangulation::triangle_of(h));
+        fans.vertices.push_back(mesh_.target(h));
+        fans.lifts.push_back(mesh_.distance(mesh_.shift(h)));
+        fans.triangles.push_back(Triangulation::triangle_of(h));
         ++fan.triangles;
         const std::uint32_t last = Triangulation::previous(h);
         h = mesh_.twin(last);
         if (h != Triangulation::kNone) continue;
-        fan_vertices_.push_back(mesh_.origin(last));
-        fan_lifts_.push_back({});
-        fan_triangles_.push_back(Triangulation::kNone);
+        fans.vertices.push_back(mesh_.origin(last));
+        fans.lifts.push_back({});
+        fans.triangles.push_back(Triangulation::kNone);
     } while (h != Triangulation::kNone && h != first);
-    fan.neighbours = static_cast<std::uint32_t>(fan_vertices_.size()) - fan.first;
-    fans.push_back(fan);
+    fan.neighbours = static_cast<std::uint32_t>(fans.vertices.size()) - fan.first;
+    fans.all.push_back(fan);
 }
 
 void Relaxation::pass() {
-    // Block by block: what a block needs stays in the cache from kind to kind.
-    for (std::size_t block = 0; block + 1 < block_starts_[0].size(); ++block) {
-        move_batch<true, 2>(block);
-        move_batch<true, 3>(block);
-        move_batch<true, 4>(block);
-        move_batch<false, 2>(block);
-        move_batch<false, 3>(block);
-        move_batch<false, 4>(block);
+    for (const auto& groups : groups_) {
+        mesh_.team().run(groups.size(), [&](std::size_t number) { move_group(groups[number]); });
     }
-    for (const Fan& fan : site_fans_) move_site(fan);
-    for (const Fan& fan : border_fans_) slide(fan);
+    for (const Fan& fan : border_.all) slide(border_, fan);
 }
 
-/// Moves the sites of a batch. Takes them from several places of the block in turn: neighbours in number are neighbours
+/// Moves a group's sites, kind by kind: what they need stays in the cache.
+void Relaxation::move_group(const Group& group) {
+    move_batch<true, 2>(group);
+    move_batch<true, 3>(group);
+    move_batch<true, 4>(group);
+    move_batch<false, 2>(group);
+    move_batch<false, 3>(group);
+    move_batch<false, 4>(group);
+    for (const Fan& fan : group.fans.all) move_site(group.fans, fan);
+}
+
+/// Moves the sites of a batch. Takes them from several places of the group in turn: neighbours in number are neighbours
 /// in the plane, and each would have to wait for the one before.
 template <bool kPlain, std::size_t kPairs>
-void Relaxation::move_batch(std::size_t block) {
+void Relaxation::move_batch(const Group& group) {
     constexpr std::uint8_t kKind = kind_of(kPlain, kPairs);
     constexpr std::size_t kStride = stride(kKind);
     constexpr std::size_t kStreams = 4;
-    const std::size_t begin = block_starts_[kKind][block];
-    const std::uint32_t* records = batches_[kKind].data() + begin;
-    const std::size_t count = (block_starts_[kKind][block + 1] - begin) / kStride;
+    const std::uint32_t* records = group.batches[kKind].data();
+    const std::size_t count = group.batches[kKind].size() / kStride;
     const std::size_t length = (count + kStreams - 1) / kStreams;
     for (std::size_t i = 0; i < length; ++i) {
         for (std::size_t at = i; at < count; at += length) move_few<kPlain, kPairs>(records + at * kStride);
@@ -305,8 +369,8 @@ void Relaxation::move_few(const std::uint32_t* record) {
     }
 }
 
-Relaxation::Ring Relaxation::ring_of(const Fan& fan) const {
-    return {{&fan_vertices_[fan.first], fan.neighbours}, &fan_lifts_[fan.first]};
+Relaxation::Ring Relaxation::ring_of(const Fans& fans, const Fan& fan) const {
+    return {{&fans.vertices[fan.first], fan.neighbours}, &fans.lifts[fan.first]};
 }
 
 Point Relaxation::place(const Ring& ring, std::size_t i) const {
@@ -316,33 +380,33 @@ Point Relaxation::place(const Ring& ring, std::size_t i) const {
 }
 
 /// Normal equations from the triangles around a vertex.
-Relaxation::NormalEquations Relaxation::equations_of(const Fan& fan) const {
-    const Ring ring = ring_of(fan);
+Relaxation::NormalEquations Relaxation::equations_of(const Fans& fans, const Fan& fan) const {
+    const Ring ring = ring_of(fans, fan);
     const Point v = mesh_.point(fan.vertex);
     NormalEquations equations;
     for (std::uint32_t i = 0; i < fan.triangles; ++i) {
-        equations.add(place(ring, i) - v, place(ring, i + 1) - v, terms_[fan_triangles_[fan.first + i]],
+        equations.add(place(ring, i) - v, place(ring, i + 1) - v, terms_[fans.triangles[fan.first + i]],
                       options_.spring);
     }
     return equations;
 }
 
-void Relaxation::move_site(const Fan& fan) {
-    const NormalEquations equations = equations_of(fan);
+void Relaxation::move_site(const Fans& fans, const Fan& fan) {
+    const NormalEquations equations = equations_of(fans, fan);
     const Point by = options_.relaxation * minimum(equations.xx, equations.xy, equations.yy, equations.gradient);
-    move(fan.vertex, fenced(fan.vertex, by), ring_of(fan), fan.triangles);
+    move(fan.vertex, fenced(fan.vertex, by), ring_of(fans, fan), fan.triangles);
 }
 
-void Relaxation::slide(const Fan& fan) {
-    const std::span<const std::uint32_t> around{&fan_vertices_[fan.first], fan.neighbours};
-    const std::uint32_t* triangles = &fan_triangles_[fan.first];
+void Relaxation::slide(const Fans& fans, const Fan& fan) {
+    const std::span<const std::uint32_t> around{&fans.vertices[fan.first], fan.neighbours};
+    const std::uint32_t* triangles = &fans.triangles[fan.first];
     const Point v = mesh_.point(fan.vertex);
-    NormalEquations equations = equations_of(fan);
+    NormalEquations equations = equations_of(fans, fan);
     equations.add_spring(mesh_.point(around.front()) - v, options_.border_spring * terms_[triangles[0]].spring);
     equations.add_spring(mesh_.point(around.back()) - v,
                          options_.border_spring * terms_[triangles[fan.triangles - 1]].spring);
     const Point along = mesh_.point(around.front()) - mesh_.point(around.back());
-    move(fan.vertex, options_.relaxation * equations.minimum_along(along) * along, ring_of(fan), fan.triangles);
+    move(fan.vertex, options_.relaxation * equations.minimum_along(along) * along, ring_of(fans, fan), fan.triangles);
 }
 
 /// Moves a vertex as far as leaves the first so many triangles around it enough of their area.
@@ -376,16 +440,28 @@ void Relaxation::exact_pass(const CapacityIntegral& capacity, const std::stop_to
     if (stop.stop_requested()) return;
     const double sites = options_.site_share ? 1 / *options_.site_share : static_cast<double>(mesh_.site_count());
     const double unit = 2 * sites / capacity.total();
-    for (std::uint32_t site = 0; site < mesh_.free_count(); ++site) move_exactly(site, unit);
-    for (const Fan& fan : border_fans_) slide(fan);
+    for (std::size_t level = 0; level < groups_.size(); ++level) {
+        mesh_.team().run(groups_[level].size(), [&](std::size_t number) { move_group_exactly(level, number, unit); });
+    }
+    for (const Fan& fan : border_.all) slide(border_, fan);
+}
+
+void Relaxation::move_group_exactly(std::size_t level, std::size_t number, double unit) {
+    ExactRing ring;
+    for (const std::uint32_t site : groups_[level][number].sites) move_exactly(site, unit, ring);
+    if (level > 0) return;
+    const std::uint32_t end = mesh_.blocks().begin(number + 1);
+    for (std::uint32_t site = mesh_.blocks().begin(number); site < end; ++site) {
+        if (levels_[site] == 0) move_exactly(site, unit, ring);
+    }
 }
 
 /// Moves a site by the true capacities. A triangle (v, from, to) gains what its edge v-from sweeps on its right, and
 /// loses what v-to sweeps.
-void Relaxation::move_exactly(std::uint32_t site, double unit) {
-    ring_vertices_.clear();
-    ring_lifts_.clear();
-    ring_gradients_.clear();
+void Relaxation::move_exactly(std::uint32_t site, double unit, ExactRing& ring) {
+    ring.vertices.clear();
+    ring.lifts.clear();
+    ring.gradients.clear();
     NormalEquations equations;
     const std::uint32_t first = mesh_.edge_of(site);
     std::uint32_t h = first;
@@ -398,16 +474,16 @@ void Relaxation::move_exactly(std::uint32_t site, double unit) {
         const Term& term = terms_[triangle];
         equations.add(term.scale * gradient, term.scale * unit * capacities_[triangle] - term.target);
         equations.add_springs(from, to, options_.spring * term.spring);
-        ring_vertices_.push_back(mesh_.target(h));
-        ring_lifts_.push_back(mesh_.distance(mesh_.shift(h)));
-        ring_gradients_.push_back(gradient);
+        ring.vertices.push_back(mesh_.target(h));
+        ring.lifts.push_back(mesh_.distance(mesh_.shift(h)));
+        ring.gradients.push_back(gradient);
         h = after;
     } while (h != first);
     const Point before = mesh_.point(site);
     move(site, fenced(site, minimum(equations.xx, equations.xy, equations.yy, equations.gradient)),
-         {ring_vertices_, ring_lifts_.data()}, ring_vertices_.size());
+         {ring.vertices, ring.lifts.data()}, ring.vertices.size());
     const Point by = mesh_.point(site) - before;
-    for (const Point gradient : ring_gradients_) {
+    for (const Point gradient : ring.gradients) {
         capacities_[Triangulation::triangle_of(h)] += dot(gradient, by) / unit;
         h = mesh_.twin(Triangulation::previous(h));
     }

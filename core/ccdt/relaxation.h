@@ -95,7 +95,6 @@ private:
     // (plain).
     static constexpr std::size_t kFewestPairs = 2, kMostPairs = 4;
     static constexpr std::uint8_t kKinds = 2 * (kMostPairs - kFewestPairs + 1);
-    static constexpr std::uint32_t kBlock = 8192;     ///< sites that are moved before the next ones are looked at
     static constexpr std::uint8_t kFanKind = kKinds;  ///< too many neighbours: the general path
     static constexpr std::uint8_t kind_of(bool plain, std::size_t pairs) {
         return static_cast<std::uint8_t>(2 * (pairs - kFewestPairs) + (plain ? 1 : 0));
@@ -109,9 +108,47 @@ private:
     /// each and the next one. The fan of a vertex on the border ends with a neighbour that has no triangle after it.
     struct Fan {
         std::uint32_t vertex;
-        std::uint32_t first;  ///< into fan_vertices_ and fan_triangles_
+        std::uint32_t first;  ///< of what lies around it
         std::uint32_t neighbours;
         std::uint32_t triangles;  ///< as many as neighbours, on the border one less
+    };
+
+    struct Fans {
+        std::vector<Fan> all;
+        std::vector<std::uint32_t> vertices;  ///< around one after the other
+        std::vector<Point> lifts;
+        std::vector<std::uint32_t> triangles;
+
+        void clear() {
+            all.clear();
+            vertices.clear();
+            lifts.clear();
+            triangles.clear();
+        }
+    };
+
+    /// Sites that one task moves, one after the other: all of their neighbours that move at the same time are among
+    /// them.
+    struct Group {
+        std::array<Batch, kKinds> batches;
+        std::array<Batch, kKinds> old_batches;
+        Fans fans;
+        std::vector<std::uint32_t> sites;   ///< all of them; not at level 0, where they are most of a block's
+        std::vector<std::uint32_t> others;  ///< of the block, which belong to larger ones
+
+        void clear() {
+            for (Batch& batch : batches) batch.clear();
+            fans.clear();
+            sites.clear();
+            others.clear();
+        }
+    };
+
+    /// Room for what lies around a site in an exact pass.
+    struct ExactRing {
+        std::vector<std::uint32_t> vertices;
+        std::vector<Point> lifts;
+        std::vector<Point> gradients;  ///< of the triangles' capacities
     };
 
     /// Neighbours of a vertex on the general path, counter-clockwise; the one after the last is the first.
@@ -120,21 +157,25 @@ private:
         const Point* lifts;  ///< how far each is shifted around a torus; null: not at all
     };
     Point place(const Ring& ring, std::size_t i) const;
-    Ring ring_of(const Fan& fan) const;
+    Ring ring_of(const Fans& fans, const Fan& fan) const;
     double mean_doubled_area() const;
     void set_terms(std::span<const TriangleGoal> goals);
-    void clear_lists();
     void list_sites(const std::stop_token& stop);
-    bool add_to_batch(std::uint32_t site);
-    void add_fan(std::uint32_t vertex, std::vector<Fan>& fans);
+    void list_block(std::size_t number, bool first_time);
+    void list_larger(std::size_t level, std::size_t number);
+    std::uint8_t level_of(std::uint32_t site) const;
+    bool add_site(std::uint32_t site, Group& group, std::uint32_t first, std::uint32_t size);
+    void add_fan(std::uint32_t vertex, Fans& fans) const;
+    void move_group(const Group& group);
     template <bool kPlain, std::size_t kPairs>
-    void move_batch(std::size_t block);
+    void move_batch(const Group& group);
     template <bool kPlain, std::size_t kPairs>
     void move_few(const std::uint32_t* record);
-    NormalEquations equations_of(const Fan& fan) const;
-    void move_site(const Fan& fan);
-    void move_exactly(std::uint32_t site, double unit);
-    void slide(const Fan& fan);
+    NormalEquations equations_of(const Fans& fans, const Fan& fan) const;
+    void move_site(const Fans& fans, const Fan& fan);
+    void move_group_exactly(std::size_t level, std::size_t number, double unit);
+    void move_exactly(std::uint32_t site, double unit, ExactRing& ring);
+    void slide(const Fans& fans, const Fan& fan);
     void move(std::uint32_t vertex, Point by, const Ring& ring, std::size_t triangles);
     Point fenced(std::uint32_t site, Point by) const {
         return options_.fence ? options_.fence(site, mesh_.point(site) + by) - mesh_.point(site) : by;
@@ -150,20 +191,12 @@ private:
     double plain_weight_ = 0;  ///< of the triangles around plain sites
     std::vector<Term> terms_;  ///< [triangles + 1], the last one for triangles that are none
 
-    std::vector<std::uint8_t> kinds_;  ///< [sites]
-    std::array<Batch, kKinds> batches_;
-    std::array<Batch, kKinds> old_batches_;
-    std::array<std::vector<std::size_t>, kKinds> block_starts_;  ///< [blocks + 1] of each kind
-    std::vector<Fan> site_fans_;
-    std::vector<Fan> border_fans_;
-    std::vector<std::uint32_t> fan_vertices_;
-    std::vector<Point> fan_lifts_;
-    std::vector<std::uint32_t> fan_triangles_;
+    std::vector<std::uint8_t> kinds_;         ///< [sites]
+    std::vector<std::uint8_t> levels_;        ///< [sites] of the groups that they belong to
+    std::vector<std::vector<Group>> groups_;  ///< [levels][blocks]
+    Fans border_;
     std::vector<double> capacities_;  ///< [triangles] in an exact pass
     std::vector<double> sweeps_;      ///< [half-edges] in an exact pass
-    std::vector<std::uint32_t> ring_vertices_;
-    std::vector<Point> ring_lifts_;
-    std::vector<Point> ring_gradients_;  ///< of the triangles' capacities
 };
 
 }  // namespace ccdt

@@ -6,6 +6,7 @@
 #include <limits>
 #include <mutex>
 #include <new>
+#include <optional>
 
 #include <fftw3.h>
 
@@ -13,7 +14,7 @@ namespace ccdt {
 namespace {
 
 /// Measured plans would depend on the clock, vector instructions on the processor.
-constexpr unsigned kFlags = FFTW_ESTIMATE | FFTW_NO_SIMD;
+constexpr unsigned kFlags = FFTW_ESTIMATE | FFTW_NO_SIMD | FFTW_UNALIGNED;
 
 /// FFTW's planner keeps state of its own and is not safe to share; running a plan is.
 std::mutex& planner() {
@@ -58,10 +59,35 @@ public:
         fftw_destroy_plan(plan_);
     }
 
-    void run() const { fftw_execute(plan_); }
+    fftw_plan get() const { return plan_; }
 
 private:
     fftw_plan plan_ = nullptr;
+};
+
+/// Transforms of all rows of a grid, or of all columns: so many at a time, each time at the same time as others.
+class Lines {
+public:
+    /// @param make  calls one of FFTW's planners for so many lines, the first ones
+    template <class Make>
+    Lines(int count, Make make) : count_(count) {
+        if (count >= kLines) some_.emplace([&] { return make(kLines); });
+        if (count % kLines != 0) rest_.emplace([&] { return make(count % kLines); });
+    }
+
+    /// @param execute  called with a plan and the number of its first line
+    template <class Execute>
+    void run(Team& team, Execute execute) const {
+        for_ranges(team, static_cast<std::size_t>(count_), kLines, [&](std::size_t begin, std::size_t end) {
+            execute((end - begin == kLines ? some_ : rest_)->get(), begin);
+        });
+    }
+
+private:
+    static constexpr int kLines = 32;
+
+    int count_;
+    std::optional<Plan> some_, rest_;
 };
 
 std::size_t product(int columns, int rows) {
@@ -90,19 +116,47 @@ int good_size(double least) {
 }
 
 struct RealTransform::Plans {
-    Plans(int columns, int rows)
-        : grid(product(columns, rows)),
-          spectrum(product(columns / 2 + 1, rows)),
-          forward([&] { return fftw_plan_dft_r2c_2d(rows, columns, grid.data(), pairs(spectrum), kFlags); }),
-          backward([&] { return fftw_plan_dft_c2r_2d(rows, columns, pairs(spectrum), grid.data(), kFlags); }) {}
+    Plans(int columns, int rows, Team& of_threads)
+        : team(of_threads),
+          width(static_cast<std::size_t>(columns)),
+          kept(width / 2 + 1),
+          grid(product(columns, rows)),
+          spectrum(kept * static_cast<std::size_t>(rows)),
+          rows_forward(rows,
+                       [&](int lines) {
+                           return fftw_plan_many_dft_r2c(1, &columns, lines, grid.data(), nullptr, 1, columns,
+                                                         pairs(spectrum), nullptr, 1, columns / 2 + 1, kFlags);
+                       }),
+          rows_backward(rows,
+                        [&](int lines) {
+                            return fftw_plan_many_dft_c2r(1, &columns, lines, pairs(spectrum), nullptr, 1,
+                                                          columns / 2 + 1, grid.data(), nullptr, 1, columns, kFlags);
+                        }),
+          columns_forward(columns / 2 + 1, [&](int lines) { return plan_columns(columns, rows, lines, FFTW_FORWARD); }),
+          columns_backward(columns / 2 + 1,
+                           [&](int lines) { return plan_columns(columns, rows, lines, FFTW_BACKWARD); }) {}
 
+    fftw_plan plan_columns(int columns, int rows, int lines, int sign) {
+        const int stride = columns / 2 + 1;
+        return fftw_plan_many_dft(1, &rows, lines, pairs(spectrum), nullptr, stride, 1, pairs(spectrum), nullptr,
+                                  stride, 1, sign, kFlags);
+    }
+
+    void run_columns(const Lines& lines) {
+        lines.run(team, [this](fftw_plan plan, std::size_t first) {
+            fftw_execute_dft(plan, pairs(spectrum) + first, pairs(spectrum) + first);
+        });
+    }
+
+    Team& team;
+    std::size_t width, kept;
     Buffer<double> grid;
     Buffer<std::complex<double>> spectrum;
-    Plan forward;
-    Plan backward;
+    Lines rows_forward, rows_backward, columns_forward, columns_backward;
 };
 
-RealTransform::RealTransform(int columns, int rows) : plans_(std::make_unique<Plans>(columns, rows)) {}
+RealTransform::RealTransform(int columns, int rows, Team& team)
+    : plans_(std::make_unique<Plans>(columns, rows, team)) {}
 RealTransform::RealTransform(RealTransform&&) noexcept = default;
 RealTransform& RealTransform::operator=(RealTransform&&) noexcept = default;
 RealTransform::~RealTransform() = default;
@@ -120,29 +174,51 @@ std::span<const std::complex<double>> RealTransform::spectrum() const {
 }
 
 void RealTransform::forward() {
-    plans_->forward.run();
+    Plans& p = *plans_;
+    p.rows_forward.run(p.team, [&](fftw_plan plan, std::size_t row) {
+        fftw_execute_dft_r2c(plan, p.grid.data() + row * p.width, pairs(p.spectrum) + row * p.kept);
+    });
+    p.run_columns(p.columns_forward);
 }
 
 void RealTransform::backward() {
-    plans_->backward.run();
+    Plans& p = *plans_;
+    p.run_columns(p.columns_backward);
+    p.rows_backward.run(p.team, [&](fftw_plan plan, std::size_t row) {
+        fftw_execute_dft_c2r(plan, pairs(p.spectrum) + row * p.kept, p.grid.data() + row * p.width);
+    });
 }
 
 struct CosineTransform::Plans {
-    Plans(int columns, int rows)
-        : grid(product(columns, rows)),
-          forward(plan(grid, columns, rows, FFTW_REDFT10)),
-          backward(plan(grid, columns, rows, FFTW_REDFT01)) {}
+    Plans(int columns, int rows, Team& of_threads)
+        : team(of_threads),
+          width(static_cast<std::size_t>(columns)),
+          grid(product(columns, rows)),
+          rows_forward(rows, [&](int lines) { return plan(columns, lines, 1, columns, FFTW_REDFT10); }),
+          rows_backward(rows, [&](int lines) { return plan(columns, lines, 1, columns, FFTW_REDFT01); }),
+          columns_forward(columns, [&](int lines) { return plan(rows, lines, columns, 1, FFTW_REDFT10); }),
+          columns_backward(columns, [&](int lines) { return plan(rows, lines, columns, 1, FFTW_REDFT01); }) {}
 
-    static Plan plan(const Buffer<double>& grid, int columns, int rows, fftw_r2r_kind kind) {
-        return Plan([&] { return fftw_plan_r2r_2d(rows, columns, grid.data(), grid.data(), kind, kind, kFlags); });
+    fftw_plan plan(int size, int lines, int stride, int distance, fftw_r2r_kind kind) {
+        return fftw_plan_many_r2r(1, &size, lines, grid.data(), nullptr, stride, distance, grid.data(), nullptr, stride,
+                                  distance, &kind, kFlags);
     }
 
+    void run(const Lines& lines, std::size_t distance) {
+        lines.run(team, [this, distance](fftw_plan plan, std::size_t first) {
+            double* const data = grid.data() + first * distance;
+            fftw_execute_r2r(plan, data, data);
+        });
+    }
+
+    Team& team;
+    std::size_t width;
     Buffer<double> grid;
-    Plan forward;
-    Plan backward;
+    Lines rows_forward, rows_backward, columns_forward, columns_backward;
 };
 
-CosineTransform::CosineTransform(int columns, int rows) : plans_(std::make_unique<Plans>(columns, rows)) {}
+CosineTransform::CosineTransform(int columns, int rows, Team& team)
+    : plans_(std::make_unique<Plans>(columns, rows, team)) {}
 CosineTransform::CosineTransform(CosineTransform&&) noexcept = default;
 CosineTransform& CosineTransform::operator=(CosineTransform&&) noexcept = default;
 CosineTransform::~CosineTransform() = default;
@@ -152,11 +228,13 @@ std::span<double> CosineTransform::grid() {
 }
 
 void CosineTransform::forward() {
-    plans_->forward.run();
+    plans_->run(plans_->rows_forward, plans_->width);
+    plans_->run(plans_->columns_forward, 1);
 }
 
 void CosineTransform::backward() {
-    plans_->backward.run();
+    plans_->run(plans_->columns_backward, 1);
+    plans_->run(plans_->rows_backward, plans_->width);
 }
 
 }  // namespace ccdt

@@ -4,6 +4,8 @@
 #include <memory>
 #include <span>
 
+#include "core/parallel/team.h"
+
 namespace ccdt {
 
 /// Smallest even product of powers of 2, 3 and 5 that is at least `least`: a side whose transform is fast.
@@ -13,13 +15,14 @@ int good_size(double least);
 /// Fourier transform of a real grid, and back. By FFTW (Frigo, Johnson 2005).
 ///
 /// Plans are chosen by rule, never by timing, and use no vector instructions: the same input gives the same bits
-/// in every run and on every processor of one architecture. Making one is safe from any thread, using one is for
-/// one thread at a time. Throws std::bad_alloc. O(n log n) for n cells, 16 bytes a cell.
+/// in every run, on every processor of one architecture and by any team. Making one is safe from any thread, using one
+/// is for one thread at a time. Throws std::bad_alloc. O(n log n) for n cells, 16 bytes a cell.
 class RealTransform {
 public:
     /// @param columns, rows  >= 1; see good_size()
+    /// @param team           does it; must outlive this
     /// All cells are 0.
-    RealTransform(int columns, int rows);
+    RealTransform(int columns, int rows, Team& team = alone());
     RealTransform(RealTransform&&) noexcept;
     RealTransform& operator=(RealTransform&&) noexcept;
     ~RealTransform();
@@ -50,8 +53,9 @@ private:
 class CosineTransform {
 public:
     /// @param columns, rows  >= 1; see good_size()
+    /// @param team           does it; must outlive this
     /// All cells are 0.
-    CosineTransform(int columns, int rows);
+    CosineTransform(int columns, int rows, Team& team = alone());
     CosineTransform(CosineTransform&&) noexcept;
     CosineTransform& operator=(CosineTransform&&) noexcept;
     ~CosineTransform();

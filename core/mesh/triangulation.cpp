@@ -1,6 +1,7 @@
 #include "core/mesh/triangulation.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -9,7 +10,24 @@
 
 namespace ccdt {
 
+/// What insert_all() is called with.
+struct Triangulation::Batch {
+    std::span<const std::uint32_t> sites;
+    const Draw& draw;
+    int attempts;
+    double margin;
+    const std::stop_token& stop;
+    std::uint32_t first_unused;  ///< of two new triangles for each site
+};
+
+void Triangulation::fix_last(std::size_t count) {
+    free_ = sites_ - count;
+    blocks_ = SiteBlocks(free_);
+}
+
 Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& border) : sites_(sites) {
+    fix_last(0);
+    whole_.last = 0;
     points_.resize(sites);
     points_.insert(points_.end(), border.points.begin(), border.points.end());
     triangles_.reserve(border.triangles.size() + 2 * sites);
@@ -33,6 +51,7 @@ Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& borde
 
 Triangulation::Triangulation(std::size_t sites, Point period)
     : sites_(sites), period_(period), points_(sites), part_of_(sites, 0), part_count_(1) {
+    fix_last(0);
     triangles_.reserve(2 * sites);
 }
 
@@ -108,14 +127,18 @@ void Triangulation::mark_parts() {
 }
 
 std::uint32_t Triangulation::part_at(Point p) {
-    last_ = locate(p).triangle;
-    return triangles_[last_].is_inside() ? part_of_[triangles_[last_].corners[0]] : kNone;
+    Location at{whole_.last, p, {}};
+    locate(whole_, at);
+    whole_.last = at.triangle;
+    return triangles_[at.triangle].is_inside() ? part_of_[triangles_[at.triangle].corners[0]] : kNone;
 }
 
-/// Walks towards p across edges that have it on their right. The first edge looked at changes from step to step, so
-/// that the walk cannot circle for ever where the triangulation is not Delaunay.
-Triangulation::Location Triangulation::locate(Point p) const {
-    Location at{last_, p, {}};
+/// Walks towards a place across edges that have it on their right. The first edge looked at changes from step to step,
+/// so that the walk cannot circle for ever where the triangulation is not Delaunay.
+/// @param at  where the walk begins and ends
+/// @returns   false if it left the region
+bool Triangulation::locate(const Region& region, Location& at) const {
+    const Point p = at.point - distance(at.shift);
     std::uint32_t entered = kNone;
     for (std::uint32_t step = 0;; ++step) {
         std::uint32_t h = edge(at.triangle, (step * 0x9e3779b9u >> 16) % 3);
@@ -125,19 +148,34 @@ Triangulation::Location Triangulation::locate(Point p) const {
             if (h == entered || twin(h) == kNone) continue;
             if (orientation(places[h % 4], places[next(h) % 4], at.point) < 0) crossed = h;
         }
-        if (crossed == kNone) return at;
+        if (crossed == kNone) return true;
         entered = twin(crossed);
         at.triangle = triangle_of(entered);
-        if (!is_torus()) continue;
-        at.shift = at.shift + lift(entered) - lift(next(crossed));
-        at.point = p + distance(at.shift);
+        if (is_torus()) {
+            at.shift = at.shift + lift(entered) - lift(next(crossed));
+            at.point = p + distance(at.shift);
+        }
+        if (!region.has(origin(previous(entered)))) return false;
     }
 }
 
-std::uint32_t Triangulation::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    const auto number = static_cast<std::uint32_t>(triangles_.size());
-    triangles_.emplace_back().corners = {a, b, c};
-    return number;
+/// Where a walk to a place begins: where the last one left a smaller region, or at the last insertion.
+Triangulation::Location Triangulation::way_to(const Region& region, Point p, const Pending& pending) const {
+    const auto has = [&](std::uint32_t vertex) { return region.has(vertex); };
+    if (pending.triangle == kNone || !std::ranges::all_of(triangles_[pending.triangle].corners, has))
+        return {region.last, p, {}};
+    return {pending.triangle, p + distance(pending.shift), pending.shift};
+}
+
+/// @returns the first of two triangles that are not in use
+std::uint32_t Triangulation::add_triangles() {
+    if (!unused_.empty()) {
+        const std::uint32_t first = unused_.back();
+        unused_.pop_back();
+        return first;
+    }
+    triangles_.resize(triangles_.size() + 2);
+    return static_cast<std::uint32_t>(triangles_.size() - 2);
 }
 
 void Triangulation::join(std::uint32_t edge, std::uint32_t twin) {
@@ -146,39 +184,59 @@ void Triangulation::join(std::uint32_t edge, std::uint32_t twin) {
 }
 
 /// The two triangles that a single vertex and its copies make.
-bool Triangulation::insert_first(std::uint32_t site, Point p) {
+void Triangulation::insert_first(std::uint32_t site, Point p) {
     points_[site] = p;
-    const std::uint32_t below = add_triangle(site, site, site), above = add_triangle(site, site, site);
+    const std::uint32_t below = add_triangles(), above = below + 1;
+    triangles_[below].corners = triangles_[above].corners = {site, site, site};
     triangles_[below].set_shifts({1, 0}, {0, 1}, {-1, -1});
     triangles_[above].set_shifts({1, 1}, {-1, 0}, {0, -1});
     join(edge(below, 0), edge(above, 1));
     join(edge(below, 1), edge(above, 2));
     join(edge(below, 2), edge(above, 0));
-    return true;
 }
 
 bool Triangulation::insert(std::uint32_t site, Point p, double margin) {
+    Pending pending;
+    return insert(whole_, site, p, margin, pending, kNone) == Insertion::Done;
+}
+
+/// Inserts a site if its place and what is to be changed for it lies within a region.
+/// @param unused  first of two new triangles; kNone: some
+Triangulation::Insertion Triangulation::insert(Region& region, std::uint32_t site, Point p, double margin,
+                                               Pending& pending, std::uint32_t unused) {
     if (is_torus()) p = snapped(p);
-    if (triangles_.empty()) return insert_first(site, p);
-    const Location at = locate(p);
-    const std::uint32_t t = last_ = at.triangle;
+    if (triangles_.empty()) {
+        insert_first(site, p);
+        region.last = 0;
+        return Insertion::Done;
+    }
+    Location at = way_to(region, p, pending);
+    if (!locate(region, at)) {
+        pending.triangle = at.triangle;
+        pending.shift = at.shift;
+        return Insertion::Elsewhere;
+    }
+    const std::uint32_t t = region.last = at.triangle;
     const Triangle split = triangles_[t];
-    if (!split.is_inside()) return false;
+    if (!split.is_inside()) return Insertion::Refused;
     const auto& c = split.corners;
     const auto places = this->places(t);
     for (std::uint32_t i = 0; i < 3; ++i) {
-        if (places[i] == at.point) return false;
+        if (places[i] == at.point) return Insertion::Refused;
         if (!split.is_constrained(i)) continue;
         const Point a = places[i], b = places[(i + 1) % 3];
-        if (orientation(a, b, p) <= 0 || cross(b - a, p - a) < margin * std::sqrt(dot(b - a, b - a))) return false;
+        if (orientation(a, b, p) <= 0 || cross(b - a, p - a) < margin * std::sqrt(dot(b - a, b - a)))
+            return Insertion::Refused;
     }
 
     // Split into three: (c0, c1, p) stays at t. Where p lies on an edge, one of them is flat; that edge then has the
     // corner beyond it in its circle, a half-plane, and is flipped away.
     points_[site] = p;
     part_of_[site] = part_of_[c[0]];
-    const std::uint32_t u = add_triangle(c[1], c[2], site);
-    const std::uint32_t v = add_triangle(c[2], c[0], site);
+    const std::uint32_t u = unused == kNone ? add_triangles() : unused, v = u + 1;
+    triangles_[u] = triangles_[v] = {};
+    triangles_[u].corners = {c[1], c[2], site};
+    triangles_[v].corners = {c[2], c[0], site};
     if (is_torus()) {
         const Shift first = at.shift, second = at.shift - lift(edge(t, 1)), third = at.shift - lift(edge(t, 2));
         triangles_[u].set_shifts(split.shifts[1], third, Shift{} - second);
@@ -195,9 +253,104 @@ bool Triangulation::insert(std::uint32_t site, Point p, double margin) {
     join(edge(t, 1), edge(u, 2));
     join(edge(u, 1), edge(v, 2));
     join(edge(v, 1), edge(t, 2));
-    stack_.insert(stack_.end(), {edge(t, 0), edge(u, 0), edge(v, 0)});
-    legalise();
-    return true;
+    region.stack.insert(region.stack.end(), {edge(t, 0), edge(u, 0), edge(v, 0)});
+    legalise(region);
+    return Insertion::Done;
+}
+
+/// Works on all regions of a level at the same time, then on those of the next one, which take over what is left.
+/// @returns  what the last one has
+template <class Work>
+Triangulation::Region Triangulation::work_upwards(Regions regions, Work&& work) {
+    for (std::size_t level = 0;; ++level) {
+        std::vector<Region>& small = regions.levels[level];
+        team_->run(small.size(), [&](std::size_t number) { work(small[number]); });
+        if (level + 1 == regions.levels.size()) return std::move(small.front());
+        std::vector<Region>& large = regions.levels[level + 1];
+        for (std::size_t number = 0; number < small.size(); ++number) {
+            Region &from = small[number], &to = large[large.size() == 1 ? 0 : number / 4];
+            if (to.last == kNone) to.last = from.last;
+            to.stack.insert(to.stack.end(), from.edges.begin(), from.edges.end());
+            to.sites.insert(to.sites.end(), from.sites.begin(), from.sites.end());
+            to.flips += from.flips;
+        }
+        small = {};
+    }
+}
+
+/// Regions of all levels from the first one that has blocks of this many sites.
+Triangulation::Regions Triangulation::make_regions(std::size_t sites) const {
+    Regions regions;
+    while (regions.first_level < blocks_.last_level() && blocks_.sites() / blocks_.count(regions.first_level) < sites)
+        ++regions.first_level;
+    for (int level = regions.first_level; level < blocks_.last_level(); ++level) {
+        auto& blocks = regions.levels.emplace_back(blocks_.count(level));
+        const std::size_t of_each = blocks_.count(0) / blocks.size();
+        for (std::size_t number = 0; number < blocks.size(); ++number) {
+            blocks[number].first = blocks_.begin(number * of_each);
+            blocks[number].size = blocks_.begin((number + 1) * of_each) - blocks[number].first;
+        }
+    }
+    regions.levels.emplace_back(1);
+    return regions;
+}
+
+/// The region that does what is to be done in a block.
+Triangulation::Region& Triangulation::Regions::of(SiteBlocks::Block block) {
+    const int higher = std::max(0, first_level - block.level);
+    const auto level = static_cast<std::size_t>(block.level + higher - first_level);
+    return level + 1 >= levels.size() ? levels.back().front() : levels[level][block.number >> 2 * higher];
+}
+
+std::vector<std::uint32_t> Triangulation::insert_all(std::span<const std::uint32_t> sites, const Draw& draw,
+                                                     int attempts, double margin, const std::stop_token& stop) {
+    constexpr std::size_t kSeen = 64;      // triangles a block, one of which shall lie inside
+    constexpr std::size_t kPresent = 384;  // fewer sites have too little inside between what lies at a block's rim
+    if (sites.empty()) return {};
+    auto regions = make_regions(kPresent * blocks_.sites() / std::max(sites.size(), kPresent));
+    const std::size_t stride = std::max<std::size_t>(1, triangle_count() / (kSeen * blocks_.count(0)));
+    for (std::size_t i = 0; i < triangle_count(); i += stride) {
+        const auto t = static_cast<std::uint32_t>(i);
+        const auto& c = triangles_[t].corners;
+        regions.of(blocks_.around({c[0], c[1], c[2]})).last = t;
+    }
+    if (!triangles_.empty()) regions.levels.back().front().last = whole_.last;
+    for (std::uint32_t i = 0; i < sites.size(); ++i)
+        regions.of({0, blocks_.of(sites[i])}).sites.push_back({i, kNone, {}});
+    Batch batch{sites, draw, attempts, margin, stop, kNone};
+    if (!triangles_.empty()) {
+        batch.first_unused = static_cast<std::uint32_t>(triangle_count());
+        Triangle unused;
+        unused.flags = kOutside;
+        triangles_.resize(triangle_count() + 2 * sites.size(), unused);
+    }
+    Region whole = work_upwards(std::move(regions), [&](Region& region) { insert_in(region, batch); });
+    whole_.last = whole.last;
+    std::vector<std::uint32_t> left;
+    for (const Pending& pending : whole.sites) {
+        left.push_back(sites[pending.number]);
+        if (batch.first_unused != kNone) unused_.push_back(batch.first_unused + 2 * pending.number);
+    }
+    return left;
+}
+
+/// Inserts those sites of a batch that a region can.
+void Triangulation::insert_in(Region& region, const Batch& batch) {
+    constexpr std::size_t kStopStride = 4096;
+    legalise(region);
+    if (region.last == kNone && !region.is_whole()) return;
+    std::vector<Pending> left;
+    for (std::size_t i = 0; i < region.sites.size(); ++i) {
+        if (i % kStopStride == 0 && batch.stop.stop_requested()) return;
+        Pending& pending = region.sites[i];
+        const std::uint32_t site = batch.sites[pending.number];
+        const std::uint32_t unused = batch.first_unused == kNone ? kNone : batch.first_unused + 2 * pending.number;
+        auto done = Insertion::Refused;
+        for (int attempt = 0; attempt < batch.attempts && done == Insertion::Refused; ++attempt)
+            done = insert(region, site, batch.draw(site, attempt), batch.margin, pending, unused);
+        if (done != Insertion::Done) left.push_back(pending);
+    }
+    region.sites = std::move(left);
 }
 
 bool Triangulation::wants_flip(std::uint32_t edge) const {
@@ -253,6 +406,10 @@ void Triangulation::flip(std::uint32_t edge) {
     join(edge_next, twin_next);
     triangles_[triangle_of(edge)].corners[edge_next % 4] = d;
     triangles_[triangle_of(twin)].corners[twin_next % 4] = c;
+    if (edge_of_.empty()) return;
+    for (const std::uint32_t triangle : {triangle_of(edge), triangle_of(twin)}) {
+        for (std::uint32_t i = 0; i < 3; ++i) keep_edge(Triangulation::edge(triangle, i));
+    }
 }
 
 void Triangulation::flip_shifts(std::uint32_t edge) {
@@ -271,34 +428,41 @@ void Triangulation::flip_shifts(std::uint32_t edge) {
     set(twin, bc, ca + ad, db);            // (b, c, d)
 }
 
-std::size_t Triangulation::legalise() {
-    std::size_t flips = 0;
-    while (!stack_.empty()) {
-        const std::uint32_t h = stack_.back();
-        stack_.pop_back();
-        if (twin(h) == kNone || is_constrained(h) || !wants_flip(h)) continue;
+/// Flips edges of a region until all are Delaunay but those that other regions have a part in.
+void Triangulation::legalise(Region& region) {
+    while (!region.stack.empty()) {
+        const std::uint32_t h = region.stack.back();
+        region.stack.pop_back();
         const std::uint32_t twin = this->twin(h);
+        if (twin == kNone || is_constrained(h)) continue;
+        if (!region.has(origin(previous(twin)))) {
+            region.edges.push_back(h);
+            continue;
+        }
+        if (!wants_flip(h)) continue;
         flip(h);
-        ++flips;
-        stack_.insert(stack_.end(), {h, previous(h), twin, previous(twin)});
+        ++region.flips;
+        region.stack.insert(region.stack.end(), {h, previous(h), twin, previous(twin)});
     }
-    return flips;
 }
 
 void Triangulation::wrap() {
     constexpr double kMargin = 0.25;  // periods; sites at the seam shall not go to and fro
+    constexpr std::size_t kRange = 16384;
     const auto periods = [](double place, double period) {
         const double share = place / period;
         return static_cast<std::int8_t>(share < -kMargin || share >= 1 + kMargin ? whole(share) : 0);
     };
     std::vector<Shift> left(points_.size());
-    bool any = false;
-    for (std::size_t v = 0; v < points_.size(); ++v) {
-        left[v] = {periods(points_[v].x, period_.x), periods(points_[v].y, period_.y)};
-        if (left[v] == Shift{}) continue;
-        points_[v] = points_[v] - distance(left[v]);
-        any = true;
-    }
+    std::atomic<bool> any = false;
+    for_ranges(*team_, points_.size(), kRange, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            left[v] = {periods(points_[v].x, period_.x), periods(points_[v].y, period_.y)};
+            if (left[v] == Shift{}) continue;
+            points_[v] = points_[v] - distance(left[v]);
+            any = true;
+        }
+    });
     if (!any) return;
     for (Triangle& triangle : triangles_) {
         const auto& [a, b, c] = triangle.corners;
@@ -310,34 +474,44 @@ void Triangulation::wrap() {
     }
 }
 
-std::size_t Triangulation::restore_delaunay(const std::stop_token& stop) {
-    constexpr std::size_t kStopStride = 65536;
-    // Both halves of an edge are one edge: keep those with the smaller number, without branches that cannot be
-    // foretold.
-    sweep_.resize(3 * triangle_count() + 1);
+/// Lists those edges of triangles [begin, end) that want to be flipped; of each edge the half with the smaller number.
+void Triangulation::find_flips(std::size_t begin, std::size_t end, std::vector<std::uint32_t>& found) const {
+    // Without branches that cannot be foretold.
+    std::vector<std::uint32_t> edges(3 * (end - begin) + 1);
     std::size_t count = 0;
-    for (std::uint32_t t = 0; t < triangle_count(); ++t) {
+    for (std::size_t t = begin; t < end; ++t) {
         for (std::uint32_t i = 0; i < 3; ++i) {
-            const std::uint32_t h = edge(t, i), twin = triangles_[t].twins[i];
-            sweep_[count] = h;
+            const std::uint32_t h = edge(static_cast<std::uint32_t>(t), i), twin = triangles_[t].twins[i];
+            edges[count] = h;
             count += static_cast<std::size_t>(twin != kNone) & static_cast<std::size_t>(twin > h);
         }
     }
-    // An edge whose surroundings a flip has changed since is looked at again by that flip.
+    if (count % 2 != 0) edges[count] = edges[count - 1];
+    for (std::size_t i = 0; i < count; i += 2) {
+        if (is_certain(edges[i], edges[i + 1])) continue;
+        if (wants_flip(edges[i])) found.push_back(edges[i]);
+        if (i + 1 < count && wants_flip(edges[i + 1])) found.push_back(edges[i + 1]);
+    }
+}
+
+std::size_t Triangulation::restore_delaunay(const std::stop_token& stop) {
+    constexpr std::size_t kRange = 8192;
     changed_.assign(points_.size(), 0);
     if (is_torus()) wrap();
-    if (count % 2 != 0) sweep_[count++] = sweep_[0];
-    std::size_t flips = 0;
-    for (std::size_t i = 0; i < count; i += 2) {
-        if (i % kStopStride == 0 && stop.stop_requested()) break;
-        if (is_certain(sweep_[i], sweep_[i + 1])) continue;
-        for (const std::uint32_t h : {sweep_[i], sweep_[i + 1]}) {
-            stack_.push_back(h);
-            flips += legalise();
+    std::vector<std::vector<std::uint32_t>> found((triangle_count() + kRange - 1) / kRange);
+    for_ranges(*team_, triangle_count(), kRange, [&](std::size_t begin, std::size_t end) {
+        if (!stop.stop_requested()) find_flips(begin, end, found[begin / kRange]);
+    });
+    if (stop.stop_requested()) return 0;
+    auto regions = make_regions(1);
+    for (const auto& edges : found) {
+        for (const std::uint32_t h : edges) {
+            const auto& c = triangles_[triangle_of(h)].corners;
+            const std::uint32_t beyond = origin(previous(twin(h)));
+            regions.of(blocks_.around({c[0], c[1], c[2], beyond})).stack.push_back(h);
         }
     }
-    if (flips > 0) find_edges();
-    return flips;
+    return work_upwards(std::move(regions), [this](Region& region) { legalise(region); }).flips;
 }
 
 std::vector<std::array<Point, 3>> Triangulation::inside_triangles(std::uint32_t part) const {
@@ -358,57 +532,68 @@ void Triangulation::trim() {
     }
     if (!is_torus()) points_.resize(points_.size() - 4);  // the box
     part_of_.resize(points_.size());
-    number_along_sites();
-    changed_.assign(points_.size(), 0);
     find_edges();
+    number_along_sites();
+    find_edges();
+    changed_.assign(points_.size(), 0);
 }
 
 /// Triangles in the order of their first site: neighbours in the plane become neighbours in memory.
 void Triangulation::number_along_sites() {
-    edge_of_.assign(points_.size(), kNone);
+    constexpr std::size_t kRange = 8192;
+    std::vector<std::vector<std::uint32_t>> parts(sites_ / kRange + 2);  // the last one is of those without sites
+    for_ranges(*team_, sites_, kRange, [&](std::size_t begin, std::size_t end) {
+        for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) list_first(v, parts[begin / kRange]);
+    });
     for (std::uint32_t t = 0; t < triangle_count(); ++t) {
-        if (!triangles_[t].is_inside()) continue;
-        for (std::uint32_t i = 0; i < 3; ++i) edge_of_[triangles_[t].corners[i]] = edge(t, i);
+        if (triangles_[t].is_inside() && std::ranges::none_of(corners(t), [this](auto v) { return is_site(v); }))
+            parts.back().push_back(t);
     }
+    std::vector<std::size_t> begins{0};
+    for (const auto& part : parts) begins.push_back(begins.back() + part.size());
     std::vector<std::uint32_t> number(triangle_count(), kNone);
-    std::vector<std::uint32_t> order;
-    order.reserve(triangle_count());
-    const auto visit = [&](std::uint32_t t) {
-        if (number[t] != kNone) return;
-        number[t] = static_cast<std::uint32_t>(order.size());
-        order.push_back(t);
+    std::vector<Triangle> sorted(begins.back());
+    const auto number_part = [&](std::size_t part) {
+        for (std::size_t i = 0; i < parts[part].size(); ++i)
+            number[parts[part][i]] = static_cast<std::uint32_t>(begins[part] + i);
     };
-    for (std::uint32_t v = 0; v < sites_; ++v) {
-        std::uint32_t h = edge_of_[v];
-        do {
-            visit(triangle_of(h));
-            h = twin(previous(h));
-        } while (h != edge_of_[v]);
-    }
-    for (std::uint32_t t = 0; t < triangle_count(); ++t) {
-        if (triangles_[t].is_inside()) visit(t);
-    }
-    std::vector<Triangle> sorted;
-    sorted.reserve(order.size());
-    for (const std::uint32_t t : order) {
-        Triangle& triangle = sorted.emplace_back(triangles_[t]);
-        for (std::uint32_t& twin : triangle.twins) {
-            if (twin != kNone) twin = edge(number[triangle_of(twin)], twin % 4);
+    const auto sort_part = [&](std::size_t part) {
+        for (std::size_t i = 0; i < parts[part].size(); ++i) {
+            Triangle& triangle = sorted[begins[part] + i] = triangles_[parts[part][i]];
+            for (std::uint32_t& twin : triangle.twins) {
+                if (twin != kNone) twin = edge(number[triangle_of(twin)], twin % 4);
+            }
         }
-    }
+    };
+    team_->run(parts.size(), number_part);
+    team_->run(parts.size(), sort_part);
     triangles_ = std::move(sorted);
+}
+
+/// Lists the triangles around a site that have none of a smaller number.
+void Triangulation::list_first(std::uint32_t site, std::vector<std::uint32_t>& list) const {
+    std::uint32_t h = edge_of_[site];
+    do {
+        const auto corners = this->corners(triangle_of(h));
+        // A triangle around a torus may have a site at several corners.
+        const auto first = std::ranges::min_element(corners);
+        if (*first == site && h % 4 == static_cast<std::uint32_t>(first - corners.begin()))
+            list.push_back(triangle_of(h));
+        h = twin(previous(h));
+    } while (h != edge_of_[site]);
 }
 
 void Triangulation::find_edges() {
     edge_of_.resize(points_.size());
     for (std::uint32_t t = 0; t < triangle_count(); ++t) {
-        for (std::uint32_t i = 0; i < 3; ++i) edge_of_[triangles_[t].corners[i]] = edge(t, i);
+        for (std::uint32_t i = 0; i < 3 && triangles_[t].is_inside(); ++i) keep_edge(edge(t, i));
     }
-    for (std::uint32_t t = 0; t < triangle_count(); ++t) {
-        for (std::uint32_t i = 0; i < 3; ++i) {
-            if (triangles_[t].twins[i] == kNone) edge_of_[triangles_[t].corners[i]] = edge(t, i);
-        }
-    }
+}
+
+/// Has a vertex keep an edge that leaves it, on the border if it lies there.
+void Triangulation::keep_edge(std::uint32_t edge) {
+    const std::uint32_t vertex = origin(edge);
+    if (is_site(vertex) || twin(edge) == kNone) edge_of_[vertex] = edge;
 }
 
 }  // namespace ccdt

@@ -3,12 +3,15 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <stop_token>
 #include <vector>
 
 #include "core/geometry/delaunay.h"
 #include "core/geometry/point.h"
+#include "core/mesh/site_blocks.h"
+#include "core/parallel/team.h"
 
 namespace ccdt {
 
@@ -48,6 +51,10 @@ public:
     /// @param period  its sides, multiples of 2^-50, at most 1
     Triangulation(std::size_t sites, Point period);
 
+    /// Has a team do what takes long, and what others do with the triangulation; it must outlive this.
+    void set_team(Team& team) { team_ = &team; }
+    Team& team() const { return *team_; }
+
     bool is_torus() const { return period_.x > 0; }
     Point period() const { return period_; }
 
@@ -63,7 +70,9 @@ public:
     /// Of the sites the first so many are free to move; all, unless the last ones are fixed.
     std::size_t free_count() const { return free_; }
     bool is_free(std::uint32_t vertex) const { return vertex < free_; }
-    void fix_last(std::size_t count) { free_ = sites_ - count; }
+    void fix_last(std::size_t count);
+    /// The free sites in blocks, which steps on the triangulation may work on at the same time.
+    const SiteBlocks& blocks() const { return blocks_; }
 
     static std::uint32_t edge(std::uint32_t triangle, std::uint32_t number) { return 4 * triangle + number; }
     static std::uint32_t triangle_of(std::uint32_t edge) { return edge / 4; }
@@ -125,6 +134,17 @@ public:
     ///           coincides with a vertex
     bool insert(std::uint32_t site, Point p, double margin = 0);
 
+    /// A place for a site, the one to try so many attempts after the first. Called by several at the same time.
+    using Draw = std::function<Point(std::uint32_t site, int attempt)>;
+
+    /// Inserts sites where insert() finds the first of several places good.
+    /// @param sites     in ascending order; those numbered in between, about evenly, are inserted already or later
+    /// @param attempts  places to try for each
+    /// @param stop      asked now and then; leaves a triangulation of no use
+    /// @returns         those for which no place was good, which must be inserted before trim()
+    std::vector<std::uint32_t> insert_all(std::span<const std::uint32_t> sites, const Draw& draw, int attempts,
+                                          double margin, const std::stop_token& stop = {});
+
     /// Connected parts of the domain.
     std::size_t part_count() const { return part_count_; }
     /// Part that a vertex lies in; kNone for a place outside, of which there are four until trim().
@@ -181,9 +201,45 @@ private:
         Shift shift;  ///< of the point against where it was given
     };
 
-    bool insert_first(std::uint32_t site, Point p);
-    Location locate(Point p) const;
-    std::uint32_t add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+    /// A site to be inserted.
+    struct Pending {
+        std::uint32_t number = 0;        ///< in a batch
+        std::uint32_t triangle = kNone;  ///< where a walk to it has left a region, and the shift there
+        Shift shift;
+    };
+
+    /// What one task may change: the triangles all of whose vertices lie in a block.
+    struct Region {
+        std::uint32_t first = 0;           ///< of the block's vertices
+        std::uint32_t size = kNone;        ///< how many these are; the last level's block has all
+        std::uint32_t last = kNone;        ///< one of its triangles, near the last insertion
+        std::vector<std::uint32_t> stack;  ///< edges that may want a flip
+        std::vector<std::uint32_t> edges;  ///< those that do if a larger region finds so
+        std::vector<Pending> sites;        ///< to be inserted; then those that a larger region is to insert
+        std::size_t flips = 0;
+
+        bool has(std::uint32_t vertex) const { return vertex - first < size; }
+        bool is_whole() const { return size == kNone; }
+    };
+    struct Regions {
+        int first_level = 0;
+        std::vector<std::vector<Region>> levels;  ///< [levels][blocks], from the first level to the last
+
+        Region& of(SiteBlocks::Block block);
+    };
+    enum class Insertion { Done, Refused, Elsewhere };
+    struct Batch;
+
+    void insert_first(std::uint32_t site, Point p);
+    bool locate(const Region& region, Location& at) const;
+    Location way_to(const Region& region, Point p, const Pending& pending) const;
+    Insertion insert(Region& region, std::uint32_t site, Point p, double margin, Pending& pending,
+                     std::uint32_t unused);
+    void insert_in(Region& region, const Batch& batch);
+    Regions make_regions(std::size_t sites) const;
+    template <class Work>
+    Region work_upwards(Regions regions, Work&& work);
+    std::uint32_t add_triangles();
     void join(std::uint32_t edge, std::uint32_t twin);
     bool is_constrained(std::uint32_t edge) const { return triangles_[edge / 4].is_constrained(edge % 4); }
     void set_twin(std::uint32_t edge, std::uint32_t twin) { triangles_[edge / 4].twins[edge % 4] = twin; }
@@ -192,11 +248,14 @@ private:
     bool wants_flip(std::uint32_t edge) const;
     bool is_certain(std::uint32_t edge, std::uint32_t other) const;
     void flip(std::uint32_t edge);
-    std::size_t legalise();
+    void legalise(Region& region);
+    void find_flips(std::size_t begin, std::size_t end, std::vector<std::uint32_t>& found) const;
+    void keep_edge(std::uint32_t edge);
     void mark_inside();
     void mark_parts();
     void separate(std::span<const ConstrainedDelaunay::Branch> branches);
     void number_along_sites();
+    void list_first(std::uint32_t site, std::vector<std::uint32_t>& list) const;
     void find_edges();
 
     std::size_t sites_;
@@ -207,10 +266,11 @@ private:
     std::vector<std::uint32_t> part_of_;  ///< [vertices]
     std::size_t part_count_ = 0;
     std::vector<std::uint32_t> edge_of_;  ///< [vertices]
-    std::vector<std::uint32_t> stack_;    ///< edges that may want a flip
-    std::vector<std::uint32_t> sweep_;    ///< one half-edge of each edge
     std::vector<std::uint8_t> changed_;   ///< [vertices]
-    std::uint32_t last_ = 0;              ///< triangle near the last insertion
+    std::vector<std::uint32_t> unused_;   ///< triangles, each the first of two
+    SiteBlocks blocks_;                   ///< of the free sites
+    Region whole_;
+    Team* team_ = &alone();
 };
 
 }  // namespace ccdt

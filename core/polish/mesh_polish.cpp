@@ -20,12 +20,15 @@ constexpr double kLongestPush = 0.2;
 /// press sites against the border, from where nothing pushes back: it keeps the first row where it is.
 constexpr double kBorderDepth = 0.1;
 constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps, as in a relaxation
+// What a task takes.
+constexpr std::size_t kSites = 8192, kTriangles = 16384;
 
 }  // namespace
 
 MeshPolish::MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites,
-                       FixedSites fixed, const std::stop_token& stop)
-    : domain_(domain),
+                       FixedSites fixed, const std::stop_token& stop, Team& team)
+    : team_(team),
+      domain_(domain),
       density_(density),
       fixed_(std::move(fixed)),
       support_(domain, density),
@@ -35,7 +38,7 @@ MeshPolish::MeshPolish(const Domain& domain, const Density& density, double capa
     if (!(fixed_.sites > 0)) fixed_.sites = static_cast<double>(sites);
     if (!fixed_.others.empty()) others_.emplace(domain, fixed_.others);
     if (domain.is_box()) {
-        transport_.emplace(domain, density, static_cast<std::size_t>(std::llround(fixed_.sites)), stop);
+        transport_.emplace(domain, density, static_cast<std::size_t>(std::llround(fixed_.sites)), stop, team);
     } else if (!density.is_uniform()) {
         local_.emplace(domain.unit_bounds().max, density, fixed_.sites * density.total() / capacity);
     }
@@ -78,11 +81,13 @@ void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& s
         std::ranges::copy(sites, all.begin());
         if (!transport_->displacements(all, moves_, stop, fixed_.weights)) break;
         const bool free = round < kFreeRounds;
-        for (std::size_t i = 0; i < sites.size(); ++i) {
-            last[i] = moves_[i] + (free ? kMomentum : 0) * last[i];
-            const Point moved = sites[i] + last[i];
-            sites[i] = free ? inside(moved) : allowed(moved, spacing(sites[i]));
-        }
+        for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                last[i] = moves_[i] + (free ? kMomentum : 0) * last[i];
+                const Point moved = sites[i] + last[i];
+                sites[i] = free ? inside(moved) : allowed(moved, spacing(sites[i]));
+            }
+        });
     }
     if (!domain_.is_torus()) return;
     const Point sides = domain_.unit_bounds().max;
@@ -102,24 +107,53 @@ bool MeshPolish::clear_gaps(std::span<Point> sites) const {
 }
 
 void MeshPolish::begin(const Triangulation& mesh) {
-    // Of each edge one half is listed; which one is as good as random, so that branches would be mispredicted.
-    edges_.resize(3 * mesh.triangle_count());
-    std::size_t count = 0;
-    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        const auto corners = mesh.corners(t);
-        for (std::uint32_t i = 0; i < 3; ++i) {
-            const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
-            const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
-            edges_[count] = h;
-            count += std::size_t{twin != Triangulation::kNone} & std::size_t{twin > h} &
-                     std::size_t{mesh.is_site(std::max(a, b))} & std::size_t{mesh.is_free(std::min(a, b))};
+    const SiteBlocks& blocks = mesh.blocks();
+    std::vector<std::vector<std::uint32_t>> others(blocks.count(0));
+    edges_.resize(static_cast<std::size_t>(blocks.levels()));
+    for (int level = 0; level < blocks.levels(); ++level)
+        edges_[static_cast<std::size_t>(level)].assign(blocks.count(level), {});
+    team_.run(others.size(), [&](std::size_t block) { list_edges(mesh, block, others[block]); });
+    for (const auto& list : others) {
+        for (const std::uint32_t h : list) {
+            const auto block = blocks.around({mesh.origin(h), mesh.target(h)});
+            edges_[static_cast<std::size_t>(block.level)][block.number].push_back(h);
         }
     }
-    edges_.resize(count);
     if (!domain_.is_box()) row_.find(mesh);
     areas_.resize(mesh.triangle_count());
     moved_areas_.resize(mesh.triangle_count());
-    for (std::uint32_t t = 0; t < areas_.size(); ++t) areas_[t] = mesh.doubled_area(t);
+    for_ranges(team_, areas_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) areas_[t] = mesh.doubled_area(static_cast<std::uint32_t>(t));
+    });
+}
+
+/// Lists the edges of a block's share of the triangles: those within the block, and the others.
+void MeshPolish::list_edges(const Triangulation& mesh, std::size_t block, std::vector<std::uint32_t>& others) {
+    const SiteBlocks& blocks = mesh.blocks();
+    const std::size_t count = blocks.count(0);
+    const std::uint32_t first = blocks.begin(block), size = blocks.begin(block + 1) - first;
+    const std::size_t end = (block + 1) * mesh.triangle_count() / count;
+    std::vector<std::uint32_t>& own = edges_[0][block];
+    own.resize(3 * (end - block * mesh.triangle_count() / count));
+    std::size_t listed = 0;
+    for (std::size_t t = block * mesh.triangle_count() / count; t < end; ++t) {
+        const auto corners = mesh.corners(static_cast<std::uint32_t>(t));
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            // Of each edge one half is listed; which one is as good as random, so that branches would be mispredicted.
+            const std::uint32_t h = Triangulation::edge(static_cast<std::uint32_t>(t), i), twin = mesh.twin(h);
+            const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
+            own[listed] = h;
+            listed += std::size_t{twin != Triangulation::kNone} & std::size_t{twin > h} &
+                      std::size_t{mesh.is_site(std::max(a, b))} & std::size_t{mesh.is_free(std::min(a, b))};
+        }
+    }
+    own.resize(listed);
+    const auto is_within = [&](std::uint32_t h) {
+        return mesh.origin(h) - first < size && mesh.target(h) - first < size;
+    };
+    const auto rest = std::stable_partition(own.begin(), own.end(), is_within);
+    others.assign(rest, own.end());
+    own.erase(rest, own.end());
 }
 
 void MeshPolish::even_out(Triangulation& mesh, const std::stop_token& stop) {
@@ -137,9 +171,10 @@ bool MeshPolish::find_nearer(const Triangulation& mesh, double least) {
     measure_spacings(mesh);
     const double half_reach = 0.5 * least * hexagonal_spacing(1);
     if (!domain_.is_box()) find_facing(mesh, half_reach);
-    return !facing_.empty() || std::ranges::any_of(edges_, [&](std::uint32_t h) {
-        return is_nearer(mesh, mesh.origin(h), mesh.target(h), half_reach);
-    });
+    const auto is_near = [&](std::uint32_t h) { return is_nearer(mesh, mesh.origin(h), mesh.target(h), half_reach); };
+    const auto has_near = [&](const std::vector<std::uint32_t>& list) { return std::ranges::any_of(list, is_near); };
+    return !facing_.empty() ||
+           std::ranges::any_of(edges_, [&](const auto& blocks) { return std::ranges::any_of(blocks, has_near); });
 }
 
 bool MeshPolish::is_nearer(const Triangulation& mesh, std::uint32_t a, std::uint32_t b, double half_reach) const {
@@ -165,9 +200,12 @@ void MeshPolish::find_facing(const Triangulation& mesh, double half_reach) {
     if (facing_.empty()) return;
     std::ranges::sort(facing_);
     std::vector<std::array<std::uint32_t, 2>> joined, others;
-    for (const std::uint32_t h : edges_) {
+    const auto join = [&](std::uint32_t h) {
         const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
         if (is_nearer(mesh, a, b, half_reach)) joined.push_back({std::min(a, b), std::max(a, b)});
+    };
+    for (const auto& blocks : edges_) {
+        for (const auto& list : blocks) std::ranges::for_each(list, join);
     }
     std::ranges::sort(joined);
     std::ranges::set_difference(facing_, joined, std::back_inserter(others));
@@ -179,11 +217,13 @@ void MeshPolish::measure_spacings(const Triangulation& mesh) {
         std::ranges::fill(spacings_, spacing({}));
         return;
     }
-    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) spacings_[v] = spacing(mesh.point(v));
+    for_ranges(team_, mesh.site_count(), kSites, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) spacings_[v] = spacing(mesh.points()[v]);
+    });
 }
 
 void MeshPolish::silence(Triangulation& mesh, const std::stop_token& stop) {
-    if (!stealth_) stealth_.emplace(domain_, mesh.site_count());
+    if (!stealth_) stealth_.emplace(domain_, mesh.site_count(), team_);
     const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
     if (stealth_->displacements(sites, moves_, stop)) apply(mesh);
 }
@@ -212,13 +252,19 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
         moves_[a] = moves_[a] - (mesh.is_free(b) ? 1 : 2) * by;
         moves_[b] = moves_[b] + (mesh.is_free(a) ? 1 : 2) * by;
     };
-    for (const std::uint32_t h : edges_) push_two(mesh.origin(h), mesh.target(h), mesh.along(h));
+    for (const auto& blocks : edges_) {
+        team_.run(blocks.size(), [&](std::size_t block) {
+            for (const std::uint32_t h : blocks[block]) push_two(mesh.origin(h), mesh.target(h), mesh.along(h));
+        });
+    }
     for (const auto& [a, b] : facing_) push_two(a, b, mesh.point(b) - mesh.point(a));
     if (others_) push_off_others(mesh, half_reach, push);
-    for (std::size_t v = 0; v < moves_.size(); ++v) {
-        const double longest = kLongestPush * spacings_[v], length = std::sqrt(dot(moves_[v], moves_[v]));
-        if (length > longest) moves_[v] = (longest / length) * moves_[v];
-    }
+    for_ranges(team_, moves_.size(), kSites, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            const double longest = kLongestPush * spacings_[v], length = std::sqrt(dot(moves_[v], moves_[v]));
+            if (length > longest) moves_[v] = (longest / length) * moves_[v];
+        }
+    });
     if (!domain_.is_box()) {
         const bool presses = reach > 1;
         if (presses) row_.keep_off_vertices(mesh, spacings_, kFirstRow, moves_);
@@ -244,10 +290,12 @@ void MeshPolish::push_off_others(const Triangulation& mesh, double half_reach, d
 
 void MeshPolish::apply(Triangulation& mesh) {
     for (auto v = static_cast<std::uint32_t>(mesh.free_count()); v < mesh.site_count(); ++v) before_[v] = mesh.point(v);
-    for (std::uint32_t v = 0; v < mesh.free_count(); ++v) {
-        const Point here = before_[v] = mesh.point(v);
-        mesh.points()[v] = density_.is_uniform() ? inside(here + moves_[v]) : allowed(here + moves_[v], spacing(here));
-    }
+    for_ranges(team_, mesh.free_count(), kSites, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            const Point here = before_[v] = mesh.points()[v], there = here + moves_[v];
+            mesh.points()[v] = density_.is_uniform() ? inside(there) : allowed(there, spacing(here));
+        }
+    });
     take_back(mesh);
     areas_.swap(moved_areas_);
     if (mesh.is_torus()) mesh.wrap();
@@ -269,17 +317,26 @@ bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, dou
 /// is none.
 void MeshPolish::take_back(Triangulation& mesh) {
     constexpr int kHalvings = 3;  // in polygons, where vertices of the border leave less room
+    std::vector<std::vector<std::uint32_t>> lists((areas_.size() + kTriangles - 1) / kTriangles);
     bool found = true;
     for (int sweep = 0; found; ++sweep) {
         const double kept = !domain_.is_box() && sweep < kHalvings ? 0.5 : 0;
+        for_ranges(team_, areas_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+            auto& list = lists[begin / kTriangles];
+            list.clear();
+            for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
+                if (!is_sound(mesh, t, moved_areas_[t] = mesh.doubled_area(t))) list.push_back(t);
+            }
+        });
         found = false;
-        for (std::uint32_t t = 0; t < areas_.size(); ++t) {
-            const double area = moved_areas_[t] = mesh.doubled_area(t);
-            if (is_sound(mesh, t, area)) continue;
-            for (const std::uint32_t v : mesh.corners(t)) {
-                if (!mesh.is_site(v) || mesh.point(v) == before_[v]) continue;
-                mesh.points()[v] = before_[v] + kept * (mesh.point(v) - before_[v]);
-                found = true;
+        for (const auto& list : lists) {
+            for (const std::uint32_t t : list) {
+                if (is_sound(mesh, t, mesh.doubled_area(t))) continue;  // since a neighbour was taken back
+                for (const std::uint32_t v : mesh.corners(t)) {
+                    if (!mesh.is_site(v) || mesh.point(v) == before_[v]) continue;
+                    mesh.points()[v] = before_[v] + kept * (mesh.point(v) - before_[v]);
+                    found = true;
+                }
             }
         }
     }

@@ -32,8 +32,9 @@ public:
     /// @param sites            that are free
     /// @param fixed            the mesh's last sites are these, if there are any
     /// @param stop             asked now and then; leaves what is of no use
+    /// @param team             does the steps; must outlive this
     MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites, FixedSites fixed = {},
-               const std::stop_token& stop = {});
+               const std::stop_token& stop = {}, Team& team = alone());
 
     const Density& density() const { return density_; }
 
@@ -76,6 +77,7 @@ public:
     bool clear_gaps(std::span<Point> sites) const;
 
 private:
+    void list_edges(const Triangulation& mesh, std::size_t block, std::vector<std::uint32_t>& others);
     bool is_nearer(const Triangulation& mesh, std::uint32_t a, std::uint32_t b, double half_reach) const;
     void find_facing(const Triangulation& mesh, double half_reach);
     void push_off_others(const Triangulation& mesh, double half_reach, double push);
@@ -86,6 +88,7 @@ private:
     Point inside(Point p) const;
     Point allowed(Point p, double spacing) const;
 
+    Team& team_;
     const Domain& domain_;
     const Density& density_;
     FixedSites fixed_;
@@ -95,8 +98,9 @@ private:
     std::optional<Stealth> stealth_;               ///< once it is asked for
     std::optional<LocalSpacing> local_;            ///< where a density varies and transport_ does not know it
     Support support_;
-    FirstRow row_;                                      ///< in polygons
-    std::vector<std::uint32_t> edges_;                  ///< half-edges between sites
+    FirstRow row_;  ///< in polygons
+    /// Half-edges between sites, of each block those within it but not within a smaller one [levels][blocks].
+    std::vector<std::vector<std::vector<std::uint32_t>>> edges_;
     std::vector<std::array<std::uint32_t, 2>> facing_;  ///< near sites that no edge joins
     std::vector<Point> moves_, before_;
     std::vector<double> spacings_;

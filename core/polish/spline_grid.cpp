@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
+#include <utility>
 
 namespace ccdt {
 
@@ -51,22 +53,23 @@ double sinc(double cycles) {
     return x == 0 ? 1 : std::sin(x) / x;
 }
 
-std::variant<RealTransform, CosineTransform> make_transform(bool torus, int columns, int rows) {
-    if (torus) return RealTransform(columns, rows);
-    return CosineTransform(columns, rows);
+std::variant<RealTransform, CosineTransform> make_transform(bool torus, int columns, int rows, Team& team) {
+    if (torus) return RealTransform(columns, rows, team);
+    return CosineTransform(columns, rows, team);
 }
 
 }  // namespace
 
-SplineGrid::SplineGrid(bool torus, Point sides, int columns, int rows)
-    : torus_(torus),
+SplineGrid::SplineGrid(bool torus, Point sides, int columns, int rows, Team& team)
+    : team_(team),
+      torus_(torus),
       sides_(sides),
       columns_(columns),
       rows_(rows),
       kept_(torus ? columns / 2 + 1 : columns),
       stride_(static_cast<std::size_t>(columns) + 2 * kMargin),
       padded_(stride_ * (static_cast<std::size_t>(rows) + 2 * kMargin)),
-      transform_(make_transform(torus, columns, rows)) {
+      transform_(make_transform(torus, columns, rows, team)) {
     assert(sides.x > 0 && sides.y > 0);
     const double waves = torus ? 1 : 0.5;
     const auto windows = [&](int count, int cells) {
@@ -145,18 +148,79 @@ Point SplineGrid::gradient(Point p) const {
     return {sum.x / cell.x, sum.y / cell.y};
 }
 
+/// Calls add(number) for each point. The rows of the grid are divided into bands: points of one band follow each other,
+/// and are added at the same time as those of the bands beyond the next, which their taps do not reach.
+template <class Add>
+void SplineGrid::add_all(std::span<const Point> points, Add&& add) {
+    constexpr std::size_t kFew = 8192;  // of which the lists below take longer than they are worth; also of a task
+    if (points.size() <= kFew) {
+        for (std::size_t i = 0; i < points.size(); ++i) add(i);
+        return;
+    }
+    const std::size_t bands = static_cast<std::size_t>(rows_) / kRows + 1;
+    const std::size_t parts = (points.size() + kFew - 1) / kFew;
+    std::vector<std::uint32_t> band_of(points.size()), order(points.size());
+    std::vector<std::uint32_t> next(parts * bands, 0);  // place in the order for a part's next point of each band
+    for_ranges(team_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
+        std::uint32_t* const count = &next[begin / kFew * bands];
+        for (std::size_t i = begin; i < end; ++i) {
+            band_of[i] = static_cast<std::uint32_t>(place(points[i]).first / stride_ / kRows);
+            ++count[band_of[i]];
+        }
+    });
+    std::vector<std::uint32_t> begins{0};  // [bands + 1]
+    for (std::size_t band = 0; band < bands; ++band) {
+        std::uint32_t begin = begins.back();
+        for (std::size_t part = 0; part < parts; ++part) begin += std::exchange(next[part * bands + band], begin);
+        begins.push_back(begin);
+    }
+    for_ranges(team_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
+        std::uint32_t* const place = &next[begin / kFew * bands];
+        for (std::size_t i = begin; i < end; ++i) order[place[band_of[i]]++] = static_cast<std::uint32_t>(i);
+    });
+    for (std::size_t odd = 0; odd < 2; ++odd) {
+        team_.run((bands + 1 - odd) / 2, [&](std::size_t number) {
+            const std::size_t band = 2 * number + odd;
+            for (std::uint32_t i = begins[band]; i < begins[band + 1]; ++i) add(order[i]);
+        });
+    }
+}
+
+void SplineGrid::spread(std::span<const Point> points, std::span<const double> values) {
+    if (values.empty()) return add_all(points, [&](std::size_t i) { spread(points[i], 1); });
+    add_all(points, [&](std::size_t i) {
+        if (values[i] != 0) spread(points[i], values[i]);
+    });
+}
+
+void SplineGrid::spread_moves(std::span<const Point> points, std::span<const Point> moves) {
+    add_all(points, [&](std::size_t i) { spread_move(points[i], moves[i]); });
+}
+
 /// Adds what was spread beyond the grid to where it belongs.
 void SplineGrid::transform() {
     const std::span<double> cells = grid();
-    std::fill(cells.begin(), cells.end(), 0.0);
-    for_padded([&](double& padded, std::size_t cell) { cells[cell] += padded; });
+    const auto rows = static_cast<std::size_t>(rows_);
+    const auto add = [&](double& padded, std::size_t cell) { cells[cell] += padded; };
+    for_ranges(team_, rows, kRows, [&](std::size_t begin, std::size_t end) {
+        std::fill(cells.begin() + static_cast<std::ptrdiff_t>(begin * static_cast<std::size_t>(columns_)),
+                  cells.begin() + static_cast<std::ptrdiff_t>(end * static_cast<std::size_t>(columns_)), 0.0);
+        for (std::size_t row = begin; row < end; ++row) for_padded(kMargin + row, add);
+    });
+    for (std::size_t row = 0; row < kMargin; ++row) {
+        for_padded(row, add);
+        for_padded(kMargin + rows + row, add);
+    }
     forward();
 }
 
 void SplineGrid::transform_back() {
     backward();
     const std::span<double> cells = grid();
-    for_padded([&](double& padded, std::size_t cell) { padded = cells[cell]; });
+    for_ranges(team_, static_cast<std::size_t>(rows_) + 2 * kMargin, kRows, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row)
+            for_padded(row, [&](double& padded, std::size_t cell) { padded = cells[cell]; });
+    });
 }
 
 std::span<double> SplineGrid::grid() {
@@ -179,18 +243,17 @@ std::size_t SplineGrid::folded(std::size_t padded, int cells) const {
     return static_cast<std::size_t>(k < cells ? k : period - 1 - k);
 }
 
+/// Calls visit(value, number of the cell) for a row of the grid with margins.
 template <class Visit>
-void SplineGrid::for_padded(Visit&& visit) {
-    const auto columns = static_cast<std::size_t>(columns_), rows = static_cast<std::size_t>(rows_);
-    for (std::size_t j = 0; j < rows + 2 * kMargin; ++j) {
-        const std::size_t start = folded(j, rows_) * columns;
-        double* row = &padded_[j * stride_];
-        for (std::size_t i = 0; i < kMargin; ++i) {
-            visit(row[i], start + folded(i, columns_));
-            visit(row[kMargin + columns + i], start + folded(kMargin + columns + i, columns_));
-        }
-        for (std::size_t i = 0; i < columns; ++i) visit(row[kMargin + i], start + i);
+void SplineGrid::for_padded(std::size_t number, Visit&& visit) {
+    const auto columns = static_cast<std::size_t>(columns_);
+    const std::size_t start = folded(number, rows_) * columns;
+    double* row = &padded_[number * stride_];
+    for (std::size_t i = 0; i < kMargin; ++i) {
+        visit(row[i], start + folded(i, columns_));
+        visit(row[kMargin + columns + i], start + folded(kMargin + columns + i, columns_));
     }
+    for (std::size_t i = 0; i < columns; ++i) visit(row[kMargin + i], start + i);
 }
 
 }  // namespace ccdt

@@ -10,6 +10,7 @@
 #include "core/fourier/fft.h"
 #include "core/geometry/pair.h"
 #include "core/geometry/point.h"
+#include "core/parallel/team.h"
 
 namespace ccdt {
 
@@ -22,7 +23,8 @@ class SplineGrid {
 public:
     /// @param sides          of the box, > 0
     /// @param columns, rows  even, >= 2; see good_size()
-    SplineGrid(bool torus, Point sides, int columns, int rows);
+    /// @param team           does what is done on all of the grid, and with many points; must outlive this
+    SplineGrid(bool torus, Point sides, int columns, int rows, Team& team = alone());
 
     int columns() const { return columns_; }
     int rows() const { return rows_; }
@@ -36,6 +38,11 @@ public:
     /// Adds the change of what a point of value 1 spreads, as it moves by a vector that is as small as may be: the
     /// transpose of gradient(), but for what is told of window().
     void spread_move(Point p, Point move);
+    /// Adds many points: spread() of each whose value is not 0.
+    /// @param values  [points]; empty: 1 each
+    void spread(std::span<const Point> points, std::span<const double> values);
+    /// The same with spread_move().
+    void spread_moves(std::span<const Point> points, std::span<const Point> moves);
     /// Computes the coefficients of what was spread.
     void transform();
 
@@ -62,17 +69,19 @@ public:
         }
     }
 
-    /// Calls visit(number of the coefficient, column, row) for all; rows may be negative. Those that alias are left
-    /// out.
+    /// Calls visit(number of the coefficient, column, row) for all, several at the same time; rows may be negative.
+    /// Those that alias are left out.
     template <class Visit>
     void for_frequencies(Visit&& visit) const {
-        std::size_t number = 0;
-        for (int row = 0; row < rows_; ++row) {
-            const int j = torus_ && 2 * row > rows_ ? row - rows_ : row;
-            for (int i = 0; i < kept_; ++i, ++number) {
-                if (!torus_ || (2 * i != columns_ && 2 * row != rows_)) visit(number, i, j);
+        for_ranges(team_, static_cast<std::size_t>(rows_), kRows, [&](std::size_t begin, std::size_t end) {
+            std::size_t number = begin * static_cast<std::size_t>(kept_);
+            for (auto row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
+                const int j = torus_ && 2 * row > rows_ ? row - rows_ : row;
+                for (int i = 0; i < kept_; ++i, ++number) {
+                    if (!torus_ || (2 * i != columns_ && 2 * row != rows_)) visit(number, i, j);
+                }
             }
-        }
+        });
     }
 
     std::size_t coefficient_count() const { return static_cast<std::size_t>(kept_) * static_cast<std::size_t>(rows_); }
@@ -104,9 +113,14 @@ private:
     };
     Place place(Point p) const;
     template <class Visit>
-    void for_padded(Visit&& visit);
+    void for_padded(std::size_t number, Visit&& visit);
+    template <class Add>
+    void add_all(std::span<const Point> points, Add&& add);
     std::size_t folded(std::size_t padded, int cells) const;
 
+    static constexpr std::size_t kRows = 16;  ///< that a task takes; more than taps reach
+
+    Team& team_;
     bool torus_;
     Point sides_;
     int columns_;

@@ -14,6 +14,7 @@ constexpr double kCells = 5;       ///< of the splines' grid, a cycle of the hig
 constexpr double kFewestRows = 4;  ///< spacings across a torus
 constexpr double kLeft = 0.01;     ///< share of F that the steps of a round may leave; the next one squares the rest
 constexpr int kMostSteps = 40;
+constexpr std::size_t kSites = 8192;  ///< that a task takes
 
 /// The frequency that is the first not to be silenced, in cycles a unit.
 double end_of(const Domain& torus, std::size_t sites) {
@@ -39,12 +40,13 @@ bool Stealth::fits(const Domain& torus, std::size_t sites) {
     return static_cast<double>(sites) >= (1 - kRounding) * fewest_sites(torus.unit_bounds().max);
 }
 
-Stealth::Stealth(const Domain& torus, std::size_t sites)
-    : sides_(torus.unit_bounds().max),
+Stealth::Stealth(const Domain& torus, std::size_t sites, Team& team)
+    : team_(team),
+      sides_(torus.unit_bounds().max),
       sites_(static_cast<double>(sites)),
       listener_(highest(end_of(torus, sites), sides_.x), highest(end_of(torus, sites), sides_.y)),
       listened_(sites),
-      grid_(true, sides_, cells_for(end_of(torus, sites), sides_.x), cells_for(end_of(torus, sites), sides_.y)) {
+      grid_(true, sides_, cells_for(end_of(torus, sites), sides_.x), cells_for(end_of(torus, sites), sides_.y), team) {
     const double end = end_of(torus, sites);
     const int columns = highest(end, sides_.x), rows = highest(end, sides_.y);
     for (int row = -rows; row <= rows; ++row) {
@@ -119,13 +121,15 @@ void Stealth::find_moves(const Coefficients& potential, std::span<const Point> s
         }
     });
     grid_.transform_back();
-    std::ranges::transform(sites, moves.begin(), [&](Point p) { return grid_.gradient(p); });
+    for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) moves[i] = grid_.gradient(sites[i]);
+    });
 }
 
 /// J u: how moves change F.
 void Stealth::change_of(std::span<const Point> sites, std::span<const Point> moves, Coefficients& change) {
     grid_.clear();
-    for (std::size_t i = 0; i < sites.size(); ++i) grid_.spread_move(sites[i], moves[i]);
+    grid_.spread_moves(sites, moves);
     grid_.transform();
     grid_.with_coefficients([&](auto spectrum) {
         if constexpr (std::is_same_v<typename decltype(spectrum)::value_type, std::complex<double>>) {

@@ -9,6 +9,7 @@
 #include "core/analysis/nonuniform_transform.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
+#include "core/parallel/team.h"
 #include "core/polish/spline_grid.h"
 
 namespace ccdt {
@@ -37,7 +38,8 @@ public:
 
     /// @param torus  that fits the sites
     /// About 400 bytes a site.
-    Stealth(const Domain& torus, std::size_t sites);
+    /// @param team  must outlive this
+    Stealth(const Domain& torus, std::size_t sites, Team& team = alone());
 
     /// Computes the moves of a round.
     /// @param sites  [sites] in the unit frame; anywhere
@@ -64,6 +66,7 @@ private:
     double product(const Coefficients& a, const Coefficients& b) const;
     void precondition(const Coefficients& from, Coefficients& to) const;
 
+    Team& team_;
     Point sides_;
     double sites_;
     std::vector<Wave> waves_;  ///< one of each pair k, -k

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <numbers>
 #include <type_traits>
@@ -11,7 +12,8 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::size_t kStopStride = 65536;  ///< sites between two looks at the stop token
+// What a task takes.
+constexpr std::size_t kSites = 8192, kCells = 16384, kRows = 16;
 constexpr double kPi = std::numbers::pi;
 
 constexpr double kCellsPerSpacing = 2;  ///< a grid's highest frequency is one cycle a spacing, just above kShortest
@@ -63,8 +65,10 @@ double contrast_of(const Density& density, const CellBlock& block) {
 
 }  // namespace
 
-Transport::Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop)
-    : torus_(domain.is_torus()),
+Transport::Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop,
+                     Team& team)
+    : team_(team),
+      torus_(domain.is_torus()),
       uniform_(density.is_uniform()),
       sides_(domain.unit_bounds().max),
       sites_(static_cast<double>(sites)) {
@@ -113,7 +117,7 @@ void Transport::add_octave() {
     const auto cells = [&](double side) {
         return std::max(kFewestCells, good_size(kCellsPerSpacing * side / spacing));
     };
-    octaves_.push_back({SplineGrid(torus_, sides_, cells(sides_.x), cells(sides_.y)), {}});
+    octaves_.push_back({SplineGrid(torus_, sides_, cells(sides_.x), cells(sides_.y), team_), {}});
     Octave& octave = octaves_.back();
     const SplineGrid& grid = octave.grid;
     octave.factors.resize(grid.coefficient_count());
@@ -130,11 +134,13 @@ std::vector<double> Transport::masses(const Density& density, const CellBlock& b
     const SplineGrid& grid = octaves_[0].grid;
     const auto columns = static_cast<std::size_t>(grid.columns()), rows = static_cast<std::size_t>(grid.rows());
     std::vector<double> mass(columns * rows);
-    for (std::size_t row = 0; row < rows; ++row) {
-        density.resample_row(block, grid.columns(), grid.rows(), static_cast<int>(row),
-                             std::span(mass).subspan(row * columns, columns));
-    }
-    for (double& m : mass) m *= sites_ / density.total();
+    for_ranges(team_, rows, kRows, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+            const auto values = std::span(mass).subspan(row * columns, columns);
+            density.resample_row(block, grid.columns(), grid.rows(), static_cast<int>(row), values);
+            for (double& m : values) m *= sites_ / density.total();
+        }
+    });
     return mass;
 }
 
@@ -157,7 +163,9 @@ std::vector<double> Transport::smoothed(const std::vector<double>& masses, doubl
     std::copy(masses.begin(), masses.end(), grid.grid().begin());
     grid.forward();
     grid.with_coefficients([&, &across = across, &up = up](auto coefficients) {
-        for (auto& coefficient : coefficients) coefficient *= scale;
+        for_ranges(team_, coefficients.size(), kCells, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t number = begin; number < end; ++number) coefficients[number] *= scale;
+        });
         grid.for_frequencies([&](std::size_t number, int i, int j) {
             coefficients[number] *= across[static_cast<std::size_t>(i)] * up[static_cast<std::size_t>(std::abs(j))];
         });
@@ -172,16 +180,20 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
     const std::vector<double> coarse = smoothed(masses, kLevelSmoothing * finest_);
     levels_.resize(masses.size());
     spacings_.resize(masses.size());
-    double highest = 0;
-    for (std::size_t cell = 0; cell < masses.size(); ++cell) {
-        spacings_[cell] = static_cast<float>(1 / std::sqrt(std::max(fine[cell], sparsest)));
-        const double spacing = 1 / std::sqrt(std::max(coarse[cell], sparsest));
-        const double level = std::log2(spacing / finest_) + kCaution;
-        levels_[cell] = static_cast<float>(std::clamp(level, 0.0, static_cast<double>(kMostOctaves - 1)));
-        if (masses[cell] > 0) highest = std::max(highest, static_cast<double>(levels_[cell]));
-    }
+    std::vector<double> highest((masses.size() + kCells - 1) / kCells, 0);
+    for_ranges(team_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
+        double& own = highest[begin / kCells];
+        for (std::size_t cell = begin; cell < end; ++cell) {
+            spacings_[cell] = static_cast<float>(1 / std::sqrt(std::max(fine[cell], sparsest)));
+            const double spacing = 1 / std::sqrt(std::max(coarse[cell], sparsest));
+            const double level = std::log2(spacing / finest_) + kCaution;
+            levels_[cell] = static_cast<float>(std::clamp(level, 0.0, static_cast<double>(kMostOctaves - 1)));
+            if (masses[cell] > 0) own = std::max(own, static_cast<double>(levels_[cell]));
+        }
+    });
     const double largest = std::max(sides_.x, sides_.y);
-    while (static_cast<double>(octaves_.size()) < highest + 1 && octave_spacing(octaves_.size()) < largest)
+    while (static_cast<double>(octaves_.size()) < std::ranges::max(highest) + 1 &&
+           octave_spacing(octaves_.size()) < largest)
         add_octave();
     const auto last = static_cast<float>(octaves_.size() - 1);
     for (float& level : levels_) level = std::min(level, last);
@@ -194,7 +206,9 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
     const auto [across, up] = along_axes(grid, [](double f, double side) { return 1 / sinc(f * side); });
     targets_.assign(grid.coefficient_count(), 0);
     for (std::size_t octave = 0; octave < octaves_.size() && !stop.stop_requested(); ++octave) {
-        for (std::size_t i = 0; i < masses.size(); ++i) grid.grid()[i] = masses[i] * part(i, octave);
+        for_ranges(team_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) grid.grid()[i] = masses[i] * part(i, octave);
+        });
         grid.forward();
         const double highest = std::pow(kShortest / octave_spacing(octave), 2);
         grid.with_coefficients([&, &across = across, &up = up](auto coefficients) {
@@ -303,11 +317,32 @@ bool Transport::transform(const std::stop_token& stop) {
 /// Spreads all sites and transforms them.
 /// @returns  false if it was stopped
 bool Transport::spread(std::span<const Point> sites, std::span<const double> weights, const std::stop_token& stop) {
-    const std::size_t whole = sites.size() - weights.size();
+    const auto weight = [&](std::size_t i) {
+        const std::size_t whole = sites.size() - weights.size();
+        return i < whole ? 1 : weights[i - whole];
+    };
     clear();
-    for (std::size_t i = 0; i < sites.size(); ++i) {
-        if (i % kStopStride == 0 && stop.stop_requested()) return false;
-        spread(in_box(sites[i]), i < whole ? 1 : weights[i - whole]);
+    std::vector<double> values;
+    if (levels_.empty()) {
+        for (std::size_t i = 0; !weights.empty() && i < sites.size(); ++i) values.push_back(weight(i));
+        octaves_[0].grid.spread(sites, values);  // which has the whole box
+        return transform(stop);
+    }
+    std::vector<Point> places(sites.size());
+    std::vector<std::uint32_t> cells(sites.size());
+    for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            places[i] = in_box(sites[i]);
+            cells[i] = static_cast<std::uint32_t>(cell_of(places[i]));
+        }
+    });
+    values.resize(sites.size());
+    for (std::size_t octave = 0; octave < octaves_.size(); ++octave) {
+        if (stop.stop_requested()) return false;
+        for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) values[i] = weight(i) * part(cells[i], octave);
+        });
+        octaves_[octave].grid.spread(places, values);
     }
     return transform(stop);
 }
@@ -317,7 +352,9 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
 template <class Coefficient>
 void Transport::join_octaves(std::span<Coefficient> total) {
     const SplineGrid& finest = octaves_[0].grid;
-    for (std::size_t number = 0; number < total.size(); ++number) total[number] *= octaves_[0].factors[number];
+    for_ranges(team_, total.size(), kCells, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t number = begin; number < end; ++number) total[number] *= octaves_[0].factors[number];
+    });
     for (std::size_t octave = 1; octave < octaves_.size(); ++octave) {
         auto& [grid, factors] = octaves_[octave];
         grid.with_coefficients([&, &grid = grid, &factors = factors](auto part) {
@@ -335,16 +372,18 @@ void Transport::join_octaves(std::span<Coefficient> total) {
 template <class Coefficient>
 void Transport::solve(std::span<Coefficient> total) {
     join_octaves(total);
-    for (std::size_t number = 0; number < total.size(); ++number) {
-        if (!targets_.empty()) {
-            if constexpr (std::is_same_v<Coefficient, double>) {
-                total[number] -= targets_[number].real();
-            } else {
-                total[number] -= targets_[number];
+    for_ranges(team_, total.size(), kCells, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t number = begin; number < end; ++number) {
+            if (!targets_.empty()) {
+                if constexpr (std::is_same_v<Coefficient, double>) {
+                    total[number] -= targets_[number].real();
+                } else {
+                    total[number] -= targets_[number];
+                }
             }
+            total[number] *= to_potential_[number];
         }
-        total[number] *= to_potential_[number];
-    }
+    });
 }
 
 bool Transport::displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop,
@@ -354,14 +393,16 @@ bool Transport::displacements(std::span<const Point> sites, std::span<Point> mov
     finest.with_coefficients([&](auto total) { solve(total); });
     if (stop.stop_requested()) return false;
     finest.transform_back();
-    for (std::size_t i = 0; i < sites.size(); ++i) {
-        if (i % kStopStride == 0 && stop.stop_requested()) return false;
-        const double spacing = this->spacing(sites[i]);
-        const Point move = (spacing * spacing) * finest.gradient(in_box(sites[i]));
-        const double longest = kLongestMove * spacing, distance = length(move);
-        moves[i] = distance > longest ? (longest / distance) * move : move;
-    }
-    return true;
+    for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+        if (stop.stop_requested()) return;
+        for (std::size_t i = begin; i < end; ++i) {
+            const double spacing = this->spacing(sites[i]);
+            const Point move = (spacing * spacing) * finest.gradient(in_box(sites[i]));
+            const double longest = kLongestMove * spacing, distance = length(move);
+            moves[i] = distance > longest ? (longest / distance) * move : move;
+        }
+    });
+    return !stop.stop_requested();
 }
 
 }  // namespace ccdt

@@ -36,8 +36,10 @@ public:
     /// @param density  must outlive this
     /// @param sites    >= 1
     /// @param stop     asked now and then; leaves what is of no use
+    /// @param team     must outlive this
     /// O(density's cells + sites log sites).
-    Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {});
+    Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {},
+              Team& team = alone());
 
     /// Computes the moves of a round.
     /// @param sites    [sites] in the unit frame; inside, on a torus anywhere
@@ -79,6 +81,7 @@ private:
     template <class Coefficient>
     void solve(std::span<Coefficient> total);
 
+    Team& team_;
     bool torus_;
     bool uniform_;
     Point origin_;  ///< of the box that holds all of the density, and its sides

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/delaunay.h"
+#include "core/parallel/thread_team.h"
 #include "core/random.h"
 #include "tests/support/meshes.h"
 #include "tests/support/pictures.h"
@@ -217,6 +218,44 @@ TEST(Distribute, GivesTheSameBytesOnAllThreads) {
         }
     }
     for (const auto& result : results) EXPECT_TRUE(same_bytes(result, expected));
+}
+
+TEST(Distribute, GivesTheSameBytesByAnyTeam) {
+    constexpr std::size_t kSites = 20'000;  // enough for several blocks of sites, on several levels
+    const Domain land = domain_of(test::read_geojson("South-Africa-50m.geojson"));
+    const Domain square = domain_of(kSquare), torus = Domain::torus(1, 0.8).value();
+    const Density uniform = Density::uniform(), picture = portrait();
+    struct Case {
+        std::string name;
+        const Domain& domain;
+        const Density& density;
+        Options options;
+    };
+    const std::vector<Case> cases{
+        {"square", square, uniform, {.sites = kSites, .quality = Quality::Best, .keep_mesh = true}},
+        {"random start", square, uniform, {.sites = kSites, .start = Start::Random, .quality = Quality::Draft}},
+        {"picture", square, picture, {.sites = kSites, .keep_mesh = true}},
+        {"torus", torus, uniform, {.sites = kSites, .quality = Quality::Stealthy}},
+        {"picture on a torus", torus, picture, {.sites = kSites}},
+        {"polygon", land, uniform, {.sites = kSites, .keep_mesh = true}},
+        {"picture in a polygon", land, picture, {.sites = kSites, .quality = Quality::Draft}},
+        {"fixed points", square, uniform, {.sites = kSites, .fixed = {{0.5, 0.5}, {0.51, 0.5}, {0.1, 0.9}}}}};
+    for (const Case& c : cases) {
+        SCOPED_TRACE(c.name);
+        const auto expected = distribute(c.domain, c.density, c.options).value();
+        for (const std::size_t size : {2, 3, 16}) {
+            ThreadTeam team(size);
+            Control control;
+            control.team = &team;
+            const auto found = distribute(c.domain, c.density, c.options, control).value();
+            EXPECT_TRUE(same_bytes(found.points, expected.points)) << size << " threads";
+            EXPECT_EQ(found.trace, expected.trace);
+            EXPECT_EQ(found.polished, expected.polished);
+            if (!c.options.keep_mesh) continue;
+            EXPECT_TRUE(same_bytes(found.mesh->vertices, expected.mesh->vertices));
+            EXPECT_EQ(found.mesh->triangles, expected.mesh->triangles);
+        }
+    }
 }
 
 TEST(Distribute, MovesAndGrowsWithItsDomain) {

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/parallel/thread_team.h"
+
 #include "core/random.h"
 
 namespace ccdt {
@@ -144,6 +146,23 @@ TEST(RealTransform, IsTheSameOnManyThreads) {
         for (auto& result : found) threads.emplace_back([&] { result = transformed(); });
     }
     for (const auto& result : found) EXPECT_EQ(result, expected);
+}
+
+TEST(RealTransform, IsTheSameByAnyTeam) {
+    const auto values = noise(90 * 100);
+    const auto there_and_back = [&](auto&& transform) {
+        std::ranges::copy(values, transform.grid().begin());
+        transform.forward();
+        std::vector<double> found(transform.grid().begin(), transform.grid().end());
+        transform.backward();
+        found.insert(found.end(), transform.grid().begin(), transform.grid().end());
+        return found;
+    };
+    for (const std::size_t size : {2, 3, 16}) {
+        ThreadTeam team(size);
+        EXPECT_EQ(there_and_back(RealTransform(90, 100, team)), there_and_back(RealTransform(90, 100)));
+        EXPECT_EQ(there_and_back(CosineTransform(90, 100, team)), there_and_back(CosineTransform(90, 100)));
+    }
 }
 
 TEST(CosineTransform, FindsTheOnlyWave) {

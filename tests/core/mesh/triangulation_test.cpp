@@ -1,9 +1,14 @@
 #include "core/mesh/triangulation.h"
 
+#include <array>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "core/ccdt/start.h"
+#include "core/parallel/thread_team.h"
 #include "core/random.h"
 #include "tests/support/meshes.h"
 
@@ -104,6 +109,59 @@ TEST(Triangulation, HoldsInAllShapes) {
             expect_valid(start.mesh, c.parts.size(), c.holes);
         }
     }
+}
+
+TEST(Triangulation, InsertsAllSitesByAnyTeam) {
+    constexpr std::size_t kSites = 30'000;
+    const Options options{.sites = kSites, .seed = 3};
+    const Parts ring{{test::box(0, 0, 4, 4), {test::box(1, 1, 2, 2)}}};
+    const Domain domain = domain_of(ring);
+    const Density density = Density::uniform();
+    const StartSites start(domain, density, options);
+    std::vector<std::uint32_t> coarse, fine;
+    for (std::uint32_t site = 0; site < kSites; ++site) (site % 8 == 0 ? coarse : fine).push_back(site);
+    const auto corners_by = [&](Team& team) {
+        Triangulation mesh = empty_mesh(ring, kSites);
+        mesh.set_team(team);
+        for (const auto& sites : {coarse, fine}) {
+            const auto draw = [&](std::uint32_t site, int attempt) { return start.draw(site, attempt); };
+            for (const std::uint32_t site : mesh.insert_all(sites, draw, 16, 0)) {
+                for (int attempt = 16; !mesh.insert(site, start.draw(site, attempt)); ++attempt) continue;
+            }
+        }
+        mesh.trim();
+        expect_valid(mesh, 1, 1);
+        std::vector<std::array<std::uint32_t, 3>> corners;
+        for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) corners.push_back(mesh.corners(t));
+        return corners;
+    };
+    const auto expected = corners_by(alone());
+    for (const std::size_t size : {2, 5}) {
+        ThreadTeam team(size);
+        EXPECT_EQ(corners_by(team), expected);
+    }
+}
+
+TEST(Triangulation, LeavesOutSitesWithoutAPlace) {
+    // Half of the sites are drawn outside: they are told, and the others are all there.
+    constexpr std::size_t kSites = 10'000;
+    Triangulation mesh = empty_mesh(kSquare, kSites);
+    std::vector<std::uint32_t> sites(kSites);
+    std::iota(sites.begin(), sites.end(), 0u);
+    const auto draw = [](std::uint32_t site, int) {
+        Random random(1, site);
+        const double x = random.uniform(), y = random.uniform();
+        return Point{site % 2 == 0 ? x : x + 1.5, y};
+    };
+    const auto left = mesh.insert_all(sites, draw, 2, 0);
+    ASSERT_EQ(left.size(), kSites / 2);
+    for (const std::uint32_t site : left) {
+        ASSERT_EQ(site % 2, 1u);
+        const Point p = draw(site, 0);
+        ASSERT_TRUE(mesh.insert(site, {p.x - 1.5, p.y}));
+    }
+    mesh.trim();
+    expect_valid(mesh, 1, 0);
 }
 
 TEST(Triangulation, FlipsBackAfterMoves) {

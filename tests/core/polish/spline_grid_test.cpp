@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/parallel/thread_team.h"
 #include "core/random.h"
 
 namespace ccdt {
@@ -161,6 +162,43 @@ TEST(SplineGrid, SpreadsMoves) {
         for (const auto& [place, value] : points) grid.spread_move(place, {value, 1 - value});
         grid.transform();
         EXPECT_NEAR(grid.grid()[7] + 2 * grid.grid()[333], slope, 1e-4 * std::abs(slope)) << torus;
+    }
+}
+
+TEST(SplineGrid, SpreadsManyAsItSpreadsEach) {
+    Random random(5, 0);
+    std::vector<Point> points(30'000), moves(points.size());
+    std::vector<double> values(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        points[i] = {2 * random.uniform(), random.uniform()};
+        moves[i] = {random.uniform(), random.uniform()};
+        values[i] = i % 3 == 0 ? 0 : random.uniform();
+    }
+    for (const bool torus : {false, true}) {
+        const auto cells_of = [&](Team& team, auto&& spread) {
+            SplineGrid grid(torus, {2, 1}, 160, 90, team);
+            grid.clear();
+            spread(grid);
+            grid.transform();
+            grid.backward();
+            return std::vector<double>(grid.grid().begin(), grid.grid().end());
+        };
+        const auto each = cells_of(alone(), [&](SplineGrid& grid) {
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                grid.spread(points[i], values[i]);
+                grid.spread_move(points[i], moves[i]);
+            }
+        });
+        const auto all = [&](SplineGrid& grid) {
+            grid.spread(points, values);
+            grid.spread_moves(points, moves);
+        };
+        const auto alone_all = cells_of(alone(), all);
+        for (std::size_t i = 0; i < each.size(); ++i) ASSERT_NEAR(alone_all[i], each[i], 1e-4);
+        for (const std::size_t size : {2, 16}) {
+            ThreadTeam team(size);
+            EXPECT_EQ(cells_of(team, all), alone_all);
+        }
     }
 }
 
