@@ -65,39 +65,58 @@ private:
     fftw_plan plan_ = nullptr;
 };
 
-/// Transforms of all rows of a grid, or of all columns: so many at a time, each time at the same time as others.
-class Lines {
-public:
-    /// @param make  calls one of FFTW's planners for so many lines, the first ones
-    template <class Make>
-    Lines(int count, Make make) : count_(count) {
-        if (count >= kLines) some_.emplace([&] { return make(kLines); });
-        if (count % kLines != 0) rest_.emplace([&] { return make(count % kLines); });
-    }
-
-    /// @param execute  called with a plan and the number of its first line
-    template <class Execute>
-    void run(Team& team, Execute execute) const {
-        for_ranges(team, static_cast<std::size_t>(count_), kLines, [&](std::size_t begin, std::size_t end) {
-            execute((end - begin == kLines ? some_ : rest_)->get(), begin);
-        });
-    }
-
-private:
-    static constexpr int kLines = 32;
-
-    int count_;
-    std::optional<Plan> some_, rest_;
-};
-
 std::size_t product(int columns, int rows) {
     assert(columns >= 1 && rows >= 1);
     return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
 }
 
 /// std::complex is laid out as FFTW's pair of doubles: the C++ standard says so.
-fftw_complex* pairs(const Buffer<std::complex<double>>& buffer) {
-    return reinterpret_cast<fftw_complex*>(buffer.data());
+fftw_complex* pairs(std::complex<double>* values) {
+    return reinterpret_cast<fftw_complex*>(values);
+}
+
+/// Transforms of all rows of a grid, or of all columns: some at a time, each time at the same time as others.
+class Lines {
+public:
+    static constexpr int kLines = 16;
+
+    /// @param make  calls one of FFTW's planners for so many lines
+    template <class Make>
+    Lines(int count, Make make) : count_(count) {
+        if (count >= kLines) some_.emplace([&] { return make(kLines); });
+        if (count % kLines != 0) rest_.emplace([&] { return make(count % kLines); });
+    }
+
+    /// @param execute  called with a plan, and the number of its first line and the one after its last
+    template <class Execute>
+    void run(Team& team, Execute execute) const {
+        for_ranges(team, static_cast<std::size_t>(count_), kLines, [&](std::size_t begin, std::size_t end) {
+            execute((end - begin == kLines ? some_ : rest_)->get(), begin, end);
+        });
+    }
+
+private:
+    int count_;
+    std::optional<Plan> some_, rest_;
+};
+
+/// Transforms columns where they lie next to each other: in a large grid their steps from row to row would meet in few
+/// places of the cache.
+/// @param grid     row by row
+/// @param execute  called with a plan and columns one after the other
+template <class Value, class Execute>
+void run_columns(Team& team, const Lines& lines, Value* grid, std::size_t width, std::size_t rows, Execute execute) {
+    lines.run(team, [&](fftw_plan plan, std::size_t begin, std::size_t end) {
+        const Buffer<Value> columns((end - begin) * rows);
+        Value* const data = columns.data();
+        for (std::size_t row = 0; row < rows; ++row) {
+            for (std::size_t i = begin; i < end; ++i) data[(i - begin) * rows + row] = grid[row * width + i];
+        }
+        execute(plan, data);
+        for (std::size_t row = 0; row < rows; ++row) {
+            for (std::size_t i = begin; i < end; ++i) grid[row * width + i] = data[(i - begin) * rows + row];
+        }
+    });
 }
 
 }  // namespace
@@ -119,37 +138,37 @@ struct RealTransform::Plans {
     Plans(int columns, int rows, Team& of_threads)
         : team(of_threads),
           width(static_cast<std::size_t>(columns)),
+          height(static_cast<std::size_t>(rows)),
           kept(width / 2 + 1),
           grid(product(columns, rows)),
-          spectrum(kept * static_cast<std::size_t>(rows)),
+          spectrum(kept * height),
           rows_forward(rows,
                        [&](int lines) {
                            return fftw_plan_many_dft_r2c(1, &columns, lines, grid.data(), nullptr, 1, columns,
-                                                         pairs(spectrum), nullptr, 1, columns / 2 + 1, kFlags);
+                                                         pairs(spectrum.data()), nullptr, 1, columns / 2 + 1, kFlags);
                        }),
           rows_backward(rows,
                         [&](int lines) {
-                            return fftw_plan_many_dft_c2r(1, &columns, lines, pairs(spectrum), nullptr, 1,
+                            return fftw_plan_many_dft_c2r(1, &columns, lines, pairs(spectrum.data()), nullptr, 1,
                                                           columns / 2 + 1, grid.data(), nullptr, 1, columns, kFlags);
                         }),
-          columns_forward(columns / 2 + 1, [&](int lines) { return plan_columns(columns, rows, lines, FFTW_FORWARD); }),
-          columns_backward(columns / 2 + 1,
-                           [&](int lines) { return plan_columns(columns, rows, lines, FFTW_BACKWARD); }) {}
+          columns_forward(columns / 2 + 1, [&](int lines) { return plan_columns(rows, lines, FFTW_FORWARD); }),
+          columns_backward(columns / 2 + 1, [&](int lines) { return plan_columns(rows, lines, FFTW_BACKWARD); }) {}
 
-    fftw_plan plan_columns(int columns, int rows, int lines, int sign) {
-        const int stride = columns / 2 + 1;
-        return fftw_plan_many_dft(1, &rows, lines, pairs(spectrum), nullptr, stride, 1, pairs(spectrum), nullptr,
-                                  stride, 1, sign, kFlags);
+    static fftw_plan plan_columns(int rows, int lines, int sign) {
+        const Buffer<std::complex<double>> buffer(product(rows, lines));
+        fftw_complex* const data = pairs(buffer.data());
+        return fftw_plan_many_dft(1, &rows, lines, data, nullptr, 1, rows, data, nullptr, 1, rows, sign, kFlags);
     }
 
-    void run_columns(const Lines& lines) {
-        lines.run(team, [this](fftw_plan plan, std::size_t first) {
-            fftw_execute_dft(plan, pairs(spectrum) + first, pairs(spectrum) + first);
+    void transform_columns(const Lines& lines) {
+        run_columns(team, lines, spectrum.data(), kept, height, [](fftw_plan plan, std::complex<double>* data) {
+            fftw_execute_dft(plan, pairs(data), pairs(data));
         });
     }
 
     Team& team;
-    std::size_t width, kept;
+    std::size_t width, height, kept;
     Buffer<double> grid;
     Buffer<std::complex<double>> spectrum;
     Lines rows_forward, rows_backward, columns_forward, columns_backward;
@@ -175,17 +194,17 @@ std::span<const std::complex<double>> RealTransform::spectrum() const {
 
 void RealTransform::forward() {
     Plans& p = *plans_;
-    p.rows_forward.run(p.team, [&](fftw_plan plan, std::size_t row) {
-        fftw_execute_dft_r2c(plan, p.grid.data() + row * p.width, pairs(p.spectrum) + row * p.kept);
+    p.rows_forward.run(p.team, [&](fftw_plan plan, std::size_t row, std::size_t) {
+        fftw_execute_dft_r2c(plan, p.grid.data() + row * p.width, pairs(p.spectrum.data() + row * p.kept));
     });
-    p.run_columns(p.columns_forward);
+    p.transform_columns(p.columns_forward);
 }
 
 void RealTransform::backward() {
     Plans& p = *plans_;
-    p.run_columns(p.columns_backward);
-    p.rows_backward.run(p.team, [&](fftw_plan plan, std::size_t row) {
-        fftw_execute_dft_c2r(plan, pairs(p.spectrum) + row * p.kept, p.grid.data() + row * p.width);
+    p.transform_columns(p.columns_backward);
+    p.rows_backward.run(p.team, [&](fftw_plan plan, std::size_t row, std::size_t) {
+        fftw_execute_dft_c2r(plan, pairs(p.spectrum.data() + row * p.kept), p.grid.data() + row * p.width);
     });
 }
 
@@ -193,26 +212,32 @@ struct CosineTransform::Plans {
     Plans(int columns, int rows, Team& of_threads)
         : team(of_threads),
           width(static_cast<std::size_t>(columns)),
+          height(static_cast<std::size_t>(rows)),
           grid(product(columns, rows)),
-          rows_forward(rows, [&](int lines) { return plan(columns, lines, 1, columns, FFTW_REDFT10); }),
-          rows_backward(rows, [&](int lines) { return plan(columns, lines, 1, columns, FFTW_REDFT01); }),
-          columns_forward(columns, [&](int lines) { return plan(rows, lines, columns, 1, FFTW_REDFT10); }),
-          columns_backward(columns, [&](int lines) { return plan(rows, lines, columns, 1, FFTW_REDFT01); }) {}
+          rows_forward(rows, [&](int lines) { return plan(columns, lines, FFTW_REDFT10); }),
+          rows_backward(rows, [&](int lines) { return plan(columns, lines, FFTW_REDFT01); }),
+          columns_forward(columns, [&](int lines) { return plan(rows, lines, FFTW_REDFT10); }),
+          columns_backward(columns, [&](int lines) { return plan(rows, lines, FFTW_REDFT01); }) {}
 
-    fftw_plan plan(int size, int lines, int stride, int distance, fftw_r2r_kind kind) {
-        return fftw_plan_many_r2r(1, &size, lines, grid.data(), nullptr, stride, distance, grid.data(), nullptr, stride,
-                                  distance, &kind, kFlags);
+    static fftw_plan plan(int size, int lines, fftw_r2r_kind kind) {
+        const Buffer<double> buffer(product(size, lines));
+        return fftw_plan_many_r2r(1, &size, lines, buffer.data(), nullptr, 1, size, buffer.data(), nullptr, 1, size,
+                                  &kind, kFlags);
     }
 
-    void run(const Lines& lines, std::size_t distance) {
-        lines.run(team, [this, distance](fftw_plan plan, std::size_t first) {
-            double* const data = grid.data() + first * distance;
-            fftw_execute_r2r(plan, data, data);
+    void transform_rows(const Lines& lines) {
+        lines.run(team, [this](fftw_plan plan, std::size_t row, std::size_t) {
+            fftw_execute_r2r(plan, grid.data() + row * width, grid.data() + row * width);
         });
     }
 
+    void transform_columns(const Lines& lines) {
+        run_columns(team, lines, grid.data(), width, height,
+                    [](fftw_plan plan, double* data) { fftw_execute_r2r(plan, data, data); });
+    }
+
     Team& team;
-    std::size_t width;
+    std::size_t width, height;
     Buffer<double> grid;
     Lines rows_forward, rows_backward, columns_forward, columns_backward;
 };
@@ -228,13 +253,13 @@ std::span<double> CosineTransform::grid() {
 }
 
 void CosineTransform::forward() {
-    plans_->run(plans_->rows_forward, plans_->width);
-    plans_->run(plans_->columns_forward, 1);
+    plans_->transform_rows(plans_->rows_forward);
+    plans_->transform_columns(plans_->columns_forward);
 }
 
 void CosineTransform::backward() {
-    plans_->run(plans_->columns_backward, 1);
-    plans_->run(plans_->rows_backward, plans_->width);
+    plans_->transform_columns(plans_->columns_backward);
+    plans_->transform_rows(plans_->rows_backward);
 }
 
 }  // namespace ccdt
