@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -31,6 +32,8 @@ struct Timings {
     double decode = 0;
     double optimise = 0;
     double encode = 0;
+    double processor = 0;       ///< of all threads, but for decoding; filled, as the next one, by whoever has them
+    std::uint32_t threads = 0;  ///< that have worked at once, at most; 0: nothing was computed
 };
 
 /// Dots of a halftone, for whoever draws them himself.

@@ -222,13 +222,17 @@ Result<std::unique_ptr<ComputeBox>> ComputeBox::start(SupervisedProgram::Launch 
         std::byte ready{};
         return receive_message(socket, {&ready, 1}) == 1;
     };
+    auto threads = SharedNumber::create(1);
+    if (!threads) return tl::unexpected(std::move(threads.error()));
     auto fork_server = SupervisedProgram::start("worker", std::move(launch), greet, std::move(tell));
     if (!fork_server) return tl::unexpected(std::move(fork_server.error()));
-    return std::unique_ptr<ComputeBox>(new ComputeBox(*std::move(fork_server), options, std::move(relay)));
+    return std::unique_ptr<ComputeBox>(
+        new ComputeBox(*std::move(fork_server), *std::move(threads), options, std::move(relay)));
 }
 
-ComputeBox::ComputeBox(std::unique_ptr<SupervisedProgram> fork_server, const Options& options, Relay relay)
-    : options_(options), relay_(std::move(relay)), fork_server_(std::move(fork_server)) {}
+ComputeBox::ComputeBox(std::unique_ptr<SupervisedProgram> fork_server, SharedNumber threads, const Options& options,
+                       Relay relay)
+    : options_(options), relay_(std::move(relay)), threads_(std::move(threads)), fork_server_(std::move(fork_server)) {}
 
 ComputeBox::~ComputeBox() = default;
 
@@ -283,7 +287,7 @@ Result<ComputeBox::Process> ComputeBox::make_process(int nice, const std::stop_t
         const timeval longest{options_.to_stop.count(), 0};
         setsockopt(channel->ours.get(), SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof(longest));
         const ForkOrder order{nice};
-        const std::array<int, 2> theirs = {channel->theirs.get(), events->theirs.get()};
+        const std::array<int, 3> theirs = {channel->theirs.get(), events->theirs.get(), threads_.file().get()};
         if (send_message(fork_server->get(), bytes_of(order), theirs))
             return Process{std::move(channel->ours), std::move(events->ours), nice};
         lost = fork_server;

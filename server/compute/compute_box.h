@@ -15,6 +15,7 @@
 #include "api/run/options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
+#include "server/processes/shared_number.h"
 #include "server/processes/supervised_program.h"
 #include "server/processes/unique_fd.h"
 #include "server/work/computation.h"
@@ -55,6 +56,12 @@ public:
     Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
                                 api::Timings& timings);
 
+    /// Has each computation use so many threads, of which one is its process' own, from its next step on.
+    void lend(std::size_t threads) { threads_.store(static_cast<std::uint32_t>(threads)); }
+
+    /// Threads that each computation may have now: 1 at first.
+    std::size_t lent() const { return threads_.load(); }
+
     /// Whether processes can be made now, or are about to be for the first time.
     bool is_ready() const { return fork_server_->is_ready(); }
 
@@ -69,7 +76,8 @@ private:
     struct Process;
     class Conversation;
 
-    ComputeBox(std::unique_ptr<SupervisedProgram> fork_server, const Options& options, Relay relay);
+    ComputeBox(std::unique_ptr<SupervisedProgram> fork_server, SharedNumber threads, const Options& options,
+               Relay relay);
 
     Result<Process> take_process(int nice, const std::stop_token& stop);
     Result<Process> make_process(int nice, const std::stop_token& stop);
@@ -80,6 +88,7 @@ private:
     std::atomic<std::uint64_t> crashes_ = 0;
     std::atomic<std::uint64_t> decoder_deaths_ = 0;
     std::atomic<std::uint64_t> computations_ = 0;
+    SharedNumber threads_;  ///< that each computation may have
 
     std::mutex mutex_;
     std::map<int, std::vector<Process>> idle_;  ///< by how much they give way; guarded by the mutex

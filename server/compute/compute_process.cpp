@@ -1,7 +1,10 @@
 #include "server/compute/compute_process.h"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
+#include <ctime>
 #include <exception>
 #include <mutex>
 #include <new>
@@ -15,10 +18,11 @@
 #include <malloc.h>
 #include <unistd.h>
 
-#include "server/compute/compute_protocol.h"
+#include "core/parallel/thread_team.h"
 #include "server/decoder/decoder_client.h"
 #include "server/decoder/decoder_protocol.h"
 #include "server/processes/messages.h"
+#include "server/processes/shared_number.h"
 
 namespace ccdt::server {
 namespace {
@@ -95,6 +99,33 @@ private:
     std::jthread listener_;  ///< last: it uses all the rest
 };
 
+/// The threads that the server lends a computation.
+class LentThreads : public Team {
+public:
+    /// @param lent  how many it may have, the caller's among them; outlives this
+    explicit LentThreads(const NumberOfOthers& lent) : threads_([this, &lent] { return lent_ = lent.load(1); }) {}
+
+    void run(std::size_t count, const std::function<void(std::size_t)>& task) override {
+        threads_.run(count, task);
+        most_ = std::max(most_, std::min(count, lent_));
+    }
+
+    /// How many have worked at once, at most.
+    std::size_t most() const { return most_; }
+
+private:
+    std::size_t lent_ = 1;
+    std::size_t most_ = 1;
+    ThreadTeam threads_;
+};
+
+/// Milliseconds that the processors have worked for this process, by all its threads.
+double processor_time() {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
 /// Sends a reply with its texts. If nobody takes them the process is about to end.
 void send_reply(int channel, Reply reply, const std::array<std::string_view, Reply::kTexts>& texts) {
     for (std::size_t i = 0; i < texts.size(); ++i) reply.sizes[i] = texts[i].size();
@@ -112,15 +143,22 @@ Result<api::Answer> answer(const Task& task, const Computer& compute, const api:
     }
 }
 
-void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder, int channel) {
+void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder, const NumberOfOthers& lent,
+              int channel) {
     const auto deaths = decoder.deaths();
+    const double before = processor_time();
+    LentThreads threads(lent);
     Reply reply;
-    const Control control{task.stop.get_token(), [&](const Progress& progress) {
+    const Control control{task.stop.get_token(),
+                          [&](const Progress& progress) {
                               Reply step;
                               step.progress = progress;
                               send_reply(channel, step, {});
-                          }};
+                          },
+                          &threads};
     const auto result = answer(task, compute, decoder.functions(), control, reply.timings);
+    reply.timings.processor = processor_time() - before;
+    reply.timings.threads = static_cast<std::uint32_t>(threads.most());
     reply.decoder_deaths = decoder.deaths() - deaths;
     if (!result) {
         reply.kind = Reply::Kind::Failure;
@@ -141,14 +179,15 @@ void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder,
 
 }  // namespace
 
-void run_compute_process(UniqueFd channel, UniqueFd events, const Computer& compute) {
-    Inbox inbox(channel.get());
+void run_compute_process(ComputeFiles files, const Computer& compute) {
+    const NumberOfOthers lent(files.threads);
+    Inbox inbox(files.channel.get());
     DecoderClient decoder(
-        [&events](const Order& order, const std::stop_token&) { return send_order(events.get(), order); });
+        [&files](const Order& order, const std::stop_token&) { return send_order(files.events.get(), order); });
     while (true) {
         const Task task = inbox.wait();
         const auto start = std::chrono::steady_clock::now();
-        reply_to(task, compute, decoder, channel.get());
+        reply_to(task, compute, decoder, lent, files.channel.get());
         if (std::chrono::steady_clock::now() - start > kLong) malloc_trim(0);
     }
 }

@@ -8,6 +8,7 @@
 #include "api/run/options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
+#include "server/processes/unique_fd.h"
 #include "server/work/computation.h"
 
 namespace ccdt::server {
@@ -17,9 +18,16 @@ namespace ccdt::server {
 ///
 /// A process has two sockets. Over its channel, a stream, come calls and go replies. Over the other one, which keeps
 /// messages apart, go its orders to the decoder, as decoder_protocol.h has them, and, when it has ended, comes from the
-/// fork server how.
+/// fork server how. How many threads it may have it reads in memory that it shares with the server.
 
-/// Order to the fork server, with the two sockets: another process is wanted.
+/// What a process that computes has of the server.
+struct ComputeFiles {
+    UniqueFd channel;
+    UniqueFd events;
+    UniqueFd threads;  ///< of a SharedNumber: how many a computation may have now
+};
+
+/// Order to the fork server, with the files: another process is wanted.
 struct ForkOrder {
     std::int32_t nice = 0;  ///< how much it gives way to others
 };

@@ -46,9 +46,9 @@ public:
             reap();
             if (polled[0].revents == 0) continue;
             ForkOrder order;
-            std::array<UniqueFd, 2> sockets;
-            if (receive_message(orders_.get(), writable_bytes_of(order), sockets) == 0) return;
-            start(order, std::move(sockets));
+            std::array<UniqueFd, 3> files;
+            if (receive_message(orders_.get(), writable_bytes_of(order), files) == 0) return;
+            start(order, {std::move(files[0]), std::move(files[1]), std::move(files[2])});
         }
     }
 
@@ -58,17 +58,16 @@ private:
         UniqueFd events;
     };
 
-    void start(const ForkOrder& order, std::array<UniqueFd, 2> sockets) {
-        auto& [channel, events] = sockets;
-        if (!channel || !events) return;
+    void start(const ForkOrder& order, ComputeFiles files) {
+        if (!files.channel || !files.events || !files.threads) return;
         const pid_t process = fork();
-        if (process == 0) become(order, std::move(channel), std::move(events));
-        if (process < 0) return tell(events, {errno, 0});
-        children_.push_back({process, std::move(events)});
+        if (process == 0) become(order, std::move(files));
+        if (process < 0) return tell(files.events, {errno, 0});
+        children_.push_back({process, std::move(files.events)});
     }
 
     /// Becomes a process that computes; in the child.
-    [[noreturn]] void become(const ForkOrder& order, UniqueFd channel, UniqueFd events) {
+    [[noreturn]] void become(const ForkOrder& order, ComputeFiles files) {
         children_.clear();
         orders_.reset();
         sigset_t none;
@@ -76,7 +75,7 @@ private:
         sigprocmask(SIG_SETMASK, &none, nullptr);
         setpriority(PRIO_PROCESS, 0, order.nice);
         volunteer_for_out_of_memory();
-        compute_(std::move(channel), std::move(events));
+        compute_(std::move(files));
         _exit(kFailed);
     }
 

@@ -2,12 +2,13 @@
 
 #include <functional>
 
+#include "server/compute/compute_protocol.h"
 #include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
 
 /// The work of a process that computes; it does not return.
-using ComputeProcess = std::function<void(UniqueFd channel, UniqueFd events)>;
+using ComputeProcess = std::function<void(ComputeFiles files)>;
 
 /// Says that it is ready, then forks a process for each order that comes, as compute_protocol.h has them, and tells how
 /// they end. The calling process, of one thread, becomes it, and ends once the other end of `orders` is closed.

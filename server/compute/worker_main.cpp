@@ -16,7 +16,6 @@ int main() {
         return 2;
     }
     give_back_freed_memory();
-    run_fork_server(std::move(orders), [](UniqueFd channel, UniqueFd events) {
-        run_compute_process(std::move(channel), std::move(events), compute_here);
-    });
+    share_heap_among_threads();
+    run_fork_server(std::move(orders), [](ComputeFiles files) { run_compute_process(std::move(files), compute_here); });
 }

@@ -31,6 +31,7 @@ constexpr std::size_t kJobBytes = std::size_t{1} << 30;
 /// Values that flags and variables set; some defaults wait for the number of workers.
 struct Draft {
     Config config;
+    std::optional<std::size_t> threads_per_request;
     std::optional<std::size_t> queue;
     std::optional<std::size_t> connections;
     std::optional<std::size_t> memory;
@@ -162,6 +163,9 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"--bind", "BIND", "ADDRESS", "address to listen on, or unix:PATH (127.0.0.1)", set_bind},
     {"--workers", "CCDT_WORKERS", "N", "threads that compute (one per core)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.workers, text, 1, 1024); }},
+    {"--threads-per-request", "CCDT_THREADS_PER_REQUEST", "N",
+     "most threads of a request while others idle, 1 for no more (workers, but one per core)",
+     [](Draft& draft, std::string_view text) { return set_whole(draft.threads_per_request.emplace(), text, 1, 1024); }},
     {"--queue", "CCDT_QUEUE", "N", "requests that may wait for a worker (16 per worker)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.queue.emplace(), text, 0, 4096); }},
     {"--max-body", "CCDT_MAX_BODY", "BYTES", "largest request body; KiB, MiB and GiB are understood (64MiB)",
@@ -299,8 +303,10 @@ std::string default_of(const Setting& setting) {
 std::vector<ChosenValue> chosen_values(const Draft& draft) {
     const Config& config = draft.config;
     const std::map<std::string_view, std::size_t> computed{
-        {"--workers", config.workers}, {"--queue", config.queue}, {"--max-connections", config.capacity.connections},
-        {"--memory", config.memory},   {"--cache", config.cache}, {"--job-bytes", config.jobs.bytes},
+        {"--workers", config.workers},      {"--threads-per-request", config.threads_per_request},
+        {"--queue", config.queue},          {"--max-connections", config.capacity.connections},
+        {"--memory", config.memory},        {"--cache", config.cache},
+        {"--job-bytes", config.jobs.bytes},
     };
     std::vector<ChosenValue> values;
     for (const Setting& setting : kSettings) {
@@ -333,12 +339,14 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
         return CommandLine{*action, {}, {}};
 
     Draft draft;
-    draft.config.workers = std::max<std::size_t>(1, std::thread::hardware_concurrency());
+    const std::size_t cores = std::max<std::size_t>(1, std::thread::hardware_concurrency());
+    draft.config.workers = cores;
     if (auto read = read_environment(environment, draft); !read) return tl::unexpected(read.error());
     if (auto read = read_flags(arguments, draft); !read) return tl::unexpected(read.error());
     draft.config.cors_origins = draft.cors_origins.value_or(default_cors_origins(draft.config.bind));
     if (draft.config.redis && !draft.config.data_dir.empty())
         return failure(ErrorCode::Malformed, "--data-dir and --redis: jobs are kept in one place");
+    draft.config.threads_per_request = draft.threads_per_request.value_or(std::min(draft.config.workers, cores));
     draft.config.queue = draft.queue.value_or(kQueuePerWorker * draft.config.workers);
     auto& capacity = draft.config.capacity;
     capacity.connections = draft.connections.value_or(kSpareConnections + draft.config.workers + draft.config.queue);

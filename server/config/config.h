@@ -25,7 +25,8 @@ enum class LogFormat { Text, Json };
 struct Config {
     std::string bind = "127.0.0.1";
     int port = 8080;                               ///< 0: any that is free
-    std::size_t workers = 1;                       ///< threads that compute
+    std::size_t workers = 1;                       ///< computations at once
+    std::size_t threads_per_request = 1;           ///< most that a computation is lent while others idle
     std::size_t queue = 16;                        ///< requests that may wait for a worker
     std::size_t max_body = std::size_t{64} << 20;  ///< bytes
     std::size_t memory = std::size_t{1} << 30;     ///< bytes, of the whole program and its decoders

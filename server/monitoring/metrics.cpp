@@ -26,6 +26,9 @@ using prometheus::Histogram;
 const Histogram::BucketBoundaries kSeconds = {0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25,
                                               0.5,   1,      2.5,   5,    10,    30,   60};
 
+/// Bounds of numbers of threads.
+const Histogram::BucketBoundaries kThreads = {1, 2, 4, 8, 16, 32, 64};
+
 Gauge& make_gauge(prometheus::Registry& registry, const char* name, const char* help) {
     return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add({});
 }
@@ -89,8 +92,16 @@ struct Metrics::Families {
     Gauge& capacity = make_gauge(registry, "ccdt_queue_capacity_requests", "Requests that may wait for a worker.");
     Gauge& oldest = make_gauge(registry, "ccdt_queue_oldest_seconds", "How long the oldest of them has waited.");
     Gauge& backlog = make_gauge(registry, "ccdt_queue_backlog_seconds", "How long they will keep the workers busy.");
-    Gauge& workers = make_gauge(registry, "ccdt_workers", "Threads that compute.");
-    Gauge& busy = make_gauge(registry, "ccdt_workers_busy", "Threads that compute something now.");
+    Gauge& workers = make_gauge(registry, "ccdt_workers", "Computations that there may be at once.");
+    Gauge& busy = make_gauge(registry, "ccdt_workers_busy", "Computations that there are now.");
+    Gauge& lent = make_gauge(registry, "ccdt_computation_threads_lent", "Threads that each of them may have now.");
+    Histogram& threads = prometheus::BuildHistogram()
+                             .Name("ccdt_computation_threads")
+                             .Help("Threads that have worked on an answer at once, at most.")
+                             .Register(registry)
+                             .Add({}, kThreads);
+    Counter& processor =
+        make_counter(registry, "ccdt_computation_cpu_seconds_total", "Processor time of computing answers.");
     Gauge& overdue = make_gauge(registry, "ccdt_workers_overdue_seconds",
                                 "How long the slowest worker has gone on after it was told to stop.");
     Gauge& budget = make_gauge(registry, "ccdt_memory_budget_bytes", "For requests and what is computed for them.");
@@ -185,6 +196,8 @@ void Metrics::add_computed(const Computed& computed, const Stages& stages) {
     for (const auto& [name, spent] : {std::pair{"queue", queue}, std::pair{"decode", work.decode},
                                       std::pair{"optimise", work.optimise}, std::pair{"encode", work.encode}})
         all.stage(name).Observe(spent * kMilliseconds);
+    all.threads.Observe(static_cast<double>(work.threads));
+    all.processor.Increment(work.processor * kMilliseconds);
     all.sites.Increment(static_cast<double>(computed.sites));
     all.pixels.Increment(static_cast<double>(computed.pixels));
 }
@@ -231,6 +244,7 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
     all.backlog.Set(load.backlog_seconds);
     all.workers.Set(static_cast<double>(load.workers));
     all.busy.Set(static_cast<double>(load.busy));
+    all.lent.Set(static_cast<double>(watched.lent_threads));
     all.overdue.Set(load.overdue_seconds);
     all.memory.Set(static_cast<double>(resident_bytes()));
     all.descriptors.Set(static_cast<double>(open_descriptors()));

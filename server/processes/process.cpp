@@ -65,6 +65,10 @@ void give_back_freed_memory() {
     mallopt(M_TRIM_THRESHOLD, kGivenBack);
 }
 
+void share_heap_among_threads() {
+    mallopt(M_ARENA_MAX, 1);
+}
+
 std::size_t open_descriptors() {
     std::error_code error;
     const std::filesystem::directory_iterator begin("/proc/self/fd", error);

@@ -16,6 +16,10 @@ std::size_t available_memory();
 /// busiest moment took.
 void give_back_freed_memory();
 
+/// Has all threads allocate from one heap. Left to itself, glibc gives most of them one of their own, each of which
+/// keeps what was freed in it. To be called before there are threads.
+void share_heap_among_threads();
+
 std::size_t open_descriptors();
 std::size_t most_descriptors();
 

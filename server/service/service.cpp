@@ -8,6 +8,7 @@
 #include "server/jobs/sqlite_job_store.h"
 #include "server/processes/child_program.h"
 #include "server/processes/process.h"
+#include "server/work/thread_share.h"
 
 namespace ccdt::server {
 namespace {
@@ -140,6 +141,11 @@ Service::Service(const Config& config, Parts parts, const Log& log)
               log_.exchange(exchange);
           }) {
     metrics_.watch([this] { return figures(); });
+    const auto lend = [this](std::size_t running) {
+        parts_.computing->lend(threads_for_each(config_.workers, running, config_.threads_per_request));
+    };
+    lend(0);
+    pool_.on_change(lend);
 }
 
 Result<void> Service::wait_until_ready() const {
@@ -174,6 +180,7 @@ Metrics::Watched Service::figures() const {
             .memory_reserved = pool_.memory().taken() + waiting_memory_.taken(),
             .decoder_restarts = parts_.decoder->restarts(),
             .computing = parts_.computing->counts(),
+            .lent_threads = parts_.computing->lent(),
             .jobs = jobs_.load(),
             .job_runs = jobs_.counts(),
             .redis = {.jobs = counts_of(parts_.redis.jobs),

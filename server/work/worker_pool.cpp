@@ -178,6 +178,7 @@ std::optional<WorkerPool::Waiting> WorkerPool::take_job_locked(Lane lane, std::o
 
 std::stop_token WorkerPool::begin_locked(const Waiting& job, Lane lane) {
     const auto& running = running_.emplace(job.id, Running{{}, lane, job.cost.seconds, Clock::now()}).first->second;
+    tell_(running_.size());
     return running.stop.get_token();
 }
 
@@ -188,6 +189,7 @@ void WorkerPool::finish_locked(JobId id) {
         pace_ += kNewestWeight * (std::clamp(taken, kLeastPace, kMostPace) - pace_);
     }
     running_.erase(job);
+    tell_(running_.size());
     if (is_idle_locked()) idle_.notify_all();
 }
 

@@ -81,6 +81,10 @@ public:
     /// is not short.
     bool is_full(std::string_view client, bool may_be_short = true) const;
 
+    /// Has it told how many jobs run whenever that changes, at once and not for long. To be called before any are
+    /// submitted.
+    void on_change(std::function<void(std::size_t running)> tell) { tell_ = std::move(tell); }
+
     /// Memory, of which running jobs take their part.
     MemoryBudget& memory() { return memory_; }
     const MemoryBudget& memory() const { return memory_; }
@@ -128,6 +132,7 @@ private:
     const std::size_t capacity_;
 
     MemoryBudget memory_;
+    std::function<void(std::size_t running)> tell_ = [](std::size_t) {};
 
     mutable std::mutex mutex_;  ///< guards the members from here to `pace_`
     std::condition_variable_any job_waits_;

@@ -28,7 +28,6 @@ Result<api::Answer> compute(const ComputeRequest& request, const Delivery& deliv
 
 int main() {
     using namespace ccdt::server;
-    run_fork_server(UniqueFd(ChildProgram::kSocket), [](UniqueFd channel, UniqueFd events) {
-        run_compute_process(std::move(channel), std::move(events), compute);
-    });
+    run_fork_server(UniqueFd(ChildProgram::kSocket),
+                    [](ComputeFiles files) { run_compute_process(std::move(files), compute); });
 }

@@ -10,7 +10,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <latch>
+#include <mutex>
+#include <set>
 #include <stdexcept>
+#include <string>
 #include <thread>
 
 #include "server/compute/compute_process.h"
@@ -30,6 +34,23 @@ void wait_for_stop(const std::stop_token& stop) {
     never.wait(lock, stop, [] { return false; });
 }
 
+/// Has so many tasks wait for each other, for which each needs a thread.
+void meet(Team& team, std::size_t count) {
+    std::latch all(static_cast<std::ptrdiff_t>(count));
+    team.run(count, [&](std::size_t) { all.arrive_and_wait(); });
+}
+
+/// Whether so many threads work at once.
+bool can_meet(Team& team, std::size_t count) {
+    std::set<std::thread::id> threads;
+    std::mutex mutex;
+    team.run(count, [&](std::size_t) {
+        const std::lock_guard lock(mutex);
+        threads.insert(std::this_thread::get_id());
+    });
+    return threads.size() == count;
+}
+
 /// Does what the request's path says, in the process that computes.
 Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery, const api::Limits& limits,
                          const api::Decode&, const Control& control, api::Timings& timings) {
@@ -42,6 +63,12 @@ Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery
     if (request.path == "die again") raise(SIGKILL);
     if (request.path == "throw") throw std::runtime_error("thrown");
     if (request.path == "refuse") return failure(ErrorCode::Unusable, "no", "/a field");
+    if (request.path == "meet") meet(*control.team, std::stoul(request.query));
+    if (request.path == "tell and meet") {
+        control.progress({.iteration = 1});
+        while (!can_meet(*control.team, std::stoul(request.query))) {
+        }
+    }
     if (request.path == "endless") wait_for_stop({});
     if (request.path == "wait") {
         control.progress({.iteration = 1});
@@ -67,9 +94,8 @@ Result<ChildProgram> launch(UniqueFd orders) {
     dup2(orders.get(), ChildProgram::kSocket);
     close_range(ChildProgram::kSocket + 1, ~0U, 0);
     static_cast<void>(orders.release());
-    run_fork_server(UniqueFd(ChildProgram::kSocket), [](UniqueFd channel, UniqueFd events) {
-        run_compute_process(std::move(channel), std::move(events), obey);
-    });
+    run_fork_server(UniqueFd(ChildProgram::kSocket),
+                    [](ComputeFiles files) { run_compute_process(std::move(files), obey); });
 }
 
 class ComputeBoxTest : public testing::Test {
@@ -129,6 +155,35 @@ TEST_F(ComputeBoxTest, TellsEveryStep) {
     const Control control{{}, [&](const Progress& progress) { steps.push_back(progress.iteration); }};
     EXPECT_TRUE(ask({"/", "", "", "", ""}, control));
     EXPECT_EQ(steps, (std::vector<int>{1, 2, 3}));
+}
+
+TEST_F(ComputeBoxTest, LendsThreads) {
+#ifdef __SANITIZE_THREAD__
+    GTEST_SKIP() << "the sanitizer ends forked processes that make a thread where one was before";
+#endif
+    box_->lend(3);
+    ASSERT_TRUE(ask({"meet", "3", "", "", ""}));
+    EXPECT_EQ(timings_.threads, 3U);
+    EXPECT_GT(timings_.processor, 0);
+    ASSERT_TRUE(ask({"meet", "2", "", "", ""}));
+    EXPECT_EQ(timings_.threads, 2U) << "as there was no more to do";
+    box_->lend(1);
+    ASSERT_TRUE(ask({"meet", "1", "", "", ""}));
+    EXPECT_EQ(timings_.threads, 1U) << "the process is there, and has fewer";
+    box_->lend(2);
+    ASSERT_TRUE(ask({"meet", "2", "", "", ""}));
+    EXPECT_EQ(timings_.threads, 2U);
+}
+
+TEST_F(ComputeBoxTest, LendsThreadsToWhatRunsAlready) {
+    bool met = false;
+    const Control control{{}, [&](const Progress&) {
+                              box_->lend(2);
+                              met = true;
+                          }};
+    ASSERT_TRUE(ask({"tell and meet", "2", "", "", ""}, control));
+    EXPECT_TRUE(met);
+    EXPECT_EQ(timings_.threads, 2U);
 }
 
 TEST_F(ComputeBoxTest, UsesProcessesAgain) {

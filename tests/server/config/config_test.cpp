@@ -26,6 +26,7 @@ TEST(Config, HasTheDocumentedDefaults) {
     EXPECT_EQ(config.port, 8080);
     EXPECT_EQ(config.bind, "127.0.0.1");
     EXPECT_GE(config.workers, 1u);
+    EXPECT_EQ(config.threads_per_request, config.workers);
     EXPECT_EQ(config.queue, 16 * config.workers);
     EXPECT_EQ(config.max_body, std::size_t{64} << 20);
     EXPECT_EQ(config.limits.max_pixels, 64'000'000u);
@@ -214,6 +215,15 @@ TEST(Config, LetsAFlagWinOverTheEnvironment) {
     EXPECT_EQ(parsed->config.queue, 32u) << "the queue's default follows the number of workers";
 }
 
+TEST(Config, LendsARequestAsManyThreadsAsThereAreCoresForWorkers) {
+    const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
+    EXPECT_EQ(parse({"--workers=1"})->config.threads_per_request, 1U);
+    EXPECT_EQ(parse({"--workers=1000"})->config.threads_per_request, std::min<std::size_t>(cores, 1000));
+    EXPECT_EQ(shown(parse({"--workers=1"}), "--threads-per-request"), "1|");
+    EXPECT_EQ(parse({"--workers=1", "--threads-per-request=7"})->config.threads_per_request, 7U);
+    EXPECT_EQ(parse({}, {{"CCDT_THREADS_PER_REQUEST", "5"}})->config.threads_per_request, 5U);
+}
+
 TEST(Config, TakesAnEmptyVariableForNone) {
     const auto parsed = parse({}, {{"PORT", ""}, {"CCDT_CORS_ORIGIN", ""}});
     ASSERT_TRUE(parsed);
@@ -233,6 +243,8 @@ TEST(Config, ListsEveryFlagAndVariableInItsHelp) {
                              "BIND",
                              "--workers",
                              "CCDT_WORKERS",
+                             "--threads-per-request",
+                             "CCDT_THREADS_PER_REQUEST",
                              "--queue",
                              "CCDT_QUEUE",
                              "--max-body",
@@ -304,6 +316,7 @@ TEST(Config, NamesWhatIsWrong) {
         {{"--port="}, {}, "--port"},
         {{"--port=80x"}, {}, "--port"},
         {{"--workers=0"}, {}, "--workers"},
+        {{"--threads-per-request=0"}, {}, "--threads-per-request"},
         {{"--max-body=0"}, {}, "--max-body"},
         {{"--max-body=1TiB"}, {}, "--max-body"},
         {{"--max-body=99999999999GiB"}, {}, "--max-body"},

@@ -81,7 +81,8 @@ TEST(Metrics, TellsWhatWasComputedAndGivenUp) {
     Metrics metrics("1");
     Exchange done = exchange("/halftone", 200);
     done.response.record.computed = Computed{5000, 262144};
-    done.response.record.stages = {.queue = 1, .work = {.decode = 30, .optimise = 200, .encode = 4}};
+    done.response.record.stages = {
+        .queue = 1, .work = {.decode = 30, .optimise = 200, .encode = 4, .processor = 350, .threads = 2}};
     metrics.add(done);
     Exchange late = exchange("/halftone", 504);
     late.response.record.cancelled = "deadline";
@@ -92,6 +93,9 @@ TEST(Metrics, TellsWhatWasComputedAndGivenUp) {
     EXPECT_EQ(value(text, R"(ccdt_stage_duration_seconds_bucket{stage="decode",le="0.025"})"), 0);
     EXPECT_EQ(value(text, R"(ccdt_stage_duration_seconds_bucket{stage="decode",le="0.05"})"), 1);
     EXPECT_EQ(value(text, R"(ccdt_stage_duration_seconds_count{stage="queue"})"), 1);
+    EXPECT_EQ(value(text, R"(ccdt_computation_threads_bucket{le="1"})"), 0);
+    EXPECT_EQ(value(text, R"(ccdt_computation_threads_bucket{le="2"})"), 1);
+    EXPECT_EQ(value(text, "ccdt_computation_cpu_seconds_total"), 0.35);
     EXPECT_EQ(value(text, R"(ccdt_cancellations_total{cause="deadline"})"), 1);
     EXPECT_EQ(value(text, R"(ccdt_cancellations_total{cause="client_gone"})"), 0);
 }
@@ -126,6 +130,7 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
                              .memory_reserved = 100,
                              .decoder_restarts = 2,
                              .computing = {.crashes = 8, .restarts = 9, .decoder_deaths = 3},
+                             .lent_threads = 4,
                              .jobs = {},
                              .job_runs = {},
                              .redis = {},
@@ -145,6 +150,7 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
     EXPECT_EQ(value(text, "ccdt_memory_reserved_bytes"), 100);
     EXPECT_EQ(value(text, "ccdt_computation_crashes_total"), 8);
     EXPECT_EQ(value(text, "ccdt_worker_restarts_total"), 9);
+    EXPECT_EQ(value(text, "ccdt_computation_threads_lent"), 4);
     EXPECT_EQ(value(text, "ccdt_decoder_deaths_total"), 3);
     EXPECT_EQ(value(text, "ccdt_decoder_restarts_total"), 2);
     EXPECT_EQ(value(text, "ccdt_job_store_damages_total"), 6);

@@ -50,6 +50,21 @@ TEST(WorkerPool, RunsAsManyJobsAtOnceAsItHasWorkers) {
     pool.drain();
 }
 
+TEST(WorkerPool, TellsHowManyJobsRun) {
+    Gate first, second;
+    std::vector<std::size_t> told;
+    WorkerPool pool(2, 0);
+    pool.on_change([&](std::size_t running) { told.push_back(running); });
+    ASSERT_TRUE(pool.submit(kClient, first.job()));
+    first.wait_until_started();
+    ASSERT_TRUE(pool.submit(kClient, second.job()));
+    second.wait_until_started();
+    first.open();
+    second.open();
+    pool.drain();
+    EXPECT_EQ(told, (std::vector<std::size_t>{1, 2, 1, 0}));
+}
+
 TEST(WorkerPool, RefusesWhatItsQueueCannotHold) {
     Gate gate;
     std::atomic<int> done = 0;

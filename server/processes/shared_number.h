@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/result.h"
+#include "server/processes/unique_fd.h"
+
+namespace ccdt::server {
+
+/// A page of memory that processes share.
+class SharedPage {
+public:
+    SharedPage() = default;
+
+    /// Maps a file's first page; `get` tells whether that went well.
+    SharedPage(const UniqueFd& file, int protection);
+    ~SharedPage();
+    SharedPage(SharedPage&& other) noexcept;
+    SharedPage& operator=(SharedPage&& other) noexcept;
+
+    void* get() const { return page_; }
+
+private:
+    void* page_ = nullptr;
+};
+
+/// A number that one process writes, from any of its threads, and others read: neither takes a system call.
+class SharedNumber {
+public:
+    /// Errors: Internal.
+    static Result<SharedNumber> create(std::uint32_t value);
+
+    void store(std::uint32_t value);
+    std::uint32_t load() const;
+
+    /// A file by which another process may read the number, and do nothing else.
+    const UniqueFd& file() const { return file_; }
+
+private:
+    SharedNumber(UniqueFd file, SharedPage page);
+
+    UniqueFd file_;
+    SharedPage page_;
+};
+
+/// A number that another process writes.
+class NumberOfOthers {
+public:
+    /// @param file  see SharedNumber::file; may be closed afterwards
+    explicit NumberOfOthers(const UniqueFd& file);
+
+    /// @returns  `otherwise` if there was no memory to share
+    std::uint32_t load(std::uint32_t otherwise) const;
+
+private:
+    SharedPage page_;
+};
+
+}  // namespace ccdt::server

@@ -1,0 +1,36 @@
+#include "server/work/thread_share.h"
+
+#include <gtest/gtest.h>
+
+namespace ccdt::server {
+namespace {
+
+TEST(ThreadShare, GivesALoneComputationAllOfThem) {
+    EXPECT_EQ(threads_for_each(8, 0, 100), 8U);
+    EXPECT_EQ(threads_for_each(8, 1, 100), 8U);
+    EXPECT_EQ(threads_for_each(1, 1, 100), 1U);
+}
+
+TEST(ThreadShare, NeverLendsMoreThanThereAre) {
+    for (std::size_t workers = 1; workers <= 16; ++workers) {
+        for (std::size_t running = 1; running <= workers; ++running) {
+            const std::size_t each = threads_for_each(workers, running, 100);
+            EXPECT_LE(each * running, workers);
+            EXPECT_GT((each + 1) * running, workers) << "nor fewer than can be had";
+        }
+    }
+}
+
+TEST(ThreadShare, LeavesEachItsOwn) {
+    EXPECT_EQ(threads_for_each(2, 3, 100), 1U) << "with one that is short besides the workers'";
+    EXPECT_EQ(threads_for_each(16, 17, 100), 1U);
+}
+
+TEST(ThreadShare, KeepsToTheMost) {
+    EXPECT_EQ(threads_for_each(16, 1, 4), 4U);
+    EXPECT_EQ(threads_for_each(16, 8, 4), 2U);
+    EXPECT_EQ(threads_for_each(16, 1, 1), 1U);
+}
+
+}  // namespace
+}  // namespace ccdt::server
