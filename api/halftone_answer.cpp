@@ -26,7 +26,8 @@ public:
           report_(report),
           inks_(std::move(inks)),
           hurry_(control.stop),
-          stop_(stop_of_writing(control, request.on_deadline)) {}
+          stop_(stop_of_writing(control, request.on_deadline)),
+          team_(*control.team) {}
 
     Result<std::string> operator()(const ListWriter& writer) { return writer.write(inks_, report_, stop_); }
 
@@ -45,7 +46,7 @@ public:
         const auto width_mm = request_.drawing.width_mm;
         if (writer.write_plates != nullptr && palette.mixing == Mixing::Multiply)
             return writer.write_plates(rasters, palette.inks, width_mm, stop_);
-        return writer.write(overlay(std::move(rasters), palette, request_.antialias, stop_), width_mm, stop_);
+        return writer.write(overlay(std::move(rasters), palette, request_.antialias, stop_, team_), width_mm, stop_);
     }
 
 private:
@@ -53,7 +54,7 @@ private:
         std::optional<double> radius;
         if (plan_.radius) radius = *plan_.radius * plan_.canvas.scale;
         const DotOptions options{radius, plan_.cover[ink], antialias, plan_.samples};
-        return draw_dots(inks_[ink].dots.points, plan_.canvas, options, stop_);
+        return draw_dots(inks_[ink].dots.points, plan_.canvas, options, stop_, team_);
     }
 
     const HalftoneRequest& request_;
@@ -62,6 +63,7 @@ private:
     std::vector<InkDots> inks_;
     std::stop_token hurry_;
     std::stop_token stop_;
+    Team& team_;
 };
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/fineness.h"
 #include "core/halftone/levels.h"
+#include "core/halftone/pixel_ranges.h"
 #include "core/halftone/reduction.h"
 #include "core/halftone/separation.h"
 #include "core/halftone/tone.h"
@@ -33,8 +34,8 @@ struct SeparatedPicture {
     }
 };
 
-double sum(const std::vector<float>& values) {
-    return std::accumulate(values.begin(), values.end(), 0.0);
+double sum(const std::vector<float>& values, Team& team) {
+    return sum_of_pixels(team, values.size(), [&](std::size_t i) { return static_cast<double>(values[i]); });
 }
 
 tl::unexpected<Error> about_image(const Error& error, const HalftoneRequest& request) {
@@ -59,54 +60,56 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
     return picture_radius(request, size, request.scale.value_or(chosen));
 }
 
-SeparatedPicture separate_grey(const Picture& picture, const HalftoneRequest& request, const Limits& limits) {
-    SeparatedPicture separated{{picture.width, picture.height}, {}, {}, fineness(picture)};
-    std::vector<float> coverage = ink_coverage(picture, request.tone, request.invert);
-    const double radius = rough_radius(request, separated.size, sum(coverage), separated.fineness, limits);
+SeparatedPicture separate_grey(const Picture& picture, const HalftoneRequest& request, const Limits& limits,
+                               Team& team) {
+    SeparatedPicture separated{{picture.width, picture.height}, {}, {}, fineness(picture, team)};
+    std::vector<float> coverage = ink_coverage(picture, request.tone, request.invert, team);
+    const double radius = rough_radius(request, separated.size, sum(coverage, team), separated.fineness, limits);
     separated.cells = resolved_cells(picture.width, picture.height, radius);
     if (separated.cells != CellGrid{picture.width, picture.height})
-        coverage = reduced(coverage, picture.width, picture.height, separated.cells);
+        coverage = reduced(coverage, picture.width, picture.height, separated.cells, team);
     separated.inks.coverage.push_back(std::move(coverage));
     return separated;
 }
 
 /// Estimates the sum of the shares that dots of all inks cover, by a small copy of the picture.
-double rough_ink(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop) {
+double rough_ink(const ColourPicture& picture, const InkSet& inks, Tone tone, const Control& control) {
     constexpr int kSide = 64;
     const CellGrid cells{std::min(picture.width, kSide), std::min(picture.height, kSide)};
-    const Separation small = separate(reduced(picture, cells), inks, tone, stop);
+    const Separation small = separate(reduced(picture, cells, *control.team), inks, tone, control.stop, *control.team);
     double ink = 0;
-    for (const auto& each : small.coverage) ink += sum(each);
+    for (const auto& each : small.coverage) ink += sum(each, *control.team);
     return ink / (static_cast<double>(cells.columns) * cells.rows) * picture.width * picture.height;
 }
 
 SeparatedPicture separate_colours(ColourPicture picture, const HalftoneRequest& request, const Limits& limits,
-                                  const std::stop_token& stop) {
-    SeparatedPicture separated{{picture.width, picture.height}, {}, {}, fineness(picture)};
+                                  const Control& control) {
+    Team& team = *control.team;
+    SeparatedPicture separated{{picture.width, picture.height}, {}, {}, fineness(picture, team)};
     const InkSet inks = ink_set(request.palette);
-    const double ink = rough_ink(picture, inks, request.tone, stop);
+    const double ink = rough_ink(picture, inks, request.tone, control);
     const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
     separated.cells = resolved_cells(picture.width, picture.height, radius);
-    if (separated.cells != CellGrid{picture.width, picture.height}) picture = reduced(picture, separated.cells);
-    separated.inks = separate(picture, inks, request.tone, stop);
+    if (separated.cells != CellGrid{picture.width, picture.height}) picture = reduced(picture, separated.cells, team);
+    separated.inks = separate(picture, inks, request.tone, control.stop, team);
     return separated;
 }
 
 /// Decodes, and separates into inks; one that covers needs no colours of the picture, which take three times the
 /// memory. The decoded picture is gone once this returns.
 Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
-                                          const std::stop_token& stop) {
+                                          const Control& control) {
     if (request.palette.mixing == Mixing::Cover) {
-        auto picture = decode.grey(request.image.bytes, limits.max_pixels, stop);
+        auto picture = decode.grey(request.image.bytes, limits.max_pixels, control.stop);
         if (!picture) return about_image(picture.error(), request);
-        picture = with_levels(*picture, request.levels);
-        return separate_grey(*picture, request, limits);
+        picture = with_levels(*picture, request.levels, *control.team);
+        return separate_grey(*picture, request, limits, *control.team);
     }
-    auto picture = decode.colour(request.image.bytes, limits.max_pixels, stop);
+    auto picture = decode.colour(request.image.bytes, limits.max_pixels, control.stop);
     if (!picture) return about_image(picture.error(), request);
-    picture = with_levels(*picture, request.levels);
-    auto separated = separate_colours(*std::move(picture), request, limits, stop);
-    if (auto going = check_stop(stop); !going) return tl::unexpected(going.error());
+    picture = with_levels(*picture, request.levels, *control.team);
+    auto separated = separate_colours(*std::move(picture), request, limits, control);
+    if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
     return separated;
 }
 
@@ -156,8 +159,7 @@ bool is_proportional(const HalftoneRequest& request) {
 /// Settles how many dots each ink has, and how large they are; what is to be covered becomes what dots are wanted.
 /// @param usual  number of sites, unless their radius decides on it
 Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
-                         std::span<const double> ink, std::size_t usual, const Limits& limits,
-                         const std::stop_token& stop) {
+                         std::span<const double> ink, std::size_t usual, const Limits& limits, const Control& control) {
     constexpr double kToneDigits = 1e4;
     plan.radius = wished_radius(request, plan);
     if (is_proportional(request)) {
@@ -168,8 +170,9 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     DotWish wish{request.sites, plan.radius, request.detail};
     if (!plan.radius) wish.sites = usual;
     if (plan.radius) wish.radius = *plan.radius / side;
-    DotPlan dots = plan_dots(std::move(picture.inks.coverage), picture.cells.columns, picture.cells.rows, wish, stop);
-    if (auto going = check_stop(stop); !going) return going;
+    DotPlan dots = plan_dots(std::move(picture.inks.coverage), picture.cells.columns, picture.cells.rows, wish,
+                             control.stop, *control.team);
+    if (auto going = check_stop(control.stop); !going) return going;
     picture.inks.coverage = std::move(dots.density);
     plan.radius = dots.radius * side;
     plan.tone = std::round(dots.tone * kToneDigits) / kToneDigits;
@@ -183,12 +186,12 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
 /// Makes what dots of several inks are compared with, if they are polished.
 /// @param light  what shall be seen, of each cell
 std::optional<PrintProof> make_proof(const HalftoneRequest& request, const HalftonePlan& plan, const CellGrid& cells,
-                                     const LightPlanes& light) {
+                                     const LightPlanes& light, Team& team) {
     const bool polished = request.run.iterations > 0 && request.run.quality != Quality::Draft;
     if (request.palette.mixing == Mixing::Cover || !polished || !plan.radius) return std::nullopt;
     const std::size_t sites = std::accumulate(plan.sites.begin(), plan.sites.end(), std::size_t{0});
     return PrintProof(light, cells, plan.picture.width, plan.picture.height,
-                      toned(ink_set(request.palette), request.tone), *plan.radius, sites);
+                      toned(ink_set(request.palette), request.tone), *plan.radius, sites, team);
 }
 
 /// Finds what is not as its sender may think: of a film that moves, one picture is taken.
@@ -215,14 +218,14 @@ Result<std::vector<Density>> make_densities(SeparatedPicture& picture, const std
 
 Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                                    const Control& control) {
-    auto picture = separate_picture(request, limits, decode, control.stop);
+    auto picture = separate_picture(request, limits, decode, control);
     if (!picture) return tl::unexpected(picture.error());
     Separation& separation = picture->inks;
     HalftonePlan plan;
     plan.picture = picture->size;
     plan.warnings = warnings_of(request);
     std::vector<double> ink;
-    for (const auto& each : separation.coverage) ink.push_back(sum(each) * picture->cell_area());
+    for (const auto& each : separation.coverage) ink.push_back(sum(each, *control.team) * picture->cell_area());
     const double all_ink = std::accumulate(ink.begin(), ink.end(), 0.0);
     if (!(all_ink > 0)) return nothing_to_draw(request);
     const std::size_t pixels =
@@ -234,9 +237,9 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     plan.canvas = *canvas;
     if (auto checked = request.format->check_side(*canvas, "scale", "scale"); !checked)
         return tl::unexpected(checked.error());
-    auto settled = settle_dots(request, plan, *picture, ink, usual, limits, control.stop);
+    auto settled = settle_dots(request, plan, *picture, ink, usual, limits, control);
     if (!settled) return tl::unexpected(settled.error());
-    plan.proof = make_proof(request, plan, picture->cells, std::exchange(separation.light, {}));
+    plan.proof = make_proof(request, plan, picture->cells, std::exchange(separation.light, {}), *control.team);
     auto densities = make_densities(*picture, plan.sites);
     if (!densities) return about_image(densities.error(), request);
     plan.densities = *std::move(densities);
@@ -250,7 +253,9 @@ Result<std::vector<Distribution>> place_dots(const HalftoneRequest& request, Hal
     if (!domain) return tl::unexpected(domain.error());
     Retouch retouch;
     if (plan.proof) {
-        retouch = [&](std::span<const std::vector<Point>> sites) { return plan.proof->moves(sites, control.stop); };
+        retouch = [&](std::span<const std::vector<Point>> sites) {
+            return plan.proof->moves(sites, control.stop, *control.team);
+        };
     }
     auto dots = distribute_inks(*domain, densities, plan.sites, request.run, control, retouch);
     if (!dots) return about_image(dots.error(), request);

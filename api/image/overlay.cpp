@@ -7,6 +7,7 @@
 
 #include "api/image/ink_set.h"
 #include "api/image/srgb.h"
+#include "core/halftone/pixel_ranges.h"
 
 namespace ccdt::api {
 namespace {
@@ -87,7 +88,7 @@ bool is_grey(const Colour& colour) {
 }
 
 /// Covers the paper. The raster's coverage becomes the pixels: it takes no memory besides.
-DotImage cover(Raster raster, const Palette& palette, bool antialias) {
+DotImage cover(Raster raster, const Palette& palette, bool antialias, Team& team) {
     const Colour& ink = palette.inks.front().colour;
     DotImage picture{raster.width,
                      raster.height,
@@ -98,7 +99,9 @@ DotImage cover(Raster raster, const Palette& palette, bool antialias) {
                      std::move(raster.coverage)};
     if (antialias) return picture;
     picture.palette[1] = picture.palette[255];
-    for (std::uint8_t& pixel : picture.pixels) pixel >>= 7;
+    for_ranges(team, picture.pixels.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) picture.pixels[i] >>= 7;
+    });
     return picture;
 }
 
@@ -109,24 +112,24 @@ bool DotImage::is_bilevel() const {
     return grey && colours == 2 && std::ranges::min(ends) == 0 && std::ranges::max(ends) == 255;
 }
 
-DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antialias, const std::stop_token& stop) {
-    if (palette.mixing == Mixing::Cover) return cover(std::move(rasters.front()), palette, antialias);
+DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antialias, const std::stop_token& stop,
+                 Team& team) {
+    if (palette.mixing == Mixing::Cover) return cover(std::move(rasters.front()), palette, antialias, team);
     const PrintedColour colour_of(palette);
     DotImage picture;
     picture.width = rasters.front().width;
     picture.height = rasters.front().height;
     picture.transparent = palette.paper.transparent;
     if (!antialias) fill_palette(picture, rasters.size(), colour_of);
-    const auto width = static_cast<std::size_t>(picture.width);
     picture.pixels.resize(rasters.front().coverage.size() * picture.channels());
-    for (std::size_t begin = 0; begin < rasters.front().coverage.size(); begin += width) {
-        if (stop.stop_requested()) break;
+    for_ranges(team, rasters.front().coverage.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+        if (stop.stop_requested()) return;
         if (antialias) {
-            fill_colours(rasters, begin, begin + width, colour_of, picture);
+            fill_colours(rasters, begin, end, colour_of, picture);
         } else {
-            fill_codes(rasters, begin, begin + width, picture);
+            fill_codes(rasters, begin, end, picture);
         }
-    }
+    });
     return picture;
 }
 

@@ -1,15 +1,24 @@
 #include "core/halftone/blur.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstddef>
+
+#include "core/halftone/pixel_ranges.h"
 
 namespace ccdt {
 
 namespace {
 
 constexpr int kBoxes = 2;
+
+/// Columns that are filtered together: their sums stay in the cache.
+constexpr std::size_t kColumns = 256;
+
+/// Rows that are filtered together: a sum has to wait for the one before it in its row, but not for other rows'.
+constexpr std::size_t kRows = 4;
 
 /// Weighs 2 * reach + 1 values alike, and one more at each end by a share of that.
 struct Box {
@@ -37,17 +46,19 @@ int mirrored(int place, int side) {
     return within < side ? within : period - 1 - within;
 }
 
-/// Filters all columns of a plane.
-void filter_columns(const Box& box, int width, int height, const float* from, float* to) {
-    const auto columns = static_cast<std::size_t>(width);
-    const auto row = [&](int y) { return from + static_cast<std::size_t>(mirrored(y, height)) * columns; };
-    std::vector<double> sums(columns);  // of the values in reach
+/// Filters columns of a plane.
+/// @param from, to  the first of these columns
+/// @param columns   kColumns at most
+void filter_columns(const Box& box, int width, int height, const float* from, float* to, std::size_t columns) {
+    const auto stride = static_cast<std::size_t>(width);
+    const auto row = [&](int y) { return from + static_cast<std::size_t>(mirrored(y, height)) * stride; };
+    std::array<double, kColumns> sums{};  // of the values in reach
     for (int y = -box.reach; y <= box.reach; ++y) {
         for (std::size_t x = 0; x < columns; ++x) sums[x] += static_cast<double>(row(y)[x]);
     }
     for (int y = 0; y < height; ++y) {
         const float *before = row(y - box.reach - 1), *first = row(y - box.reach), *after = row(y + box.reach + 1);
-        float* out = to + static_cast<std::size_t>(y) * columns;
+        float* out = to + static_cast<std::size_t>(y) * stride;
         for (std::size_t x = 0; x < columns; ++x) {
             const double ends = static_cast<double>(before[x]) + static_cast<double>(after[x]);
             out[x] = static_cast<float>(box.weight * (sums[x] + box.end * ends));
@@ -56,39 +67,66 @@ void filter_columns(const Box& box, int width, int height, const float* from, fl
     }
 }
 
-/// Filters one row in place.
-/// @param padded  room for the row and what its sides mirror
-void filter_row(const Box& box, int width, float* row, std::vector<float>& padded) {
-    const int margin = box.reach + 1;
-    padded.resize(static_cast<std::size_t>(width + 2 * margin));
-    std::copy_n(row, width, padded.begin() + margin);
+/// Copies a row with what its sides mirror.
+void pad(const float* row, int width, int margin, float* padded) {
+    std::copy_n(row, width, padded + margin);
     for (int x = 1; x <= margin; ++x) {
-        padded[static_cast<std::size_t>(margin - x)] = row[mirrored(-x, width)];
-        padded[static_cast<std::size_t>(margin + width - 1 + x)] = row[mirrored(width - 1 + x, width)];
+        padded[margin - x] = row[mirrored(-x, width)];
+        padded[margin + width - 1 + x] = row[mirrored(width - 1 + x, width)];
     }
-    double sum = 0;
-    for (int x = 1; x <= 2 * box.reach + 1; ++x) sum += static_cast<double>(padded[static_cast<std::size_t>(x)]);
+}
+
+/// Filters some rows in place.
+/// @param padded  room for the rows and what their sides mirror
+template <std::size_t kCount>
+void filter_rows(const Box& box, int width, float* rows, std::vector<float>& padded) {
+    const int margin = box.reach + 1;
+    const auto columns = static_cast<std::size_t>(width), stride = columns + 2 * static_cast<std::size_t>(margin);
+    padded.resize(kCount * stride);
+    std::array<double, kCount> sums{};  // of the values in reach
+    for (std::size_t row = 0; row < kCount; ++row) {
+        const float* values = padded.data() + row * stride;
+        pad(rows + row * columns, width, margin, padded.data() + row * stride);
+        for (int x = 1; x <= 2 * box.reach + 1; ++x) sums[row] += static_cast<double>(values[x]);
+    }
     const float* before = padded.data();
     const float* after = before + 2 * margin;
-    for (int x = 0; x < width; ++x) {
-        const double ends = static_cast<double>(before[x]) + static_cast<double>(after[x]);
-        row[x] = static_cast<float>(box.weight * (sum + box.end * ends));
-        sum += static_cast<double>(after[x]) - static_cast<double>(before[x + 1]);
+    for (std::size_t x = 0; x < columns; ++x) {
+        for (std::size_t row = 0; row < kCount; ++row) {
+            const std::size_t at = row * stride + x;
+            const double ends = static_cast<double>(before[at]) + static_cast<double>(after[at]);
+            rows[row * columns + x] = static_cast<float>(box.weight * (sums[row] + box.end * ends));
+            sums[row] += static_cast<double>(after[at]) - static_cast<double>(before[at + 1]);
+        }
     }
 }
 
 }  // namespace
 
-std::vector<float> blurred(const std::vector<float>& values, int width, int height, double sigma) {
+void blur(std::vector<float>& values, int width, int height, double sigma, std::vector<float>& scratch, Team& team) {
     assert(sigma >= 0 && values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    std::vector<float> plane(values.size()), other(values.size());
     const Box down = box_of(sigma, height), across = box_of(sigma, width);
-    filter_columns(down, width, height, values.data(), other.data());
-    filter_columns(down, width, height, other.data(), plane.data());
-    for (auto row = plane.begin(); row != plane.end(); row += width) {
-        for (int i = 0; i < kBoxes; ++i) filter_row(across, width, &*row, other);
-    }
-    return plane;
+    const auto columns = static_cast<std::size_t>(width);
+    scratch.resize(values.size());
+    for_ranges(team, columns, kColumns, [&](std::size_t begin, std::size_t end) {
+        filter_columns(down, width, height, values.data() + begin, scratch.data() + begin, end - begin);
+        filter_columns(down, width, height, scratch.data() + begin, values.data() + begin, end - begin);
+    });
+    for_ranges(team, static_cast<std::size_t>(height), rows_of_task(width), [&](std::size_t begin, std::size_t end) {
+        std::vector<float> padded;
+        for (std::size_t row = begin; row < end;) {
+            const bool alone = end - row < kRows;
+            const auto filter = alone ? filter_rows<1> : filter_rows<kRows>;
+            for (int i = 0; i < kBoxes; ++i) filter(across, width, values.data() + row * columns, padded);
+            row += alone ? 1 : kRows;
+        }
+    });
+}
+
+std::vector<float> blurred(std::vector<float> values, int width, int height, double sigma, Team& team) {
+    std::vector<float> scratch;
+    blur(values, width, height, sigma, scratch, team);
+    return values;
 }
 
 }  // namespace ccdt

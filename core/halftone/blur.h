@@ -2,15 +2,23 @@
 
 #include <vector>
 
+#include "core/parallel/team.h"
+
 namespace ccdt {
 
 /// Blurs a plane of values by about a Gaussian, as if mirrored at its sides.
 ///
-/// @param values  [width * height], finite
-/// @param sigma   pixels, >= 0; more than half a side count as that
-/// By two extended boxes each way, whose standard deviation is exact. O(pixels), whatever the sigma.
+/// @param values   [width * height], finite
+/// @param sigma    pixels, >= 0; more than half a side count as that
+/// @param scratch  [width * height], overwritten
+/// By two extended boxes each way, whose standard deviation is exact. Same input, same bytes, whatever the team.
+/// O(pixels), whatever the sigma.
 /// Source: Gwosdek, Grewenig, Bruhn, Weickert 2011, Theoretical foundations of Gaussian convolution by extended box
 /// filtering, section 3.
-std::vector<float> blurred(const std::vector<float>& values, int width, int height, double sigma);
+void blur(std::vector<float>& values, int width, int height, double sigma, std::vector<float>& scratch,
+          Team& team = alone());
+
+/// Blurs a copy.
+std::vector<float> blurred(std::vector<float> values, int width, int height, double sigma, Team& team = alone());
 
 }  // namespace ccdt

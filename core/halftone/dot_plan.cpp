@@ -4,11 +4,13 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <utility>
 
 #include "core/halftone/blur.h"
 #include "core/halftone/coverage_curve.h"
+#include "core/halftone/pixel_ranges.h"
 #include "core/halftone/sharpening.h"
 
 namespace ccdt {
@@ -20,11 +22,13 @@ constexpr double kPi = std::numbers::pi;
 /// What is to be covered, sorted by what is to be covered around there.
 class Demand {
 public:
-    void add(const std::vector<float>& cover, const std::vector<float>& around) {
-        for (std::size_t i = 0; i < cover.size(); ++i) {
-            const float bin = std::clamp(around[i], 0.0f, 1.0f) * kBins;
-            sums_[static_cast<std::size_t>(bin + 0.5f)] += static_cast<double>(cover[i]);
-        }
+    void add(const std::vector<float>& cover, const std::vector<float>& around, Team& team) {
+        if (cover.size() <= kPixelsOfSum) return add(cover, around, 0, cover.size());
+        std::vector<Demand> parts((cover.size() + kPixelsOfSum - 1) / kPixelsOfSum);
+        for_ranges(team, cover.size(), kPixelsOfSum, [&](std::size_t begin, std::size_t end) {
+            parts[begin / kPixelsOfSum].add(cover, around, begin, end);
+        });
+        for (const Demand& part : parts) std::ranges::transform(sums_, part.sums_, sums_.begin(), std::plus());
     }
 
     /// The sum over all that is to be covered of a value that depends on the share around.
@@ -40,6 +44,14 @@ public:
 
 private:
     static constexpr int kBins = 2048;
+
+    void add(const std::vector<float>& cover, const std::vector<float>& around, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const float bin = std::clamp(around[i], 0.0f, 1.0f) * kBins;
+            sums_[static_cast<std::size_t>(bin + 0.5f)] += static_cast<double>(cover[i]);
+        }
+    }
+
     std::array<double, kBins + 1> sums_{};
 };
 
@@ -82,36 +94,34 @@ constexpr double kSurroundings = 0.7;
 /// Turns what is to be covered into dots, per pixel. Returns their sum.
 /// @param area  of a dot, in pixels
 double to_density(std::vector<float>& cover, const std::vector<float>& around, const Discs& discs, double factor,
-                  double area) {
+                  double area, Team& team) {
     constexpr double kNothing = 1e-6;
-    double sum = 0;
-    for (std::size_t i = 0; i < cover.size(); ++i) {
+    return sum_of_pixels(team, cover.size(), [&](std::size_t i) {
         const double share = std::clamp(static_cast<double>(around[i]), kNothing, 1.0);
         cover[i] = static_cast<float>(static_cast<double>(cover[i]) * discs.per_share(share, factor) / area);
-        sum += static_cast<double>(cover[i]);
-    }
-    return sum;
+        return static_cast<double>(cover[i]);
+    });
 }
 
 }  // namespace
 
 DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, const DotWish& wish,
-                  const std::stop_token& stop) {
+                  const std::stop_token& stop, Team& team) {
     assert(wish.sites || wish.radius);
     const auto sites = static_cast<double>(wish.sites.value_or(0));
     const Discs discs;
     const auto radius = [&](const Demand& demand) {
         return wish.radius ? *wish.radius : std::sqrt(discs.sum(demand) / (kPi * sites));
     };
-    Demand alone, demand;
-    for (const auto& each : cover) alone.add(each, each);
-    const double size = radius(alone);
+    Demand first, demand;
+    for (const auto& each : cover) first.add(each, each, team);
+    const double size = radius(first);
     std::vector<std::vector<float>> around;
     for (auto& each : cover) {
         if (stop.stop_requested()) return {};
-        each = sharpened(std::move(each), width, height, wish.detail * size);
-        around.push_back(blurred(each, width, height, kSurroundings * size));
-        demand.add(each, around.back());
+        each = sharpened(each, width, height, wish.detail * size, team);
+        around.push_back(blurred(each, width, height, kSurroundings * size, team));
+        demand.add(each, around.back(), team);
     }
 
     DotPlan plan;
@@ -120,7 +130,7 @@ DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, 
     const double factor = wish.sites && wish.radius ? find_factor(demand, discs, sites * area) : 1;
     plan.tone = discs.tone(demand, factor);
     for (std::size_t ink = 0; ink < cover.size(); ++ink) {
-        plan.dots.push_back(to_density(cover[ink], around[ink], discs, factor, area));
+        plan.dots.push_back(to_density(cover[ink], around[ink], discs, factor, area, team));
         around[ink] = {};
     }
     plan.density = std::move(cover);

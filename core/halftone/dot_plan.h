@@ -5,6 +5,8 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/parallel/team.h"
+
 namespace ccdt {
 
 /// Area, in pixels of the picture, below which dots are counted as if they had it, however small their radius: so the
@@ -35,8 +37,8 @@ struct DotPlan {
 ///
 /// @param cover  [inks][width * height] in [0, 1], one > 0
 /// @param stop   asked now and then; a stop ends it early, with nothing of use
-/// O(pixels).
+/// Same input, same bytes, whatever the team. O(pixels).
 DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, const DotWish& wish,
-                  const std::stop_token& stop = {});
+                  const std::stop_token& stop = {}, Team& team = alone());
 
 }  // namespace ccdt

@@ -5,10 +5,12 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <numeric>
 
 #include "core/halftone/diffusion.h"
+#include "core/halftone/pixel_ranges.h"
 
 namespace ccdt {
 
@@ -16,15 +18,28 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Calls visit(pixel, squared distance) for the pixels whose centres lie within a reach of a point, and a few more.
+/// Rows of a canvas, from the first to before the last.
+struct Band {
+    int top = 0;
+    int bottom = 0;
+
+    int clip(double y) const { return static_cast<int>(std::clamp<double>(y, top, bottom)); }
+};
+
+/// Rows that a reach around a point may touch, as far as they belong to a band.
+Band rows_within(double y, double reach, const Band& band) {
+    return {band.clip(std::floor(y - reach)), band.clip(std::ceil(y + reach))};
+}
+
+/// Calls visit(pixel, squared distance) for a band's pixels whose centres lie within a reach of a point, and a few
+/// more.
 template <class Visit>
-void for_pixels_within(Point centre, const Canvas& canvas, double reach, const Visit& visit) {
+void for_pixels_within(Point centre, const Canvas& canvas, const Band& band, double reach, const Visit& visit) {
     const auto clip = [](double v, int size) {
         return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(size)));
     };
-    const int y0 = clip(std::floor(centre.y - reach), canvas.height);
-    const int y1 = clip(std::ceil(centre.y + reach), canvas.height);
-    for (int y = y0; y < y1; ++y) {
+    const Band rows = rows_within(centre.y, reach, band);
+    for (int y = rows.top; y < rows.bottom; ++y) {
         const double dy = y + 0.5 - centre.y;
         const double half = std::sqrt(std::max(0.0, reach * reach - dy * dy));
         const int x0 = clip(std::floor(centre.x - half), canvas.width);
@@ -39,19 +54,79 @@ void for_pixels_within(Point centre, const Canvas& canvas, double reach, const V
     }
 }
 
-/// Squared distance from each pixel's centre to the nearest dot's, where that is within a reach.
-class DistanceMap {
+/// A value for each pixel of a canvas. Whoever draws sets them: a team does so faster than its caller alone.
+struct Values {
+    std::unique_ptr<float[]> values;
+    std::size_t count = 0;
+
+    float* begin() const { return values.get(); }
+    float* end() const { return values.get() + count; }
+};
+
+/// Dots by the bands of a canvas that they reach into, in each in their order: a pixel meets its dots in the same order
+/// whatever the bands, and bands have no pixel in common.
+class Bands {
 public:
-    DistanceMap(std::span<const Point> dots, const Canvas& canvas, double reach, const std::stop_token& stop)
-        : squared_(static_cast<std::size_t>(canvas.width) * static_cast<std::size_t>(canvas.height),
-                   std::numeric_limits<float>::infinity()) {
-        for (const Point& dot : dots) {
-            if (stop.stop_requested()) return;
-            add(canvas.scale * dot, canvas, reach);
+    Bands(std::span<const Point> dots, const Canvas& canvas, double reach)
+        : width_(canvas.width), height_(canvas.height), rows_(rows_of_band(canvas, reach)) {
+        dots_.resize(static_cast<std::size_t>((height_ + rows_ - 1) / rows_));
+        for (std::size_t dot = 0; dot < dots.size(); ++dot) {
+            const Band rows = rows_within(canvas.scale * dots[dot].y, reach, {0, height_});
+            for (int row = rows.top; row < rows.bottom; row += rows_ - row % rows_)
+                dots_[static_cast<std::size_t>(row / rows_)].push_back(static_cast<std::uint32_t>(dot));
         }
     }
 
-    const std::vector<float>& squared() const { return squared_; }
+    /// Makes a value for each pixel, and then calls draw(values, band, dot) for each band and the dots that reach into
+    /// it.
+    /// @param bare  value of pixels where there is no dot
+    template <class Draw>
+    Values draw(float bare, Team& team, const std::stop_token& stop, const Draw& draw) const {
+        const std::size_t columns = static_cast<std::size_t>(width_);
+        Values values{std::make_unique_for_overwrite<float[]>(columns * static_cast<std::size_t>(height_)),
+                      columns * static_cast<std::size_t>(height_)};
+        team.run(dots_.size(), [&](std::size_t number) {
+            const int top = static_cast<int>(number) * rows_;
+            const Band band{top, std::min(top + rows_, height_)};
+            const auto row = [&](int y) { return values.begin() + static_cast<std::size_t>(y) * columns; };
+            std::fill(row(band.top), row(band.bottom), bare);
+            for (const std::uint32_t dot : dots_[number]) {
+                if (stop.stop_requested()) return;
+                draw(values.begin(), band, dot);
+            }
+        });
+        return values;
+    }
+
+private:
+    /// As many as make it seldom that a dot reaches into several, as long as there are bands for many.
+    static int rows_of_band(const Canvas& canvas, double reach) {
+        constexpr int kBands = 16;
+        const double seldom = std::min(std::ceil(4 * reach), std::floor(canvas.height / kBands));
+        return std::max(static_cast<int>(seldom), static_cast<int>(rows_of_task(canvas.width)));
+    }
+
+    int width_;
+    int height_;
+    int rows_;  ///< of a band
+    std::vector<std::vector<std::uint32_t>> dots_;
+};
+
+/// Squared distance from each pixel's centre to the nearest dot's, where that is within a reach.
+class DistanceMap {
+public:
+    DistanceMap(std::span<const Point> dots, const Canvas& canvas, double reach, const std::stop_token& stop,
+                Team& team)
+        : squared_(Bands(dots, canvas, reach)
+                       .draw(std::numeric_limits<float>::infinity(), team, stop,
+                             [&](float* to, const Band& band, std::size_t dot) {
+                                 const auto keep_less = [to](std::size_t pixel, float squared) {
+                                     to[pixel] = std::min(to[pixel], squared);
+                                 };
+                                 for_pixels_within(canvas.scale * dots[dot], canvas, band, reach, keep_less);
+                             })) {}
+
+    const Values& squared() const { return squared_; }
 
     /// The k-th smallest squared distance, k from 1; infinite beyond the reach.
     float smallest(std::size_t k) const {
@@ -64,12 +139,6 @@ public:
 
 private:
     static constexpr std::uint32_t kOther = ~std::uint32_t{0};
-
-    void add(Point centre, const Canvas& canvas, double reach) {
-        for_pixels_within(centre, canvas, reach, [&](std::size_t pixel, float squared) {
-            squared_[pixel] = std::min(squared_[pixel], squared);
-        });
-    }
 
     /// The key of rank k, counted from 1, among those that are not kOther; k becomes the rank among equal keys.
     template <class Key>
@@ -84,7 +153,7 @@ private:
         return bucket;
     }
 
-    std::vector<float> squared_;
+    Values squared_;
 };
 
 /// Share of a pixel that a disc covers whose rim passes its centre at this distance, inside being positive.
@@ -93,14 +162,14 @@ double pixel_coverage(double inside) {
 }
 
 /// The radius at which antialiased dots have the mean coverage; -0.5 if none has.
-double antialiased_radius(const std::vector<float>& squared, double mean_coverage, double reach) {
+double antialiased_radius(const Values& squared, double mean_coverage, double reach) {
     constexpr std::size_t kBins = 1 << 16;
     std::vector<std::size_t> count(kBins, 0);
     for (const float value : squared) {
         const double bin = std::sqrt(static_cast<double>(value)) / reach * kBins;
         if (bin < kBins) ++count[static_cast<std::size_t>(bin)];
     }
-    const double wanted = mean_coverage * static_cast<double>(squared.size());
+    const double wanted = mean_coverage * static_cast<double>(squared.count);
     double low = -0.5, high = reach;
     for (int i = 0; i < 48; ++i) {
         const double radius = (low + high) / 2;
@@ -122,14 +191,14 @@ struct Fitted {
 
 /// Finds the radius for the mean coverage, looking further out until the reach is enough.
 Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
-                  const std::stop_token& stop) {
+                  const std::stop_token& stop, Team& team) {
     const double pixels = static_cast<double>(canvas.width) * canvas.height;
     const double mean_coverage = std::clamp(options.mean_coverage, 0.0, 1.0);
     const auto wanted = static_cast<std::size_t>(std::lround(mean_coverage * pixels));
     const double alone = std::sqrt(mean_coverage * pixels / (kPi * static_cast<double>(dots.size())));
     const double furthest = std::hypot(canvas.width, canvas.height) + 1;
     for (double reach = std::min(1.4 * alone + 2, furthest);; reach = std::min(1.6 * reach, furthest)) {
-        DistanceMap map(dots, canvas, reach, stop);
+        DistanceMap map(dots, canvas, reach, stop, team);
         const float squared = map.smallest(std::max(wanted, std::size_t{1}));
         const double margin = options.antialias ? 1 : 0;
         if (reach < furthest && !stop.stop_requested() && !(std::sqrt(static_cast<double>(squared)) + margin < reach))
@@ -146,28 +215,31 @@ Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOp
 /// Rims that face each other in a pixel cover what each does, added up; rims that cross, what the one leaves bare of
 /// the other's share. Measured on flat greys: with seven parts of the first and three of the second, all together cover
 /// what discs do to 0.002 at a radius of 3 pixels, and to 0.005 at 1.5.
-Raster draw_soft(std::span<const Point> dots, const Canvas& canvas, double radius, const std::stop_token& stop) {
+Raster draw_soft(std::span<const Point> dots, const Canvas& canvas, double radius, const std::stop_token& stop,
+                 Team& team) {
     constexpr float kFacing = 0.7f;
     // A rim a pixel wide adds pi / 12 to the area of a disc.
     const double middle = std::sqrt(std::max(0.0, radius * radius - 1.0 / 12));
     const auto core = static_cast<float>(middle > 0.5 ? (middle - 0.5) * (middle - 0.5) : -1);
-    std::vector<float> bare(static_cast<std::size_t>(canvas.width) * static_cast<std::size_t>(canvas.height), 1);
-    for (const Point& dot : dots) {
-        if (stop.stop_requested()) break;
-        for_pixels_within(canvas.scale * dot, canvas, middle + 0.5, [&](std::size_t pixel, float squared) {
-            float& left = bare[pixel];
+    const Bands bands(dots, canvas, middle + 0.5);
+    const Values bare = bands.draw(1, team, stop, [&](float* to, const Band& band, std::size_t dot) {
+        const auto cover = [core, middle, to](std::size_t pixel, float squared) {
+            float& left = to[pixel];
             if (squared <= core) {
                 left = 0;
             } else if (left > 0) {
                 const auto share = static_cast<float>(pixel_coverage(middle - std::sqrt(static_cast<double>(squared))));
                 left = kFacing * std::max(0.0f, left - share) + (1 - kFacing) * left * (1 - share);
             }
-        });
-    }
+        };
+        for_pixels_within(canvas.scale * dots[dot], canvas, band, middle + 0.5, cover);
+    });
     Raster raster{canvas.width, canvas.height, radius, {}};
-    raster.coverage.resize(bare.size());
-    std::ranges::transform(bare, raster.coverage.begin(),
-                           [](float left) { return static_cast<std::uint8_t>(std::lrint(255 * (1 - left))); });
+    raster.coverage.resize(bare.count);
+    for_ranges(team, bare.count, kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+        std::transform(bare.begin() + begin, bare.begin() + end, raster.coverage.data() + begin,
+                       [](float left) { return static_cast<std::uint8_t>(std::lrint(255 * (1 - left))); });
+    });
     return raster;
 }
 
@@ -187,7 +259,7 @@ void append_reduced(const Raster& fine, int samples, std::vector<std::uint8_t>& 
 
 /// Draws band by band, so that not all samples are there at once.
 Raster draw_samples(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
-                    const std::stop_token& stop) {
+                    const std::stop_token& stop, Team& team) {
     constexpr int kBand = 1 << 20;  // samples, about
     const int samples = options.samples, a_row = canvas.width * samples * samples;
     Raster raster{canvas.width, canvas.height, options.radius.value(), {}};
@@ -195,7 +267,7 @@ Raster draw_samples(std::span<const Point> dots, const Canvas& canvas, const Dot
     for (int top = 0; top < canvas.height;) {
         const int rows = std::min(canvas.height - top, std::max(1, kBand / a_row));
         const Canvas band{samples * canvas.width, samples * rows, samples * canvas.scale};
-        append_reduced(draw_soft(shifted, band, samples * *options.radius, stop), samples, raster.coverage);
+        append_reduced(draw_soft(shifted, band, samples * *options.radius, stop, team), samples, raster.coverage);
         for (Point& dot : shifted) dot.y -= rows / canvas.scale;
         top += rows;
     }
@@ -214,7 +286,7 @@ int samples_for(double radius, const Canvas& canvas, bool antialias) {
 }
 
 Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
-                 const std::stop_token& stop) {
+                 const std::stop_token& stop, Team& team) {
     assert(canvas.width >= 1 && canvas.height >= 1 && canvas.scale > 0);
     assert(!options.radius || (*options.radius >= 0 && std::isfinite(*options.radius)));
     if (dots.empty()) {
@@ -222,23 +294,25 @@ Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOpt
                 std::vector<std::uint8_t>(static_cast<std::size_t>(canvas.width) *
                                           static_cast<std::size_t>(canvas.height))};
     }
-    if (options.samples == 1 && options.antialias) return draw_soft(dots, canvas, options.radius.value(), stop);
-    if (options.samples > 1) return draw_samples(dots, canvas, options, stop);
-    const Fitted fitted = options.radius ? Fitted{DistanceMap(dots, canvas, *options.radius + 1, stop), *options.radius}
-                                         : fit_radius(dots, canvas, options, stop);
+    if (options.samples == 1 && options.antialias) return draw_soft(dots, canvas, options.radius.value(), stop, team);
+    if (options.samples > 1) return draw_samples(dots, canvas, options, stop, team);
+    const Fitted fitted = options.radius
+                              ? Fitted{DistanceMap(dots, canvas, *options.radius + 1, stop, team), *options.radius}
+                              : fit_radius(dots, canvas, options, stop, team);
     Raster raster{canvas.width, canvas.height, std::max(0.0, fitted.radius), {}};
-    const std::vector<float>& squared = fitted.map.squared();
-    raster.coverage.resize(squared.size());
-    if (options.antialias) {
-        std::transform(squared.begin(), squared.end(), raster.coverage.begin(), [&](float value) {
-            const double share = pixel_coverage(fitted.radius - std::sqrt(static_cast<double>(value)));
-            return static_cast<std::uint8_t>(std::lrint(255 * share));
-        });
-    } else {
-        const auto limit = fitted.radius < 0 ? -1.0f : static_cast<float>(fitted.radius * fitted.radius);
-        std::transform(squared.begin(), squared.end(), raster.coverage.begin(),
-                       [&](float value) { return static_cast<std::uint8_t>(value <= limit ? 255 : 0); });
-    }
+    const Values& squared = fitted.map.squared();
+    raster.coverage.resize(squared.count);
+    const auto limit = fitted.radius < 0 ? -1.0f : static_cast<float>(fitted.radius * fitted.radius);
+    const auto is_covered = [limit](float value) { return static_cast<std::uint8_t>(value <= limit ? 255 : 0); };
+    const auto covered = [radius = fitted.radius](float value) {
+        const double share = pixel_coverage(radius - std::sqrt(static_cast<double>(value)));
+        return static_cast<std::uint8_t>(std::lrint(255 * share));
+    };
+    for_ranges(team, squared.count, kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+        const float *from = squared.begin() + begin, *last = squared.begin() + end;
+        std::uint8_t* const to = raster.coverage.data() + begin;
+        options.antialias ? std::transform(from, last, to, covered) : std::transform(from, last, to, is_covered);
+    });
     return raster;
 }
 

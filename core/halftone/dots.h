@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/geometry/point.h"
+#include "core/parallel/team.h"
 
 namespace ccdt {
 
@@ -50,8 +51,8 @@ int samples_for(double radius, const Canvas& canvas, bool antialias);
 /// @param dots    finite; may lie beyond the canvas
 /// @param canvas  at least 1 x 1, its scale positive
 /// @param stop    asked at each dot; a stop ends it early, with nothing of use
-/// O(pixels + dots), and the area of all dots.
+/// Same input, same bytes, whatever the team. O(pixels + dots), and the area of all dots.
 Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
-                 const std::stop_token& stop = {});
+                 const std::stop_token& stop = {}, Team& team = alone());
 
 }  // namespace ccdt

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
+#include <vector>
 
+#include "core/halftone/pixel_ranges.h"
 #include "core/halftone/srgb.h"
 #include "core/halftone/tone.h"
 
@@ -11,28 +14,47 @@ namespace ccdt {
 
 namespace {
 
+/// What is added up over squares of 2 x 2 pixels.
+struct Sums {
+    double lightness = 0;
+    double squares = 0;
+    double squares_of_means = 0;
+
+    Sums operator+(const Sums& other) const {
+        return {lightness + other.lightness, squares + other.squares, squares_of_means + other.squares_of_means};
+    }
+};
+
+/// Of two rows.
+/// @param first  pixel
+template <class Lightness>
+void add_rows(std::size_t first, std::size_t columns, const Lightness& lightness, Sums& sums) {
+    for (std::size_t i = first; i + 1 < first + columns; i += 2) {
+        const float a = lightness(i), b = lightness(i + 1), c = lightness(i + columns), d = lightness(i + columns + 1);
+        const float all = a + b + c + d;
+        sums.lightness += static_cast<double>(all);
+        sums.squares += static_cast<double>(a * a + b * b + c * c + d * d);
+        sums.squares_of_means += static_cast<double>(all * all / 4);
+    }
+}
+
 /// Of all squares of 2 x 2 pixels.
 /// @param lightness  of a pixel, by its index
 template <class Lightness>
-double fineness(int width, int height, const Lightness& lightness) {
+double fineness(int width, int height, Team& team, const Lightness& lightness) {
     const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
     if (columns < 2 || rows < 2) return 0;
-    double sum = 0, squares = 0, squares_of_means = 0;
-    for (std::size_t y = 0; y + 1 < rows; y += 2) {
-        for (std::size_t x = 0; x + 1 < columns; x += 2) {
-            const std::size_t i = y * columns + x;
-            const float a = lightness(i), b = lightness(i + 1), c = lightness(i + columns),
-                        d = lightness(i + columns + 1);
-            const float all = a + b + c + d;
-            sum += static_cast<double>(all);
-            squares += static_cast<double>(a * a + b * b + c * c + d * d);
-            squares_of_means += static_cast<double>(all * all / 4);
-        }
-    }
+    const std::size_t pairs = rows / 2, range = std::max<std::size_t>(kPixelsOfSum / (2 * columns), 1);
+    std::vector<Sums> parts((pairs + range - 1) / range);
+    for_ranges(team, pairs, range, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t pair = begin; pair < end; ++pair)
+            add_rows(2 * pair * columns, columns, lightness, parts[begin / range]);
+    });
+    const Sums all = std::accumulate(parts.begin(), parts.end(), Sums());
     constexpr double kFlat = 1e-6;  // what rounding makes of a picture without any detail
     const double count = static_cast<double>(columns / 2 * 2) * static_cast<double>(rows / 2 * 2);
-    const double variation = squares - sum * sum / count;
-    return variation > kFlat * count ? std::clamp((squares - squares_of_means) / variation, 0.0, 1.0) : 0;
+    const double variation = all.squares - all.lightness * all.lightness / count;
+    return variation > kFlat * count ? std::clamp((all.squares - all.squares_of_means) / variation, 0.0, 1.0) : 0;
 }
 
 /// Lightness of a luminance, on white.
@@ -43,13 +65,13 @@ float seen(float luminance, const Plane& alpha, std::size_t pixel) {
 
 }  // namespace
 
-double fineness(const Picture& picture) {
-    return fineness(picture.width, picture.height,
+double fineness(const Picture& picture, Team& team) {
+    return fineness(picture.width, picture.height, team,
                     [&](std::size_t pixel) { return seen(picture.luminance[pixel], picture.alpha, pixel); });
 }
 
-double fineness(const ColourPicture& picture) {
-    return fineness(picture.width, picture.height, [&](std::size_t pixel) {
+double fineness(const ColourPicture& picture, Team& team) {
+    return fineness(picture.width, picture.height, team, [&](std::size_t pixel) {
         const float luminance = luminance_of(picture.red[pixel], picture.green[pixel], picture.blue[pixel]);
         return seen(luminance, picture.alpha, pixel);
     });

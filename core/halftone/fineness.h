@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/halftone/picture.h"
+#include "core/parallel/team.h"
 
 namespace ccdt {
 
@@ -8,8 +9,9 @@ namespace ccdt {
 /// 2 pixels lose, in [0, 1]. Photographs have 0.01 to 0.06, text and maps of such pixels 0.1 to 0.4, flat pictures 0.
 ///
 /// Lightness is the root of luminance; what is transparent is white. Values of the picture beyond [0, 1] count as the
-/// nearer end, what is no number as 0. A last row or column without a partner does not count. O(pixels).
-double fineness(const Picture& picture);
-double fineness(const ColourPicture& picture);
+/// nearer end, what is no number as 0. A last row or column without a partner does not count. Same input, same bytes,
+/// whatever the team. O(pixels).
+double fineness(const Picture& picture, Team& team = alone());
+double fineness(const ColourPicture& picture, Team& team = alone());
 
 }  // namespace ccdt

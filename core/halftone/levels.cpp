@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <vector>
 
+#include "core/halftone/pixel_ranges.h"
 #include "core/halftone/srgb.h"
 #include "core/halftone/tone.h"
 
@@ -37,9 +39,11 @@ public:
         return std::lerp(table_[below], table_[below + 1], place - static_cast<float>(below));
     }
 
-    Plane of(const Plane& plane) const {
+    Plane of(const Plane& plane, Team& team) const {
         const auto values = std::make_shared_for_overwrite<float[]>(plane.size());
-        std::ranges::transform(plane, values.get(), *this);
+        for_ranges(team, plane.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+            std::transform(plane.begin() + begin, plane.begin() + end, values.get() + begin, std::cref(*this));
+        });
         return {values, plane.size()};
     }
 
@@ -54,17 +58,21 @@ private:
 
 }  // namespace
 
-Picture with_levels(const Picture& picture, const Levels& levels) {
+Picture with_levels(const Picture& picture, const Levels& levels, Team& team) {
     if (levels == Levels{}) return picture;
     const LevelCurve curve(levels);
-    return {picture.width, picture.height, curve.of(picture.luminance), picture.alpha};
+    return {picture.width, picture.height, curve.of(picture.luminance, team), picture.alpha};
 }
 
-ColourPicture with_levels(const ColourPicture& picture, const Levels& levels) {
+ColourPicture with_levels(const ColourPicture& picture, const Levels& levels, Team& team) {
     if (levels == Levels{}) return picture;
     const LevelCurve curve(levels);
-    return {picture.width,           picture.height,         curve.of(picture.red),
-            curve.of(picture.green), curve.of(picture.blue), picture.alpha};
+    return {picture.width,
+            picture.height,
+            curve.of(picture.red, team),
+            curve.of(picture.green, team),
+            curve.of(picture.blue, team),
+            picture.alpha};
 }
 
 }  // namespace ccdt

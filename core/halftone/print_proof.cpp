@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/halftone/blur.h"
 #include "core/halftone/colour_difference.h"
@@ -19,6 +20,9 @@ constexpr double kFine = 4;
 constexpr double kCoarse = 2;           // at least
 constexpr int kCell = 10;               // samples a side
 constexpr double kSamplesPerDot = 200;  // at most
+
+constexpr std::size_t kCellsOfTask = 256;
+constexpr std::size_t kSitesOfTask = 1024;
 
 /// Slope of half the squared difference from what is wanted by the light of each channel, over the squared slopes and
 /// the light that there is: so a step is as long where light is scarce.
@@ -49,7 +53,7 @@ Channels at(const LightPlanes& planes, std::size_t number) {
 }  // namespace
 
 PrintProof::PrintProof(const LightPlanes& light, const CellGrid& cells, int width, int height, const InkSet& inks,
-                       double radius, std::size_t sites)
+                       double radius, std::size_t sites, Team& team)
     : radius_(radius),
       step_(std::max(radius / kFine,
                      std::sqrt(static_cast<double>(width) * height /
@@ -69,73 +73,96 @@ PrintProof::PrintProof(const LightPlanes& light, const CellGrid& cells, int widt
         const Light colour = printed(inks, cover);
         colours_.push_back({colour.red, colour.green, colour.blue});
     }
-    wanted_ = means([&](int x, int y) {
-        const auto cell = [&](int sample, int count, int size) {
-            const double place = (sample + 0.5) * step_ * (static_cast<double>(count) / size);
-            return static_cast<std::size_t>(std::min(static_cast<int>(place), count - 1));
-        };
-        return at(light, cell(y, cells.rows, height) * static_cast<std::size_t>(cells.columns) +
-                             cell(x, cells.columns, width));
-    });
+    wanted_ = means(
+        [&](int x, int y) {
+            const auto cell = [&](int sample, int count, int size) {
+                const double place = (sample + 0.5) * step_ * (static_cast<double>(count) / size);
+                return static_cast<std::size_t>(std::min(static_cast<int>(place), count - 1));
+            };
+            return at(light, cell(y, cells.rows, height) * static_cast<std::size_t>(cells.columns) +
+                                 cell(x, cells.columns, width));
+        },
+        team);
 }
 
 /// The mean light of each cell's samples, blurred over a cell.
 template <class LightAt>
-LightPlanes PrintProof::means(const LightAt& light_at) const {
+LightPlanes PrintProof::means(const LightAt& light_at, Team& team) const {
     LightPlanes means;
-    for (int row = 0; row < rows_; ++row) {
-        for (int column = 0; column < columns_; ++column) {
-            const int right = std::min(width_, (column + 1) * kCell), below = std::min(height_, (row + 1) * kCell);
-            Channels sum{};
-            for (int y = row * kCell; y < below; ++y) {
-                for (int x = column * kCell; x < right; ++x) {
-                    const Channels light = light_at(x, y);
-                    for (std::size_t c = 0; c < 3; ++c) sum[c] += light[c];
-                }
-            }
-            const double count = (right - column * kCell) * (below - row * kCell);
-            for (std::size_t c = 0; c < 3; ++c) means[c].push_back(static_cast<float>(sum[c] / count));
+    const std::size_t cells = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
+    for (auto& plane : means) plane.resize(cells);
+    for_ranges(team, cells, kCellsOfTask, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t cell = begin; cell < end; ++cell) {
+            const auto columns = static_cast<std::size_t>(columns_);
+            const Channels light = mean(light_at, static_cast<int>(cell % columns), static_cast<int>(cell / columns));
+            for (std::size_t c = 0; c < 3; ++c) means[c][cell] = static_cast<float>(light[c]);
+        }
+    });
+    for (auto& plane : means) plane = blurred(std::move(plane), columns_, rows_, 1, team);
+    return means;
+}
+
+/// The mean light of a cell's samples.
+template <class LightAt>
+PrintProof::Channels PrintProof::mean(const LightAt& light_at, int column, int row) const {
+    const int right = std::min(width_, (column + 1) * kCell), below = std::min(height_, (row + 1) * kCell);
+    Channels mean{};
+    for (int y = row * kCell; y < below; ++y) {
+        for (int x = column * kCell; x < right; ++x) {
+            const Channels light = light_at(x, y);
+            for (std::size_t c = 0; c < 3; ++c) mean[c] += light[c];
         }
     }
-    for (auto& plane : means) plane = blurred(plane, columns_, rows_, 1);
-    return means;
+    const double count = (right - column * kCell) * (below - row * kCell);
+    for (double& each : mean) each /= count;
+    return mean;
 }
 
 /// Inks that cover each sample's centre, as bits.
 std::vector<std::uint8_t> PrintProof::printed_samples(std::span<const std::vector<Point>> sites,
-                                                      const std::stop_token& stop) const {
+                                                      const std::stop_token& stop, Team& team) const {
     std::vector<std::uint8_t> samples(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
     const double reach = radius_ / step_;
-    const auto first = [](double from, int size) {
-        return static_cast<int>(std::clamp<double>(std::ceil(from), 0, size));
+    const auto first = [](double from, int least, int most) {
+        return static_cast<int>(std::clamp<double>(std::ceil(from), least, most));
     };
-    for (std::size_t ink = 0; ink < sites.size() && !stop.stop_requested(); ++ink) {
-        for (const Point& site : sites[ink]) {
-            const Point centre = 1 / step_ * site - Point{0.5, 0.5};
-            const int below = first(centre.y + reach, height_);
-            for (int y = first(centre.y - reach, height_); y < below; ++y) {
-                const double half = std::sqrt(std::max(0.0, reach * reach - (y - centre.y) * (y - centre.y)));
-                const auto row = samples.begin() + static_cast<std::ptrdiff_t>(y) * width_;
-                const int right = first(centre.x + half, width_);
-                for (int x = first(centre.x - half, width_); x < right; ++x)
-                    row[x] = static_cast<std::uint8_t>(row[x] | 1U << ink);
-            }
-        }
-    }
+    // A band of rows each: all have a look at all sites.
+    constexpr std::size_t kBands = 16;
+    for_ranges(team, static_cast<std::size_t>(height_), (static_cast<std::size_t>(height_) + kBands - 1) / kBands,
+               [&](std::size_t begin, std::size_t end) {
+                   const int top = static_cast<int>(begin), bottom = static_cast<int>(end);
+                   for (std::size_t ink = 0; ink < sites.size() && !stop.stop_requested(); ++ink) {
+                       for (const Point& site : sites[ink]) {
+                           const Point centre = 1 / step_ * site - Point{0.5, 0.5};
+                           const int below = first(centre.y + reach, top, bottom);
+                           for (int y = first(centre.y - reach, top, bottom); y < below; ++y) {
+                               const double dy = y - centre.y, half = std::sqrt(std::max(0.0, reach * reach - dy * dy));
+                               const auto row = samples.begin() + static_cast<std::ptrdiff_t>(y) * width_;
+                               const int right = first(centre.x + half, 0, width_);
+                               for (int x = first(centre.x - half, 0, width_); x < right; ++x)
+                                   row[x] = static_cast<std::uint8_t>(row[x] | 1U << ink);
+                           }
+                       }
+                   }
+               });
     return samples;
 }
 
 /// What a unit of light more in each cell would cost.
-LightPlanes PrintProof::pulls(const std::vector<std::uint8_t>& samples) const {
-    const LightPlanes seen = means([&](int x, int y) {
-        return colours_[samples[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                                static_cast<std::size_t>(x)]];
-    });
+LightPlanes PrintProof::pulls(const std::vector<std::uint8_t>& samples, Team& team) const {
+    const LightPlanes seen = means(
+        [&](int x, int y) {
+            return colours_[samples[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                                    static_cast<std::size_t>(x)]];
+        },
+        team);
     LightPlanes pulls = seen;
-    for (std::size_t cell = 0; cell < seen[0].size(); ++cell) {
-        const Channels here = pull(at(wanted_, cell), at(seen, cell));
-        for (std::size_t c = 0; c < 3; ++c) pulls[c][cell] = static_cast<float>(here[c]);
-    }
+    for_ranges(team, seen[0].size(), kCellsOfTask, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t cell = begin; cell < end; ++cell) {
+            const Channels here = pull(at(wanted_, cell), at(seen, cell));
+            for (std::size_t c = 0; c < 3; ++c) pulls[c][cell] = static_cast<float>(here[c]);
+        }
+    });
     return pulls;
 }
 
@@ -168,16 +195,18 @@ Point PrintProof::move(Point site, unsigned ink, const std::vector<std::uint8_t>
 }
 
 std::vector<std::vector<Point>> PrintProof::moves(std::span<const std::vector<Point>> sites,
-                                                  const std::stop_token& stop) const {
+                                                  const std::stop_token& stop, Team& team) const {
     std::vector<std::vector<Point>> moves;
     for (const auto& each : sites) moves.emplace_back(each.size());
     if (columns_ == 0) return moves;
-    const auto samples = printed_samples(sites, stop);
-    const LightPlanes pulls = this->pulls(samples);
+    const auto samples = printed_samples(sites, stop, team);
+    const LightPlanes pulls = this->pulls(samples, team);
     for (unsigned ink = 0; ink < sites.size(); ++ink) {
         if (stop.stop_requested()) break;
-        std::ranges::transform(sites[ink], moves[ink].begin(),
-                               [&](Point site) { return move(site, ink, samples, pulls); });
+        for_ranges(team, sites[ink].size(), kSitesOfTask, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t site = begin; site < end; ++site)
+                moves[ink][site] = move(sites[ink][site], ink, samples, pulls);
+        });
     }
     return moves;
 }

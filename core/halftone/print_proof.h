@@ -10,6 +10,7 @@
 #include "core/geometry/point.h"
 #include "core/halftone/overprint.h"
 #include "core/halftone/reduction.h"
+#include "core/parallel/team.h"
 
 namespace ccdt {
 
@@ -27,7 +28,7 @@ public:
     /// @param radius         of all dots, pixels, > 0
     /// @param sites          how many dots there are, of all inks; bounds the memory
     PrintProof(const LightPlanes& light, const CellGrid& cells, int width, int height, const InkSet& inks,
-               double radius, std::size_t sites);
+               double radius, std::size_t sites, Team& team = alone());
 
     /// Computes the moves of a round: a step of steepest descent on the squared difference of what is seen, by
     /// ColourDifference, blurred over about three radii.
@@ -35,20 +36,21 @@ public:
     /// @param sites  [inks] in pixels, y as rows go
     /// @param stop   asked now and then; the rest is not moved, then
     /// @returns      [inks][sites], none longer than a seventh of a radius; none at all where dots are so few on a
-    /// large
-    ///               picture that they hardly meet
-    /// Same input, same bytes. O(sites).
-    std::vector<std::vector<Point>> moves(std::span<const std::vector<Point>> sites,
-                                          const std::stop_token& stop = {}) const;
+    ///               large picture that they hardly meet
+    /// Same input, same bytes, whatever the team. O(sites).
+    std::vector<std::vector<Point>> moves(std::span<const std::vector<Point>> sites, const std::stop_token& stop = {},
+                                          Team& team = alone()) const;
 
 private:
     using Channels = Overprint::Channels;
 
     template <class LightAt>
-    LightPlanes means(const LightAt& light_at) const;
-    std::vector<std::uint8_t> printed_samples(std::span<const std::vector<Point>> sites,
-                                              const std::stop_token& stop) const;
-    LightPlanes pulls(const std::vector<std::uint8_t>& samples) const;
+    LightPlanes means(const LightAt& light_at, Team& team) const;
+    template <class LightAt>
+    Channels mean(const LightAt& light_at, int column, int row) const;
+    std::vector<std::uint8_t> printed_samples(std::span<const std::vector<Point>> sites, const std::stop_token& stop,
+                                              Team& team) const;
+    LightPlanes pulls(const std::vector<std::uint8_t>& samples, Team& team) const;
     Point move(Point site, unsigned ink, const std::vector<std::uint8_t>& samples, const LightPlanes& pulls) const;
 
     double radius_;                  ///< pixels

@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/halftone/pixel_ranges.h"
 #include "core/halftone/tone.h"
 
 namespace ccdt {
@@ -32,54 +33,66 @@ std::vector<Part> parts_of(int pixels, int cells) {
     return parts;
 }
 
-/// Sums of rows of cells, of which two are being filled.
-class CellRows {
+/// Means over cells.
+class CellMeans {
 public:
-    CellRows(int width, int height, const CellGrid& cells)
+    CellMeans(int width, int height, const CellGrid& cells, Team& team)
         : columns_(static_cast<std::size_t>(cells.columns)),
+          rows_(static_cast<std::size_t>(cells.rows)),
           across_(parts_of(width, cells.columns)),
           down_(parts_of(height, cells.rows)),
           area_(static_cast<double>(width) * height / (static_cast<double>(cells.columns) * cells.rows)),
-          row_(columns_ + 1),
-          sums_(columns_),
-          next_(columns_) {}
+          team_(team) {}
 
     /// Fills [columns * rows] with means of values, which are told by their pixel.
     template <class Value>
-    void fill(float* to, const Value& value) {
-        std::size_t pixel = 0;
-        std::ranges::fill(sums_, 0.0);
-        std::ranges::fill(next_, 0.0);
-        for (std::size_t y = 0; y < down_.size(); ++y) {
-            std::ranges::fill(row_, 0.0);
-            for (const auto& [cell, share] : across_) {
-                const auto each = static_cast<double>(value(pixel++));
-                row_[cell] += share * each;
-                row_[cell + 1] += (1 - share) * each;
-            }
-            const double share = down_[y].share;
-            for (std::size_t x = 0; x < columns_; ++x) {
-                sums_[x] += share * row_[x];
-                next_[x] += (1 - share) * row_[x];
-            }
-            const bool is_last = y + 1 == down_.size() || down_[y + 1].cell != down_[y].cell;
-            if (is_last) to = finish_row(to);
-        }
+    void fill(float* to, const Value& value) const {
+        const std::size_t rows_of_pixels = (down_.size() + rows_ - 1) / rows_;  // in a row of cells
+        const std::size_t range = std::max<std::size_t>(kPixelsOfTask / (across_.size() * rows_of_pixels), 1);
+        for_ranges(team_, rows_, range,
+                   [&](std::size_t begin, std::size_t end) { fill_rows(begin, end, to + begin * columns_, value); });
     }
 
 private:
-    float* finish_row(float* to) {
-        to = std::ranges::transform(sums_, to, [&](double sum) { return static_cast<float>(sum / area_); }).out;
-        std::swap(sums_, next_);
-        std::ranges::fill(next_, 0.0);
-        return to;
+    /// Fills some rows of cells. The sums of two are on the way: a row of pixels may lie in both.
+    template <class Value>
+    void fill_rows(std::size_t begin, std::size_t end, float* to, const Value& value) const {
+        std::vector<double> row(columns_ + 1), sums(columns_), next(columns_);
+        const auto first = std::ranges::lower_bound(down_, begin, {}, &Part::cell) - down_.begin();
+        // What lies in the row of cells before may stretch into this one.
+        for (auto y = static_cast<std::size_t>(std::max<std::ptrdiff_t>(first - 1, 0));
+             y < down_.size() && down_[y].cell < end; ++y) {
+            add_pixels(y, row, value);
+            const double share = down_[y].share;
+            for (std::size_t x = 0; x < columns_; ++x) {
+                sums[x] += share * row[x];
+                next[x] += (1 - share) * row[x];
+            }
+            const bool is_last = y + 1 == down_.size() || down_[y + 1].cell != down_[y].cell;
+            if (!is_last) continue;
+            if (down_[y].cell >= begin)
+                to = std::ranges::transform(sums, to, [&](double sum) { return static_cast<float>(sum / area_); }).out;
+            std::swap(sums, next);
+            std::ranges::fill(next, 0.0);
+        }
     }
 
-    std::size_t columns_;
+    /// Adds up a row of pixels by columns of cells.
+    template <class Value>
+    void add_pixels(std::size_t y, std::vector<double>& row, const Value& value) const {
+        std::size_t pixel = y * across_.size();
+        std::ranges::fill(row, 0.0);
+        for (const auto& [cell, share] : across_) {
+            const auto each = static_cast<double>(value(pixel++));
+            row[cell] += share * each;
+            row[cell + 1] += (1 - share) * each;
+        }
+    }
+
+    std::size_t columns_, rows_;
     std::vector<Part> across_, down_;
     double area_;  ///< of a cell, in pixels
-    std::vector<double> row_;
-    std::vector<double> sums_, next_;  ///< of the cells' rows that a pixel's row may lie in
+    Team& team_;
 };
 
 }  // namespace
@@ -94,19 +107,19 @@ CellGrid resolved_cells(int width, int height, double radius) {
     return {static_cast<int>(std::ceil(width / side)), static_cast<int>(std::ceil(height / side))};
 }
 
-std::vector<float> reduced(const std::vector<float>& values, int width, int height, const CellGrid& cells) {
+std::vector<float> reduced(const std::vector<float>& values, int width, int height, const CellGrid& cells, Team& team) {
     assert(cells.columns <= width && cells.rows <= height);
     std::vector<float> means(static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows));
-    CellRows(width, height, cells).fill(means.data(), [&](std::size_t pixel) { return values[pixel]; });
+    CellMeans(width, height, cells, team).fill(means.data(), [&](std::size_t pixel) { return values[pixel]; });
     return means;
 }
 
-ColourPicture reduced(const ColourPicture& picture, const CellGrid& cells) {
+ColourPicture reduced(const ColourPicture& picture, const CellGrid& cells, Team& team) {
     const auto size = static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows);
-    CellRows rows(picture.width, picture.height, cells);
+    const CellMeans all(picture.width, picture.height, cells, team);
     const auto means = [&](const auto& value) {
         const auto plane = std::make_shared_for_overwrite<float[]>(size);
-        rows.fill(plane.get(), value);
+        all.fill(plane.get(), value);
         return plane;
     };
     ColourPicture small{cells.columns, cells.rows, {}, {}, {}, {}};

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/halftone/picture.h"
+#include "core/parallel/team.h"
 
 namespace ccdt {
 
@@ -28,10 +29,11 @@ CellGrid resolved_cells(int width, int height, double radius);
 /// @param values  [width * height]
 /// @param cells   not more than there are pixels, either way
 /// @returns       [columns * rows]
-/// O(pixels).
-std::vector<float> reduced(const std::vector<float>& values, int width, int height, const CellGrid& cells);
+/// Same input, same bytes, whatever the team. O(pixels).
+std::vector<float> reduced(const std::vector<float>& values, int width, int height, const CellGrid& cells,
+                           Team& team = alone());
 
 /// Takes the mean light over each cell, pixels counting by their alpha: what is seen of it on any paper stays.
-ColourPicture reduced(const ColourPicture& picture, const CellGrid& cells);
+ColourPicture reduced(const ColourPicture& picture, const CellGrid& cells, Team& team = alone());
 
 }  // namespace ccdt

@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cassert>
 #include <cmath>
+#include <mutex>
 #include <numeric>
-#include <optional>
 
 #include "core/halftone/bounded_least_squares.h"
 #include "core/halftone/colour_difference.h"
+#include "core/halftone/pixel_ranges.h"
 
 namespace ccdt {
 
@@ -129,10 +131,11 @@ Node Separator::node_of(const Light& light) const {
 
 /// A table over all colours, filled where it is asked. Its nodes stand at equal steps of lightness, close where light
 /// is scarce; between them it is linear in each tetrahedron about the greys, as are inks that stand for the least of a
-/// colour's channels.
+/// colour's channels. May be used from any thread.
 class SeparationTable {
 public:
-    explicit SeparationTable(const Separator& separator) : separator_(separator), nodes_(kSide * kSide * kSide) {
+    explicit SeparationTable(const Separator& separator)
+        : separator_(separator), nodes_(kSide * kSide * kSide), is_filled_(nodes_.size()) {
         for (std::size_t i = 0; i < places_.size(); ++i)
             places_[i] = (kSide - 1) * lightness(std::min(1.0f, static_cast<float>(i) / kSteps));
     }
@@ -182,16 +185,24 @@ private:
     }
 
     const Node& at_node(std::size_t node) {
+        if (!is_filled_[node].load(std::memory_order_acquire)) fill(node);
+        return nodes_[node];
+    }
+
+    /// Whoever comes first fills a node; others wait for him.
+    void fill(std::size_t node) {
         const auto at = [](std::size_t index) { return luminance(static_cast<float>(index) / (kSide - 1)); };
-        auto& mixture = nodes_[node];
-        if (!mixture)
-            mixture = separator_.node_of({at(node % kSide), at(node / kSide % kSide), at(node / (kSide * kSide))});
-        return *mixture;
+        const std::lock_guard lock(filling_[node % filling_.size()]);
+        if (is_filled_[node].load(std::memory_order_relaxed)) return;
+        nodes_[node] = separator_.node_of({at(node % kSide), at(node / kSide % kSide), at(node / (kSide * kSide))});
+        is_filled_[node].store(true, std::memory_order_release);
     }
 
     const Separator separator_;
     std::array<float, kSteps + 2> places_{};  ///< by light at equal steps, one beyond 1
-    std::vector<std::optional<Node>> nodes_;  ///< red is the fastest axis
+    std::vector<Node> nodes_;                 ///< red is the fastest axis
+    std::vector<std::atomic<bool>> is_filled_;
+    std::array<std::mutex, 64> filling_;  ///< of some nodes each
 };
 
 }  // namespace
@@ -212,15 +223,15 @@ InkSet toned(const InkSet& inks, Tone tone) {
     return result;
 }
 
-Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop) {
+Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop,
+                    Team& team) {
     assert(!inks.inks.empty() && inks.inks.size() <= kMostInks);
     const std::size_t pixels = picture.red.size();
     const Channels paper = Overprint::channels_of(mapped(inks.paper, tone));
     Separation separation{std::vector(inks.inks.size(), std::vector<float>(pixels)), {}};
     separation.light.fill(std::vector<float>(pixels));
     SeparationTable table(Separator(inks, tone));
-    for (std::size_t p = 0; p < pixels; ++p) {
-        if (p % static_cast<std::size_t>(picture.width) == 0 && stop.stop_requested()) break;
+    const auto separate_pixel = [&](std::size_t p) {
         const float alpha = picture.alpha.empty() ? 1 : to_share(picture.alpha[p]);
         const Light light = mapped({picture.red[p], picture.green[p], picture.blue[p]}, tone);
         const Node mixture = table.node_of(light);
@@ -229,7 +240,14 @@ Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone,
             const float seen = static_cast<float>(Overprint::channels_of(light)[c]) + mixture[kMostInks + c];
             separation.light[c][p] = std::lerp(static_cast<float>(paper[c]), to_share(seen), alpha);
         }
-    }
+    };
+    const auto columns = static_cast<std::size_t>(picture.width);
+    for_ranges(team, static_cast<std::size_t>(picture.height), rows_of_task(picture.width),
+               [&](std::size_t begin, std::size_t end) {
+                   for (std::size_t row = begin; row < end && !stop.stop_requested(); ++row) {
+                       for (std::size_t p = row * columns; p < (row + 1) * columns; ++p) separate_pixel(p);
+                   }
+               });
     return separation;
 }
 

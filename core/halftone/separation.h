@@ -8,6 +8,7 @@
 #include "core/halftone/overprint.h"
 #include "core/halftone/picture.h"
 #include "core/halftone/tone.h"
+#include "core/parallel/team.h"
 
 namespace ccdt {
 
@@ -30,8 +31,10 @@ struct Separation {
 /// yellow and black greys are black alone; dots that would not be seen are left out.
 ///
 /// @param stop  asked once a row; a stop ends it early, with nothing of use
-/// O(pixels), and besides that for each kind of colour; all there are take as long as some million pixels do.
-Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop = {});
+/// Same input, same bytes, whatever the team. O(pixels), and besides that for each kind of colour; all there are take
+/// as long as some million pixels do.
+Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop = {},
+                    Team& team = alone());
 
 /// Shares sites among inks so that all dots have about one size: in proportion, by largest remainders, but one at least
 /// for each ink that covers anything as long as there are enough, those that cover most first. An ink that covers

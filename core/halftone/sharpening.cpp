@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "core/halftone/blur.h"
+#include "core/halftone/pixel_ranges.h"
 
 namespace ccdt {
 
@@ -17,22 +18,29 @@ float ratio(float wanted, float made) {
 
 }  // namespace
 
-std::vector<float> sharpened(std::vector<float> cover, int width, int height, double sigma) {
+std::vector<float> sharpened(const std::vector<float>& cover, int width, int height, double sigma, Team& team) {
     constexpr int kSteps = 2;
-    if (!(sigma > 0)) return cover;
     std::vector<float> sharp = cover;
+    if (!(sigma > 0)) return sharp;
+    std::vector<float> ink(cover.size()), paper(cover.size()), scratch;
+    const auto for_pixels = [&](const auto& work) {
+        for_ranges(team, cover.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) work(i);
+        });
+    };
     for (int step = 0; step < kSteps; ++step) {
-        std::vector<float> ink = blurred(sharp, width, height, sigma), paper(ink.size());
-        for (std::size_t i = 0; i < cover.size(); ++i) {
+        for_pixels([&](std::size_t i) { ink[i] = sharp[i]; });
+        blur(ink, width, height, sigma, scratch, team);
+        for_pixels([&](std::size_t i) {
             paper[i] = ratio(1 - cover[i], 1 - ink[i]);
             ink[i] = ratio(cover[i], ink[i]);
-        }
-        ink = blurred(ink, width, height, sigma);
-        paper = blurred(paper, width, height, sigma);
-        for (std::size_t i = 0; i < cover.size(); ++i) {
+        });
+        blur(ink, width, height, sigma, scratch, team);
+        blur(paper, width, height, sigma, scratch, team);
+        for_pixels([&](std::size_t i) {
             const float dark = sharp[i] * ink[i], light = (1 - sharp[i]) * paper[i];
             if (dark + light > kNothing) sharp[i] = dark / (dark + light);
-        }
+        });
     }
     return sharp;
 }

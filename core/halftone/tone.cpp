@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/halftone/pixel_ranges.h"
+
 namespace ccdt {
 
 namespace {
@@ -32,14 +34,16 @@ float to_share(float value) {
     return value > 0 ? std::min(value, 1.0f) : 0.0f;
 }
 
-std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert) {
+std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, Team& team) {
     std::vector<float> coverage(picture.luminance.size());
-    for (std::size_t i = 0; i < coverage.size(); ++i) {
-        const float luminance = to_share(picture.luminance[i]);
-        const float light = tone == Tone::Perceptual ? lightness(luminance) : luminance;
-        coverage[i] = std::clamp(invert ? light : 1 - light, 0.0f, 1.0f);
-        if (!picture.alpha.empty()) coverage[i] *= to_share(picture.alpha[i]);
-    }
+    for_ranges(team, coverage.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const float luminance = to_share(picture.luminance[i]);
+            const float light = tone == Tone::Perceptual ? lightness(luminance) : luminance;
+            coverage[i] = std::clamp(invert ? light : 1 - light, 0.0f, 1.0f);
+            if (!picture.alpha.empty()) coverage[i] *= to_share(picture.alpha[i]);
+        }
+    });
     return coverage;
 }
 

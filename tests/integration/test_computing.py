@@ -9,7 +9,7 @@ import tempfile
 import time
 import unittest
 
-from harness import PATIENCE, Call, Server, ServerCase, ask, post_json
+from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, post_json
 
 TORUS = {"type": "torus", "width": 1, "height": 1}
 JSON = ("--header", "Content-Type: application/json")
@@ -111,6 +111,51 @@ class CrashesOfJobs(unittest.TestCase):
                     if seed != CRASH:
                         self.assertEqual(answer.body, post_json(server, "/sample", sample(seed=seed)).body)
                 self.assertEqual(server.stop(), 0)
+
+
+class Threads(unittest.TestCase):
+    """Large requests have as many threads as idle workers leave them."""
+
+    flags = ("--workers=4", "--threads-per-request=4", "--timeout=120")
+    picture = file_of([[(x * y) % 256 for x in range(1500)] for y in range(1100)])
+
+    def threads_of(self, server):
+        """How many a large request had, and its processor time."""
+        answer = ask(server, "/halftone?sites=5000&quality=draft", data=self.picture)
+        self.assertEqual(answer.status, 200, answer)
+        threads = re.search(r'cpu;dur=([\d.]+), threads;desc="(\d+)"$', answer.headers["server-timing"])
+        self.assertGreater(float(threads[1]), 0)
+        return int(threads[2])
+
+    def test_are_lent_and_come_back(self):
+        with Server(*self.flags) as server:
+            self.assertEqual(self.threads_of(server), 4)
+            for busy, left in ((1, 2), (2, 1)):
+                call = Call(server.url("/sample"), *JSON, data=sample(100_000, iterations=1000))
+                self.addCleanup(call.abandon)
+                wait_until(lambda busy=busy: figure(server, "ccdt_workers_busy") == busy)
+                self.assertEqual(figure(server, "ccdt_computation_threads_lent"), 4 // busy)
+                self.assertEqual(self.threads_of(server), left)
+            self.doCleanups()
+            wait_until(lambda: figure(server, "ccdt_workers_busy") == 0)
+            self.assertEqual(self.threads_of(server), 4)
+            self.assertEqual(figure(server, "ccdt_computation_threads_sum"), 4 + 2 + 1 + 4)
+            self.assertGreater(figure(server, "ccdt_computation_cpu_seconds_total"), 0)
+            self.assertEqual(server.stop(), 0)
+
+    def test_are_not_lent_where_that_is_asked_for(self):
+        with Server("--workers=4", "--threads-per-request=1") as server:
+            self.assertEqual(self.threads_of(server), 1)
+
+    def test_are_not_more_than_a_worker_has(self):
+        with Server("--workers=1", "--threads-per-request=4") as server:
+            self.assertEqual(self.threads_of(server), 1)
+
+    def test_end_with_what_they_work_on(self):
+        with Server(*self.flags) as server:
+            self.threads_of(server)
+            for process in children(fork_server(server)):
+                wait_until(lambda process=process: len(os.listdir(f"/proc/{process}/task")) == 2)
 
 
 class Kills(unittest.TestCase):

@@ -3,9 +3,13 @@
 import re
 import unittest
 
-from harness import PICTURES, Call, Server, ask, polygon, post_json
+import numpy
+
+from harness import PICTURES, Call, Server, ask, file_of, polygon, post_json
 
 CAMERA = (PICTURES / "camera.png").read_bytes()
+Y, X = numpy.mgrid[:1100, :1500]
+WAVES = file_of(127 + 127 * numpy.stack([numpy.sin(X * Y / 1e5), numpy.cos(X / 40), numpy.sin(Y / 9)], axis=-1), "PNG")
 SAMPLE = {"sites": 2000, "seed": 11, "mesh": True, "geometry": polygon("South-Africa-50m.geojson")}
 
 
@@ -26,10 +30,33 @@ def everything(server):
     return [without_time(answer.body) for answer in answers]
 
 
+def large(server):
+    """Answers for which there is work for several threads."""
+    answers = [ask(server, "/halftone?" + options, data=WAVES) for options in (
+        "sites=20000", "sites=20000&color=cmyk&antialias=true", "sites=300000&quality=draft&tone=perceptual",
+        "quality=draft&scale=0.5&levels=0.1,0.9,1.5", "sites=3000&format=csv")]
+    answers += [post_json(server, "/sample", {"sites": 60_000, "format": "csv", "domain": domain}) for domain in (
+        {"type": "torus", "width": 1, "height": 1}, {"type": "rectangle", "width": 2, "height": 1})]
+    for answer in answers:
+        assert answer.status == 200, answer
+    return [answer.body for answer in answers]
+
+
 class Determinism(unittest.TestCase):
     def test_same_bytes_for_any_number_of_workers(self):
         with Server("--workers=1") as one, Server("--workers=4") as four:
             self.assertEqual(everything(one), everything(four))
+
+    def test_same_bytes_for_any_number_of_threads(self):
+        flags = ("--workers=4", "--threads-per-request")
+        with Server(*flags, "1") as one, Server(*flags, "3") as three, Server(*flags, "4") as four:
+            expected = large(one)
+            self.assertEqual(large(three), expected)
+            self.assertEqual(large(four), expected)
+            # With others beside them they have fewer threads, and not always as many.
+            calls = [Call(four.url("/halftone?sites=3000"), data=CAMERA) for _ in range(6)]
+            self.assertEqual(large(four), expected)
+            self.assertEqual({call.answer().status for call in calls}, {200})
 
     def test_same_bytes_again_and_under_load(self):
         with Server("--workers=4") as server:

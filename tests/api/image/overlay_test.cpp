@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "api/input/option_reader.h"
+#include "core/parallel/thread_team.h"
 
 namespace ccdt::api {
 namespace {
@@ -50,6 +51,20 @@ TEST(Overlay, AddsLights) {
     const std::vector<Rgba> expected = {{0, 0, 0, 255}, {255, 0, 0, 255}, {255, 255, 0, 255}, {255, 255, 255, 255}};
     for (const bool antialias : {false, true})
         EXPECT_EQ(pixels(overlay(lights, palette_of("rgb"), antialias)), expected);
+}
+
+TEST(Overlay, IsTheSameForAnyTeam) {
+    std::vector<std::uint8_t> some(100'003);
+    for (std::size_t i = 0; i < some.size(); ++i) some[i] = i * i % 7 < 3 ? 255 : 0;
+    const std::vector<std::uint8_t> others(some.rbegin(), some.rend());
+    const std::vector<Raster> inks = {raster(some), raster(others), raster(some)};
+    ThreadTeam team(3);
+    for (const char* color : {"gray", "rgb"}) {
+        for (const bool antialias : {false, true}) {
+            const Palette palette = palette_of(color);
+            EXPECT_EQ(overlay(inks, palette, antialias, {}, team).pixels, overlay(inks, palette, antialias).pixels);
+        }
+    }
 }
 
 /// One ink looks as it does in grey, whatever the share and the paper.

@@ -1,0 +1,142 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+#include "core/halftone/blur.h"
+#include "core/halftone/dot_plan.h"
+#include "core/halftone/dots.h"
+#include "core/halftone/fineness.h"
+#include "core/halftone/levels.h"
+#include "core/halftone/print_proof.h"
+#include "core/halftone/reduction.h"
+#include "core/halftone/separation.h"
+#include "core/halftone/sharpening.h"
+#include "core/halftone/tone.h"
+#include "core/parallel/thread_team.h"
+#include "tests/support/inks.h"
+
+namespace ccdt {
+namespace {
+
+/// More than are added up one after the other, and no multiple of any range.
+constexpr int kWidth = 1301, kHeight = 907;
+
+Plane waves(double frequency) {
+    const auto values = std::make_shared<float[]>(kWidth * kHeight);
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x)
+            values[y * kWidth + x] = static_cast<float>(0.5 + 0.5 * std::sin(frequency * (x + 0.3 * y) + 1e-4 * x * y));
+    }
+    return {values, kWidth * kHeight};
+}
+
+std::vector<float> values_of(const Plane& plane) {
+    return {plane.begin(), plane.end()};
+}
+
+std::vector<Point> lattice() {
+    std::vector<Point> points;
+    for (int i = 0; i < 4001; ++i)
+        points.push_back({std::fmod(i * 0.618033988749895, 1) * kWidth, i * kHeight / 4001.0});
+    return points;
+}
+
+/// Expects teams of any size to make what one alone makes.
+template <class Make>
+void expect_same(const Make& make) {
+    const auto expected = make(alone());
+    for (const std::size_t threads : {2, 3, 16}) {
+        ThreadTeam team(threads);
+        EXPECT_TRUE(make(team) == expected) << threads << " threads";
+    }
+}
+
+TEST(Teams, BlurAndSharpenTheSame) {
+    const std::vector<float> values = values_of(waves(0.05));
+    for (const double sigma : {0.7, 5.0, 300.0}) {
+        expect_same([&](Team& team) { return blurred(values, kWidth, kHeight, sigma, team); });
+        expect_same([&](Team& team) { return sharpened(values, kWidth, kHeight, sigma, team); });
+    }
+    expect_same([&](Team& team) { return blurred(values, kHeight, kWidth, 2, team); });
+    expect_same([&](Team& team) { return blurred(values, kWidth * kHeight, 1, 2, team); });
+    expect_same([&](Team& team) { return blurred(values, 1, kWidth * kHeight, 2, team); });
+}
+
+TEST(Teams, PlanTheSameDots) {
+    const std::vector<std::vector<float>> cover = {values_of(waves(0.05)), values_of(waves(0.013))};
+    for (const DotWish& wish :
+         {DotWish{.sites = 5000, .radius = {}, .detail = 1}, DotWish{.sites = {}, .radius = 4.0, .detail = 0.5}}) {
+        expect_same([&](Team& team) {
+            const DotPlan plan = plan_dots(cover, kWidth, kHeight, wish, {}, team);
+            return std::tuple(plan.radius, plan.tone, plan.density, plan.dots);
+        });
+    }
+}
+
+TEST(Teams, ReadTheSameTones) {
+    const Picture picture{kWidth, kHeight, waves(0.4), waves(0.02)};
+    const ColourPicture colours{kWidth, kHeight, waves(0.4), waves(0.03), waves(0.01), waves(0.02)};
+    for (const Tone tone : {Tone::Linear, Tone::Perceptual})
+        expect_same([&](Team& team) { return ink_coverage(picture, tone, false, team); });
+    expect_same([&](Team& team) { return fineness(picture, team); });
+    expect_same([&](Team& team) { return fineness(colours, team); });
+    const Levels levels{.black = 0.1, .white = 0.9, .gamma = 2};
+    expect_same([&](Team& team) { return with_levels(picture, levels, team).luminance; });
+    expect_same([&](Team& team) { return with_levels(colours, levels, team).blue; });
+}
+
+TEST(Teams, ReduceToTheSameMeans) {
+    const std::vector<float> values = values_of(waves(0.4));
+    const ColourPicture colours{kWidth, kHeight, waves(0.4), waves(0.03), waves(0.01), waves(0.02)};
+    for (const CellGrid& cells : {CellGrid{kWidth, kHeight}, CellGrid{434, 303}, CellGrid{97, 61}, CellGrid{1, 1}}) {
+        expect_same([&](Team& team) { return reduced(values, kWidth, kHeight, cells, team); });
+        expect_same([&](Team& team) {
+            const ColourPicture small = reduced(colours, cells, team);
+            return std::tuple(small.red, small.green, small.blue, small.alpha);
+        });
+    }
+}
+
+TEST(Teams, SeparateTheSame) {
+    const ColourPicture colours{kWidth, kHeight, waves(0.4), waves(0.03), waves(0.01), waves(0.02)};
+    expect_same([&](Team& team) {
+        const Separation separation = separate(colours, test::cmyk_inks(), Tone::Linear, {}, team);
+        return std::tuple(separation.coverage, separation.light);
+    });
+}
+
+TEST(Teams, DrawTheSameDots) {
+    const std::vector<Point> dots = lattice();
+    const Canvas canvas{kWidth, kHeight, 1};
+    for (const DotOptions& options :
+         {DotOptions{.mean_coverage = 0.4}, DotOptions{.mean_coverage = 0.4, .antialias = true},
+          DotOptions{.radius = 9.0}, DotOptions{.radius = 9.0, .antialias = true},
+          DotOptions{.radius = 300.0, .antialias = true, .samples = 1},
+          DotOptions{.radius = 9.0, .antialias = true, .samples = 1}, DotOptions{.radius = 1.2, .samples = 2}}) {
+        expect_same([&](Team& team) {
+            const Raster raster = draw_dots(dots, canvas, options, {}, team);
+            return std::tuple(raster.radius, raster.coverage);
+        });
+    }
+}
+
+TEST(Teams, MoveDotsOfInksTheSame) {
+    const LightPlanes light = {values_of(waves(0.03)), values_of(waves(0.02)), values_of(waves(0.01))};
+    const std::vector<std::vector<Point>> sites(4, lattice());
+    expect_same([&](Team& team) {
+        const PrintProof proof(light, {kWidth, kHeight}, kWidth, kHeight, test::cmyk_inks(), 9, 16'004, team);
+        std::vector<double> moves;
+        for (const auto& ink : proof.moves(sites, {}, team)) {
+            for (const Point& move : ink) moves.insert(moves.end(), {move.x, move.y});
+        }
+        EXPECT_TRUE(std::ranges::any_of(moves, [](double move) { return move != 0; }));
+        return moves;
+    });
+}
+
+}  // namespace
+}  // namespace ccdt
