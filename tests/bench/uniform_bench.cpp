@@ -1,6 +1,9 @@
+#include <thread>
+
 #include <benchmark/benchmark.h>
 
 #include "core/ccdt/ccdt.h"
+#include "core/parallel/thread_team.h"
 #include "tests/bench/stages.h"
 #include "tests/bench/yardstick.h"
 
@@ -70,11 +73,41 @@ void UniformStages(benchmark::State& state) {
     report("5_flips", &Stages::flips);
 }
 
+/// A square by one thread and by as many as there are, in turn; `speedup` is the ratio of the medians.
+/// Arguments: number of sites, quality.
+void Scaling(benchmark::State& state) {
+    Options options = options_for(state.range(0));
+    options.quality = static_cast<Quality>(state.range(1));
+    ThreadTeam team(std::thread::hardware_concurrency());
+    Control together;
+    together.team = &team;
+    std::vector<double> by_one, by_all, yardstick;
+    for (auto _ : state) {
+        Clock clock;
+        const auto result = distribute(square(), Density::uniform(), options);
+        by_one.push_back(clock.lap());
+        distribute(square(), Density::uniform(), options, together);
+        by_all.push_back(clock.lap());
+        yardstick.push_back(delaunay_ms(result->points));
+        state.SetIterationTime(by_all.back() / 1000);
+    }
+    state.counters["threads"] = std::thread::hardware_concurrency();
+    state.counters["ms_alone"] = median(by_one);
+    state.counters["ms_together"] = median(by_all);
+    state.counters["speedup"] = median(by_one) / median(by_all);
+    state.counters["over_delaunay"] = median(by_one) / median(yardstick);
+}
+
 const std::vector<std::int64_t> kSites = {1024, 4096, 16384, 131072, 1048576};
 const std::vector<std::int64_t> kQualities = {0, 1, 2};
 
 BENCHMARK(Square)->ArgsProduct({kSites, kQualities})->Unit(benchmark::kMillisecond)->UseManualTime()->MinTime(2);
 BENCHMARK(Torus)->ArgsProduct({kSites, kQualities})->Unit(benchmark::kMillisecond)->UseManualTime()->MinTime(2);
+BENCHMARK(Scaling)
+    ->ArgsProduct({{1024, 4096, 16384, 65536, 131072, 262144, 1048576, 4194304, 10485760}, {0, 1}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime()
+    ->MinTime(1);
 BENCHMARK(UniformStages)->ArgsProduct({kSites})->Unit(benchmark::kMillisecond);
 
 }  // namespace
