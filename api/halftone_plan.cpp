@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "api/cost.h"
+#include "api/image/image_codec.h"
 #include "api/image/ink_set.h"
 #include "api/output/point_drawing.h"
 #include "api/run/deadline.h"
@@ -60,12 +63,60 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
     return picture_radius(request, size, request.scale.value_or(chosen));
 }
 
-SeparatedPicture separate_grey(const Picture& picture, const HalftoneRequest& request, const Limits& limits,
-                               Team& team) {
-    SeparatedPicture separated{{picture.width, picture.height}, {}, {}, fineness(picture, team)};
+/// Side of the squares of which decoding may take the mean, as far as that can be told before the picture is there: its
+/// dots, of a quarter of ink at least, will not tell them from their pixels, and nothing is done to pixels that would
+/// make another mean.
+int reducible(const HalftoneRequest& request, const Limits& limits) {
+    constexpr double kLeastPixels = 4e6;  // fewer take little time
+    constexpr double kInk = 0.25;
+    const auto pixels = static_cast<double>(request.image.header.pixels());
+    const bool is_linear =
+        request.levels == Levels{} && (request.palette.mixing != Mixing::Cover || request.tone != Tone::Perceptual);
+    if (!is_linear || pixels < kLeastPixels || (request.dot && !request.sites)) return 1;
+    const std::size_t sites = request.sites ? *request.sites : usual_sites(request, pixels, 1, limits);
+    const double radius = std::sqrt(kInk * pixels / (std::numbers::pi * static_cast<double>(sites)));
+    const auto width = static_cast<int>(request.image.header.width);
+    const auto height = static_cast<int>(request.image.header.height);
+    const CellGrid cells = resolved_cells(width, height, radius);
+    int side = std::min({width / cells.columns, height / cells.rows, Reading::kMostReduced});
+    while (width % side != 0 || height % side != 0) --side;
+    return side;
+}
+
+/// A picture as it was decoded, and the side of the squares that its pixels are the means of.
+template <class AnyPicture>
+struct Decoded {
+    Decoded(AnyPicture decoded, const ImageHeader& header, int reduced) : picture(std::move(decoded)) {
+        const auto pixels = static_cast<std::uint64_t>(picture.width) * static_cast<std::uint64_t>(picture.height);
+        const auto squares = static_cast<std::uint64_t>(reduced) * static_cast<std::uint64_t>(reduced);
+        if (pixels * squares == header.pixels()) side = reduced;
+    }
+
+    PictureSize size() const { return {side * picture.width, side * picture.height}; }
+    CellGrid cells() const { return {picture.width, picture.height}; }
+
+    /// Tells whether dots are as they would be without the squares: they do not tell those, nor would finer detail
+    /// change their number.
+    bool does_for(const CellGrid& wanted, const HalftoneRequest& request, double ink, const Limits& limits) const {
+        if (side == 1) return true;
+        if (wanted.columns > picture.width || wanted.rows > picture.height) return false;
+        return request.sites || usual_sites(request, ink, 0, limits) == usual_sites(request, ink, 1, limits);
+    }
+
+    AnyPicture picture;
+    int side = 1;
+};
+
+/// @returns  none if the squares are too coarse
+std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, const HalftoneRequest& request,
+                                              const Limits& limits, Team& team) {
+    const Picture& picture = decoded.picture;
+    SeparatedPicture separated{decoded.size(), {}, {}, decoded.side > 1 ? 0 : fineness(picture, team)};
     std::vector<float> coverage = ink_coverage(picture, request.tone, request.invert, team);
-    const double radius = rough_radius(request, separated.size, sum(coverage, team), separated.fineness, limits);
-    separated.cells = resolved_cells(picture.width, picture.height, radius);
+    const double ink = sum(coverage, team) * decoded.side * decoded.side;
+    const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
+    separated.cells = resolved_cells(separated.size.width, separated.size.height, radius);
+    if (!decoded.does_for(separated.cells, request, ink, limits)) return std::nullopt;
     if (separated.cells != CellGrid{picture.width, picture.height})
         coverage = reduced(coverage, picture.width, picture.height, separated.cells, team);
     separated.inks.coverage.push_back(std::move(coverage));
@@ -82,35 +133,50 @@ double rough_ink(const ColourPicture& picture, const InkSet& inks, Tone tone, co
     return ink / (static_cast<double>(cells.columns) * cells.rows) * picture.width * picture.height;
 }
 
-SeparatedPicture separate_colours(ColourPicture picture, const HalftoneRequest& request, const Limits& limits,
-                                  const Control& control) {
+/// @returns  none if the squares are too coarse
+std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded, const HalftoneRequest& request,
+                                                 const Limits& limits, const Control& control) {
     Team& team = *control.team;
-    SeparatedPicture separated{{picture.width, picture.height}, {}, {}, fineness(picture, team)};
+    ColourPicture& picture = decoded.picture;
+    SeparatedPicture separated{decoded.size(), {}, {}, decoded.side > 1 ? 0 : fineness(picture, team)};
     const InkSet inks = ink_set(request.palette);
-    const double ink = rough_ink(picture, inks, request.tone, control);
+    const double ink = rough_ink(picture, inks, request.tone, control) * decoded.side * decoded.side;
     const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
-    separated.cells = resolved_cells(picture.width, picture.height, radius);
+    separated.cells = resolved_cells(separated.size.width, separated.size.height, radius);
+    if (!decoded.does_for(separated.cells, request, ink, limits)) return std::nullopt;
     if (separated.cells != CellGrid{picture.width, picture.height}) picture = reduced(picture, separated.cells, team);
     separated.inks = separate(picture, inks, request.tone, control.stop, team);
     return separated;
 }
 
-/// Decodes, and separates into inks; one that covers needs no colours of the picture, which take three times the
-/// memory. The decoded picture is gone once this returns.
-Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
-                                          const Control& control) {
+/// Separates into inks; one that covers needs no colours of the picture, which take three times the memory.
+/// @param reduce  side of the squares that the picture may come in
+/// @returns       none if these are too coarse
+Result<std::optional<SeparatedPicture>> separate_picture(const HalftoneRequest& request, const Limits& limits,
+                                                         const Decode& decode, const Control& control, int reduce) {
+    const ImageFile& file = request.image;
+    const Reading reading(limits.max_pixels, reduce);
     if (request.palette.mixing == Mixing::Cover) {
-        auto picture = decode.grey(request.image.bytes, limits.max_pixels, control.stop);
+        auto picture = decode.grey(file.bytes, reading, control.stop);
         if (!picture) return about_image(picture.error(), request);
         picture = with_levels(*picture, request.levels, *control.team);
-        return separate_grey(*picture, request, limits, *control.team);
+        return separate_grey({*std::move(picture), file.header, reduce}, request, limits, *control.team);
     }
-    auto picture = decode.colour(request.image.bytes, limits.max_pixels, control.stop);
+    auto picture = decode.colour(file.bytes, reading, control.stop);
     if (!picture) return about_image(picture.error(), request);
     picture = with_levels(*picture, request.levels, *control.team);
-    auto separated = separate_colours(*std::move(picture), request, limits, control);
+    auto separated = separate_colours({*std::move(picture), file.header, reduce}, request, limits, control);
     if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
     return separated;
+}
+
+/// Decodes, and separates into inks. The decoded picture is gone once this returns.
+Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
+                                          const Control& control) {
+    const int reduce = reducible(request, limits);
+    auto separated = separate_picture(request, limits, decode, control, reduce);
+    if (separated && !*separated) separated = separate_picture(request, limits, decode, control, 1);
+    return separated.map([](std::optional<SeparatedPicture>& picture) { return *std::move(picture); });
 }
 
 tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {

@@ -181,6 +181,26 @@ public:
 
     void set_alpha(std::ptrdiff_t pixel, float alpha) const { alpha_[pixel] = alpha; }
 
+    /// Sets a row of pixels to the mean light of squares of another draft, which is one such row high.
+    /// @tparam kSide  of the squares
+    /// @param first   pixel
+    /// @param step    from a pixel of the row to the next
+    template <int kSide>
+    void set_means(const Draft& squares, std::ptrdiff_t first, std::ptrdiff_t step) const {
+        const std::ptrdiff_t width = squares.width_;
+        for (std::size_t plane = 0; plane < light_.size() && light_[plane]; ++plane) {
+            const float* from = squares.light_[plane].get();
+            float* to = light_[plane].get() + first;
+            for (std::ptrdiff_t x = 0; x < width; x += kSide, to += step) {
+                float sum = 0;
+                for (std::ptrdiff_t row = 0; row < kSide; ++row) {
+                    for (std::ptrdiff_t column = 0; column < kSide; ++column) sum += from[row * width + x + column];
+                }
+                *to = sum / (kSide * kSide);
+            }
+        }
+    }
+
 protected:
     void set(std::size_t plane, std::ptrdiff_t pixel, float light) const {
         light_[plane][pixel] = std::min(light, 1.0F);
@@ -304,6 +324,46 @@ Result<PictureOf<AnyDraft>> read_pixels(const RowSource& source, const Encoding&
     return draft.picture();
 }
 
+/// Reads squares of pixels as one of their mean each; of a picture that is opaque, and made of whole ones.
+template <int kSide, class AnyDraft, class Sample>
+Result<PictureOf<AnyDraft>> read_means(const RowSource& source, const Encoding& encoding, const NewPlane& make_plane) {
+    const SampleReader<Sample> reader(encoding);
+    const auto width = static_cast<std::uint64_t>(source.width), height = static_cast<std::uint64_t>(source.height);
+    const Placement placement = place({width / kSide, height / kSide}, source.orientation);
+    const int step = std::min(source.step, source.height);
+    const std::size_t row_size = static_cast<std::size_t>(source.width) * static_cast<std::size_t>(source.channels);
+    std::vector<Sample> rows(static_cast<std::size_t>(step) * row_size);
+
+    const AnyDraft draft(placement.size, false, make_plane);
+    const Placement in_squares = place({width, kSide}, 1);
+    const AnyDraft squares(in_squares.size, false, new_plane);
+    for (int begin = 0; begin < source.height; begin += std::min(step, source.height - begin)) {
+        const int end = begin + std::min(step, source.height - begin);
+        if (!source.read(begin, end, rows.data())) return broken_image();
+        for (int y = begin; y < end; ++y) {
+            store_row(rows.data() + static_cast<std::size_t>(y - begin) * row_size, source.width, reader, encoding,
+                      in_squares, y % kSide, squares);
+            if (y % kSide == kSide - 1)
+                draft.template set_means<kSide>(squares, placement.start + y / kSide * placement.down, placement.right);
+        }
+    }
+    return draft.picture();
+}
+
+/// @param reduce  see Reading
+template <class AnyDraft, class Sample>
+Result<PictureOf<AnyDraft>> read_samples(const RowSource& source, const Encoding& encoding, int reduce,
+                                         const NewPlane& make_plane) {
+    static_assert(Reading::kMostReduced == 4);
+    const bool whole = source.width % reduce == 0 && source.height % reduce == 0;
+    if (whole && encoding.alpha < 0) {
+        if (reduce == 2) return read_means<2, AnyDraft, Sample>(source, encoding, make_plane);
+        if (reduce == 3) return read_means<3, AnyDraft, Sample>(source, encoding, make_plane);
+        if (reduce == 4) return read_means<4, AnyDraft, Sample>(source, encoding, make_plane);
+    }
+    return read_pixels<AnyDraft, Sample>(source, encoding, make_plane);
+}
+
 bool has_colours_of(const RowSource& source, const ColourConversion& conversion) {
     switch (conversion.space) {
         case ColourConversion::Space::Grey:
@@ -317,18 +377,18 @@ bool has_colours_of(const RowSource& source, const ColourConversion& conversion)
 }
 
 template <class AnyDraft>
-Result<PictureOf<AnyDraft>> read_picture(const RowSource& source, const ColourConversion* conversion,
+Result<PictureOf<AnyDraft>> read_picture(const RowSource& source, const ColourConversion* conversion, int reduce,
                                          const NewPlane& make_plane) {
     const Encoding encoding = encoding_of(source, conversion);
     switch (source.sample) {
         case RowSource::Sample::Byte:
-            return read_pixels<AnyDraft, std::uint8_t>(source, encoding, make_plane);
+            return read_samples<AnyDraft, std::uint8_t>(source, encoding, reduce, make_plane);
         case RowSource::Sample::Word:
-            return read_pixels<AnyDraft, std::uint16_t>(source, encoding, make_plane);
+            return read_samples<AnyDraft, std::uint16_t>(source, encoding, reduce, make_plane);
         case RowSource::Sample::Float:
             break;
     }
-    return read_pixels<AnyDraft, float>(source, encoding, make_plane);
+    return read_samples<AnyDraft, float>(source, encoding, reduce, make_plane);
 }
 
 /// @param keep_inks  of a picture that has them; else they come as red, green and blue
@@ -341,7 +401,8 @@ Result<RowSource> open(std::string_view bytes, const ImageHeader& header, bool k
 }
 
 template <class AnyDraft>
-Result<PictureOf<AnyDraft>> read_file(std::string_view bytes, const ImageHeader& header, const NewPlane& make_plane) {
+Result<PictureOf<AnyDraft>> read_file(std::string_view bytes, const ImageHeader& header, int reduce,
+                                      const NewPlane& make_plane) {
     auto conversion = convert_colours(read_colour_tags(bytes, header.format));
     const std::string copy = hide_profile(bytes, header.format);
     if (!copy.empty()) bytes = copy;
@@ -349,7 +410,7 @@ Result<PictureOf<AnyDraft>> read_file(std::string_view bytes, const ImageHeader&
     if (!source) return tl::unexpected(source.error());
     if (conversion && !has_colours_of(*source, *conversion)) conversion.reset();
     if (conversion && conversion->transform) source = transform_rows(*std::move(source), conversion->transform);
-    return read_picture<AnyDraft>(*source, conversion ? &*conversion : nullptr, make_plane);
+    return read_picture<AnyDraft>(*source, conversion ? &*conversion : nullptr, reduce, make_plane);
 }
 
 /// Lock of the library's reader of TIFF, which has known faults with threads.
@@ -359,13 +420,13 @@ std::mutex& tiff_mutex() {
 }
 
 template <class AnyDraft>
-Result<PictureOf<AnyDraft>> decode(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane) {
-    const auto header = read_image_header(bytes, max_pixels);
+Result<PictureOf<AnyDraft>> decode(std::string_view bytes, const Reading& reading, const NewPlane& make_plane) {
+    const auto header = read_image_header(bytes, reading.max_pixels);
     if (!header) return tl::unexpected(header.error());
     std::unique_lock<std::mutex> lock;
     if (header->format == ImageFormat::Tiff) lock = std::unique_lock(tiff_mutex());
     try {
-        return read_file<AnyDraft>(bytes, *header, make_plane);
+        return read_file<AnyDraft>(bytes, *header, reading.reduce, make_plane);
     } catch (...) {
         return broken_image();
     }
@@ -377,20 +438,20 @@ std::shared_ptr<float[]> new_plane(std::size_t size) {
     return std::make_shared_for_overwrite<float[]>(size);
 }
 
-Result<Picture> decode_image(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane) {
-    return decode<GreyDraft>(bytes, max_pixels, make_plane);
+Result<Picture> decode_image(std::string_view bytes, const Reading& reading, const NewPlane& make_plane) {
+    return decode<GreyDraft>(bytes, reading, make_plane);
 }
 
-Result<ColourPicture> decode_colour_image(std::string_view bytes, std::size_t max_pixels, const NewPlane& make_plane) {
-    return decode<ColourDraft>(bytes, max_pixels, make_plane);
+Result<ColourPicture> decode_colour_image(std::string_view bytes, const Reading& reading, const NewPlane& make_plane) {
+    return decode<ColourDraft>(bytes, reading, make_plane);
 }
 
 Decode decode_inline() {
-    return {[](std::string_view bytes, std::size_t max_pixels, const std::stop_token&) {
-                return decode_image(bytes, max_pixels);
+    return {[](std::string_view bytes, const Reading& reading, const std::stop_token&) {
+                return decode_image(bytes, reading);
             },
-            [](std::string_view bytes, std::size_t max_pixels, const std::stop_token&) {
-                return decode_colour_image(bytes, max_pixels);
+            [](std::string_view bytes, const Reading& reading, const std::stop_token&) {
+                return decode_colour_image(bytes, reading);
             }};
 }
 

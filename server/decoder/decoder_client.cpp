@@ -72,12 +72,15 @@ std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::time_point deadl
 
 template <class AnyPicture>
 tl::expected<Result<AnyPicture>, NoReply> ask_helper(const DecoderClient::Hand& hand, std::string_view bytes,
-                                                     std::size_t max_pixels, const DecoderLimits& limits,
+                                                     const api::Reading& reading, const DecoderLimits& limits,
                                                      const std::stop_token& stop) {
     using Reply = ReplyMemory<AnyPicture>;
     constexpr bool kColour = std::is_same_v<AnyPicture, ColourPicture>;
     auto outcome = make_sockets(SOCK_SEQPACKET);
-    Order order{{bytes.size(), max_pixels, kColour, limits}, make_file(bytes), Reply::make_file(max_pixels), {}};
+    Order order{{bytes.size(), reading.max_pixels, kColour, reading.reduce, limits},
+                make_file(bytes),
+                Reply::make_file(reading.max_pixels),
+                {}};
     if (!outcome || !order.file || !order.reply) return tl::unexpected(not_started());
     order.outcome = std::move(outcome->theirs);
     if (!hand(order, stop))
@@ -86,7 +89,7 @@ tl::expected<Result<AnyPicture>, NoReply> ask_helper(const DecoderClient::Hand& 
     order.outcome.reset();  // the helper's alone, or its death would go unseen
     // To leave closes our end, which ends the child.
     if (const auto none = wait_for(outcome->ours, deadline, stop)) return tl::unexpected(*none);
-    const Reply reply(order.reply, max_pixels);
+    const Reply reply(order.reply, reading.max_pixels);
     if (!reply) return tl::unexpected(not_started());
     auto result = reply.read();
     if (!result) return tl::unexpected(NoReply{NoReply::Reason::Died});
@@ -122,13 +125,13 @@ DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels) {
 }
 
 template <class AnyPicture>
-Result<AnyPicture> DecoderClient::decode_to(std::string_view bytes, std::size_t max_pixels,
+Result<AnyPicture> DecoderClient::decode_to(std::string_view bytes, const api::Reading& reading,
                                             const std::stop_token& stop) {
     using Reason = NoReply::Reason;
-    const DecoderLimits limits = limits_(bytes, max_pixels);
+    const DecoderLimits limits = limits_(bytes, reading.max_pixels);
     std::optional<Clock::time_point> give_up;
     while (true) {
-        auto reply = ask_helper<AnyPicture>(hand_, bytes, max_pixels, limits, stop);
+        auto reply = ask_helper<AnyPicture>(hand_, bytes, reading, limits, stop);
         if (reply) return *std::move(reply);
         const auto reason = reply.error().reason;
         if (reason == Reason::Died || reason == Reason::TooSlow) ++deaths_;
@@ -138,21 +141,22 @@ Result<AnyPicture> DecoderClient::decode_to(std::string_view bytes, std::size_t 
     }
 }
 
-Result<Picture> DecoderClient::decode(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
-    return decode_to<Picture>(bytes, max_pixels, stop);
+Result<Picture> DecoderClient::decode(std::string_view bytes, const api::Reading& reading,
+                                      const std::stop_token& stop) {
+    return decode_to<Picture>(bytes, reading, stop);
 }
 
-Result<ColourPicture> DecoderClient::decode_colour(std::string_view bytes, std::size_t max_pixels,
+Result<ColourPicture> DecoderClient::decode_colour(std::string_view bytes, const api::Reading& reading,
                                                    const std::stop_token& stop) {
-    return decode_to<ColourPicture>(bytes, max_pixels, stop);
+    return decode_to<ColourPicture>(bytes, reading, stop);
 }
 
 api::Decode DecoderClient::functions() {
-    return {[this](std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
-                return decode(bytes, max_pixels, stop);
+    return {[this](std::string_view bytes, const api::Reading& reading, const std::stop_token& stop) {
+                return decode(bytes, reading, stop);
             },
-            [this](std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
-                return decode_colour(bytes, max_pixels, stop);
+            [this](std::string_view bytes, const api::Reading& reading, const std::stop_token& stop) {
+                return decode_colour(bytes, reading, stop);
             }};
 }
 

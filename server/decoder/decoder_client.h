@@ -35,8 +35,9 @@ public:
     ///
     /// Errors: the decoder's own; Unusable if it crashed, passed a limit or gave nonsense; Stopped; Internal if the
     /// machine lacks processes or descriptors, or the helper was lost and there was no other in time.
-    Result<Picture> decode(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop);
-    Result<ColourPicture> decode_colour(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop);
+    Result<Picture> decode(std::string_view bytes, const api::Reading& reading, const std::stop_token& stop);
+    Result<ColourPicture> decode_colour(std::string_view bytes, const api::Reading& reading,
+                                        const std::stop_token& stop);
 
     /// The two functions, as api takes them. The client must outlive them.
     api::Decode functions();
@@ -46,7 +47,7 @@ public:
 
 private:
     template <class AnyPicture>
-    Result<AnyPicture> decode_to(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop);
+    Result<AnyPicture> decode_to(std::string_view bytes, const api::Reading& reading, const std::stop_token& stop);
 
     const Hand hand_;
     const LimitsOf limits_;

@@ -175,8 +175,8 @@ private:
         if (!moved || close_range(STDERR_FILENO + 1, ~0U, 0) != 0) _exit(kFailed);
         if (!sandbox_.enter(order.text.limits, size + reply.size(max_pixels))) _exit(kFailed);
         const std::string_view bytes(size > 0 ? static_cast<const char*>(file) : "", size);
-        const auto result =
-            decode_file(bytes, max_pixels, [&reply](std::size_t values) { return reply.new_plane(values); });
+        const auto result = decode_file(bytes, {max_pixels, order.text.reduce},
+                                        [&reply](std::size_t values) { return reply.new_plane(values); });
         const Outcome done;
         if (!reply.write(result) || write(STDOUT_FILENO, &done, sizeof(done)) < 0) _exit(kFailed);
         _exit(0);

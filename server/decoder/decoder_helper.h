@@ -12,7 +12,7 @@ namespace ccdt::server {
 /// Functions that run in the helper and its children.
 struct Decoder {
     template <class AnyPicture>
-    using To = std::function<Result<AnyPicture>(std::string_view file, std::size_t max_pixels,
+    using To = std::function<Result<AnyPicture>(std::string_view file, const api::Reading& reading,
                                                 const api::NewPlane& make_plane)>;
 
     To<Picture> grey;               ///< as api::decode_image

@@ -28,6 +28,7 @@ struct Order {
         std::uint64_t bytes = 0;       ///< of the file
         std::uint64_t max_pixels = 0;  ///< of the picture
         std::uint32_t colour = 0;      ///< to be decoded to a ColourPicture; else to a Picture
+        std::int32_t reduce = 1;       ///< as api::Reading has it
         DecoderLimits limits;
     };
     Text text;

@@ -35,6 +35,66 @@ double white_share(const DecodedPng& png) {
     return sum / static_cast<double>(png.pixels.size());
 }
 
+/// A grey picture of more pixels than are all read for a few dots.
+std::string large_picture(int darkest) {
+    Raster raster{2400, 1800, 1, {}};
+    for (int y = 0; y < raster.height; ++y) {
+        for (int x = 0; x < raster.width; ++x)
+            raster.coverage.push_back(static_cast<std::uint8_t>((x + y) * darkest / 4200));
+    }
+    return *write_png(image_of(raster, true));
+}
+
+/// An answer, and the sides of the squares that its decoder was asked for.
+struct Asked {
+    Answer answer;
+    std::vector<int> reduced;
+};
+
+/// @param obey  whether the decoder takes means
+Asked ask(const std::string& image, const Options& options, bool obey) {
+    Asked asked;
+    const auto note = [&](const auto& decode) {
+        return [&asked, &decode, obey](std::string_view bytes, const Reading& reading, const std::stop_token& stop) {
+            asked.reduced.push_back(reading.reduce);
+            return decode(bytes, {reading.max_pixels, obey ? reading.reduce : 1}, stop);
+        };
+    };
+    const Decode whole = decode_inline();
+    Timings timings;
+    asked.answer =
+        *run_halftone(*parse_halftone(image, options, "", {}), {}, {note(whole.grey), note(whole.colour)}, {}, timings);
+    return asked;
+}
+
+TEST(Halftone, ReadsNoMoreOfALargePictureThanItsDotsShow) {
+    const std::string image = large_picture(255);
+    EXPECT_EQ(ask(image, {{"sites", "2000"}}, true).reduced, std::vector{4});
+    EXPECT_EQ(ask(image, {{"sites", "2000"}, {"color", "cmyk"}, {"tone", "perceptual"}}, true).reduced, std::vector{4});
+    EXPECT_EQ(ask(image, {{"sites", "15000"}, {"quality", "draft"}}, true).reduced, std::vector{2});
+    const auto means = ask(image, {{"sites", "2000"}, {"format", "json"}}, true).answer;
+    const auto whole = ask(image, {{"sites", "2000"}, {"format", "json"}}, false).answer;
+    EXPECT_EQ(means.pixels, whole.pixels);
+    EXPECT_EQ(means.sites, whole.sites);
+    EXPECT_NEAR(means.dots->radius, whole.dots->radius, 1e-3 * whole.dots->radius);
+}
+
+TEST(Halftone, ReadsAllOfALargePictureThatIsNotLinearInItsLight) {
+    const std::string image = large_picture(255);
+    EXPECT_EQ(ask(image, {{"sites", "2000"}, {"tone", "perceptual"}}, true).reduced, std::vector{1});
+    EXPECT_EQ(ask(image, {{"sites", "2000"}, {"levels", "0,0.9"}}, true).reduced, std::vector{1});
+    EXPECT_EQ(ask(image, {{"dot", "9"}, {"quality", "draft"}}, true).reduced, std::vector{1})
+        << "dots are as many as it takes";
+}
+
+TEST(Halftone, ReadsALargePictureAgainWhoseDotsTurnOutFine) {
+    const std::string image = large_picture(6);
+    const Options options = {{"sites", "15000"}, {"quality", "draft"}};
+    const auto means = ask(image, options, true);
+    EXPECT_EQ(means.reduced, (std::vector{2, 1}));
+    EXPECT_EQ(means.answer.body, ask(image, options, false).answer.body);
+}
+
 TEST(HalftoneOptions, HaveTheirDefaults) {
     const auto request = parse({});
     ASSERT_TRUE(request);

@@ -73,6 +73,47 @@ TEST(ImageCodec, TurnsThePictureUpright) {
     }
 }
 
+/// The mean of a square of a picture's pixels.
+float mean_of_square(const Picture& picture, int side, int x, int y) {
+    float sum = 0;
+    for (int row = 0; row < side; ++row) {
+        for (int column = 0; column < side; ++column) sum += luminance_at(picture, side * x + column, side * y + row);
+    }
+    return sum / static_cast<float>(side * side);
+}
+
+TEST(ImageCodec, TakesTheMeanLightOfSquares) {
+    std::vector<std::string> names = {"noise.png", "grey-16.png", "cmyk.jpg", "float.tif", "tiled.tif", "lossy.webp"};
+    for (int i = 1; i <= 8; ++i) names.push_back("orientation-" + std::to_string(i) + ".jpg");
+    for (const auto& name : names) {
+        const auto whole = decode_image(fixture(name), kMaxPixels);
+        ASSERT_TRUE(whole) << name;
+        for (const int side : {2, 4}) {
+            const auto means = decode_image(fixture(name), {kMaxPixels, side});
+            ASSERT_TRUE(means) << name;
+            ASSERT_EQ(side * means->width, whole->width) << name;
+            ASSERT_EQ(side * means->height, whole->height) << name;
+            for (int y = 0; y < means->height; ++y) {
+                for (int x = 0; x < means->width; ++x)
+                    ASSERT_NEAR(luminance_at(*means, x, y), mean_of_square(*whole, side, x, y), 1e-6) << name;
+            }
+        }
+    }
+    const auto whole = decode_colour_image(fixture("noise.png"), kMaxPixels);
+    const auto means = decode_colour_image(fixture("noise.png"), {kMaxPixels, 2});
+    const Picture blue{whole->width, whole->height, whole->blue, {}};
+    EXPECT_NEAR(means->blue[0], mean_of_square(blue, 2, 0, 0), 1e-6);
+}
+
+TEST(ImageCodec, TakesNoMeansOfWhatIsNotOpaqueOrOfWholeSquares) {
+    const auto whole = decode_image(fixture("grey-16.png"), {kMaxPixels, 3});
+    ASSERT_TRUE(whole);
+    EXPECT_EQ(whole->luminance, decode_image(fixture("grey-16.png"), kMaxPixels)->luminance) << "16 rows";
+    const auto clear = decode_image(fixture("rgba.png"), {kMaxPixels, 2});
+    ASSERT_TRUE(clear);
+    EXPECT_EQ(clear->alpha, decode_image(fixture("rgba.png"), kMaxPixels)->alpha);
+}
+
 TEST(ImageCodec, WeighsColoursAndKeepsAlpha) {
     for (const auto* name : {"rgba.png", "rgba.webp", "premultiplied.tif", "rgba.avif", "premultiplied.avif"}) {
         const auto picture = decode_image(fixture(name), kMaxPixels);

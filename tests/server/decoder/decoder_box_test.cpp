@@ -62,14 +62,15 @@ Picture picture_of(int width, std::initializer_list<float> luminance, const api:
 }
 
 /// A decoder that does what the file says.
-Result<Picture> obey(std::string_view file, std::size_t max_pixels, const api::NewPlane& make_plane) {
+Result<Picture> obey(std::string_view file, const api::Reading& reading, const api::NewPlane& make_plane) {
     if (file == "picture") {
         Picture picture = picture_of(3, {0, 0.5F, 1}, make_plane);
         picture.alpha = plane_of({1, 0.25F, 0}, make_plane);
         return picture;
     }
     if (file == "opaque") return picture_of(2, {0.125F, 1}, make_plane);
-    if (file == "limit") return failure(ErrorCode::LimitExceeded, std::to_string(max_pixels));
+    if (file == "limit") return failure(ErrorCode::LimitExceeded, std::to_string(reading.max_pixels));
+    if (file == "reduce") return failure(ErrorCode::LimitExceeded, std::to_string(reading.reduce));
     if (file == "crash") *static_cast<volatile int*>(nullptr) = 1;
     if (file == "abort") std::abort();
     if (file == "throw") throw std::runtime_error("thrown");
@@ -85,17 +86,18 @@ Result<Picture> obey(std::string_view file, std::size_t max_pixels, const api::N
     if (file == "elsewhere") return Picture{2, 1, {0, 1}, {}};
     if (file == "too large") return picture_of(2'000'000, {0}, make_plane);
     if (file == "no size") return picture_of(-1, {0}, make_plane);
-    if (file == "greedy") make_plane(2 * max_pixels + 1);
+    if (file == "greedy") make_plane(2 * reading.max_pixels + 1);
     return failure(ErrorCode::Internal, "no such order");
 }
 
 /// The same; what makes no picture does so in colour as in grey.
-Result<ColourPicture> obey_in_colour(std::string_view file, std::size_t max_pixels, const api::NewPlane& make_plane) {
+Result<ColourPicture> obey_in_colour(std::string_view file, const api::Reading& reading,
+                                     const api::NewPlane& make_plane) {
     ColourPicture picture;
     picture.width = 2;
     picture.height = 1;
     if (file == "too large" || file == "no size") picture.width = file == "no size" ? -1 : 2'000'000;
-    if (file == "greedy") make_plane(4 * max_pixels + 1);
+    if (file == "greedy") make_plane(4 * reading.max_pixels + 1);
     if (file == "picture" || file == "opaque" || picture.width != 2) {
         picture.red = plane_of({0, 0.5F}, make_plane);
         picture.green = plane_of({0.25F, 1}, make_plane);
@@ -115,7 +117,7 @@ Result<ColourPicture> obey_in_colour(std::string_view file, std::size_t max_pixe
         picture.blue = {0, 0};
         return picture;
     }
-    return tl::unexpected(obey(file, max_pixels, make_plane).error());
+    return tl::unexpected(obey(file, reading, make_plane).error());
 }
 
 /// A process that becomes the helper, with a decoder of the tests'.
@@ -140,11 +142,12 @@ public:
         EXPECT_TRUE(box_->wait_until_ready());
     }
 
-    Result<Picture> decode(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
-        return client_.decode(bytes, max_pixels, stop);
+    Result<Picture> decode(std::string_view bytes, const api::Reading& reading, const std::stop_token& stop) {
+        return client_.decode(bytes, reading, stop);
     }
-    Result<ColourPicture> decode_colour(std::string_view bytes, std::size_t max_pixels, const std::stop_token& stop) {
-        return client_.decode_colour(bytes, max_pixels, stop);
+    Result<ColourPicture> decode_colour(std::string_view bytes, const api::Reading& reading,
+                                        const std::stop_token& stop) {
+        return client_.decode_colour(bytes, reading, stop);
     }
     std::uint64_t deaths() const { return client_.deaths(); }
     std::uint64_t restarts() const { return box_->restarts(); }
@@ -288,6 +291,8 @@ TEST(DecoderBox, HandsOverWhatTheDecoderMakes) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::LimitExceeded);
     EXPECT_EQ(refused.error().message, "1234");
+    EXPECT_EQ(box->decode("reduce", 1234, {}).error().message, "1");
+    EXPECT_EQ(box->decode("reduce", {1234, 2}, {}).error().message, "2");
     EXPECT_EQ(box->deaths(), 0U);
 }
 
@@ -304,6 +309,7 @@ TEST(DecoderBox, HandsOverColours) {
     EXPECT_EQ(picture->alpha, (Plane{1, 0.75F}));
     EXPECT_TRUE(box->decode_colour("opaque", kMaxPixels, {})->alpha.empty());
     EXPECT_EQ(box->decode_colour("limit", 1234, {}).error().message, "1234");
+    EXPECT_EQ(box->decode_colour("reduce", {1234, 3}, {}).error().message, "3");
     EXPECT_EQ(box->deaths(), 0U);
 }
 
