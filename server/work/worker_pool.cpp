@@ -8,6 +8,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "server/work/thread_share.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -184,7 +186,9 @@ std::stop_token WorkerPool::begin_locked(const Waiting& job, Lane lane) {
 
 void WorkerPool::finish_locked(JobId id) {
     const auto job = running_.find(id);
-    if (!job->second.cancelled && job->second.expected > 0) {
+    // What was lent threads says little about how fast one is.
+    const bool was_lent = threads_for_each(worker_count_, running_.size(), worker_count_) > 1;
+    if (!job->second.cancelled && job->second.expected > 0 && !was_lent) {
         const double taken = seconds_since(job->second.started) / job->second.expected;
         pace_ += kNewestWeight * (std::clamp(taken, kLeastPace, kMostPace) - pace_);
     }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <future>
 #include <latch>
@@ -183,6 +184,24 @@ TEST(WorkerPool, EstimatesItsBacklog) {
     for (int i = 0; i < 99; ++i) ASSERT_TRUE(pool.submit(kClient, [](const std::stop_token&) {}));
     EXPECT_GE(pool.backlog(), std::chrono::seconds(3));
     gate.open();
+    pool.drain();
+}
+
+TEST(WorkerPool, DoesNotTakeJobsThatWereLentThreadsForItsPace) {
+    constexpr std::size_t kWorkers = 4, kWaiting = 40;
+    constexpr api::Cost kExpected{0, 100};
+    std::array<Gate, kWorkers> gates;
+    WorkerPool pool(kWorkers, kWaiting);
+    const auto nothing = [](const std::stop_token&) {};
+    ASSERT_TRUE(pool.submit(kClient, nothing, kExpected));
+    pool.drain();
+    for (Gate& gate : gates) {
+        ASSERT_TRUE(pool.submit(kClient, gate.job(), kExpected));
+        gate.wait_until_started();
+    }
+    for (std::size_t i = 0; i < kWaiting; ++i) ASSERT_TRUE(pool.submit(kClient, nothing, kExpected));
+    EXPECT_NEAR(pool.load().backlog_seconds, (kWaiting + kWorkers) * kExpected.seconds / kWorkers, 50);
+    for (Gate& gate : gates) gate.open();
     pool.drain();
 }
 
