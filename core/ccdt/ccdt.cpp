@@ -107,7 +107,7 @@ Result<void> InkConstructions::polish() {
     if (!settings_ || stopping()) return {};
     std::vector<Polish::Layer> layers;
     for (Construction* construction : constructions_) {
-        layers.push_back({construction->polish(), &construction->mesh(),
+        layers.push_back({&construction->polish(), &construction->mesh(),
                           [construction](int passes) { construction->equalise(passes); }});
     }
     const auto after = [this] {

@@ -53,12 +53,11 @@ Result<void> Construction::start() {
     if (!(capacity_.total() > 0)) {
         return failure(ErrorCode::Unusable, "the density is zero all over the domain", "density");
     }
-    start_.emplace(domain_, density_, options_);
     if (auto chosen = choose_fixed(); !chosen) return chosen;
-    if (has_polish(options_))
-        polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_, team_);
+    const auto first = even_start();
     if (stopping()) return stopped_at_start();
-    auto placed = triangulate_sites(even_start());
+    auto placed = triangulate_sites(first);
+    start_.reset();
     if (!placed) return tl::unexpected(placed.error());
     placed_ = *std::move(placed);
     result_.trace.push_back(measure(placed_->mesh));
@@ -72,7 +71,7 @@ double Construction::site_share() const {
 }
 
 Result<void> Construction::choose_fixed() {
-    const std::vector<Point>& points = start_->fixed();
+    const std::vector<Point>& points = start_sites().fixed();
     if (points.empty()) return {};
     fixed_.sites = start_->room().sites;
     double densest = capacity_.total() / domain_.unit_area();
@@ -105,8 +104,8 @@ Result<DomainMesh> Construction::triangulate_sites(const std::vector<Point>& fir
     const bool shares_out =
         placed->mesh.part_count() > 1 && options_.start != Start::Random && first.empty() && fixed_.sites == 0;
     auto room = shares_out ? sites_of_parts(*placed, capacity_) : std::vector<std::size_t>{};
-    if (auto error =
-            place_sites(placed->mesh, first, *start_, std::move(room), options_.seed, domain_.resolution(), stop_)) {
+    if (auto error = place_sites(placed->mesh, first, start_sites(), std::move(room), options_.seed,
+                                 domain_.resolution(), stop_)) {
         return tl::unexpected(*error);
     }
     if (stopping()) return stopped_at_start();
@@ -114,25 +113,35 @@ Result<DomainMesh> Construction::triangulate_sites(const std::vector<Point>& fir
     return placed;
 }
 
+const StartSites& Construction::start_sites() {
+    return start_ ? *start_ : start_.emplace(domain_, density_, options_);
+}
+
+MeshPolish& Construction::polish() {
+    return polish_ ? *polish_ : polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_);
+}
+
 /// First sites among which long waves are gone; none where nothing is to be gained.
 std::vector<Point> Construction::even_start() {
     std::vector<Point> first;
-    if (!polish_ || capacity_.is_uniform() || !domain_.is_box()) return first;
+    if (!has_polish(options_) || capacity_.is_uniform() || !domain_.is_box()) return first;
     constexpr std::size_t kSites = 4096;  // that a task takes
+    const StartSites& start = start_sites();
     first.resize(options_.sites);
     for_ranges(team_, options_.sites, kSites, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t site = begin; site < end; ++site) first[site] = start_->draw(site, 0);
+        for (std::size_t site = begin; site < end; ++site) first[site] = start.draw(site, 0);
     });
-    polish_->even_out_start(first, stop_);
+    polish().even_out_start(first, stop_);
     return first;
 }
 
 /// @returns  the capacity variation; of no use once a stop is asked for
 double Construction::measure(const Triangulation& mesh) {
-    capacity_.of_triangles(mesh, capacities_, stop_);
+    std::vector<double> capacities;
+    capacity_.of_triangles(mesh, capacities, stop_);
     if (stopping()) return 0;
     const double total = site_share() * static_cast<double>(mesh.site_count()) * capacity_.total();
-    return set_goals(mesh, fixed_.sites > 0 ? total : capacity_.total(), capacity_.densest(), capacities_, goals_);
+    return set_goals(mesh, fixed_.sites > 0 ? total : capacity_.total(), capacity_.densest(), capacities, goals_);
 }
 
 /// Tells whether an iteration's passes are exact. These cost more, and matter once the sites are near their places:
@@ -153,7 +162,7 @@ Relaxation& Construction::relaxation() {
     // with softer or stiffer springs, benchmark TorusPattern.
     constexpr double kPolishedSpring = 0.03;
     RelaxationOptions settings;
-    if (polish_ && density_.is_smooth()) settings.spring = kPolishedSpring;
+    if (has_polish(options_) && density_.is_smooth()) settings.spring = kPolishedSpring;
     if (fixed_.sites > 0) settings.site_share = site_share();
     settings.least_height = std::max(settings.least_height, domain_.resolution());
     return relaxation_.emplace(placed_->mesh, placed_->border.corner, capacity_.is_uniform(), settings);
@@ -162,7 +171,7 @@ Relaxation& Construction::relaxation() {
 bool Construction::iterate() {
     Triangulation& mesh = placed_->mesh;
     Relaxation& relaxation = this->relaxation();
-    relaxation.prepare(goals_, stop_);
+    relaxation.prepare(std::move(goals_), stop_);
     for (int pass = 0; pass < options_.passes && !stopping(); ++pass) {
         if (is_exact(result_.iterations)) {
             relaxation.exact_pass(capacity_, stop_);
@@ -170,12 +179,15 @@ bool Construction::iterate() {
             relaxation.pass();
         }
     }
+    relaxation.forget_goals();
     if (!stopping()) mesh.restore_delaunay(stop_);
     const double variation = measure(mesh);
     if (stopping()) return false;
     result_.trace.push_back(variation);
     ++result_.iterations;
-    if (!goes_on()) relaxation_.reset();
+    if (goes_on()) return true;
+    relaxation_.reset();
+    goals_ = std::vector<TriangleGoal>();
     return true;
 }
 
@@ -184,7 +196,7 @@ void Construction::equalise(int passes) {
     mesh.restore_delaunay(stop_);
     measure(mesh);
     if (stopping()) return;
-    relaxation().prepare(goals_, stop_);
+    relaxation().prepare(std::move(goals_), stop_);
     for (int pass = 0; pass < passes && !stopping(); ++pass) relaxation().pass();
     relaxation_.reset();
 }
@@ -196,13 +208,16 @@ Result<void> Construction::finish() {
     std::vector<Point> sites(mesh.points().begin(),
                              mesh.points().begin() + static_cast<std::ptrdiff_t>(options_.sites));
     // Where other sites were in the way of one that had to leave white, all are triangulated anew.
-    if (polish_->clear_gaps(sites)) {
+    const bool moved = polish_->clear_gaps(sites);
+    polish_.reset();
+    if (moved) {
         auto again = triangulate_sites(sites);
         if (stopping()) return {};
         if (!again) return tl::unexpected(again.error());
         *placed_ = *std::move(again);
     }
     const double variation = measure(mesh);
+    goals_ = std::vector<TriangleGoal>();
     if (!stopping()) result_.polished = variation;
     return {};
 }

@@ -40,8 +40,8 @@ public:
     /// @returns  false if it was stopped
     bool iterate();
 
-    /// Steps of the polish; null for a draft, and where no iteration is wanted.
-    MeshPolish* polish() { return polish_ ? &*polish_ : nullptr; }
+    /// Steps of the polish, if there is one, until finish().
+    MeshPolish& polish();
     Triangulation& mesh() { return placed_->mesh; }
 
     /// Makes the triangulation Delaunay and its triangles' capacities more equal, amid the polish.
@@ -63,6 +63,7 @@ private:
     Result<DomainMesh> mesh_for(std::size_t fixed) const;
     Result<DomainMesh> triangulate_sites(const std::vector<Point>& first);
     double site_share() const;
+    const StartSites& start_sites();
     std::vector<Point> even_start();
     double measure(const Triangulation& mesh);
     Relaxation& relaxation();
@@ -74,12 +75,12 @@ private:
     std::stop_token stop_;
     Team& team_;
     CapacityIntegral capacity_;
-    std::optional<StartSites> start_;
     FixedSites fixed_;
-    std::optional<MeshPolish> polish_;
     std::optional<DomainMesh> placed_;
+    // Each of these takes as much memory as the mesh: there are none but while they are used.
+    std::optional<StartSites> start_;
+    std::optional<MeshPolish> polish_;
     std::optional<Relaxation> relaxation_;
-    std::vector<double> capacities_;   ///< [triangles]
     std::vector<TriangleGoal> goals_;  ///< [triangles]
     Distribution result_;
 };

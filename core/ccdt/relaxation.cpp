@@ -78,9 +78,10 @@ Relaxation::Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool unifor
       options_(options),
       magic_(mesh.is_torus() ? kSnapping : 0) {}
 
-void Relaxation::prepare(std::span<const TriangleGoal> goals, const std::stop_token& stop) {
+void Relaxation::prepare(std::vector<TriangleGoal> goals, const std::stop_token& stop) {
     if (kinds_.empty()) small_ = options_.small_area ? *options_.small_area : kSmall * mean_doubled_area();
     set_terms(goals);
+    goals = std::vector<TriangleGoal>();
     list_sites(stop);
     border_.clear();
     const auto sites = static_cast<std::uint32_t>(mesh_.site_count());

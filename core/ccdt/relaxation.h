@@ -58,7 +58,10 @@ public:
     /// Lists the mesh's edges and takes new goals [triangles]. To be called before the first pass and after every
     /// restore_delaunay(). O(vertices).
     /// @param stop  asked now and then; no pass must follow
-    void prepare(std::span<const TriangleGoal> goals, const std::stop_token& stop = {});
+    void prepare(std::vector<TriangleGoal> goals, const std::stop_token& stop = {});
+
+    /// Gives back what the goals take. No pass must follow until they are given anew.
+    void forget_goals() { terms_ = std::vector<Term>(); }
 
     /// Moves every vertex once. O(vertices).
     void pass();

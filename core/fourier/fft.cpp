@@ -135,13 +135,14 @@ int good_size(double least) {
 }
 
 struct RealTransform::Plans {
-    Plans(int columns, int rows, Team& of_threads)
+    Plans(int columns, int rows, Team& of_threads, std::size_t spare_size)
         : team(of_threads),
           width(static_cast<std::size_t>(columns)),
           height(static_cast<std::size_t>(rows)),
           kept(width / 2 + 1),
+          spare(spare_size),
           grid(product(columns, rows)),
-          spectrum(kept * height),
+          spectrum(std::max(kept * height, (spare + 1) / 2)),
           rows_forward(rows,
                        [&](int lines) {
                            return fftw_plan_many_dft_r2c(1, &columns, lines, grid.data(), nullptr, 1, columns,
@@ -168,14 +169,14 @@ struct RealTransform::Plans {
     }
 
     Team& team;
-    std::size_t width, height, kept;
+    std::size_t width, height, kept, spare;
     Buffer<double> grid;
-    Buffer<std::complex<double>> spectrum;
+    Buffer<std::complex<double>> spectrum;  ///< [kept * height], or what is spare
     Lines rows_forward, rows_backward, columns_forward, columns_backward;
 };
 
-RealTransform::RealTransform(int columns, int rows, Team& team)
-    : plans_(std::make_unique<Plans>(columns, rows, team)) {}
+RealTransform::RealTransform(int columns, int rows, Team& team, std::size_t spare)
+    : plans_(std::make_unique<Plans>(columns, rows, team, spare)) {}
 RealTransform::RealTransform(RealTransform&&) noexcept = default;
 RealTransform& RealTransform::operator=(RealTransform&&) noexcept = default;
 RealTransform::~RealTransform() = default;
@@ -185,11 +186,15 @@ std::span<double> RealTransform::grid() {
 }
 
 std::span<std::complex<double>> RealTransform::spectrum() {
-    return plans_->spectrum.view();
+    return plans_->spectrum.view().first(plans_->kept * plans_->height);
 }
 
 std::span<const std::complex<double>> RealTransform::spectrum() const {
-    return plans_->spectrum.view();
+    return plans_->spectrum.view().first(plans_->kept * plans_->height);
+}
+
+std::span<double> RealTransform::spare() {
+    return {reinterpret_cast<double*>(plans_->spectrum.data()), plans_->spare};
 }
 
 void RealTransform::forward() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <cstddef>
 #include <memory>
 #include <span>
 
@@ -21,8 +22,9 @@ class RealTransform {
 public:
     /// @param columns, rows  >= 1; see good_size()
     /// @param team           does it; must outlive this
+    /// @param spare          numbers that spare() is to hold
     /// All cells are 0.
-    RealTransform(int columns, int rows, Team& team = alone());
+    RealTransform(int columns, int rows, Team& team = alone(), std::size_t spare = 0);
     RealTransform(RealTransform&&) noexcept;
     RealTransform& operator=(RealTransform&&) noexcept;
     ~RealTransform();
@@ -34,6 +36,9 @@ public:
     /// out are the complex conjugates of those at (-x, -y).
     std::span<std::complex<double>> spectrum();
     std::span<const std::complex<double>> spectrum() const;
+
+    /// Memory of the spectrum, which is of no use from backward() to forward(): as many numbers as were asked for.
+    std::span<double> spare();
 
     /// spectrum[k] = sum over cells j of grid[j] e^(-2 pi i k.j), k.j = x_k x_j / columns + y_k y_j / rows. Keeps the
     /// grid.

@@ -33,7 +33,6 @@ MeshPolish::MeshPolish(const Domain& domain, const Density& density, double capa
       fixed_(std::move(fixed)),
       support_(domain, density),
       moves_(sites + fixed_.places.size()),
-      before_(moves_.size()),
       spacings_(moves_.size()) {
     if (!(fixed_.sites > 0)) fixed_.sites = static_cast<double>(sites);
     if (!fixed_.others.empty()) others_.emplace(domain, fixed_.others);
@@ -289,11 +288,12 @@ void MeshPolish::push_off_others(const Triangulation& mesh, double half_reach, d
 }
 
 void MeshPolish::apply(Triangulation& mesh) {
-    for (auto v = static_cast<std::uint32_t>(mesh.free_count()); v < mesh.site_count(); ++v) before_[v] = mesh.point(v);
+    for (auto v = static_cast<std::uint32_t>(mesh.free_count()); v < mesh.site_count(); ++v) moves_[v] = mesh.point(v);
     for_ranges(team_, mesh.free_count(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
-            const Point here = before_[v] = mesh.points()[v], there = here + moves_[v];
+            const Point here = mesh.points()[v], there = here + moves_[v];
             mesh.points()[v] = density_.is_uniform() ? inside(there) : allowed(there, spacing(here));
+            moves_[v] = here;
         }
     });
     take_back(mesh);
@@ -333,8 +333,8 @@ void MeshPolish::take_back(Triangulation& mesh) {
             for (const std::uint32_t t : list) {
                 if (is_sound(mesh, t, mesh.doubled_area(t))) continue;  // since a neighbour was taken back
                 for (const std::uint32_t v : mesh.corners(t)) {
-                    if (!mesh.is_site(v) || mesh.point(v) == before_[v]) continue;
-                    mesh.points()[v] = before_[v] + kept * (mesh.point(v) - before_[v]);
+                    if (!mesh.is_site(v) || mesh.point(v) == moves_[v]) continue;
+                    mesh.points()[v] = moves_[v] + kept * (mesh.point(v) - moves_[v]);
                     found = true;
                 }
             }

@@ -102,7 +102,7 @@ private:
     /// Half-edges between sites, of each block those within it but not within a smaller one [levels][blocks].
     std::vector<std::vector<std::vector<std::uint32_t>>> edges_;
     std::vector<std::array<std::uint32_t, 2>> facing_;  ///< near sites that no edge joins
-    std::vector<Point> moves_, before_;
+    std::vector<Point> moves_;                          ///< [sites] and, once they are made, where these were before
     std::vector<double> spacings_;
     std::vector<double> areas_, moved_areas_;  ///< doubled [triangles], before a move and after it
 };

@@ -53,8 +53,9 @@ double sinc(double cycles) {
     return x == 0 ? 1 : std::sin(x) / x;
 }
 
-std::variant<RealTransform, CosineTransform> make_transform(bool torus, int columns, int rows, Team& team) {
-    if (torus) return RealTransform(columns, rows, team);
+std::variant<RealTransform, CosineTransform> make_transform(bool torus, int columns, int rows, Team& team,
+                                                            std::size_t padded) {
+    if (torus) return RealTransform(columns, rows, team, padded);
     return CosineTransform(columns, rows, team);
 }
 
@@ -68,9 +69,14 @@ SplineGrid::SplineGrid(bool torus, Point sides, int columns, int rows, Team& tea
       rows_(rows),
       kept_(torus ? columns / 2 + 1 : columns),
       stride_(static_cast<std::size_t>(columns) + 2 * kMargin),
-      padded_(stride_ * (static_cast<std::size_t>(rows) + 2 * kMargin)),
-      transform_(make_transform(torus, columns, rows, team)) {
+      transform_(make_transform(torus, columns, rows, team, padded_size())) {
     assert(sides.x > 0 && sides.y > 0);
+    if (auto* fourier = std::get_if<RealTransform>(&transform_)) {
+        padded_ = fourier->spare();
+    } else {
+        own_.resize(padded_size());
+        padded_ = own_;
+    }
     const double waves = torus ? 1 : 0.5;
     const auto windows = [&](int count, int cells) {
         std::vector<double> values;
@@ -79,6 +85,10 @@ SplineGrid::SplineGrid(bool torus, Point sides, int columns, int rows, Team& tea
     };
     column_windows_ = windows(kept_, columns);
     row_windows_ = windows(rows, rows);
+}
+
+std::size_t SplineGrid::padded_size() const {
+    return stride_ * (static_cast<std::size_t>(rows_) + 2 * kMargin);
 }
 
 /// Grid points are cells' corners on a torus, as Fourier's transform has them, and cells' middles in a box.

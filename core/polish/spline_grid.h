@@ -76,13 +76,16 @@ public:
         for_ranges(team_, static_cast<std::size_t>(rows_), kRows, [&](std::size_t begin, std::size_t end) {
             std::size_t number = begin * static_cast<std::size_t>(kept_);
             for (auto row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
-                const int j = torus_ && 2 * row > rows_ ? row - rows_ : row;
+                const int j = signed_row(row);
                 for (int i = 0; i < kept_; ++i, ++number) {
                     if (!torus_ || (2 * i != columns_ && 2 * row != rows_)) visit(number, i, j);
                 }
             }
         });
     }
+
+    /// Row as for_frequencies() tells it.
+    int signed_row(int row) const { return torus_ && 2 * row > rows_ ? row - rows_ : row; }
 
     std::size_t coefficient_count() const { return static_cast<std::size_t>(kept_) * static_cast<std::size_t>(rows_); }
     std::size_t number(int column, int row) const {
@@ -112,6 +115,7 @@ private:
         Pair fraction;
     };
     Place place(Point p) const;
+    std::size_t padded_size() const;
     template <class Visit>
     void for_padded(std::size_t number, Visit&& visit);
     template <class Add>
@@ -128,8 +132,9 @@ private:
     int kept_;  ///< columns of coefficients
     std::size_t stride_;
     std::vector<double> column_windows_, row_windows_;
-    std::vector<double> padded_;  ///< the grid, and around it the room that taps reach
     std::variant<RealTransform, CosineTransform> transform_;
+    std::vector<double> own_;   ///< padded_ in a box
+    std::span<double> padded_;  ///< the grid, and around it the room that taps reach; on a torus the spectrum's memory
 };
 
 }  // namespace ccdt

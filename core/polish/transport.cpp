@@ -88,14 +88,6 @@ Transport::Transport(const Domain& domain, const Density& density, std::size_t s
     in_line_ = std::max(sides_.x, sides_.y) / (sites_ * denser);
     octaves_.reserve(kMostOctaves);
     add_octave();
-    if (stop.stop_requested()) return;
-    const SplineGrid& grid = octaves_[0].grid;
-    to_potential_.resize(grid.coefficient_count());
-    grid.for_frequencies([&](std::size_t number, int i, int j) {
-        const Point f = grid.frequency(i, j);
-        if (i == 0 && j == 0) return;
-        to_potential_[number] = -1 / (4 * kPi * kPi * dot(f, f) * grid.window(i, j) * grid.copies() * area);
-    });
     if (uniform_ || stop.stop_requested()) return;
     const std::vector<double> mass = masses(density, block);
     if (stop.stop_requested()) return;
@@ -120,12 +112,12 @@ void Transport::add_octave() {
     octaves_.push_back({SplineGrid(torus_, sides_, cells(sides_.x), cells(sides_.y), team_), {}});
     Octave& octave = octaves_.back();
     const SplineGrid& grid = octave.grid;
-    octave.factors.resize(grid.coefficient_count());
-    grid.for_frequencies([&](std::size_t number, int i, int j) {
+    octave.factors.resize(grid.number(0, torus_ ? grid.rows() / 2 + 1 : grid.rows()));
+    grid.for_frequencies([&](std::size_t, int i, int j) {
         const Point f = grid.frequency(i, j);
         const double cycles = length(f) * spacing;
-        if (cycles > 0 && cycles < kShortest)
-            octave.factors[number] = share_undone(cycles, uniform_) / grid.window(i, j);
+        if (j >= 0 && cycles > 0 && cycles < kShortest)
+            octave.factor(i, j) = share_undone(cycles, uniform_) / grid.window(i, j);
     });
 }
 
@@ -352,15 +344,21 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
 template <class Coefficient>
 void Transport::join_octaves(std::span<Coefficient> total) {
     const SplineGrid& finest = octaves_[0].grid;
-    for_ranges(team_, total.size(), kCells, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t number = begin; number < end; ++number) total[number] *= octaves_[0].factors[number];
+    const std::size_t columns = finest.number(0, 1);
+    for_ranges(team_, static_cast<std::size_t>(finest.rows()), kRows, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+            const double* factors = &octaves_[0].factor(0, finest.signed_row(static_cast<int>(row)));
+            const auto part = total.subspan(row * columns, columns);
+            for (std::size_t i = 0; i < columns; ++i) part[i] *= factors[i];
+        }
     });
     for (std::size_t octave = 1; octave < octaves_.size(); ++octave) {
-        auto& [grid, factors] = octaves_[octave];
-        grid.with_coefficients([&, &grid = grid, &factors = factors](auto part) {
+        Octave& coarser = octaves_[octave];
+        coarser.grid.with_coefficients([&](auto part) {
             if constexpr (std::is_same_v<decltype(part), std::span<Coefficient>>) {
-                grid.for_frequencies([&](std::size_t number, int i, int j) {
-                    if (factors[number] != 0) total[finest.number(i, j)] += factors[number] * part[number];
+                coarser.grid.for_frequencies([&](std::size_t number, int i, int j) {
+                    const double factor = coarser.factor(i, j);
+                    if (factor != 0) total[finest.number(i, j)] += factor * part[number];
                 });
             }
         });
@@ -372,18 +370,23 @@ void Transport::join_octaves(std::span<Coefficient> total) {
 template <class Coefficient>
 void Transport::solve(std::span<Coefficient> total) {
     join_octaves(total);
-    for_ranges(team_, total.size(), kCells, [&](std::size_t begin, std::size_t end) {
+    for_ranges(team_, targets_.size(), kCells, [&](std::size_t begin, std::size_t end) {
         for (std::size_t number = begin; number < end; ++number) {
-            if (!targets_.empty()) {
-                if constexpr (std::is_same_v<Coefficient, double>) {
-                    total[number] -= targets_[number].real();
-                } else {
-                    total[number] -= targets_[number];
-                }
+            if constexpr (std::is_same_v<Coefficient, double>) {
+                total[number] -= targets_[number].real();
+            } else {
+                total[number] -= targets_[number];
             }
-            total[number] *= to_potential_[number];
         }
     });
+    const SplineGrid& grid = octaves_[0].grid;
+    const double area = sides_.x * sides_.y;
+    grid.for_frequencies([&](std::size_t number, int i, int j) {
+        const Point f = grid.frequency(i, j);
+        if (number == 0) return;
+        total[number] *= -1 / (4 * kPi * kPi * dot(f, f) * grid.window(i, j) * grid.copies() * area);
+    });
+    total[0] = 0;
 }
 
 bool Transport::displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop,

@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <cstdlib>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -59,7 +60,10 @@ private:
     /// Sites whose spacing is about 2^octave times the finest.
     struct Octave {
         SplineGrid grid;
-        std::vector<double> factors;  ///< [coefficients] share of a wave's error that a round undoes, over the window
+        std::vector<double> factors;  ///< share of a wave's error that a round undoes, over the window; see factor()
+
+        /// Of the coefficient (column, row), the same for (column, -row).
+        double& factor(int column, int row) { return factors[grid.number(column, std::abs(row))]; }
     };
 
     void add_octave();
@@ -90,7 +94,6 @@ private:
     double finest_ = 0;   ///< spacing of octave 0
     double in_line_ = 0;  ///< the same, were all sites in a line along the longer side; grids are no finer
     std::vector<Octave> octaves_;
-    std::vector<double> to_potential_;           ///< [coefficients of octave 0]
     std::vector<std::complex<double>> targets_;  ///< [coefficients of octave 0] of the density, if not uniform
     std::vector<float> levels_;                  ///< [cells of octave 0] octave that sites there belong to
     std::vector<float> spacings_;                ///< [cells of octave 0]
