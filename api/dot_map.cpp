@@ -240,26 +240,32 @@ Palette palette_of(const FeatureCounts& counts) {
 class Writing {
 public:
     Writing(const SampleRequest& request, const Page& page, const Report& report, const Palette& palette,
-            const MapOfDots& map, const Control& control)
+            const MapOfDots& map, Body& body, const Control& control)
         : request_(request),
           page_(page),
           report_(report),
           palette_(palette),
           map_(map),
+          body_(body),
           hurry_(control.stop),
           stop_(stop_of_writing(control, request.on_deadline)) {}
 
-    Result<std::string> operator()(const ListWriter& writer) const { return writer.write_map(map_, report_, stop_); }
-
-    Result<std::string> operator()(const VectorWriter& writer) const {
-        return writer.write_map(map_, palette_, page_, request_.drawing.style, hurry_, stop_);
+    Result<void> operator()(const ListWriter& writer) const {
+        writer.write_map(map_, report_, body_, stop_);
+        return {};
     }
 
-    Result<std::string> operator()(const RasterWriter& writer) const {
+    Result<void> operator()(const VectorWriter& writer) const {
+        writer.write_map(map_, palette_, page_, request_.drawing.style, body_, hurry_, stop_);
+        return {};
+    }
+
+    Result<void> operator()(const RasterWriter& writer) const {
         std::vector<Raster> rasters;
         for (const MapDots& each : map_.classes)
             rasters.push_back(draw_points(each.dots.dots.points, page_, each.radius, stop_));
-        return writer.write(overlay(std::move(rasters), palette_, true, stop_), page_.width_mm, stop_);
+        auto picture = writer.write(overlay(std::move(rasters), palette_, true, stop_), page_.width_mm, stop_);
+        return std::move(picture).map([&](std::string&& bytes) { body_.text() = std::move(bytes); });
     }
 
 private:
@@ -268,21 +274,21 @@ private:
     const Report& report_;
     const Palette& palette_;
     const MapOfDots& map_;
+    Body& body_;
     std::stop_token hurry_;
     std::stop_token stop_;
 };
 
-Result<std::string> encode(const SampleRequest& request, const Domain& whole, const Page& page,
-                           const std::vector<ClassDots>& dots, const Report& report, const Control& control) {
+Result<void> encode(const SampleRequest& request, const Domain& whole, const Page& page,
+                    const std::vector<ClassDots>& dots, const Report& report, const Control& control, Body& body) {
     const Palette palette = palette_of(*request.counts);
     std::vector<MapDots> classes;
     for (std::size_t i = 0; i < dots.size(); ++i)
         classes.push_back({palette.inks[i], dots[i], radius_of(request, whole)});
     const MapOfDots map{classes, request.counts->ids};
-    auto body = std::visit(Writing(request, page, report, palette, map, control), request.format->writer);
-    if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going)
-        return tl::unexpected(going.error());
-    return body;
+    auto written = std::visit(Writing(request, page, report, palette, map, body, control), request.format->writer);
+    if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
+    return written;
 }
 
 void warn_of_degrees(const SampleRequest& request, const Domain& whole, std::vector<Warning>& warnings) {
@@ -294,7 +300,7 @@ void warn_of_degrees(const SampleRequest& request, const Domain& whole, std::vec
 }  // namespace
 
 Result<Answer> run_dot_map(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                           const Control& control, Timings& timings) {
+                           const Control& control, Timings& timings, BodyTaker* taker) {
     Stopwatch watch;
     auto areas = AreaMaker(request).execute(control.stop);
     if (!areas) return tl::unexpected(areas.error());
@@ -327,15 +333,14 @@ Result<Answer> run_dot_map(const SampleRequest& request, const Limits& limits, c
                         {},
                         areas->warnings,
                         placed->pitch};
-    auto body = encode(request, *whole, *page, placed->classes, report, control);
-    timings.encode = watch.lap();
-    if (!body) return tl::unexpected(body.error());
     answer.media_type = request.format->file.content_type();
-    answer.body = *std::move(body);
+    answer.repeats = request.format->repeats();
     if (request.format->file.name != "json") tell(areas->repairs, areas->warnings, answer);
-    // A stop may have made the path of a drawing longer.
-    answer.repeats = request.format->repeats() && !control.stop.stop_requested();
-    return answer;
+    Body body(answer, taker, control.stop);
+    auto written = encode(request, *whole, *page, placed->classes, report, control, body);
+    timings.encode = watch.lap();
+    if (!written) return tl::unexpected(written.error());
+    return body.finish(std::move(answer));
 }
 
 }  // namespace ccdt::api

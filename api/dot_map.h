@@ -10,6 +10,6 @@ namespace ccdt::api {
 /// Parameters and errors are those of run_sample(); of a feature that is not valid, or without density, with a pointer
 /// to it.
 Result<Answer> run_dot_map(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                           const Control& control, Timings& timings);
+                           const Control& control, Timings& timings, BodyTaker* taker = nullptr);
 
 }  // namespace ccdt::api

@@ -211,7 +211,7 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
 }
 
 Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
-                            const Control& control, Timings& timings) {
+                            const Control& control, Timings& timings, BodyTaker* taker) {
     Stopwatch watch;
     auto plan = plan_halftone(request, limits, decode, control);
     timings.decode = watch.lap();
@@ -222,21 +222,20 @@ Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits
     timings.optimise = watch.lap();
     if (!dots) return tl::unexpected(dots.error());
 
-    auto body = write_halftone(request, *plan, *dots, timings.decode + timings.optimise, control);
-    timings.encode = watch.lap();
-    if (!body) return tl::unexpected(body.error());
     Answer answer;
     answer.media_type = request.format->file.content_type();
-    answer.body = *std::move(body);
     answer.dots = plan->size();
     if (request.format->file.name != "json" && !plan->warnings.empty())
         answer.warnings = write_warnings(plan->warnings);
     for (const Distribution& each : *dots) answer.sites += each.points.size();
     answer.pixels = static_cast<std::size_t>(plan->picture.width) * static_cast<std::size_t>(plan->picture.height);
     answer.partial = std::ranges::any_of(*dots, &Distribution::stopped);
-    // A stop may have made the path of a drawing longer.
-    answer.repeats = request.format->repeats() && !control.stop.stop_requested();
-    return answer;
+    answer.repeats = request.format->repeats();
+    Body body(answer, taker, control.stop);
+    auto written = write_halftone(request, *plan, *dots, timings.decode + timings.optimise, control, body);
+    timings.encode = watch.lap();
+    if (!written) return tl::unexpected(written.error());
+    return body.finish(std::move(answer));
 }
 
 }  // namespace ccdt::api

@@ -11,6 +11,7 @@
 #include "api/input/drawing_options.h"
 #include "api/input/palette.h"
 #include "api/input/run_options.h"
+#include "api/output/body.h"
 #include "api/output/formats.h"
 #include "api/run/options.h"
 #include "core/ccdt/ccdt.h"
@@ -75,6 +76,6 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
 /// Errors: those of `decode`; Unusable for a picture without ink; LimitExceeded if the output would have more
 /// than limits.max_pixels, or more than WebP holds; Stopped. Same request, same bytes, but for `elapsed_ms` in JSON.
 Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
-                            const Control& control, Timings& timings);
+                            const Control& control, Timings& timings, BodyTaker* taker = nullptr);
 
 }  // namespace ccdt::api

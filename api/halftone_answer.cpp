@@ -20,26 +20,36 @@ namespace {
 class Writing {
 public:
     Writing(const HalftoneRequest& request, const HalftonePlan& plan, const Report& report, std::vector<InkDots> inks,
-            const Control& control)
+            Body& body, const Control& control)
         : request_(request),
           plan_(plan),
           report_(report),
           inks_(std::move(inks)),
+          body_(body),
           hurry_(control.stop),
           stop_(stop_of_writing(control, request.on_deadline)),
           team_(*control.team) {}
 
-    Result<std::string> operator()(const ListWriter& writer) { return writer.write(inks_, report_, stop_); }
+    Result<void> operator()(const ListWriter& writer) {
+        writer.write(inks_, report_, body_, stop_);
+        return {};
+    }
 
     /// Draws shapes with the radius that rasters have.
-    Result<std::string> operator()(const VectorWriter& writer) {
+    Result<void> operator()(const VectorWriter& writer) {
         for (std::size_t ink = 0; ink < inks_.size(); ++ink)
             inks_[ink].radius = plan_.radius ? *plan_.radius : rasterise(ink, true).radius / plan_.canvas.scale;
         const Page page{plan_.box(), false, false, plan_.canvas, request_.drawing.width_mm};
-        return writer.write(inks_, request_.palette, page, request_.drawing.style, hurry_, stop_);
+        writer.write(inks_, request_.palette, page, request_.drawing.style, body_, hurry_, stop_);
+        return {};
     }
 
-    Result<std::string> operator()(const RasterWriter& writer) {
+    Result<void> operator()(const RasterWriter& writer) {
+        return write_pixels(writer).map([&](std::string&& bytes) { body_.text() = std::move(bytes); });
+    }
+
+private:
+    Result<std::string> write_pixels(const RasterWriter& writer) const {
         std::vector<Raster> rasters;
         for (std::size_t ink = 0; ink < inks_.size(); ++ink) rasters.push_back(rasterise(ink, request_.antialias));
         const Palette& palette = request_.palette;
@@ -49,7 +59,6 @@ public:
         return writer.write(overlay(std::move(rasters), palette, request_.antialias, stop_, team_), width_mm, stop_);
     }
 
-private:
     Raster rasterise(std::size_t ink, bool antialias) const {
         std::optional<double> radius;
         if (plan_.radius) radius = *plan_.radius * plan_.canvas.scale;
@@ -61,6 +70,7 @@ private:
     const HalftonePlan& plan_;
     const Report& report_;
     std::vector<InkDots> inks_;
+    Body& body_;
     std::stop_token hurry_;
     std::stop_token stop_;
     Team& team_;
@@ -68,15 +78,14 @@ private:
 
 }  // namespace
 
-Result<std::string> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan,
-                                   std::span<const Distribution> dots, double elapsed, const Control& control) {
+Result<void> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan,
+                            std::span<const Distribution> dots, double elapsed, const Control& control, Body& body) {
     const Report report{request.run.seed, elapsed, plan.picture, "ccdt", {}, plan.size(), plan.warnings};
     std::vector<InkDots> inks;
     for (std::size_t ink = 0; ink < dots.size(); ++ink) inks.push_back({request.palette.inks[ink], dots[ink]});
-    auto body = std::visit(Writing(request, plan, report, std::move(inks), control), request.format->writer);
-    if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going)
-        return tl::unexpected(going.error());
-    return body;
+    auto written = std::visit(Writing(request, plan, report, std::move(inks), body, control), request.format->writer);
+    if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
+    return written;
 }
 
 }  // namespace ccdt::api

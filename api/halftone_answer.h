@@ -1,10 +1,10 @@
 #pragma once
 
 #include <span>
-#include <string>
 
 #include "api/halftone.h"
 #include "api/halftone_plan.h"
+#include "api/output/body.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 
@@ -15,7 +15,7 @@ namespace ccdt::api {
 /// @param dots     [inks]
 /// @param elapsed  milliseconds, for JSON
 /// Errors: Stopped, unless a part is asked for; Internal if memory runs out.
-Result<std::string> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan,
-                                   std::span<const Distribution> dots, double elapsed, const Control& control);
+Result<void> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan,
+                            std::span<const Distribution> dots, double elapsed, const Control& control, Body& body);
 
 }  // namespace ccdt::api

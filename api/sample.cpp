@@ -462,24 +462,30 @@ double pitch_of(const Domain& domain, std::size_t sites) {
 /// Writes points in the way that a format's writer takes them.
 class Writing {
 public:
-    Writing(const SampleRequest& request, const Page& page, const Report& report, const InkDots& ink,
+    Writing(const SampleRequest& request, const Page& page, const Report& report, const InkDots& ink, Body& body,
             const Control& control)
         : request_(request),
           page_(page),
           report_(report),
           ink_(ink),
+          body_(body),
           hurry_(control.stop),
           stop_(stop_of_writing(control, request.on_deadline)) {}
 
-    Result<std::string> operator()(const ListWriter& writer) const { return writer.write({&ink_, 1}, report_, stop_); }
-
-    Result<std::string> operator()(const VectorWriter& writer) const {
-        return writer.write({&ink_, 1}, kBlackOnWhite, page_, request_.drawing.style, hurry_, stop_);
+    Result<void> operator()(const ListWriter& writer) const {
+        writer.write({&ink_, 1}, report_, body_, stop_);
+        return {};
     }
 
-    Result<std::string> operator()(const RasterWriter& writer) const {
+    Result<void> operator()(const VectorWriter& writer) const {
+        writer.write({&ink_, 1}, kBlackOnWhite, page_, request_.drawing.style, body_, hurry_, stop_);
+        return {};
+    }
+
+    Result<void> operator()(const RasterWriter& writer) const {
         std::vector<Raster> rasters = {draw_points(ink_.dots.points, page_, ink_.radius, stop_)};
-        return writer.write(overlay(std::move(rasters), kBlackOnWhite, true, stop_), page_.width_mm, stop_);
+        auto picture = writer.write(overlay(std::move(rasters), kBlackOnWhite, true, stop_), page_.width_mm, stop_);
+        return std::move(picture).map([&](std::string&& bytes) { body_.text() = std::move(bytes); });
     }
 
 private:
@@ -487,17 +493,17 @@ private:
     const Page& page_;
     const Report& report_;
     const InkDots& ink_;
+    Body& body_;
     std::stop_token hurry_;
     std::stop_token stop_;
 };
 
-Result<std::string> encode(const SampleRequest& request, const Domain& domain, const Page& page,
-                           const Distribution& distribution, const Report& report, const Control& control) {
+Result<void> encode(const SampleRequest& request, const Domain& domain, const Page& page,
+                    const Distribution& distribution, const Report& report, const Control& control, Body& body) {
     const InkDots ink{kBlackOnWhite.inks.front(), distribution, radius_of(request, domain)};
-    auto body = std::visit(Writing(request, page, report, ink, control), request.format->writer);
-    if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going)
-        return tl::unexpected(going.error());
-    return body;
+    auto written = std::visit(Writing(request, page, report, ink, body, control), request.format->writer);
+    if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
+    return written;
 }
 
 }  // namespace
@@ -581,8 +587,8 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
 }
 
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                          const Control& control, Timings& timings) {
-    if (request.counts) return run_dot_map(request, limits, decode, control, timings);
+                          const Control& control, Timings& timings, BodyTaker* taker) {
+    if (request.counts) return run_dot_map(request, limits, decode, control, timings, taker);
     Stopwatch watch;
     const auto made = make_domain(request, control.stop).and_then([&](RepairedDomain&& given) {
         return without_exclusions(std::move(given), request, limits, decode, control.stop);
@@ -604,18 +610,17 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     const double elapsed = timings.decode + timings.optimise;
     const auto warnings = warnings_of(request, domain);
     const Report report{request.run.seed, elapsed, {}, request.method->name, repairs, {}, warnings, placed->pitch};
-    auto body = encode(request, domain, *page, distribution, report, control);
-    timings.encode = watch.lap();
-    if (!body) return tl::unexpected(body.error());
     Answer answer;
     answer.media_type = request.format->file.content_type();
-    answer.body = *std::move(body);
     answer.sites = request.run.sites;
     answer.partial = distribution.stopped;
+    answer.repeats = request.format->repeats();
     if (request.format->file.name != "json") tell(repairs, warnings, answer);
-    // A stop may have made the path of a drawing longer.
-    answer.repeats = request.format->repeats() && !control.stop.stop_requested();
-    return answer;
+    Body body(answer, taker, control.stop);
+    auto written = encode(request, domain, *page, distribution, report, control, body);
+    timings.encode = watch.lap();
+    if (!written) return tl::unexpected(written.error());
+    return body.finish(std::move(answer));
 }
 
 }  // namespace ccdt::api

@@ -14,6 +14,7 @@
 #include "api/input/polygon_reader.h"
 #include "api/input/run_options.h"
 #include "api/method.h"
+#include "api/output/body.h"
 #include "api/output/formats.h"
 #include "api/run/options.h"
 #include "core/ccdt/ccdt.h"
@@ -101,6 +102,6 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
 /// of `decode`; LimitExceeded if a drawing would have more than limits.max_pixels; Stopped. The field is a JSON
 /// Pointer. Same request, same bytes, but for `elapsed_ms` in JSON.
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                          const Control& control, Timings& timings);
+                          const Control& control, Timings& timings, BodyTaker* taker = nullptr);
 
 }  // namespace ccdt::api

@@ -18,20 +18,20 @@ constexpr Estimate kNumbers{150, 0.3 * kMicrosecond};  ///< of a site, as text o
 constexpr Estimate kPath{500, 3.5 * kMicrosecond};     ///< of a site, with ordering it along a short path
 constexpr Estimate kColours{16, 0.1 * kMicrosecond};   ///< of a pixel as libwebp holds it
 
-std::string list_csv(std::span<const InkDots> inks, const Report&, const std::stop_token& stop) {
-    return write_csv(inks, stop);
+void list_csv(std::span<const InkDots> inks, const Report&, Body& body, const std::stop_token& stop) {
+    write_csv(inks, body, stop);
 }
 
-std::string list_npy(std::span<const InkDots> inks, const Report&, const std::stop_token&) {
-    return write_npy(inks);
+void list_npy(std::span<const InkDots> inks, const Report&, Body& body, const std::stop_token& stop) {
+    write_npy(inks, body, stop);
 }
 
-std::string list_map_csv(const MapOfDots& map, const Report&, const std::stop_token& stop) {
-    return write_map_csv(map, stop);
+void list_map_csv(const MapOfDots& map, const Report&, Body& body, const std::stop_token& stop) {
+    write_map_csv(map, body, stop);
 }
 
-std::string list_map_npy(const MapOfDots& map, const Report&, const std::stop_token&) {
-    return write_map_npy(map);
+void list_map_npy(const MapOfDots& map, const Report&, Body& body, const std::stop_token& stop) {
+    write_map_npy(map, body, stop);
 }
 
 constexpr PointFormat kPngPoints{kPng, {}, {}, RasterWriter{kAnySide, write_png, nullptr}};

@@ -22,16 +22,16 @@ namespace ccdt::api {
 /// Writer of points as numbers. Stopped, it ends early, with nothing of use.
 struct ListWriter {
     bool repeats;  ///< the same bytes each time; not so if it tells how long computing took
-    std::string (&write)(std::span<const InkDots> inks, const Report& report, const std::stop_token& stop);
-    std::string (&write_map)(const MapOfDots& map, const Report& report, const std::stop_token& stop);
+    void (&write)(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop);
+    void (&write_map)(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop);
 };
 
 /// Writer of drawings as shapes; its parameters are those of write_svg() and write_map_svg().
 struct VectorWriter {
-    std::string (&write)(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style,
-                         const std::stop_token& hurry, const std::stop_token& stop);
-    std::string (&write_map)(const MapOfDots& map, const Palette& palette, const Page& page, DotStyle style,
-                             const std::stop_token& hurry, const std::stop_token& stop);
+    void (&write)(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style, Body& body,
+                  const std::stop_token& hurry, const std::stop_token& stop);
+    void (&write_map)(const MapOfDots& map, const Palette& palette, const Page& page, DotStyle style, Body& body,
+                      const std::stop_token& hurry, const std::stop_token& stop);
 };
 
 /// Writer of drawings as pixels. Errors: Stopped; Internal if memory runs out.

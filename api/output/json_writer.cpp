@@ -8,6 +8,7 @@
 #include <span>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "api/text/numbers.h"
@@ -50,29 +51,39 @@ void append_point(std::string& out, Point point) {
     out += ']';
 }
 
-/// Appends points. Stopped, it ends early.
-void append_points(std::string& out, std::span<const Point> points, const std::stop_token& stop) {
-    out.reserve(out.size() + kUsualPoint * points.size());
+/// Writes a long list, each element by `append_element(out, element)`. Stopped, or if nobody takes it, it ends early.
+template <class Element, class AppendElement>
+void write_list(Body& body, std::span<const Element> list, AppendElement append_element, const std::stop_token& stop) {
+    std::string& out = body.text();
     out += '[';
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (i % kStopStride == 0 && stop.stop_requested()) break;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        if (i % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) break;
         if (i > 0) out += ',';
-        append_point(out, points[i]);
+        append_element(out, list[i]);
     }
     out += ']';
 }
 
-void append_indices(std::string& out, std::span<const std::uint32_t> indices) {
-    append_array(out, indices, [](std::string& to, std::uint32_t index) { append_number(to, std::uint64_t{index}); });
+void write_points(Body& body, std::span<const Point> points, const std::stop_token& stop) {
+    body.expect(body.text().size() + kUsualPoint * points.size());
+    write_list(body, points, append_point, stop);
 }
 
-void append_mesh(std::string& out, const TriangleMesh& mesh, const std::stop_token& stop) {
-    out += ",\"vertices\":";
-    append_points(out, mesh.vertices, stop);
-    out += ",\"triangles\":";
-    append_array(out, mesh.triangles, append_indices);
-    out += ",\"boundary\":";
-    append_array(out, mesh.boundary, append_indices);
+void append_index(std::string& out, std::uint32_t index) {
+    append_number(out, std::uint64_t{index});
+}
+
+void append_indices(std::string& out, std::span<const std::uint32_t> indices) {
+    append_array(out, indices, append_index);
+}
+
+void write_mesh(Body& body, const TriangleMesh& mesh, const std::stop_token& stop) {
+    body.text() += ",\"vertices\":";
+    write_points(body, mesh.vertices, stop);
+    body.text() += ",\"triangles\":";
+    write_list(body, std::span(mesh.triangles), append_indices, stop);
+    body.text() += ",\"boundary\":";
+    write_list(body, std::span(mesh.boundary), append_indices, stop);
 }
 
 /// Appends `,"name":value`.
@@ -157,21 +168,23 @@ void append_report(std::string& out, const Report& report) {
     append_member(out, "tone", report.dots->tone);
 }
 
-/// Appends the members of an answer whose points are those of the only ink.
-void append_distribution(std::string& out, const Distribution& distribution, const Report& report,
-                         const std::stop_token& stop) {
+/// Writes the members of an answer whose points are those of the only ink.
+void write_distribution(Body& body, const Distribution& distribution, const Report& report,
+                        const std::stop_token& stop) {
+    std::string& out = body.text();
     out += "\"points\":";
-    append_points(out, distribution.points, stop);
+    write_points(body, distribution.points, stop);
     out += ',';
     append_run(out, distribution, report);
     out += ",\"trace\":";
     append_trace(out, distribution.trace);
     append_report(out, report);
-    if (distribution.mesh) append_mesh(out, *distribution.mesh, stop);
+    if (distribution.mesh) write_mesh(body, *distribution.mesh, stop);
 }
 
-void append_ink(std::string& out, const InkDots& each, const std::stop_token& stop) {
+void write_ink(Body& body, const InkDots& each, const std::stop_token& stop) {
     const auto& [ink, dots, radius] = each;
+    std::string& out = body.text();
     out.append("{\"name\":\"").append(ink.name).append("\",\"color\":\"").append(hexadecimal(ink.colour)).append("\"");
     append_member(out, "sites", std::uint64_t{dots.points.size()});
     append_member(out, "iterations", static_cast<std::uint64_t>(dots.iterations));
@@ -179,14 +192,15 @@ void append_ink(std::string& out, const InkDots& each, const std::stop_token& st
     out += ",\"trace\":";
     append_trace(out, dots.trace);
     out += ",\"points\":";
-    append_points(out, dots.points, stop);
+    write_points(body, dots.points, stop);
     out += '}';
 }
 
-/// Appends the members of an answer that tells inks apart.
-void append_inks(std::string& out, std::span<const InkDots> inks, const Report& report, const std::stop_token& stop) {
+/// Writes the members of an answer that tells inks apart.
+void write_inks(Body& body, std::span<const InkDots> inks, const Report& report, const std::stop_token& stop) {
+    std::string& out = body.text();
     out += "\"inks\":";
-    append_array(out, inks, [&](std::string& to, const InkDots& each) { append_ink(to, each, stop); });
+    append_array(out, inks, [&](std::string&, const InkDots& each) { write_ink(body, each, stop); });
     out += ',';
     append_order(out, count_points(inks), report);
     append_remarks(out, std::ranges::any_of(inks, [](const InkDots& each) { return each.dots.stopped; }), report);
@@ -214,15 +228,17 @@ void append_map_run(std::string& out, const MapOfDots& map, const Report& report
     append_remarks(out, stopped, report);
 }
 
-/// Appends `,"name":[...]` with a number for each point.
+/// Writes `,"name":[...]` with a number for each point. Stopped, or if nobody takes it, it ends early.
 template <class NumberOf>
-void append_column(std::string& out, std::string_view name, const MapOfDots& map, NumberOf number_of) {
+void write_column(Body& body, std::string_view name, const MapOfDots& map, NumberOf number_of,
+                  const std::stop_token& stop) {
+    std::string& out = body.text();
     out.append(",\"").append(name).append("\":[");
-    bool first = true;
+    std::size_t written = 0;
     for (std::size_t c = 0; c < map.classes.size(); ++c) {
         for (const std::uint32_t feature : map.classes[c].dots.feature_of) {
-            if (!first) out += ',';
-            first = false;
+            if (written % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) return;
+            if (written++ > 0) out += ',';
             append_number(out, static_cast<std::uint64_t>(number_of(c, feature)));
         }
     }
@@ -269,9 +285,10 @@ void append_classes(std::string& out, const MapOfDots& map) {
     });
 }
 
-/// Appends the points of one class in one feature, as a Feature.
-void append_feature(std::string& out, const MapOfDots& map, const MapDots& dots, std::uint32_t feature,
-                    std::span<const Point> points, const std::stop_token& stop) {
+/// Writes the points of one class in one feature, as a Feature.
+void write_feature(Body& body, const MapOfDots& map, const MapDots& dots, std::uint32_t feature,
+                   std::span<const Point> points, const std::stop_token& stop) {
+    std::string& out = body.text();
     out += R"({"type":"Feature")";
     if (!map.feature_ids[feature].empty()) out.append(",\"id\":").append(map.feature_ids[feature]);
     out += R"(,"properties":{"feature":)";
@@ -283,7 +300,7 @@ void append_feature(std::string& out, const MapOfDots& map, const MapDots& dots,
     }
     append_member(out, "sites", std::uint64_t{points.size()});
     out += R"(},"geometry":{"type":"MultiPoint","coordinates":)";
-    append_points(out, points, stop);
+    write_list(body, points, append_point, stop);
     out += "}}";
 }
 
@@ -297,37 +314,45 @@ std::string write_warnings(std::span<const Warning> warnings) {
     return write_remarks(warnings);
 }
 
-std::string write_json(std::span<const InkDots> inks, const Report& report, const std::stop_token& stop) {
-    std::string out = "{";
+void write_json(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop) {
+    body.text() += '{';
     if (are_named(inks)) {
-        append_inks(out, inks, report, stop);
+        write_inks(body, inks, report, stop);
     } else {
-        append_distribution(out, inks.front().dots, report, stop);
+        write_distribution(body, inks.front().dots, report, stop);
     }
-    out += "}\n";
-    return out;
+    body.text() += "}\n";
 }
 
-std::string write_feature(std::span<const InkDots> inks, const Report& report, const std::stop_token& stop) {
+void write_feature(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop) {
     const Distribution& distribution = inks.front().dots;
-    std::string out = R"({"type":"Feature","properties":{)";
+    std::string& out = body.text();
+    out += R"({"type":"Feature","properties":{)";
     append_run(out, distribution, report);
     out += R"(},"geometry":{"type":"MultiPoint","coordinates":)";
-    append_points(out, distribution.points, stop);
+    write_points(body, distribution.points, stop);
     out += "}}\n";
-    return out;
 }
 
-std::string write_map_json(const MapOfDots& map, const Report& report, const std::stop_token& stop) {
-    std::vector<Point> points;
-    points.reserve(map.size());
-    for (const MapDots& each : map.classes)
-        points.insert(points.end(), each.dots.dots.points.begin(), each.dots.dots.points.end());
-    std::string out = "{\"points\":";
-    append_points(out, points, stop);
-    append_column(out, "feature", map, [](std::size_t, std::uint32_t feature) { return feature; });
+void write_map_json(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop) {
+    std::string& out = body.text();
+    body.expect(kUsualPoint * map.size());
+    out += "{\"points\":[";
+    bool first = true;
+    for (const MapDots& each : map.classes) {
+        const std::span<const Point> points = each.dots.dots.points;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            if (i % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) break;
+            if (!std::exchange(first, false)) out += ',';
+            append_point(out, points[i]);
+        }
+    }
+    out += ']';
+    write_column(
+        body, "feature", map, [](std::size_t, std::uint32_t feature) { return feature; }, stop);
     if (map.are_named()) {
-        append_column(out, "class", map, [](std::size_t number, std::uint32_t) { return number; });
+        write_column(
+            body, "class", map, [](std::size_t number, std::uint32_t) { return number; }, stop);
         out += ",\"classes\":";
         append_classes(out, map);
     }
@@ -337,23 +362,23 @@ std::string write_map_json(const MapOfDots& map, const Report& report, const std
     append_map_run(out, map, report);
     append_report(out, report);
     out += "}\n";
-    return out;
 }
 
-std::string write_map_features(const MapOfDots& map, const Report& report, const std::stop_token& stop) {
-    std::string out = R"({"type":"FeatureCollection",)";
+void write_map_features(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop) {
+    std::string& out = body.text();
+    body.expect(kUsualPoint * map.size());
+    out += R"({"type":"FeatureCollection",)";
     append_map_run(out, map, report);
     out += ",\"features\":[";
     bool first = true;
     for (const MapDots& each : map.classes) {
         for_features(each.dots, [&](std::uint32_t feature, std::size_t begin, std::size_t count) {
-            if (!first) out += ",\n";
-            first = false;
-            append_feature(out, map, each, feature, std::span(each.dots.dots.points).subspan(begin, count), stop);
+            if (!std::exchange(first, false)) out += ",\n";
+            const auto points = std::span(each.dots.dots.points).subspan(begin, count);
+            write_feature(body, map, each, feature, points, stop);
         });
     }
     out += "]}\n";
-    return out;
 }
 
 std::string write_analysis(const Analysis& analysis, bool with_spectrum) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "api/output/body.h"
 #include "api/output/ink_dots.h"
 #include "api/output/map_dots.h"
 #include "api/run/options.h"
@@ -50,21 +51,21 @@ std::string write_warnings(std::span<const Warning> warnings);
 /// read back to the same double. Same input, same bytes. About 0.1 microseconds a number. Stopped, it ends early, with
 /// nothing of use. Like all writers of JSON it throws std::domain_error for a number that is not finite, which would be
 /// our own fault.
-std::string write_json(std::span<const InkDots> inks, const Report& report, const std::stop_token& stop = {});
+void write_json(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes the points of the only ink as GeoJSON (RFC 7946): a Feature whose geometry is a MultiPoint, with what the
 /// report tells, but for times, among its properties. Stopped, it ends early, with nothing of use.
-std::string write_feature(std::span<const InkDots> inks, const Report& report, const std::stop_token& stop = {});
+void write_feature(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes the JSON answer of a map of dots: points of one class after the other, and of one feature after the other;
 /// of each point the index of its feature, and of its class if these have names; how many points each feature has, with
 /// its id. Otherwise as write_json().
-std::string write_map_json(const MapOfDots& map, const Report& report, const std::stop_token& stop = {});
+void write_map_json(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes the dots of a map as GeoJSON: a FeatureCollection with a Feature for all points of a feature, or of one class
 /// in it, whose geometry is a MultiPoint. Its id is that of the feature. What the report tells, but for times, is a
 /// member of the collection. Stopped, it ends early, with nothing of use.
-std::string write_map_features(const MapOfDots& map, const Report& report, const std::stop_token& stop = {});
+void write_map_features(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes the JSON answer of /analyze, the spectrum only if it is asked for. Same input, same bytes.
 std::string write_analysis(const Analysis& analysis, bool with_spectrum);

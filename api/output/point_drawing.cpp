@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string_view>
 #include <vector>
@@ -38,18 +39,44 @@ private:
     double unit_;
 };
 
+/// Points in the order of a path, as they lie on the page.
+class PlacedPath {
+public:
+    /// What is referred to must outlive it.
+    PlacedPath(std::span<const Point> points, std::span<const std::uint32_t> path, const Placing& placing)
+        : points_(points), path_(path), placing_(placing) {}
+
+    std::size_t size() const { return path_.size(); }
+    Point operator[](std::size_t i) const { return placing_(points_[path_[i]]); }
+
+    double length() const {
+        double sum = 0;
+        for (std::size_t i = 1; i < size(); ++i) {
+            const Point step = (*this)[i - 1] - (*this)[i];
+            sum += std::sqrt(dot(step, step));
+        }
+        return sum;
+    }
+
+private:
+    std::span<const Point> points_;
+    std::span<const std::uint32_t> path_;
+    const Placing& placing_;
+};
+
 /// SVG document of dots in the making.
 class DotDocument {
 public:
     /// @param attributes  of the root, besides what it always has
-    DotDocument(const Page& page, std::size_t dots, std::string_view attributes)
-        : unit_(page.width_mm ? *page.width_mm / page.box.width() : 1),
+    DotDocument(const Page& page, std::size_t dots, std::string_view attributes, Body& body)
+        : body_(body),
+          unit_(page.width_mm ? *page.width_mm / page.box.width() : 1),
           width_(page.box.width() * unit_),
           height_(page.box.height() * unit_),
           decimals_(
               std::min(kDigits - static_cast<int>(std::floor(std::log10(std::max(width_, height_)))), kMostDecimals)) {
         decimals_ = std::max(decimals_, 0);
-        out_.reserve(dots * kUsualDot);
+        body_.expect(dots * kUsualDot);
         write(R"(<svg xmlns="http://www.w3.org/2000/svg")", attributes, R"( width=")");
         if (page.width_mm) {
             write(width_, R"(mm" height=")", height_, "mm");
@@ -81,58 +108,59 @@ public:
 
     void end_layer() { write("</g>\n"); }
 
-    void dots(std::span<const Point> centres, double radius, DotStyle style, const Colour& colour,
+    void dots(const PlacedPath& centres, double radius, DotStyle style, const Colour& colour,
               const std::stop_token& stop) {
         if (style == DotStyle::Stroke) return strokes(centres, radius, colour, stop);
         discs(centres, radius, colour, stop);
     }
 
-    std::string finish() {
-        write("</svg>\n");
-        return std::move(out_);
-    }
+    void finish() { write("</svg>\n"); }
 
 private:
-    void discs(std::span<const Point> centres, double radius, const Colour& colour, const std::stop_token& stop) {
+    void discs(const PlacedPath& centres, double radius, const Colour& colour, const std::stop_token& stop) {
         write(R"(<g fill=")", hexadecimal(colour), "\">\n");
-        for (std::size_t i = 0; i < centres.size() && !stop.stop_requested(); i += kChunk) {
-            for (const Point& c : chunk(centres, i)) {
+        for_chunks(centres, stop, [&](std::size_t first, std::size_t end) {
+            for (std::size_t i = first; i < end; ++i) {
+                const Point c = centres[i];
                 write(R"(<circle cx=")", c.x, R"(" cy=")", c.y, R"(" r=")", radius, "\"/>\n");
             }
-        }
+        });
         write("</g>\n");
     }
 
     /// Draws strokes of some length: programs for plotters leave out those of none.
-    void strokes(std::span<const Point> centres, double radius, const Colour& colour, const std::stop_token& stop) {
+    void strokes(const PlacedPath& centres, double radius, const Colour& colour, const std::stop_token& stop) {
         const double length = std::max(radius / 50, std::pow(10, -decimals_));
         write(R"(<g fill="none" stroke=")", hexadecimal(colour), R"(" stroke-width=")", 2 * radius,
               "\" stroke-linecap=\"round\">\n");
-        for (std::size_t i = 0; i < centres.size() && !stop.stop_requested(); i += kChunk) {
+        for_chunks(centres, stop, [&](std::size_t first, std::size_t end) {
             write("<path d=\"");
-            for (const Point& c : chunk(centres, i)) write("M", c.x, " ", c.y, "h", length, "\n");
+            for (std::size_t i = first; i < end; ++i) write("M", centres[i].x, " ", centres[i].y, "h", length, "\n");
             write("\"/>\n");
-        }
+        });
         write("</g>\n");
     }
 
-    static std::span<const Point> chunk(std::span<const Point> all, std::size_t first) {
-        return all.subspan(first, std::min(kChunk, all.size() - first));
+    /// Calls function(first, end) for each so many dots, until it is stopped or nobody takes them.
+    template <class Function>
+    void for_chunks(const PlacedPath& centres, const std::stop_token& stop, Function&& function) {
+        for (std::size_t i = 0; i < centres.size() && body_.hand_on() && !stop.stop_requested(); i += kChunk)
+            function(i, std::min(i + kChunk, centres.size()));
     }
 
-    void append(std::string_view words) { out_ += words; }
-    void append(double length) { append_rounded(out_, length, decimals_); }
+    void append(std::string_view words) { body_.text() += words; }
+    void append(double length) { append_rounded(body_.text(), length, decimals_); }
 
     template <class... Parts>
     void write(const Parts&... parts) {
         (append(parts), ...);
     }
 
+    Body& body_;
     double unit_;
     double width_;
     double height_;
     int decimals_;
-    std::string out_;
 };
 
 std::vector<Point> placed(std::span<const Point> points, const Placing& place) {
@@ -177,16 +205,16 @@ void add_copies(std::vector<Point>& dots, Point size, double radius) {
     }
 }
 
-/// Orders dots along a short path, as they lie on the page, and has the document tell of it.
-std::vector<Point> order(std::span<const Point> points, double radius, const Page& page, DotDocument& document,
-                         const std::stop_token& hurry) {
+/// Draws dots along a path, and has the document tell of it before.
+/// @param paper  that lies below them, if any
+void draw(std::span<const Point> points, std::span<const std::uint32_t> path, double radius, const Colour& colour,
+          const Page& page, DotStyle style, const Colour* paper, DotDocument& document, const std::stop_token& stop) {
     const Placing place(page, document.unit());
-    std::vector<Point> dots;
-    dots.reserve(points.size());
-    for (const std::uint32_t i : short_path(points, hurry)) dots.push_back(place(points[i]));
-    document.describe(points.size(), document.unit() * radius, path_length(dots), document.unit() * path_length(points),
+    const PlacedPath dots(points, path, place);
+    document.describe(points.size(), document.unit() * radius, dots.length(), document.unit() * path_length(points),
                       page.width_mm ? " mm" : "");
-    return dots;
+    if (paper != nullptr) document.paper(*paper);
+    document.dots(dots, radius * document.unit(), style, colour, stop);
 }
 
 }  // namespace
@@ -210,42 +238,51 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels) {
     return scale;
 }
 
-std::string write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style,
-                      const std::stop_token& hurry, const std::stop_token& stop) {
+void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style, Body& body,
+               const std::stop_token& hurry, const std::stop_token& stop) {
     const bool layered = are_named(inks);
     const bool has_paper = style == DotStyle::Fill;
-    DotDocument document(page, count_points(inks), layered ? kLayers : "");
+    std::vector<std::vector<std::uint32_t>> paths;
+    for (const InkDots& each : inks) paths.push_back(short_path(each.dots.points, hurry));
+    DotDocument document(page, count_points(inks), layered ? kLayers : "", body);
     if (layered && has_paper) document.paper(palette.paper);
-    for (const auto& [ink, distribution, radius] : inks) {
+    for (std::size_t i = 0; i < inks.size(); ++i) {
+        const auto& [ink, distribution, radius] = inks[i];
         if (layered) document.begin_layer(ink.name, palette.mixing == Mixing::Add ? "screen" : "multiply");
-        const std::vector<Point> dots = order(distribution.points, radius, page, document, hurry);
-        if (!layered && has_paper) document.paper(palette.paper);
-        document.dots(dots, radius * document.unit(), style, ink.colour, stop);
+        draw(distribution.points, paths[i], radius, ink.colour, page, style,
+             !layered && has_paper ? &palette.paper : nullptr, document, stop);
         if (layered) document.end_layer();
     }
-    return document.finish();
+    document.finish();
 }
 
-std::string write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, DotStyle style,
-                          const std::stop_token& hurry, const std::stop_token& stop) {
+void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, DotStyle style, Body& body,
+                   const std::stop_token& hurry, const std::stop_token& stop) {
     const bool layered = map.are_named();
-    DotDocument document(page, map.size(), layered ? kLayers : "");
+    std::vector<std::vector<std::uint32_t>> paths;  // of all groups
+    for (const MapDots& each : map.classes) {
+        for_features(each.dots, [&](std::uint32_t, std::size_t first, std::size_t count) {
+            if (stop.stop_requested()) return;
+            paths.push_back(short_path(std::span(each.dots.dots.points).subspan(first, count), hurry));
+        });
+    }
+    DotDocument document(page, map.size(), layered ? kLayers : "", body);
     if (style == DotStyle::Fill) document.paper(palette.paper);
-    std::size_t number = 0;
+    std::size_t number = 0, group = 0;
     for (const auto& [ink, dots, radius] : map.classes) {
         if (layered) document.begin_layer(escaped(ink.name), "multiply");
         const std::string prefix = layered ? "class-" + std::to_string(number++) + "-feature-" : "feature-";
         for_features(dots, [&, &ink = ink, &radius = radius, &points = dots.dots.points](
                                std::uint32_t feature, std::size_t first, std::size_t count) {
-            if (stop.stop_requested()) return;
+            if (stop.stop_requested() || group == paths.size()) return;
             document.begin_group(prefix + std::to_string(feature));
-            const auto path = order(std::span(points).subspan(first, count), radius, page, document, hurry);
-            document.dots(path, radius * document.unit(), style, ink.colour, stop);
+            draw(std::span(points).subspan(first, count), paths[group++], radius, ink.colour, page, style, nullptr,
+                 document, stop);
             document.end_layer();
         });
         if (layered) document.end_layer();
     }
-    return document.finish();
+    document.finish();
 }
 
 Raster draw_points(std::span<const Point> points, const Page& page, double radius, const std::stop_token& stop) {

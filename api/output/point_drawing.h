@@ -7,6 +7,7 @@
 
 #include "api/input/drawing_options.h"
 #include "api/input/palette.h"
+#include "api/output/body.h"
 #include "api/output/ink_dots.h"
 #include "api/output/map_dots.h"
 #include "core/geometry/point.h"
@@ -43,16 +44,16 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 ///
 /// @param inks     with the radius of their dots: at most a few of the page's longer side
 /// @param palette  that of the inks
-/// @param hurry    stopped, the paths are longer
+/// @param hurry    stopped, the paths are longer; all are there before anything is handed on
 /// @param stop     stopped, it ends early, with nothing of use
-std::string write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style,
-                      const std::stop_token& hurry = {}, const std::stop_token& stop = {});
+void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style, Body& body,
+               const std::stop_token& hurry = {}, const std::stop_token& stop = {});
 
 /// Writes the dots of a map as SVG, as write_svg() does: in each class, which is a layer if it has a name, a group for
 /// each feature, whose id is `feature-` and the index of the feature, of classes with names with the class' number in
 /// front. Paths are short within a group.
-std::string write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, DotStyle style,
-                          const std::stop_token& hurry = {}, const std::stop_token& stop = {});
+void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, DotStyle style, Body& body,
+                   const std::stop_token& hurry = {}, const std::stop_token& stop = {});
 
 /// Draws dots antialiased; on a torus they come in again where they leave it, so that the picture tiles.
 ///

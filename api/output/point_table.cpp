@@ -16,9 +16,10 @@ constexpr std::size_t kUsualName = 8;       ///< of an ink, with its comma
 constexpr std::size_t kNpyAlignment = 64;   ///< of where the numbers begin
 
 /// @param end  of each line
-void append_lines(std::string& out, std::span<const Point> points, std::string_view end, const std::stop_token& stop) {
+void write_lines(Body& body, std::span<const Point> points, std::string_view end, const std::stop_token& stop) {
+    std::string& out = body.text();
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (i % kStopStride == 0 && stop.stop_requested()) break;
+        if (i % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) break;
         append_shortest(out, points[i].x);
         out += ',';
         append_shortest(out, points[i].y);
@@ -26,8 +27,8 @@ void append_lines(std::string& out, std::span<const Point> points, std::string_v
     }
 }
 
-/// Writes the beginning of an array's file, with room for the rest.
-std::string npy_header(std::size_t rows, std::size_t columns) {
+/// Writes the beginning of an array's file.
+void write_npy_header(std::size_t rows, std::size_t columns, Body& body) {
     static_assert(std::endian::native == std::endian::little && sizeof(Point) == 2 * sizeof(double));
     constexpr std::string_view kMagic("\x93NUMPY\x01\x00", 8);
     std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(rows) + ", " +
@@ -35,13 +36,25 @@ std::string npy_header(std::size_t rows, std::size_t columns) {
     const std::size_t length = kMagic.size() + 2 + header.size() + 1;
     header.append((kNpyAlignment - length % kNpyAlignment) % kNpyAlignment, ' ') += '\n';
 
-    std::string out;
-    out.reserve(length + kNpyAlignment + rows * columns * sizeof(double));
+    body.expect(length + kNpyAlignment + rows * columns * sizeof(double));
+    std::string& out = body.text();
     out += kMagic;
     out += static_cast<char>(header.size() & 255);
     out += static_cast<char>(header.size() >> 8);
     out += header;
-    return out;
+}
+
+/// Writes a row for each point.
+/// @param rest  gives the columns after the first two
+template <class Rest>
+void write_rows(Body& body, std::span<const Point> points, std::size_t columns, Rest rest,
+                const std::stop_token& stop) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (i % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) break;
+        const auto [third, fourth] = rest(i);
+        const std::array<double, 4> row = {points[i].x, points[i].y, third, fourth};
+        body.text().append(reinterpret_cast<const char*>(row.data()), columns * sizeof(double));
+    }
 }
 
 /// Quotes a field that has what parts fields (RFC 4180).
@@ -54,58 +67,56 @@ std::string quoted(std::string_view text) {
 
 }  // namespace
 
-std::string write_csv(std::span<const InkDots> inks, const std::stop_token& stop) {
+void write_csv(std::span<const InkDots> inks, Body& body, const std::stop_token& stop) {
     const bool named = are_named(inks);
-    std::string out;
-    out.reserve((count_points(inks) + 1) * (kUsualLine + (named ? kUsualName : 0)));
-    out += named ? "x,y,ink\r\n" : "x,y\r\n";
+    body.expect((count_points(inks) + 1) * (kUsualLine + (named ? kUsualName : 0)));
+    body.text() += named ? "x,y,ink\r\n" : "x,y\r\n";
     for (const auto& [ink, dots, radius] : inks)
-        append_lines(out, dots.points, named ? ',' + ink.name + "\r\n" : "\r\n", stop);
-    return out;
+        write_lines(body, dots.points, named ? ',' + ink.name + "\r\n" : "\r\n", stop);
 }
 
-std::string write_npy(std::span<const InkDots> inks) {
+void write_npy(std::span<const InkDots> inks, Body& body, const std::stop_token& stop) {
     const std::size_t columns = are_named(inks) ? 3 : 2;
-    std::string out = npy_header(count_points(inks), columns);
+    write_npy_header(count_points(inks), columns, body);
     double number = 0;
     for (const InkDots& each : inks) {
-        for (const Point& point : each.dots.points) {
-            const std::array<double, 3> row = {point.x, point.y, number};
-            out.append(reinterpret_cast<const char*>(row.data()), columns * sizeof(double));
-        }
+        write_rows(
+            body, each.dots.points, columns,
+            [&](std::size_t) {
+                return std::array{number, 0.0};
+            },
+            stop);
         ++number;
     }
-    return out;
 }
 
-std::string write_map_csv(const MapOfDots& map, const std::stop_token& stop) {
+void write_map_csv(const MapOfDots& map, Body& body, const std::stop_token& stop) {
     const bool named = map.are_named();
-    std::string out;
-    out.reserve((map.size() + 1) * (kUsualLine + kUsualName));
-    out += named ? "x,y,feature,class\r\n" : "x,y,feature\r\n";
+    body.expect((map.size() + 1) * (kUsualLine + kUsualName));
+    body.text() += named ? "x,y,feature,class\r\n" : "x,y,feature\r\n";
     for (const MapDots& each : map.classes) {
         const std::string end = named ? ',' + quoted(each.ink.name) + "\r\n" : "\r\n";
         for_features(each.dots, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
-            append_lines(out, std::span(each.dots.dots.points).subspan(first, count),
-                         ',' + std::to_string(feature) + end, stop);
+            write_lines(body, std::span(each.dots.dots.points).subspan(first, count),
+                        ',' + std::to_string(feature) + end, stop);
         });
     }
-    return out;
 }
 
-std::string write_map_npy(const MapOfDots& map) {
+void write_map_npy(const MapOfDots& map, Body& body, const std::stop_token& stop) {
     const std::size_t columns = map.are_named() ? 4 : 3;
-    std::string out = npy_header(map.size(), columns);
+    write_npy_header(map.size(), columns, body);
     double number = 0;
     for (const MapDots& each : map.classes) {
-        for (std::size_t i = 0; i < each.dots.feature_of.size(); ++i) {
-            const Point point = each.dots.dots.points[i];
-            const std::array<double, 4> row = {point.x, point.y, static_cast<double>(each.dots.feature_of[i]), number};
-            out.append(reinterpret_cast<const char*>(row.data()), columns * sizeof(double));
-        }
+        const auto& features = each.dots.feature_of;
+        write_rows(
+            body, each.dots.dots.points, columns,
+            [&](std::size_t i) {
+                return std::array{static_cast<double>(features[i]), number};
+            },
+            stop);
         ++number;
     }
-    return out;
 }
 
 }  // namespace ccdt::api

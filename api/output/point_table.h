@@ -4,6 +4,7 @@
 #include <stop_token>
 #include <string>
 
+#include "api/output/body.h"
 #include "api/output/ink_dots.h"
 #include "api/output/map_dots.h"
 
@@ -12,18 +13,18 @@ namespace ccdt::api {
 /// Writes points as comma-separated values (RFC 4180): a header `x,y`, then a line for each; those of inks with names
 /// one ink after the other, with a third column `ink`, its name. Numbers are the shortest that read back to the same
 /// double. Stopped, it ends early, with nothing of use.
-std::string write_csv(std::span<const InkDots> inks, const std::stop_token& stop = {});
+void write_csv(std::span<const InkDots> inks, Body& body, const std::stop_token& stop = {});
 
 /// Writes points as an array of NumPy, float64 [n, 2]; those of inks with names as [n, 3], last the number of the ink,
-/// from 0. Source: NEP 1, format version 1.0.
-std::string write_npy(std::span<const InkDots> inks);
+/// from 0. Source: NEP 1, format version 1.0. Stopped, it ends early, with nothing of use.
+void write_npy(std::span<const InkDots> inks, Body& body, const std::stop_token& stop = {});
 
 /// Writes the dots of a map as comma-separated values, with a third column `feature`, its index, and of classes with
 /// names a fourth one `class`. Stopped, it ends early, with nothing of use.
-std::string write_map_csv(const MapOfDots& map, const std::stop_token& stop = {});
+void write_map_csv(const MapOfDots& map, Body& body, const std::stop_token& stop = {});
 
 /// Writes the dots of a map as an array of NumPy, float64 [n, 3], last the index of the feature; of classes with names
-/// [n, 4], last the number of the class, from 0.
-std::string write_map_npy(const MapOfDots& map);
+/// [n, 4], last the number of the class, from 0. Stopped, it ends early, with nothing of use.
+void write_map_npy(const MapOfDots& map, Body& body, const std::stop_token& stop = {});
 
 }  // namespace ccdt::api

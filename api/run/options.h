@@ -46,6 +46,7 @@ struct DotSize {
 struct Answer {
     std::string media_type;
     std::string body;
+    bool streamed = false;             ///< the body was taken piece by piece: see BodyTaker
     std::string coding = {};           ///< in which the body is compressed; empty: not
     std::size_t sites = 0;             ///< placed for it
     std::size_t pixels = 0;            ///< of a picture decoded for it

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <list>
@@ -39,6 +40,9 @@ public:
 
     /// Keeps a copy, unless it would take more than a quarter of the room: one answer must not drive out all others.
     void keep(const std::string& name, const api::Answer& answer);
+
+    /// Bytes of the largest body that is kept.
+    std::size_t largest() const { return std::max(most_ / 4, shared_ ? RedisCache::kLargest : 0); }
 
     Load load() const;
 

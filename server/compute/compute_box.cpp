@@ -117,8 +117,20 @@ class ComputeBox::Conversation {
 public:
     using Outcome = tl::expected<Result<api::Answer>, NoReply>;
 
-    Conversation(ComputeBox& box, const Process& process, const Control& control, api::Timings& timings)
-        : box_(box), process_(process), control_(control), timings_(timings), stopped_(eventfd(0, EFD_CLOEXEC)) {}
+    Conversation(ComputeBox& box, const Process& process, const Delivery& delivery, const Control& control,
+                 api::Timings& timings)
+        : box_(box),
+          process_(process),
+          delivery_(delivery),
+          control_(control),
+          timings_(timings),
+          stopped_(eventfd(0, EFD_CLOEXEC)) {}
+
+    /// Whether a part of the answer has come, and was handed on.
+    bool has_begun() const { return head_.has_value(); }
+
+    /// Whether the process is still at work on an answer that nobody wants.
+    bool is_abandoned() const { return abandoned_; }
 
     Outcome hold(Call call, const ComputeRequest& request) {
         const std::array<std::string_view, Call::kTexts> texts = {request.path, request.query, request.content_type,
@@ -150,9 +162,36 @@ private:
             if (state == ReplyReader::State::Partial) return std::nullopt;
             if (state == ReplyReader::State::Ended) return lost();
             const Reply& reply = reader_.reply();
-            if (reply.kind != Reply::Kind::Step) return finish(reply);
-            if (control_.progress) control_.progress(reply.progress);
+            switch (reply.kind) {
+                case Reply::Kind::Step:
+                    if (control_.progress) control_.progress(reply.progress);
+                    break;
+                case Reply::Kind::Head:
+                case Reply::Kind::Piece:
+                    if (auto taken = reply.kind == Reply::Kind::Head ? begin(reply) : take_piece(); !taken) {
+                        abandoned_ = true;
+                        return Result<api::Answer>(tl::unexpected(std::move(taken.error())));
+                    }
+                    break;
+                case Reply::Kind::Answer:
+                case Reply::Kind::Failure:
+                    return finish(reply);
+            }
         }
+    }
+
+    Result<void> begin(const Reply& reply) {
+        timings_ = reply.timings;
+        head_ = answer_of(reply);
+        return delivery_.taker == nullptr ? Result<void>() : delivery_.taker->begin(*head_);
+    }
+
+    Result<void> take_piece() {
+        if (!head_) return failure(ErrorCode::Internal, "a body came before its head");
+        const std::string piece = reader_.take_text(2);
+        if (delivery_.taker != nullptr) return delivery_.taker->take(piece);
+        head_->body += piece;
+        return {};
     }
 
     Outcome finish(const Reply& reply) {
@@ -160,6 +199,16 @@ private:
         box_.decoder_deaths_ += reply.decoder_deaths;
         if (reply.kind == Reply::Kind::Failure)
             return failure(static_cast<ErrorCode>(reply.code), reader_.take_text(0), reader_.take_text(1));
+        api::Answer answer = answer_of(reply);
+        if (!answer.streamed) return answer;
+        if (!head_) return failure(ErrorCode::Internal, "a body has not come");
+        answer.coding = head_->coding;
+        answer.body = std::move(head_->body);
+        answer.streamed = delivery_.taker != nullptr;
+        return answer;
+    }
+
+    api::Answer answer_of(const Reply& reply) {
         api::Answer answer;
         answer.media_type = reader_.take_text(0);
         answer.coding = reader_.take_text(1);
@@ -170,6 +219,7 @@ private:
         answer.pixels = reply.pixels;
         answer.partial = reply.partial != 0;
         answer.repeats = reply.repeats != 0;
+        answer.streamed = reply.streamed != 0;
         if (reply.radius > 0) answer.dots = api::DotSize{reply.radius, reply.tone};
         return answer;
     }
@@ -208,10 +258,13 @@ private:
 
     ComputeBox& box_;
     const Process& process_;
+    const Delivery& delivery_;
     const Control& control_;
     api::Timings& timings_;
     const UniqueFd stopped_;  ///< readable once the stop has come
     ReplyReader reader_;
+    std::optional<api::Answer> head_;  ///< of a large answer; with its body, where nobody takes that in pieces
+    bool abandoned_ = false;
     std::optional<Clock::time_point> give_up_;
     std::optional<ChildEnd> death_;
 };
@@ -248,14 +301,17 @@ Result<api::Answer> ComputeBox::compute(const ComputeRequest& request, const Del
     for (bool again = false;; again = true) {
         auto process = take_process(nice, control.stop);
         if (!process) return tl::unexpected(std::move(process.error()));
-        auto outcome = Conversation(*this, *process, control, timings).hold(call, request);
+        Conversation conversation(*this, *process, delivery, control, timings);
+        auto outcome = conversation.hold(call, request);
         if (outcome) {
-            give_back(*std::move(process));
+            if (!conversation.is_abandoned()) give_back(*std::move(process));
             return *std::move(outcome);
         }
         ++crashes_;
         if (control.stop.stop_requested()) return failure(ErrorCode::Stopped, describe(outcome.error()));
-        if (again || !outcome.error().is_killed()) return failure(ErrorCode::Internal, describe(outcome.error()));
+        const bool is_told = conversation.has_begun() && delivery.taker != nullptr;
+        if (again || is_told || !outcome.error().is_killed())
+            return failure(ErrorCode::Internal, describe(outcome.error()));
     }
 }
 

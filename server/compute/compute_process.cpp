@@ -1,6 +1,7 @@
 #include "server/compute/compute_process.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -134,16 +135,64 @@ double processor_time() {
     return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
-/// Sends a reply with its texts. If nobody takes them the process is about to end.
-void send_reply(int channel, Reply reply, const std::array<std::string_view, Reply::kTexts>& texts) {
+/// Sends a reply with its texts.
+/// @returns  false if nobody takes them: the process is about to end
+bool send_reply(int channel, Reply reply, const std::array<std::string_view, Reply::kTexts>& texts) {
     for (std::size_t i = 0; i < texts.size(); ++i) reply.sizes[i] = texts[i].size();
-    static_cast<void>(send_texts(channel, {text_of(reply), texts[0], texts[1], texts[2], texts[3], texts[4]}));
+    return send_texts(channel, {text_of(reply), texts[0], texts[1], texts[2], texts[3], texts[4]});
 }
+
+/// Sends an answer, or what comes before the pieces of its body.
+bool send_answer(int channel, Reply reply, const api::Answer& answer) {
+    reply.sites = answer.sites;
+    reply.pixels = answer.pixels;
+    reply.partial = answer.partial ? 1 : 0;
+    reply.repeats = answer.repeats ? 1 : 0;
+    reply.streamed = answer.streamed ? 1 : 0;
+    if (answer.dots) {
+        reply.radius = answer.dots->radius;
+        reply.tone = answer.dots->tone;
+    }
+    return send_reply(channel, reply,
+                      {answer.media_type, answer.coding, answer.body, answer.repaired, answer.warnings});
+}
+
+/// Sends a large body as it is written.
+class PieceSender : public api::BodyTaker {
+public:
+    /// @param timings  as far as the computation has come
+    PieceSender(int channel, const api::Timings& timings) : channel_(channel), timings_(timings) {}
+
+    Result<void> begin(const api::Answer& head) override {
+        Reply reply;
+        reply.kind = Reply::Kind::Head;
+        reply.timings = timings_;
+        return check(send_answer(channel_, reply, head));
+    }
+
+    Result<void> take(std::string_view piece) override {
+        Reply reply;
+        reply.kind = Reply::Kind::Piece;
+        std::array<std::string_view, Reply::kTexts> texts;
+        texts[2] = piece;
+        return check(send_reply(channel_, reply, texts));
+    }
+
+private:
+    static Result<void> check(bool sent) {
+        if (!sent) return failure(ErrorCode::Stopped, "nobody takes the answer");
+        return {};
+    }
+
+    const int channel_;
+    const api::Timings& timings_;
+};
 
 /// Computes, whatever happens.
 Result<api::Answer> answer(const Task& task, const Computer& compute, const api::Decode& decode, const Control& control,
-                           api::Timings& timings) {
-    const Delivery delivery{task.call.compressed != 0};
+                           api::Timings& timings, int channel) {
+    PieceSender sender(channel, timings);
+    const Delivery delivery{task.call.compressed != 0, &sender};
     try {
         return compute(task.request, delivery, task.call.limits, decode, control, timings);
     } catch (const std::exception& exception) {
@@ -164,25 +213,18 @@ void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder,
                               send_reply(channel, step, {});
                           },
                           &threads};
-    const auto result = answer(task, compute, decoder.functions(), control, reply.timings);
+    const auto result = answer(task, compute, decoder.functions(), control, reply.timings, channel);
     reply.timings.processor = processor_time() - before;
     reply.timings.threads = static_cast<std::uint32_t>(threads.most());
     reply.decoder_deaths = decoder.deaths() - deaths;
     if (!result) {
         reply.kind = Reply::Kind::Failure;
         reply.code = static_cast<std::uint32_t>(result.error().code);
-        return send_reply(channel, reply, {result.error().message, result.error().field, {}, {}, {}});
+        send_reply(channel, reply, {result.error().message, result.error().field, {}, {}, {}});
+        return;
     }
     reply.kind = Reply::Kind::Answer;
-    reply.sites = result->sites;
-    reply.pixels = result->pixels;
-    reply.partial = result->partial ? 1 : 0;
-    reply.repeats = result->repeats ? 1 : 0;
-    if (result->dots) {
-        reply.radius = result->dots->radius;
-        reply.tone = result->dots->tone;
-    }
-    send_reply(channel, reply, {result->media_type, result->coding, result->body, result->repaired, result->warnings});
+    send_answer(channel, reply, *result);
 }
 
 }  // namespace

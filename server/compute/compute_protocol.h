@@ -50,10 +50,11 @@ struct Call {
     std::array<std::uint64_t, kTexts> sizes{};
 };
 
-/// Message from a process that computes: any number of times Step, then one of the others, followed by texts.
+/// Message from a process that computes, followed by texts: any number of times Step, then Answer or Failure. The body
+/// of a large answer comes before it, as Head, with all else of the answer, and any number of Pieces.
 struct Reply {
-    enum class Kind : std::uint32_t { Step, Answer, Failure };
-    /// Media type, coding, body, what was repaired, warnings; of a failure: message, field, nothing.
+    enum class Kind : std::uint32_t { Step, Head, Piece, Answer, Failure };
+    /// Media type, coding, body or a piece of it, what was repaired, warnings; of a failure: message, field, nothing.
     static constexpr std::size_t kTexts = 5;
 
     Kind kind = Kind::Step;
@@ -65,6 +66,7 @@ struct Reply {
     std::uint64_t pixels = 0;
     std::uint32_t partial = 0;
     std::uint32_t repeats = 0;
+    std::uint32_t streamed = 0;
     double radius = 0;  ///< of a halftone's dots; 0: none is told
     double tone = 0;
     std::array<std::uint64_t, kTexts> sizes{};

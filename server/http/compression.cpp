@@ -33,41 +33,44 @@ double weight_of(std::string_view parameters) {
     return 1;
 }
 
-/// A compressor that is freed in the end.
-class Deflater {
-public:
-    Deflater() {
-        if (deflateInit2(&stream_, kLevel, Z_DEFLATED, MAX_WBITS + kGzip, kMemoryLevel, Z_DEFAULT_STRATEGY) != Z_OK)
-            throw std::bad_alloc();
-    }
-    ~Deflater() { deflateEnd(&stream_); }
-    Deflater(const Deflater&) = delete;
-    Deflater& operator=(const Deflater&) = delete;
-
-    void add(std::string_view piece, bool last, std::string& target) {
-        // zlib's interface is older than const; it does not write there.
-        stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(piece.data()));
-        stream_.avail_in = static_cast<uInt>(piece.size());
-        do {
-            stream_.next_out = reinterpret_cast<Bytef*>(buffer_.data());
-            stream_.avail_out = static_cast<uInt>(buffer_.size());
-            deflate(&stream_, last ? Z_FINISH : Z_NO_FLUSH);
-            target.append(buffer_.data(), buffer_.size() - stream_.avail_out);
-        } while (stream_.avail_out == 0);
-    }
-
-private:
-    z_stream stream_{};
-    std::array<char, 16'384> buffer_{};
-};
-
 }  // namespace
 
-bool is_worth_compressing(std::string_view media_type, std::string_view body) {
+struct Gzip::Stream {
+    z_stream state{};
+    std::array<char, 16'384> buffer{};
+};
+
+Gzip::Gzip() : stream_(std::make_unique<Stream>()) {
+    if (deflateInit2(&stream_->state, kLevel, Z_DEFLATED, MAX_WBITS + kGzip, kMemoryLevel, Z_DEFAULT_STRATEGY) != Z_OK)
+        throw std::bad_alloc();
+}
+
+Gzip::~Gzip() {
+    deflateEnd(&stream_->state);
+}
+
+void Gzip::add(std::string_view piece, bool last, std::string& target) {
+    auto& [state, buffer] = *stream_;
+    // zlib's interface is older than const; it does not write there.
+    state.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(piece.data()));
+    state.avail_in = static_cast<uInt>(piece.size());
+    do {
+        state.next_out = reinterpret_cast<Bytef*>(buffer.data());
+        state.avail_out = static_cast<uInt>(buffer.size());
+        deflate(&state, last ? Z_FINISH : Z_NO_FLUSH);
+        target.append(buffer.data(), buffer.size() - state.avail_out);
+    } while (state.avail_out == 0);
+}
+
+bool is_compressible(std::string_view media_type) {
     const auto type = ::ccdt::server::media_type(media_type);
     const bool is_text = type.starts_with("text/") || type == "application/json" || type.ends_with("+json") ||
                          type.ends_with("+xml") || type == "application/javascript";
-    return is_text && type != "text/event-stream" && body.size() > kSmallest;
+    return is_text && type != "text/event-stream";
+}
+
+bool is_worth_compressing(std::string_view media_type, std::string_view body) {
+    return is_compressible(media_type) && body.size() > kSmallest;
 }
 
 bool accepts_gzip(std::string_view accept_encoding) {
@@ -88,14 +91,14 @@ bool accepts_gzip(std::string_view accept_encoding) {
 
 std::optional<std::string> gzip(std::string_view text, const std::stop_token& stop) {
     std::string compressed;
-    Deflater deflater;
+    Gzip compressor;
     bool last = false;
     while (!last) {
         if (stop.stop_requested()) return std::nullopt;
         const auto piece = text.substr(0, kPiece);
         text.remove_prefix(piece.size());
         last = text.empty();
-        deflater.add(piece, last, compressed);
+        compressor.add(piece, last, compressed);
     }
     return compressed;
 }

@@ -147,7 +147,7 @@ bool Connection::write(std::string_view bytes) {
 }
 
 void Connection::close_gently() {
-    if (too_slow_) {
+    if (too_slow_ || resets_) {
         const linger at_once{1, 0};
         setsockopt(socket_, SOL_SOCKET, SO_LINGER, &at_once, sizeof(at_once));
         return;

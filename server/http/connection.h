@@ -67,6 +67,9 @@ public:
     /// too slowly is reset, or the system would keep the rest for it.
     void close_gently();
 
+    /// Has the connection reset when it is closed, so that the client takes what came for no whole answer.
+    void reset() { resets_ = true; }
+
     /// Moves the connection's place to where the current request needs it; false if that room is full.
     bool move_to(Room room) { return place_ == nullptr || place_->move_to(room); }
 
@@ -147,6 +150,7 @@ private:
     Transfer body_;  ///< that of the current request
     bool between_requests_ = true;
     bool too_slow_ = false;  ///< the client, for its answer
+    bool resets_ = false;
     std::uint64_t bytes_in_ = 0;
     std::uint64_t bytes_out_ = 0;
 };

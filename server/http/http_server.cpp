@@ -69,17 +69,25 @@ tl::unexpected<Problem> refusal(Place::Entry entry) {
 }
 
 /// Sends a body that comes about while it is sent, in chunks or, to clients that know none, up to the connection's end.
-/// @returns  false if the client did not take all of it
-bool stream_body(Connection& connection, const Response& response, bool chunked) {
+/// @returns  false if it was not all sent, or the client did not take all of it
+bool stream_body(Connection& connection, Response& response, bool chunked) {
     bool taken = true;
-    response.stream([&](std::string_view piece) {
+    const auto send = [&](std::string_view piece) {
         if (!taken || piece.empty()) return taken;  // an empty chunk is the last one
         char size[20];
         std::snprintf(size, sizeof(size), "%zx\r\n", piece.size());
         taken = connection.write(chunked ? size + std::string(piece) + "\r\n" : std::string(piece));
         return taken;
-    });
-    return taken && !connection.client_gone() && (!chunked || connection.write("0\r\n\r\n"));
+    };
+    const bool whole = response.stream(send, response.record);
+    if (!whole && taken) {
+        response.status = 500;
+        if (!chunked) connection.reset();
+        return false;
+    }
+    taken = taken && !connection.client_gone() && (!chunked || connection.write("0\r\n\r\n"));
+    if (!taken) response.status = kClientGone;
+    return taken;
 }
 
 Response failure_without_words() {
@@ -243,9 +251,11 @@ bool HttpServer::answer(Connection& connection, AnswerWriter& writer, Request re
     last = last || draining_ || !handled || response.status == kClientGone || !request.keep_alive ||
            connection.in_reserve() || !connection.between_requests() || (response.stream && request.is_http_1_0);
     bool written = response.status != kClientGone && writer.write(request, response, last);
-    if (written && response.stream && request.method != "HEAD")
+    if (!written) {
+        response.status = kClientGone;
+    } else if (response.stream && request.method != "HEAD") {
         written = stream_body(connection, response, !request.is_http_1_0);
-    if (!written) response.status = kClientGone;
+    }
     const std::chrono::duration<double, std::milli> elapsed = Clock::now() - start;
     logger_({std::move(request), std::move(response), connection.client().name, connection.bytes_in(),
              connection.bytes_out(), elapsed.count()});

@@ -66,6 +66,11 @@ struct Record {
 /// @returns  false if the client takes nothing any more
 using Send = std::function<bool(std::string_view piece)>;
 
+/// Sends a body while it comes about, and adds to the record what becomes of it.
+/// @returns  whether what was sent is all of it, unless the client takes nothing any more; if not, the connection ends
+///           so that the client knows
+using Stream = std::function<bool(const Send& send, Record& record)>;
+
 /// Status of an answer whose client has left: nothing is sent, and the log shows it.
 constexpr int kClientGone = 499;
 
@@ -75,10 +80,10 @@ struct Response {
     std::vector<Header> headers;
     std::string media_type;
     std::string body;
-    std::function<void(const Send&)> stream;  ///< sends the body while it comes about; not called for HEAD
-    std::string coding;                       ///< in which the body is compressed; empty: not
-    std::string tag;                          ///< entity tag, of a strong one before compression; empty: none
-    std::shared_ptr<const void> lease;        ///< of memory, to be given back when the answer has been sent
+    Stream stream;                      ///< null: the body is there; not called for HEAD
+    std::string coding;                 ///< in which the body is compressed; empty: not
+    std::string tag;                    ///< entity tag, of a strong one before compression; empty: none
+    std::shared_ptr<const void> lease;  ///< of memory, to be given back when the answer has been sent
     Record record;
 };
 

@@ -15,6 +15,7 @@
 #include "server/work/answer_headers.h"
 #include "server/work/answer_name.h"
 #include "server/work/form.h"
+#include "server/work/passage.h"
 
 namespace ccdt::server {
 namespace {
@@ -75,6 +76,7 @@ struct Computing::AcceptedRequest {
 struct Computing::ComputedAnswer {
     api::Answer answer;
     MemoryBudget::Lease lease;
+    std::shared_ptr<Passage> passage = {};  ///< of a large body, which is on its way still
 };
 
 /// A result on its way from a worker to the connection that waits for it, which may leave before it comes.
@@ -86,8 +88,11 @@ public:
         stages_.queue = Milliseconds(Clock::now() - submitted_).count();
     }
 
+    /// Takes a result, unless there is one.
     void finish(Result<T> result, const api::Timings& timings) {
         const std::lock_guard lock(mutex_);
+        if (finished_already_) return;
+        finished_already_ = true;
         stages_.work = timings;
         result_ = std::move(result);
         finished_.notify_all();
@@ -115,7 +120,52 @@ private:
     mutable std::mutex mutex_;  ///< guards the rest
     std::condition_variable finished_;
     std::optional<Result<T>> result_;
+    bool finished_already_ = false;  ///< the result may have been taken since
     Stages stages_;
+};
+
+/// Takes a large body from its computation, hands it on, and keeps a copy if it is not too large for that.
+class Computing::Outlet : public api::BodyTaker {
+public:
+    /// @param largest  bytes of a body that is kept
+    Outlet(PendingResult<ComputedAnswer>& pending, const api::Timings& timings, std::size_t largest,
+           MemoryBudget& memory)
+        : pending_(pending), timings_(timings), largest_(largest), memory_(memory) {}
+    ~Outlet() override { close(failure(ErrorCode::Internal, "the answer was not written to its end")); }
+    Outlet(const Outlet&) = delete;
+    Outlet& operator=(const Outlet&) = delete;
+
+    Result<void> begin(const api::Answer& head) override {
+        copy_ = head;
+        pending_.finish(ComputedAnswer{head, {}, passage_}, timings_);
+        return {};
+    }
+
+    Result<void> take(std::string_view piece) override {
+        if (copy_ && copy_->body.size() + piece.size() <= largest_) {
+            copy_->body += piece;
+        } else {
+            copy_.reset();
+        }
+        return passage_->push(piece);
+    }
+
+    /// Ends the body; an error: it is not whole.
+    void close(Result<void> outcome) { passage_->close(std::move(outcome), timings_, memory_); }
+
+    /// Stops what computes once nobody takes the body any more.
+    std::stop_source& stop() { return passage_->stop(); }
+
+    /// The whole answer, once the body has ended; null if it is too large to be kept.
+    const api::Answer* copy() const { return copy_ ? &*copy_ : nullptr; }
+
+private:
+    PendingResult<ComputedAnswer>& pending_;
+    const api::Timings& timings_;
+    const std::size_t largest_;
+    MemoryBudget& memory_;
+    const std::shared_ptr<Passage> passage_ = std::make_shared<Passage>();
+    std::optional<api::Answer> copy_;
 };
 
 Computing::Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute, Jobs& jobs,
@@ -155,12 +205,40 @@ HttpResult<Response> Computing::compute(const AcceptedPointer& asked, bool compr
     if (!cost) return tl::unexpected(cost.error());
     auto product = run(asked, *cost, compressed, incoming, deadline);
     if (!product) return tl::unexpected(std::move(product.error()));
-    auto& [answer, lease] = *product;
-    if (!answer.partial) cache_.keep(cache_key(asked->name, compressed, cache_owner(incoming.connection)), answer);
+    api::Answer& answer = product->answer;
+    if (!product->passage && !answer.partial)
+        cache_.keep(cache_key(asked->name, compressed, cache_owner(incoming.connection)), answer);
     incoming.record.computed = Computed{answer.sites, answer.pixels};
     Response response = response_of(std::move(answer), asked->name, incoming.record);
-    response.lease = std::make_shared<MemoryBudget::Lease>(std::move(lease));
+    if (product->passage) response.stream = stream_of(*product, incoming, deadline + kGrace + Passage::kPatience);
+    response.lease = std::make_shared<MemoryBudget::Lease>(std::move(product->lease));
     return response;
+}
+
+/// Makes what sends a large body while it is written.
+/// @param latest  when what computes has to be done
+Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& incoming, Clock::time_point latest) const {
+    return [this, passage = computed.passage, &connection = incoming.connection, latest](const Send& send,
+                                                                                         Record& record) {
+        while (!passage->is_over()) {
+            const auto piece = passage->pop(Clock::now() + kPeek);
+            if (piece ? !send(*piece) : connection.client_gone()) {
+                record.cancelled = "client_gone";
+            } else if (abandoned_) {
+                record.cancelled = "shutdown";
+            } else if (!piece && Clock::now() > latest) {
+                record.cancelled = "deadline";
+            } else {
+                continue;
+            }
+            passage->abandon();
+            return false;
+        }
+        record.stages.work = passage->timings();
+        const auto outcome = passage->outcome();
+        if (!outcome) record.cause = outcome.error().message;
+        return outcome.has_value();
+    };
 }
 
 /// Finds whose an answer in the cache is: by the time it takes one key could tell what another asked.
@@ -227,14 +305,15 @@ HttpResult<Response> Computing::defer(const AcceptedPointer& asked, const Incomi
 /// Finds what a request costs, which is known once it is parsed: a worker does that unless it is quick.
 HttpResult<api::Cost> Computing::find_cost(const AcceptedPointer& asked, const Incoming& incoming,
                                            Clock::time_point deadline) {
-    Task<api::Cost> find = [asked, &limits = config_.limits](const Control&, api::Timings&) {
+    const auto find = [asked, &limits = config_.limits] {
         return asked->operation.parse(asked->request, limits).map([&](const ParsedPointer& parsed) {
             return cost_of_answering(asked->operation, asked->request, *parsed);
         });
     };
     if (!is_quickly_parsed(asked->operation, asked->request))
-        return have_worker_do(std::move(find), cost_of_parsing(asked->operation, asked->request), incoming, deadline);
-    auto cost = find({}, incoming.record.stages.work);
+        return have_worker_do<api::Cost>([find](const Control&, api::Timings&, auto&) { return find(); },
+                                         cost_of_parsing(asked->operation, asked->request), incoming, deadline);
+    auto cost = find();
     if (!cost) return problem(std::move(cost.error()));
     return *cost;
 }
@@ -251,7 +330,7 @@ HttpResult<T> Computing::have_worker_do(Task<T> task, const api::Cost& cost, con
             pending->begin();
             api::Timings timings;
             try {
-                pending->finish(task(Control{std::move(stop), {}}, timings), timings);
+                pending->finish(task(Control{std::move(stop), {}}, timings, *pending), timings);
             } catch (const std::exception& exception) {
                 pending->finish(failure(ErrorCode::Internal, exception.what()), timings);
             }
@@ -292,11 +371,20 @@ HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobI
 HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& asked, const api::Cost& cost,
                                                      bool compressed, const Incoming& incoming,
                                                      Clock::time_point deadline) {
-    const Delivery delivery{compressed};
-    Task<ComputedAnswer> task = [this, asked, delivery](const Control& control, api::Timings& timings) {
-        return compute_(asked->request, delivery, control, timings).map([this](api::Answer answer) {
-            const std::size_t size = answer.body.size();
-            return ComputedAnswer{std::move(answer), pool_.memory().hold(size)};
+    const std::string key = cache_key(asked->name, compressed, cache_owner(incoming.connection));
+    Task<ComputedAnswer> task = [this, asked, compressed, key](const Control& control, api::Timings& timings,
+                                                               PendingResult<ComputedAnswer>& pending) {
+        Outlet outlet(pending, timings, cache_.largest(), pool_.memory());
+        const std::stop_callback pass_on(control.stop, [&outlet] { outlet.stop().request_stop(); });
+        Control own = control;
+        own.stop = outlet.stop().get_token();
+        auto answer = compute_(asked->request, {compressed, &outlet}, own, timings);
+        if (answer && answer->streamed && outlet.copy() != nullptr && !answer->partial)
+            cache_.keep(key, *outlet.copy());
+        outlet.close(answer.map([](const api::Answer&) {}));
+        return std::move(answer).map([this](api::Answer&& whole) {
+            const std::size_t size = whole.body.size();
+            return ComputedAnswer{std::move(whole), pool_.memory().hold(size)};
         });
     };
     const double waited = incoming.record.stages.queue;

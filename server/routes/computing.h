@@ -48,14 +48,16 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
-    template <class T>
-    using Task = std::function<Result<T>(const Control&, api::Timings&)>;  ///< what a worker does
-
     struct AcceptedRequest;
     using AcceptedPointer = std::shared_ptr<const AcceptedRequest>;
     struct ComputedAnswer;
     template <class T>
     class PendingResult;
+    class Outlet;
+
+    /// What a worker does. The result may be there before it is done: then that is what counts.
+    template <class T>
+    using Task = std::function<Result<T>(const Control&, api::Timings&, PendingResult<T>&)>;
 
     tl::unexpected<Problem> too_slow(Record& record) const;
     tl::unexpected<Problem> too_large(std::size_t bytes) const;
@@ -70,6 +72,7 @@ private:
     HttpResult<void> wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
                               Clock::time_point deadline);
     std::string cache_owner(const Connection& connection) const;
+    Stream stream_of(const ComputedAnswer& computed, const Incoming& incoming, Clock::time_point latest) const;
     std::optional<Response> recall(const std::string& name, bool compressed, const Incoming& incoming);
     HttpResult<Response> compute(const AcceptedPointer& asked, bool compressed, const Incoming& incoming);
     HttpResult<ComputedAnswer> run(const AcceptedPointer& asked, const api::Cost& cost, bool compressed,

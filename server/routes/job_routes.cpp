@@ -94,8 +94,9 @@ HttpResult<Response> JobRoutes::events(const std::string& id, const Connection& 
     if (!watch) return tl::unexpected(std::move(watch.error()));
     Response response = for_now("text/event-stream", {});
     response.headers.push_back({"X-Accel-Buffering", "no"});  // nginx would wait for more
-    response.stream = [this, &connection, watch = *std::move(watch)](const Send& send) {
+    response.stream = [this, &connection, watch = *std::move(watch)](const Send& send, Record&) {
         send_events(watch, connection, send);
+        return true;
     };
     return response;
 }

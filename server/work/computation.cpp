@@ -1,6 +1,9 @@
 #include "server/work/computation.h"
 
 #include <chrono>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "server/http/compression.h"
@@ -21,6 +24,38 @@ void compress(api::Answer& answer, const std::stop_token& stop, api::Timings& ti
     timings.encode += taken.count();
 }
 
+/// Compresses the pieces of a text on their way.
+class CompressingTaker : public api::BodyTaker {
+public:
+    explicit CompressingTaker(api::BodyTaker& next) : next_(next) {}
+
+    Result<void> begin(const api::Answer& head) override {
+        if (!is_compressible(head.media_type)) return next_.begin(head);
+        compressor_.emplace();
+        api::Answer compressed = head;
+        compressed.coding = "gzip";
+        return next_.begin(compressed);
+    }
+
+    Result<void> take(std::string_view piece) override {
+        return compressor_ ? pass_on(piece, false) : next_.take(piece);
+    }
+
+    /// Ends a body that has begun.
+    Result<void> finish() { return compressor_ ? pass_on({}, true) : Result<void>(); }
+
+private:
+    Result<void> pass_on(std::string_view piece, bool last) {
+        compressed_.clear();
+        compressor_->add(piece, last, compressed_);
+        return compressed_.empty() ? Result<void>() : next_.take(compressed_);
+    }
+
+    api::BodyTaker& next_;
+    std::optional<Gzip> compressor_;
+    std::string compressed_;
+};
+
 }  // namespace
 
 Result<api::Answer> compute_here(const ComputeRequest& request, const Delivery& delivery, const api::Limits& limits,
@@ -29,8 +64,15 @@ Result<api::Answer> compute_here(const ComputeRequest& request, const Delivery& 
     if (operation == nullptr) return failure(ErrorCode::Internal, "nothing is computed at " + request.path);
     const auto parsed = operation->parse(request, limits);
     if (!parsed) return tl::unexpected(parsed.error());
-    auto answer = (*parsed)->run(decode, control, timings);
-    if (answer && delivery.compressed) compress(*answer, control.stop, timings);
+    std::optional<CompressingTaker> compressing;
+    if (delivery.compressed && delivery.taker != nullptr) compressing.emplace(*delivery.taker);
+    auto answer = (*parsed)->run(decode, control, timings, compressing ? &*compressing : delivery.taker);
+    if (!answer || !delivery.compressed) return answer;
+    if (!answer->streamed) {
+        compress(*answer, control.stop, timings);
+    } else if (auto finished = compressing->finish(); !finished) {
+        return tl::unexpected(finished.error());
+    }
     return answer;
 }
 

@@ -47,15 +47,16 @@ api::Cost cost_of(const auto& request, const api::Limits& limits) {
 }
 
 Result<api::Answer> compute(const api::HalftoneRequest& request, const api::Limits& limits, const api::Decode& decode,
-                            const Control& control, api::Timings& timings) {
-    return api::run_halftone(request, limits, decode, control, timings);
+                            const Control& control, api::Timings& timings, api::BodyTaker* taker) {
+    return api::run_halftone(request, limits, decode, control, timings, taker);
 }
 Result<api::Answer> compute(const api::SampleRequest& request, const api::Limits& limits, const api::Decode& decode,
-                            const Control& control, api::Timings& timings) {
-    return api::run_sample(request, limits, decode, control, timings);
+                            const Control& control, api::Timings& timings, api::BodyTaker* taker) {
+    return api::run_sample(request, limits, decode, control, timings, taker);
 }
 Result<api::Answer> compute(const api::AnalyzeRequest& request, const api::Limits& /*limits*/,
-                            const api::Decode& /*decode*/, const Control& control, api::Timings& timings) {
+                            const api::Decode& /*decode*/, const Control& control, api::Timings& timings,
+                            api::BodyTaker* /*taker*/) {
     return api::run_analyze(request, control, timings);
 }
 
@@ -70,8 +71,9 @@ public:
         return {api::size_of(request_) + computing.memory, computing.seconds};
     }
 
-    Result<api::Answer> run(const api::Decode& decode, const Control& control, api::Timings& timings) const override {
-        return compute(request_, limits_, decode, control, timings);
+    Result<api::Answer> run(const api::Decode& decode, const Control& control, api::Timings& timings,
+                            api::BodyTaker* taker) const override {
+        return compute(request_, limits_, decode, control, timings, taker);
     }
 
 private:

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "api/image/image_codec.h"
+#include "api/output/body.h"
 #include "api/run/options.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
@@ -21,7 +22,8 @@ public:
     virtual api::Cost cost() const = 0;
 
     /// Computes the answer: see Compute.
-    virtual Result<api::Answer> run(const api::Decode& decode, const Control& control, api::Timings& timings) const = 0;
+    virtual Result<api::Answer> run(const api::Decode& decode, const Control& control, api::Timings& timings,
+                                    api::BodyTaker* taker) const = 0;
 };
 using ParsedPointer = std::unique_ptr<const ParsedRequest>;
 

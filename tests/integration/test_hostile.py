@@ -271,7 +271,9 @@ class Failures(HostileCase):
             size = int(pages) * resource.getpagesize()
             limit = resource.prlimit(pid, resource.RLIMIT_AS)
             resource.prlimit(pid, resource.RLIMIT_AS, (size + (16 << 20), limit[1]))
-            answer = post_json(server, "/sample", {"sites": 2_000_000, "iterations": 0, "domain": RECTANGLE})
+            # An answer of any size goes to the client in pieces; a question has to be understood as a whole.
+            values = {"width": 2000, "height": 2000, "values": [1] * 4_000_000}
+            answer = post_json(server, "/sample", {"sites": 10, "domain": RECTANGLE, "density": values})
             resource.prlimit(pid, resource.RLIMIT_AS, limit)
             self.assert_problem(answer, 500)
             self.assertNotIn("alloc", str(answer))

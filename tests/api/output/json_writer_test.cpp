@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "tests/api/output/whole_body.h"
+
 namespace ccdt::api {
 namespace {
 
@@ -18,17 +20,21 @@ Distribution example() {
     return distribution;
 }
 
+std::string json_of(std::span<const InkDots> inks, const Report& report = {}) {
+    return test::whole_body([&](Body& body) { write_json(inks, report, body); });
+}
+
 /// Writes the dots of one ink without a name.
 std::string json_of(const Distribution& dots, const Report& report = {}) {
     const Ink ink;
     const InkDots inks[] = {{ink, dots}};
-    return write_json(inks, report);
+    return json_of(inks, report);
 }
 
 std::string feature_of(const Distribution& dots, const Report& report = {}) {
     const Ink ink;
     const InkDots inks[] = {{ink, dots}};
-    return write_feature(inks, report);
+    return test::whole_body([&](Body& body) { write_feature(inks, report, body); });
 }
 
 const Ink kCyan{"cyan", {0, 255, 255}}, kBlackInk{"black", kBlack};
@@ -51,7 +57,7 @@ TEST(JsonWriter, WritesInksApart) {
     Distribution none;
     none.trace = {0};
     const std::vector<InkDots> inks = {{kCyan, some}, {kBlackInk, none}};
-    const auto json = nlohmann::json::parse(write_json(inks, {7, 12.34567, PictureSize{30, 20}}));
+    const auto json = nlohmann::json::parse(json_of(inks, {7, 12.34567, PictureSize{30, 20}}));
     EXPECT_EQ(json.at("sites"), 3);
     EXPECT_EQ(json.at("seed"), 7);
     EXPECT_EQ(json.at("method"), "ccdt");
@@ -76,8 +82,8 @@ TEST(JsonWriter, TellsThatInksWereStopped) {
     Distribution stopped = whole;
     stopped.stopped = true;
     const std::vector<InkDots> inks = {{kCyan, whole}, {kBlackInk, stopped}};
-    EXPECT_EQ(nlohmann::json::parse(write_json(inks, {})).at("partial"), true);
-    EXPECT_FALSE(nlohmann::json::parse(write_json(std::span(inks).first(1), {})).contains("partial"));
+    EXPECT_EQ(nlohmann::json::parse(json_of(inks)).at("partial"), true);
+    EXPECT_FALSE(nlohmann::json::parse(json_of(std::span<const InkDots>(inks).first(1))).contains("partial"));
 }
 
 TEST(JsonWriter, TellsTheVariationOfThePolishedPoints) {

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/api/output/whole_body.h"
+
 namespace ccdt::api {
 namespace {
 
@@ -29,7 +31,7 @@ std::string svg_of(const std::vector<Point>& points, const Page& page, double ra
                    const Palette& palette = {}, const std::stop_token& hurry = {}, const std::stop_token& stop = {}) {
     const Distribution dots = dots_at(points);
     const InkDots ink{palette.inks.front(), dots, radius};
-    return write_svg({&ink, 1}, palette, page, style, hurry, stop);
+    return test::whole_body([&](Body& body) { write_svg({&ink, 1}, palette, page, style, body, hurry, stop); });
 }
 
 std::stop_token stopped_token() {
@@ -80,7 +82,7 @@ TEST(Svg, HasALayerForEachInk) {
     const Distribution one = dots_at({{10, 20}});
     const std::vector<InkDots> inks = {{palette.inks[0], all, 0.5}, {palette.inks[1], one, 0.25}};
     EXPECT_EQ(
-        write_svg(inks, palette, page(), DotStyle::Fill),
+        test::whole_body([&](Body& body) { write_svg(inks, palette, page(), DotStyle::Fill, body); }),
         R"(<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" style="isolation:isolate" width="40" height="20" viewBox="0 0 10 5">
 <rect width="10" height="5" fill="#ffffff"/>
 <g inkscape:groupmode="layer" inkscape:label="cyan" style="mix-blend-mode:multiply">
@@ -100,7 +102,8 @@ TEST(Svg, HasALayerForEachInk) {
 </svg>
 )");
     palette.mixing = Mixing::Add;
-    const std::string lights = write_svg(inks, palette, page(100), DotStyle::Stroke);
+    const std::string lights =
+        test::whole_body([&](Body& body) { write_svg(inks, palette, page(100), DotStyle::Stroke, body); });
     EXPECT_NE(lights.find(R"(inkscape:label="cyan" style="mix-blend-mode:screen")"), std::string::npos);
     EXPECT_NE(lights.find(R"(stroke="#00ffff" stroke-width="10")"), std::string::npos);
     EXPECT_NE(lights.find(R"(stroke="#000000" stroke-width="5")"), std::string::npos);

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/api/output/whole_body.h"
+
 namespace ccdt::api {
 namespace {
 
@@ -21,19 +23,20 @@ Distribution dots_at(std::vector<Point> points) {
 }
 
 /// Writes the points of one ink without a name.
-std::string write_points(const std::function<std::string(std::span<const InkDots>)>& write, std::vector<Point> points) {
+std::string write_points(const std::function<void(std::span<const InkDots>, Body&)>& write, std::vector<Point> points) {
     const Ink ink;
     const Distribution dots = dots_at(std::move(points));
     const InkDots inks{ink, dots};
-    return write({&inks, 1});
+    return test::whole_body([&](Body& body) { write({&inks, 1}, body); });
 }
 
 std::string csv_of(std::vector<Point> points, const std::stop_token& stop = {}) {
-    return write_points([&](std::span<const InkDots> inks) { return write_csv(inks, stop); }, std::move(points));
+    return write_points([&](std::span<const InkDots> inks, Body& body) { write_csv(inks, body, stop); },
+                        std::move(points));
 }
 
 std::string npy_of(std::vector<Point> points) {
-    return write_points(write_npy, std::move(points));
+    return write_points([](std::span<const InkDots> inks, Body& body) { write_npy(inks, body); }, std::move(points));
 }
 
 const Ink kCyan{"cyan", {0, 255, 255}}, kMagenta{"magenta", {255, 0, 255}}, kOther{"#abcdef", {0xab, 0xcd, 0xef}};
@@ -56,7 +59,7 @@ TEST(Csv, EndsOnceItIsStopped) {
 TEST(Csv, NamesInks) {
     const Distribution some = dots_at(kPoints), none, one = dots_at({{1, 2}});
     const std::vector<InkDots> inks = {{kCyan, some}, {kMagenta, none}, {kOther, one}};
-    EXPECT_EQ(write_csv(inks),
+    EXPECT_EQ(test::whole_body([&](Body& body) { write_csv(inks, body); }),
               "x,y,ink\r\n0.1,1e+300,cyan\r\n-0,5e-324,cyan\r\n0.3333333333333333,2,cyan\r\n1,2,#abcdef\r\n");
 }
 
@@ -76,7 +79,7 @@ TEST(Npy, HasTheHeaderThatItsFormatWants) {
 TEST(Npy, NumbersInks) {
     const Distribution none, one = dots_at({{1, 2}});
     const std::vector<InkDots> inks = {{kCyan, one}, {kMagenta, none}, {kOther, one}};
-    const std::string file = write_npy(inks);
+    const std::string file = test::whole_body([&](Body& body) { write_npy(inks, body); });
     EXPECT_NE(file.find("'shape': (2, 3)"), std::string::npos);
     const double rows[] = {1, 2, 0, 1, 2, 2};
     ASSERT_EQ(file.size() % 64, sizeof(rows));

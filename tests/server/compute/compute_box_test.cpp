@@ -73,6 +73,17 @@ Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery
     }
     for (int i = 1; i <= 3; ++i) control.progress({.iteration = i, .iterations = 3, .variation = 0.5});
     api::Answer answer;
+    if (request.path.starts_with("stream")) {
+        answer.media_type = "pieces";
+        if (!delivery.taker->begin(answer)) return failure(ErrorCode::Stopped, "not begun");
+        for (int i = 0; i < 100; ++i) {
+            if (auto taken = delivery.taker->take(request.body); !taken) return tl::unexpected(taken.error());
+            if (i == 50 && request.path == "stream and die") raise(SIGKILL);
+            if (i == 50 && request.path == "stream and fail") return failure(ErrorCode::Internal, "broken");
+        }
+        answer.streamed = true;
+        return answer;
+    }
     answer.media_type = request.content_type + (delivery.compressed ? " compressed" : "");
     answer.coding = request.accept;
     answer.body = request.body;
@@ -92,6 +103,37 @@ Result<ChildProgram> launch(UniqueFd orders) {
     static_cast<void>(orders.release());
     run_fork_server(UniqueFd(ChildProgram::kSocket),
                     [](ComputeFiles files) { run_compute_process(std::move(files), obey); });
+}
+
+/// Takes a body in pieces, and so many of them.
+class Taker : public api::BodyTaker {
+public:
+    explicit Taker(int most = 1'000) : most_(most) {}
+
+    Result<void> begin(const api::Answer& head) override {
+        media_types += head.media_type;
+        return {};
+    }
+
+    Result<void> take(std::string_view piece) override {
+        if (pieces == most_) return failure(ErrorCode::Stopped, "enough");
+        ++pieces;
+        body += piece;
+        return {};
+    }
+
+    std::string media_types;
+    std::string body;
+    int pieces = 0;
+
+private:
+    int most_;
+};
+
+std::string repeated(const std::string& text, int times) {
+    std::string all;
+    for (int i = 0; i < times; ++i) all += text;
+    return all;
 }
 
 class ComputeBoxTest : public testing::Test {
@@ -124,6 +166,50 @@ TEST_F(ComputeBoxTest, TellsTheWholeAnswer) {
     EXPECT_TRUE(answer->partial);
     EXPECT_FALSE(answer->repeats);
     EXPECT_EQ(timings_.decode + 10 * timings_.optimise + 100 * timings_.encode, 321);
+}
+
+TEST_F(ComputeBoxTest, HandsPiecesOn) {
+    const std::string piece(200'000, 'x');
+    Taker taker;
+    const auto answer = box_->compute({"stream", "", "", "", piece}, {.taker = &taker}, {}, timings_);
+    ASSERT_TRUE(answer) << answer.error().message;
+    EXPECT_TRUE(answer->streamed);
+    EXPECT_TRUE(answer->body.empty());
+    EXPECT_EQ(taker.media_types, "pieces");
+    EXPECT_EQ(taker.pieces, 100);
+    EXPECT_EQ(taker.body, repeated(piece, 100));
+}
+
+TEST_F(ComputeBoxTest, PutsPiecesTogetherIfNobodyTakesThem) {
+    const auto answer = ask({"stream", "", "", "", "piece"});
+    ASSERT_TRUE(answer) << answer.error().message;
+    EXPECT_FALSE(answer->streamed);
+    EXPECT_EQ(answer->media_type, "pieces");
+    EXPECT_EQ(answer->body, repeated("piece", 100));
+}
+
+TEST_F(ComputeBoxTest, DoesNotBeginAgainWhatWasHandedOn) {
+    Taker taker;
+    const auto died = box_->compute({"stream and die", "", "", "", "piece"}, {.taker = &taker}, {}, timings_);
+    ASSERT_FALSE(died);
+    EXPECT_EQ(died.error().code, ErrorCode::Internal);
+    EXPECT_EQ(taker.media_types, "pieces");
+    EXPECT_LE(taker.pieces, 51);
+    const auto failed = box_->compute({"stream and fail", "", "", "", "piece"}, {.taker = &taker}, {}, timings_);
+    ASSERT_FALSE(failed);
+    EXPECT_EQ(failed.error().message, "broken");
+    EXPECT_TRUE(ask({"/", "", "", "", ""}));
+}
+
+TEST_F(ComputeBoxTest, EndsTheProcessOfAnAnswerThatNobodyTakes) {
+    const pid_t process = process_of_next();
+    Taker taker(3);
+    const auto left = box_->compute({"stream", "", "", "", std::string(200'000, 'x')}, {.taker = &taker}, {}, timings_);
+    ASSERT_FALSE(left);
+    EXPECT_EQ(left.error().code, ErrorCode::Stopped);
+    EXPECT_EQ(box_->counts().crashes, 0U);
+    while (is_there(process)) std::this_thread::yield();
+    EXPECT_NE(process_of_next(), process);
 }
 
 TEST_F(ComputeBoxTest, TakesBodiesOfAnySize) {

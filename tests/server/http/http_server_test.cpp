@@ -56,10 +56,28 @@ TEST(HttpServer, RefusesThoughItsLoggerThrows) {
 Response dictate(const Request&, const HttpResult<void>&, Connection&) {
     Response response;
     response.media_type = "text/plain";
-    response.stream = [](const Send& send) {
+    response.stream = [](const Send& send, Record&) {
         for (const std::string_view piece : {"one\n", "", "twenty-four characters.\n"}) EXPECT_TRUE(send(piece));
+        return true;
     };
     return response;
+}
+
+TEST(HttpServer, EndsBodiesThatAreNotWholeWithoutALastChunk) {
+    const auto break_off = [](const Request&, const HttpResult<void>&, Connection&) {
+        Response response;
+        response.stream = [](const Send& send, Record& record) {
+            record.cause = "broken";
+            return send("a part") && false;
+        };
+        return response;
+    };
+    std::atomic<int> status = 0;
+    RunningServer server({}, break_off, [&](const Exchange& exchange) { status = exchange.response.status; });
+    const std::string answer = Client(server.port()).ask(kRequest);
+    EXPECT_TRUE(answer.ends_with("\r\n\r\n6\r\na part\r\n")) << answer;
+    server.stop();
+    EXPECT_EQ(status, 500);
 }
 
 TEST(HttpServer, StreamsInChunks) {
@@ -93,11 +111,12 @@ TEST(HttpServer, TellsAStreamThatItsClientLeft) {
     std::atomic<int> status = 0;
     const auto stream_on = [&](const Request&, const HttpResult<void>&, Connection& connection) {
         Response response;
-        response.stream = [&](const Send& send) {
+        response.stream = [&](const Send& send, Record&) {
             streaming.set_value();
             while (!connection.client_gone()) std::this_thread::yield();
             while (send("more")) {
             }
+            return false;
         };
         return response;
     };

@@ -222,10 +222,13 @@ TEST_F(RoutesTest, KeepsStreamsOfEventsFromFallingSilent) {
     EXPECT_EQ(response.media_type, "text/event-stream");
     EXPECT_EQ(header(response, "X-Accel-Buffering"), "no");
     std::string sent;
-    response.stream([&](std::string_view piece) {
-        sent += piece;
-        return !sent.ends_with(": ping\n\n: ping\n\n");
-    });
+    Record record;
+    response.stream(
+        [&](std::string_view piece) {
+            sent += piece;
+            return !sent.ends_with(": ping\n\n: ping\n\n");
+        },
+        record);
     EXPECT_TRUE(sent.starts_with("event: progress\ndata: {\"id\":\"" + job->id)) << sent;
 }
 

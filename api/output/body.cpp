@@ -1,0 +1,47 @@
+#include "api/output/body.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace ccdt::api {
+namespace {
+
+/// What is written between two calls of hand_on(), most of the time.
+constexpr std::size_t kBetween = std::size_t{1} << 20;
+
+}  // namespace
+
+void Body::expect(std::size_t bytes) {
+    text_.reserve(taker_ == nullptr ? bytes : std::min(bytes, kWhole + kBetween));
+}
+
+bool Body::hand_on() {
+    if (taker_ != nullptr && text_.size() >= (begun_ ? kPiece : kWhole)) hand_all_on();
+    return taken_.has_value();
+}
+
+void Body::hand_all_on() {
+    if (!std::exchange(begun_, true)) {
+        Answer head = *head_;
+        // A stop may have made the path of a drawing longer.
+        head.repeats = head.repeats && !hurry_.stop_requested();
+        taken_ = taker_->begin(head);
+    }
+    for (std::string_view rest = text_; !rest.empty() && taken_; rest.remove_prefix(std::min(kPiece, rest.size())))
+        taken_ = taker_->take(rest.substr(0, kPiece));
+    text_.clear();
+}
+
+Result<Answer> Body::finish(Answer answer) {
+    if (begun_) {
+        hand_all_on();
+    } else {
+        answer.body = std::move(text_);
+        answer.repeats = answer.repeats && !hurry_.stop_requested();
+    }
+    answer.streamed = begun_;
+    if (!taken_) return tl::unexpected(taken_.error());
+    return answer;
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,65 @@
+#include "server/work/passage.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace ccdt::server {
+
+Result<void> Passage::push(std::string_view piece) {
+    std::unique_lock lock(mutex_);
+    const auto start = Clock::now();
+    went_.wait_until(lock, start + patience_, [this] { return abandoned_ || held_ < kMostHeld; });
+    patience_ -= std::min(patience_, Clock::now() - start);
+    if (abandoned_) return failure(ErrorCode::Stopped, "nobody takes the answer any more");
+    pieces_.emplace_back(piece);
+    held_ += piece.size();
+    came_.notify_one();
+    return {};
+}
+
+void Passage::close(Result<void> outcome, const api::Timings& timings, MemoryBudget& memory) {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return;
+    outcome_ = std::move(outcome);
+    timings_ = timings;
+    lease_ = memory.hold(held_);
+    closed_ = true;
+    came_.notify_one();
+}
+
+std::optional<std::string> Passage::pop(Clock::time_point until) {
+    std::unique_lock lock(mutex_);
+    if (!came_.wait_until(lock, until, [this] { return closed_ || !pieces_.empty(); }) || pieces_.empty())
+        return std::nullopt;
+    std::string piece = std::move(pieces_.front());
+    pieces_.pop_front();
+    held_ -= piece.size();
+    went_.notify_one();
+    return piece;
+}
+
+bool Passage::is_over() const {
+    const std::lock_guard lock(mutex_);
+    return closed_ && pieces_.empty();
+}
+
+Result<void> Passage::outcome() const {
+    const std::lock_guard lock(mutex_);
+    return outcome_;
+}
+
+api::Timings Passage::timings() const {
+    const std::lock_guard lock(mutex_);
+    return timings_;
+}
+
+void Passage::abandon() {
+    stop_.request_stop();
+    const std::lock_guard lock(mutex_);
+    abandoned_ = true;
+    pieces_.clear();
+    held_ = 0;
+    went_.notify_one();
+}
+
+}  // namespace ccdt::server

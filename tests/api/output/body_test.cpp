@@ -1,0 +1,134 @@
+#include "api/output/body.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ccdt::api {
+namespace {
+
+/// Takes so many pieces.
+class Taker : public BodyTaker {
+public:
+    explicit Taker(std::size_t most = 1'000'000) : most_(most) {}
+
+    Result<void> begin(const Answer& head) override {
+        heads.push_back(head);
+        return {};
+    }
+
+    Result<void> take(std::string_view piece) override {
+        if (pieces.size() == most_) return failure(ErrorCode::Stopped, "enough");
+        pieces.emplace_back(piece);
+        return {};
+    }
+
+    std::string all() const {
+        std::string text;
+        for (const std::string& piece : pieces) text += piece;
+        return text;
+    }
+
+    std::vector<Answer> heads;
+    std::vector<std::string> pieces;
+
+private:
+    std::size_t most_;
+};
+
+Answer head() {
+    Answer answer;
+    answer.media_type = "text/csv";
+    return answer;
+}
+
+/// Text that tells where each of its parts belongs.
+std::string numbers(std::size_t size) {
+    std::string text;
+    for (int i = 0; text.size() < size; ++i) text += std::to_string(i) + ' ';
+    text.resize(size);
+    return text;
+}
+
+/// Writes in small parts.
+/// @returns  what was written before nobody took any more
+std::size_t write(Body& body, std::string_view text) {
+    constexpr std::size_t kPart = 1'000;
+    std::size_t written = 0;
+    while (written < text.size() && body.hand_on()) {
+        body.text() += text.substr(written, kPart);
+        written = std::min(written + kPart, text.size());
+    }
+    return written;
+}
+
+TEST(Body, IsHeldWholeAsLongAsItIsSmall) {
+    const std::string text = numbers(Body::kWhole - 1);
+    const Answer before = head();
+    Taker taker;
+    Body body(before, &taker, {});
+    write(body, text);
+    const auto answer = body.finish(before);
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(answer->body, text);
+    EXPECT_FALSE(answer->streamed);
+    EXPECT_TRUE(taker.heads.empty());
+}
+
+TEST(Body, IsHeldWholeIfNobodyTakesIt) {
+    const std::string text = numbers(2 * Body::kWhole);
+    const Answer before = head();
+    Body body(before, nullptr, {});
+    write(body, text);
+    const auto answer = body.finish(before);
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(answer->body, text);
+}
+
+TEST(Body, IsHandedOnInPiecesOnceItIsLarge) {
+    const std::string text = numbers(2 * Body::kWhole + 12'345);
+    const Answer before = head();
+    Taker taker;
+    Body body(before, &taker, {});
+    write(body, text);
+    EXPECT_LT(body.text().size(), Body::kPiece + 2'000);
+    const auto answer = body.finish(before);
+    ASSERT_TRUE(answer);
+    EXPECT_TRUE(answer->streamed);
+    EXPECT_TRUE(answer->body.empty());
+    ASSERT_EQ(taker.heads.size(), 1U);
+    EXPECT_EQ(taker.heads.front().media_type, "text/csv");
+    EXPECT_TRUE(taker.heads.front().repeats);
+    EXPECT_LE(std::ranges::max(taker.pieces, {}, &std::string::size).size(), Body::kPiece);
+    EXPECT_EQ(taker.all(), text);
+}
+
+TEST(Body, EndsOnceNobodyTakesMore) {
+    const std::string text = numbers(4 * Body::kWhole);
+    const Answer before = head();
+    Taker taker(20);
+    Body body(before, &taker, {});
+    EXPECT_LT(write(body, text), 2 * Body::kWhole);
+    const auto answer = body.finish(before);
+    ASSERT_FALSE(answer);
+    EXPECT_EQ(answer.error().code, ErrorCode::Stopped);
+}
+
+TEST(Body, TellsThatItMayNotRepeatIfItWasHurried) {
+    std::stop_source hurry;
+    const Answer before = head();
+    Taker taker;
+    Body large(before, &taker, hurry.get_token()), small(before, &taker, hurry.get_token());
+    hurry.request_stop();
+    write(large, numbers(Body::kWhole + 10'000));
+    ASSERT_EQ(taker.heads.size(), 1U);
+    EXPECT_FALSE(taker.heads.front().repeats);
+    EXPECT_FALSE(small.finish(before)->repeats);
+}
+
+}  // namespace
+}  // namespace ccdt::api

@@ -1,0 +1,113 @@
+"""Large answers, which go out in pieces as they are written."""
+
+import gzip
+import json
+import os
+import pathlib
+import re
+import signal
+import unittest
+
+from harness import Call, Server, ServerCase, ask, post_json
+from raw import SANITIZED
+from test_computing import children, figure, fork_server, wait_until
+
+TORUS = {"type": "torus", "width": 1, "height": 1}
+JSON = ("--header", "Content-Type: application/json")
+MANY = 400_000
+
+
+def points(form, sites=MANY, **members):
+    """Of a method that takes no time."""
+    return json.dumps({"sites": sites, "domain": TORUS, "method": "random", "format": form, **members})
+
+
+def peak(process):
+    """Most bytes that a process has had resident."""
+    told = pathlib.Path(f"/proc/{process}/status").read_text()
+    return int(re.search(r"VmHWM:\s+(\d+) kB", told).group(1)) << 10
+
+
+class Streams(ServerCase):
+    flags = ("--workers=2", "--timeout=120", "--job-bytes=256MiB", "--memory=4GiB")
+
+    def whole(self, body):
+        """The same answer as a job's result, which is kept whole."""
+        job = post_json(self.server, "/sample", body, "--header", "Prefer: respond-async").headers["location"]
+        wait_until(lambda: self.ask(job).json()["status"] == "succeeded")
+        return self.ask(job + "/result")
+
+    def test_have_the_bytes_of_whole_answers(self):
+        for form in ("npy", "csv", "geojson"):
+            body = points(form, 300_000)
+            streamed, whole = post_json(self.server, "/sample", body), self.whole(body)
+            self.assertEqual(streamed.status, 200)
+            self.assertEqual(streamed.headers["transfer-encoding"], "chunked", form)
+            self.assertNotIn("content-length", streamed.headers)
+            self.assertEqual(whole.headers["content-length"], str(len(whole.body)))
+            self.assertEqual(streamed.body, whole.body)
+
+    def test_are_compressed_as_they_go(self):
+        body = points("csv", 300_000)
+        answer = post_json(self.server, "/sample", body, "--header", "Accept-Encoding: gzip")
+        self.assertEqual(answer.headers["content-encoding"], "gzip")
+        self.assertEqual(answer.headers["transfer-encoding"], "chunked")
+        self.assertTrue(answer.headers["etag"].endswith('-gzip"'))
+        self.assertEqual(gzip.decompress(answer.body), post_json(self.server, "/sample", body).body)
+
+    def test_have_tags(self):
+        body = points("npy", 300_000)
+        tag = post_json(self.server, "/sample", body).headers["etag"]
+        self.assertEqual(post_json(self.server, "/sample", body, "--header", f"If-None-Match: {tag}").status, 304)
+
+    def test_end_with_the_connection_for_old_clients(self):
+        body = points("csv", 300_000)
+        old = post_json(self.server, "/sample", body, "--http1.0")
+        self.assertNotIn("transfer-encoding", old.headers)
+        self.assertEqual(old.body, post_json(self.server, "/sample", body).body)
+
+    def test_are_kept_if_there_is_room(self):
+        with Server("--cache=64MiB") as server:
+            body = points("csv", 300_000)
+            first, second = (post_json(server, "/sample", body) for _ in range(2))
+            self.assertEqual(first.headers["transfer-encoding"], "chunked")
+            self.assertEqual(second.headers["content-length"], str(len(first.body)))
+            self.assertEqual((second.headers["etag"], second.body), (first.headers["etag"], first.body))
+
+    def test_end_what_computes_when_the_client_leaves(self):
+        with Server("--workers=1", "--timeout=120") as server:
+            call = Call(server.url("/sample"), *JSON, "--limit-rate", "1M", data=points("geojson"))
+            wait_until(lambda: call.body.is_file() and call.body.stat().st_size > 0)
+            call.abandon()
+            wait_until(lambda: figure(server, "ccdt_workers_busy") == 0)
+            server.wait_for_log(" 499 ")
+            self.assertEqual(post_json(server, "/sample", points("csv", 100)).status, 200)
+
+    def test_break_off_visibly(self):
+        with Server("--workers=1", "--timeout=120") as server:
+            call = Call(server.url("/sample"), *JSON, "--limit-rate", "8M", data=points("geojson"))
+            wait_until(lambda: call.body.is_file() and call.body.stat().st_size > 0)
+            for process in children(fork_server(server)):
+                os.kill(process, signal.SIGKILL)
+            with call.folder:
+                call.process.communicate()
+                self.assertEqual(call.process.returncode, 18)  # a part only
+                self.assertIn(b" 200 ", call.head.read_bytes())
+            server.wait_for_log("the process that computed it was killed")
+            self.assertEqual(post_json(server, "/sample", points("csv", 100)).status, 200)
+
+
+@unittest.skipIf(SANITIZED, "sanitizers take memory of their own")
+class Memory(unittest.TestCase):
+    def test_does_not_hold_the_answer(self):
+        with Server("--workers=1", "--timeout=120") as server:
+            post_json(server, "/sample", points("npy"))
+            before = peak(server.process.pid)
+            answer = post_json(server, "/sample", points("geojson"))
+            self.assertGreater(len(answer.body), 16 * MANY)
+            self.assertLess(peak(server.process.pid) - before, 8 * MANY)
+            self.assertEqual(server.stop(), 0)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
