@@ -125,7 +125,11 @@ void Relaxation::list_sites(const std::stop_token& stop) {
 void Relaxation::list_block(std::size_t number, bool first_time) {
     const SiteBlocks& blocks = mesh_.blocks();
     Group& group = groups_[0][number];
-    group.old_batches.swap(group.batches);
+    const auto old_batches = std::exchange(group.batches, {});
+    for (std::size_t kind = 0; kind < kKinds; ++kind) {
+        const std::size_t size = old_batches[kind].size();
+        group.batches[kind].reserve(size + size / 16);  // most sites stay of their kind
+    }
     group.clear();
     std::array<std::size_t, kKinds> taken{};
     const std::uint32_t begin = blocks.begin(number), end = blocks.begin(number + 1);
@@ -133,7 +137,7 @@ void Relaxation::list_block(std::size_t number, bool first_time) {
         const bool kept = !first_time && !mesh_.has_changed(v);
         const std::uint8_t kind = first_time || levels_[v] > 0 ? kFanKind : kinds_[v];
         if (kind != kFanKind) {
-            const auto record = group.old_batches[kind].begin() + static_cast<std::ptrdiff_t>(taken[kind]);
+            const auto record = old_batches[kind].begin() + static_cast<std::ptrdiff_t>(taken[kind]);
             taken[kind] += stride(kind);
             if (kept) {
                 Batch& batch = group.batches[kind];

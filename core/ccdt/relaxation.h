@@ -134,7 +134,6 @@ private:
     /// them.
     struct Group {
         std::array<Batch, kKinds> batches;
-        std::array<Batch, kKinds> old_batches;
         Fans fans;
         std::vector<std::uint32_t> sites;   ///< all of them; not at level 0, where they are most of a block's
         std::vector<std::uint32_t> others;  ///< of the block, which belong to larger ones
