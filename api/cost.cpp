@@ -269,6 +269,14 @@ double drawn_pixels(const SampleRequest& request, const Box& box, const Limits& 
     return std::min({chosen, kMostCanvasPixels, most});
 }
 
+/// Finds the order of points, unless it is the path of a drawing, which is a part of writing it.
+Estimate ordering(const SampleRequest& request) {
+    constexpr Estimate kPath{500, 3.5 * kMicrosecond}, kProgressive{260, 4.5 * kMicrosecond};
+    const PointOrder order = request.order.value_or(PointOrder::None);
+    if (order == PointOrder::None) return {};
+    return (order == PointOrder::Path ? kPath : kProgressive) * static_cast<double>(request.run.sites);
+}
+
 Estimate writing(const SampleRequest& request, const Limits& limits) {
     const PointFormat& format = *request.format;
     const auto sites = static_cast<double>(request.run.sites);
@@ -321,7 +329,7 @@ Cost cost_of(const SampleRequest& request, const Limits& limits) {
     const bool is_uniform = image == nullptr && grid == nullptr && request.coordinates == Coordinates::Plane;
     const Estimate placing = bounding(request) + charting(request) + mapping(request) + density +
                              request.method->cost(request.run, is_uniform);
-    const Estimate made = then(placing, writing(request, limits));
+    const Estimate made = then(then(placing, ordering(request)), writing(request, limits));
     const Estimate read = image != nullptr ? decoding(image->file) : Estimate{};
     return cost(then(request.mask ? then(decoding(*request.mask), read) : read, made));
 }

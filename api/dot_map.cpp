@@ -13,6 +13,7 @@
 #include "api/exclusions.h"
 #include "api/image/overlay.h"
 #include "api/input/degrees.h"
+#include "api/ordering.h"
 #include "api/output/json_writer.h"
 #include "api/output/map_dots.h"
 #include "api/output/point_drawing.h"
@@ -223,6 +224,8 @@ Result<PlacedDots> place(const SampleRequest& request, const Areas& areas, const
     if (!placed) return tl::unexpected(located(request, areas, placed.error()));
     for (ClassDots& each : placed->classes) {
         if (auto going = check_whole(each.dots, request.on_deadline); !going) return tl::unexpected(going.error());
+        if (auto ordered = order_dots(request, whole, each, control.stop); !ordered)
+            return tl::unexpected(ordered.error());
         for (std::uint32_t& feature : each.feature_of) feature = areas.numbers[feature];
     }
     return placed;

@@ -16,6 +16,7 @@
 #include "api/input/negotiation.h"
 #include "api/input/point_reader.h"
 #include "api/input/run_options.h"
+#include "api/ordering.h"
 #include "api/output/formats.h"
 #include "api/output/json_writer.h"
 #include "api/output/point_drawing.h"
@@ -184,7 +185,7 @@ constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
 }};
 
 /// Members of a JSON body, or parameters beside a GeoJSON document.
-constexpr std::array<OptionRule<Draft>, 19> kOptionRules = {{
+constexpr std::array<OptionRule<Draft>, 20> kOptionRules = {{
     {"sites", read_sites},
     {"per", [](const Input& i, const Limits&, Draft& d) { return read_per(i, d.counting); }},
     {"classes", [](const Input& i, const Limits&, Draft& d) { return assign(d.counting.classes, read_classes(i)); }},
@@ -202,6 +203,7 @@ constexpr std::array<OptionRule<Draft>, 19> kOptionRules = {{
     {"tolerance", read_given<read_tolerance, &MethodOptions::tolerance>},
     {"method", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.method, read_method(i)); }},
     {"mesh", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.run.keep_mesh, read_boolean(i)); }},
+    {"order", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.order, read_point_order(i)); }},
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
     {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
     {"width",
@@ -520,7 +522,9 @@ Result<Density> make_density(const SampleRequest& request, const Limits& limits,
 }
 
 Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const Limits& limits) {
-    Page page{domain.bounds(), true, domain.is_torus(), {}, request.drawing.width_mm};
+    Page page{domain.bounds(),          true,
+              domain.is_torus(),        {},
+              request.drawing.width_mm, request.order.value_or(PointOrder::Path) == PointOrder::Path};
     const Box& box = page.box;
     const double longer = std::max(box.width(), box.height());
     const RasterWriter* const pixels = request.format->raster();
@@ -601,7 +605,12 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     timings.decode = watch.lap();
     if (!density) return tl::unexpected(density.error());
 
-    auto placed = place_points(request, domain, *density, control);
+    auto placed =
+        place_points(request, domain, *density, control).and_then([&, &domain = domain](PlacedPoints&& points) {
+            return order_points(request, domain, points.distribution, control.stop).map([&] {
+                return std::move(points);
+            });
+        });
     timings.optimise = watch.lap();
     if (!placed) return tl::unexpected(placed.error());
     Distribution& distribution = placed->distribution;

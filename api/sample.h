@@ -11,6 +11,7 @@
 #include "api/input/domain_reader.h"
 #include "api/input/drawing_options.h"
 #include "api/input/feature_counts.h"
+#include "api/input/point_order.h"
 #include "api/input/polygon_reader.h"
 #include "api/input/run_options.h"
 #include "api/method.h"
@@ -59,8 +60,9 @@ struct SampleRequest {
     const Method* method = &methods().front();
     const PointFormat* format = nullptr;  ///< never null in a request that was parsed
     DrawingOptions drawing;
-    std::optional<int> width;   ///< of a drawing, in pixels; none: chosen
-    std::optional<double> dot;  ///< radius in units of the domain, > 0; none: chosen
+    std::optional<int> width;         ///< of a drawing, in pixels; none: chosen
+    std::optional<double> dot;        ///< radius in units of the domain, > 0; none: chosen
+    std::optional<PointOrder> order;  ///< none: along a path in drawings of shapes, else as they were placed
     OnStop on_deadline = OnStop::Error;
     std::optional<FeatureCounts> counts;  ///< of a map of dots, whose features' parts are those of the polygon
     bool is_document = false;             ///< the body is GeoJSON: options came as text

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "api/input/palette.h"
@@ -19,6 +20,12 @@ struct InkDots {
 /// Tells whether answers tell inks apart. Of the only ink, which has no name, they tell nothing but its points.
 inline bool are_named(std::span<const InkDots> inks) {
     return std::ranges::any_of(inks, [](const InkDots& each) { return !each.ink.name.empty(); });
+}
+
+/// Ranks of some points, or none.
+inline std::span<const std::uint32_t> ranks_of(const Distribution& points, std::size_t first, std::size_t count) {
+    const std::span<const std::uint32_t> all = points.ranks;
+    return all.empty() ? all : all.subspan(first, count);
 }
 
 inline std::size_t count_points(std::span<const InkDots> inks) {

@@ -77,6 +77,13 @@ void append_indices(std::string& out, std::span<const std::uint32_t> indices) {
     append_array(out, indices, append_index);
 }
 
+/// Writes `,"rank":[...]`, if points have ranks.
+void write_ranks(Body& body, std::span<const std::uint32_t> ranks, const std::stop_token& stop) {
+    if (ranks.empty()) return;
+    body.text() += ",\"rank\":";
+    write_list(body, ranks, append_index, stop);
+}
+
 void write_mesh(Body& body, const TriangleMesh& mesh, const std::stop_token& stop) {
     body.text() += ",\"vertices\":";
     write_points(body, mesh.vertices, stop);
@@ -179,6 +186,7 @@ void write_distribution(Body& body, const Distribution& distribution, const Repo
     out += ",\"trace\":";
     append_trace(out, distribution.trace);
     append_report(out, report);
+    write_ranks(body, distribution.ranks, stop);
     if (distribution.mesh) write_mesh(body, *distribution.mesh, stop);
 }
 
@@ -228,7 +236,8 @@ void append_map_run(std::string& out, const MapOfDots& map, const Report& report
     append_remarks(out, stopped, report);
 }
 
-/// Writes `,"name":[...]` with a number for each point. Stopped, or if nobody takes it, it ends early.
+/// Writes `,"name":[...]` with a number for each point, by its class and its place in that. Stopped, or if nobody takes
+/// it, it ends early.
 template <class NumberOf>
 void write_column(Body& body, std::string_view name, const MapOfDots& map, NumberOf number_of,
                   const std::stop_token& stop) {
@@ -236,10 +245,10 @@ void write_column(Body& body, std::string_view name, const MapOfDots& map, Numbe
     out.append(",\"").append(name).append("\":[");
     std::size_t written = 0;
     for (std::size_t c = 0; c < map.classes.size(); ++c) {
-        for (const std::uint32_t feature : map.classes[c].dots.feature_of) {
+        for (std::size_t i = 0; i < map.classes[c].dots.feature_of.size(); ++i) {
             if (written % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) return;
             if (written++ > 0) out += ',';
-            append_number(out, static_cast<std::uint64_t>(number_of(c, feature)));
+            append_number(out, static_cast<std::uint64_t>(number_of(c, i)));
         }
     }
     out += ']';
@@ -286,8 +295,8 @@ void append_classes(std::string& out, const MapOfDots& map) {
 }
 
 /// Writes the points of one class in one feature, as a Feature.
-void write_feature(Body& body, const MapOfDots& map, const MapDots& dots, std::uint32_t feature,
-                   std::span<const Point> points, const std::stop_token& stop) {
+void write_feature(Body& body, const MapOfDots& map, const MapDots& dots, std::uint32_t feature, std::size_t first,
+                   std::size_t count, const std::stop_token& stop) {
     std::string& out = body.text();
     out += R"({"type":"Feature")";
     if (!map.feature_ids[feature].empty()) out.append(",\"id\":").append(map.feature_ids[feature]);
@@ -298,9 +307,10 @@ void write_feature(Body& body, const MapOfDots& map, const MapDots& dots, std::u
         append_text(out, dots.ink.name);
         out.append(",\"color\":\"").append(hexadecimal(dots.ink.colour)).append("\"");
     }
-    append_member(out, "sites", std::uint64_t{points.size()});
+    append_member(out, "sites", std::uint64_t{count});
+    write_ranks(body, ranks_of(dots.dots.dots, first, count), stop);
     out += R"(},"geometry":{"type":"MultiPoint","coordinates":)";
-    write_list(body, points, append_point, stop);
+    write_list(body, std::span(dots.dots.dots.points).subspan(first, count), append_point, stop);
     out += "}}";
 }
 
@@ -329,6 +339,7 @@ void write_feature(std::span<const InkDots> inks, const Report& report, Body& bo
     std::string& out = body.text();
     out += R"({"type":"Feature","properties":{)";
     append_run(out, distribution, report);
+    write_ranks(body, distribution.ranks, stop);
     out += R"(},"geometry":{"type":"MultiPoint","coordinates":)";
     write_points(body, distribution.points, stop);
     out += "}}\n";
@@ -348,11 +359,15 @@ void write_map_json(const MapOfDots& map, const Report& report, Body& body, cons
         }
     }
     out += ']';
+    if (map.are_ranked()) {
+        write_column(
+            body, "rank", map, [&](std::size_t c, std::size_t i) { return map.classes[c].dots.dots.ranks[i]; }, stop);
+    }
     write_column(
-        body, "feature", map, [](std::size_t, std::uint32_t feature) { return feature; }, stop);
+        body, "feature", map, [&](std::size_t c, std::size_t i) { return map.classes[c].dots.feature_of[i]; }, stop);
     if (map.are_named()) {
         write_column(
-            body, "class", map, [](std::size_t number, std::uint32_t) { return number; }, stop);
+            body, "class", map, [](std::size_t c, std::size_t) { return c; }, stop);
         out += ",\"classes\":";
         append_classes(out, map);
     }
@@ -374,8 +389,7 @@ void write_map_features(const MapOfDots& map, const Report& report, Body& body, 
     for (const MapDots& each : map.classes) {
         for_features(each.dots, [&](std::uint32_t feature, std::size_t begin, std::size_t count) {
             if (!std::exchange(first, false)) out += ",\n";
-            const auto points = std::span(each.dots.dots.points).subspan(begin, count);
-            write_feature(body, map, each, feature, points, stop);
+            write_feature(body, map, each, feature, begin, count, stop);
         });
     }
     out += "]}\n";

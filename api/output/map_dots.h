@@ -1,11 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "api/input/palette.h"
+#include "api/output/ink_dots.h"
 #include "core/dotmap/dot_map.h"
 
 namespace ccdt::api {
@@ -23,6 +25,9 @@ struct MapOfDots {
     std::span<const std::string> feature_ids;  ///< [features] as JSON; empty where there is none
 
     bool are_named() const { return !classes.front().ink.name.empty(); }
+    bool are_ranked() const {
+        return std::ranges::any_of(classes, [](const MapDots& each) { return !each.dots.dots.ranks.empty(); });
+    }
     std::size_t size() const {
         std::size_t points = 0;
         for (const MapDots& each : classes) points += each.dots.dots.points.size();

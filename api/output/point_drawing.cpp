@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <string_view>
 #include <vector>
 
@@ -43,11 +44,16 @@ private:
 class PlacedPath {
 public:
     /// What is referred to must outlive it.
-    PlacedPath(std::span<const Point> points, std::span<const std::uint32_t> path, const Placing& placing)
-        : points_(points), path_(path), placing_(placing) {}
+    /// @param ranks  of the points, or none
+    PlacedPath(std::span<const Point> points, std::span<const std::uint32_t> ranks, std::span<const std::uint32_t> path,
+               const Placing& placing)
+        : points_(points), ranks_(ranks), path_(path), placing_(placing) {}
 
     std::size_t size() const { return path_.size(); }
     Point operator[](std::size_t i) const { return placing_(points_[path_[i]]); }
+
+    bool are_ranked() const { return !ranks_.empty(); }
+    std::uint32_t rank(std::size_t i) const { return ranks_[path_[i]]; }
 
     double length() const {
         double sum = 0;
@@ -60,6 +66,7 @@ public:
 
 private:
     std::span<const Point> points_;
+    std::span<const std::uint32_t> ranks_;
     std::span<const std::uint32_t> path_;
     const Placing& placing_;
 };
@@ -122,7 +129,9 @@ private:
         for_chunks(centres, stop, [&](std::size_t first, std::size_t end) {
             for (std::size_t i = first; i < end; ++i) {
                 const Point c = centres[i];
-                write(R"(<circle cx=")", c.x, R"(" cy=")", c.y, R"(" r=")", radius, "\"/>\n");
+                write(R"(<circle cx=")", c.x, R"(" cy=")", c.y, R"(" r=")", radius);
+                if (centres.are_ranked()) write(R"(" data-rank=")", std::to_string(centres.rank(i)));
+                write("\"/>\n");
             }
         });
         write("</g>\n");
@@ -205,12 +214,22 @@ void add_copies(std::vector<Point>& dots, Point size, double radius) {
     }
 }
 
+/// Orders dots as a page has them.
+std::vector<std::uint32_t> path_of(std::span<const Point> points, const Page& page, const std::stop_token& hurry) {
+    if (page.along_path) return short_path(points, hurry);
+    std::vector<std::uint32_t> path(points.size());
+    std::iota(path.begin(), path.end(), 0U);
+    return path;
+}
+
 /// Draws dots along a path, and has the document tell of it before.
+/// @param ranks  of the dots, or none
 /// @param paper  that lies below them, if any
-void draw(std::span<const Point> points, std::span<const std::uint32_t> path, double radius, const Colour& colour,
-          const Page& page, DotStyle style, const Colour* paper, DotDocument& document, const std::stop_token& stop) {
+void draw(std::span<const Point> points, std::span<const std::uint32_t> ranks, std::span<const std::uint32_t> path,
+          double radius, const Colour& colour, const Page& page, DotStyle style, const Colour* paper,
+          DotDocument& document, const std::stop_token& stop) {
     const Placing place(page, document.unit());
-    const PlacedPath dots(points, path, place);
+    const PlacedPath dots(points, ranks, path, place);
     document.describe(points.size(), document.unit() * radius, dots.length(), document.unit() * path_length(points),
                       page.width_mm ? " mm" : "");
     if (paper != nullptr) document.paper(*paper);
@@ -243,13 +262,13 @@ void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page
     const bool layered = are_named(inks);
     const bool has_paper = style == DotStyle::Fill;
     std::vector<std::vector<std::uint32_t>> paths;
-    for (const InkDots& each : inks) paths.push_back(short_path(each.dots.points, hurry));
+    for (const InkDots& each : inks) paths.push_back(path_of(each.dots.points, page, hurry));
     DotDocument document(page, count_points(inks), layered ? kLayers : "", body);
     if (layered && has_paper) document.paper(palette.paper);
     for (std::size_t i = 0; i < inks.size(); ++i) {
         const auto& [ink, distribution, radius] = inks[i];
         if (layered) document.begin_layer(ink.name, palette.mixing == Mixing::Add ? "screen" : "multiply");
-        draw(distribution.points, paths[i], radius, ink.colour, page, style,
+        draw(distribution.points, distribution.ranks, paths[i], radius, ink.colour, page, style,
              !layered && has_paper ? &palette.paper : nullptr, document, stop);
         if (layered) document.end_layer();
     }
@@ -263,7 +282,7 @@ void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& pag
     for (const MapDots& each : map.classes) {
         for_features(each.dots, [&](std::uint32_t, std::size_t first, std::size_t count) {
             if (stop.stop_requested()) return;
-            paths.push_back(short_path(std::span(each.dots.dots.points).subspan(first, count), hurry));
+            paths.push_back(path_of(std::span(each.dots.dots.points).subspan(first, count), page, hurry));
         });
     }
     DotDocument document(page, map.size(), layered ? kLayers : "", body);
@@ -272,12 +291,12 @@ void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& pag
     for (const auto& [ink, dots, radius] : map.classes) {
         if (layered) document.begin_layer(escaped(ink.name), "multiply");
         const std::string prefix = layered ? "class-" + std::to_string(number++) + "-feature-" : "feature-";
-        for_features(dots, [&, &ink = ink, &radius = radius, &points = dots.dots.points](
-                               std::uint32_t feature, std::size_t first, std::size_t count) {
+        for_features(dots, [&, &ink = ink, &radius = radius, &all = dots.dots](std::uint32_t feature, std::size_t first,
+                                                                               std::size_t count) {
             if (stop.stop_requested() || group == paths.size()) return;
             document.begin_group(prefix + std::to_string(feature));
-            draw(std::span(points).subspan(first, count), paths[group++], radius, ink.colour, page, style, nullptr,
-                 document, stop);
+            draw(std::span(all.points).subspan(first, count), ranks_of(all, first, count), paths[group++], radius,
+                 ink.colour, page, style, nullptr, document, stop);
             document.end_layer();
         });
         if (layered) document.end_layer();

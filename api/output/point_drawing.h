@@ -22,6 +22,7 @@ struct Page {
     bool periodic = false;  ///< the box is a torus
     Canvas canvas;          ///< its size in pixels, its scale in pixels per unit of the points
     std::optional<double> width_mm;
+    bool along_path = true;  ///< dots are drawn along a short path, else in the order that they come in
 };
 
 /// Makes the canvas that shows a box at a scale, at least a pixel each way and at most as many as an int can tell.
@@ -36,7 +37,8 @@ bool fits(const Canvas& canvas, std::size_t max_pixels);
 /// @param max_pixels  >= 1
 double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 
-/// Writes dots as SVG, those of each ink ordered along a short path, for the pen of a plotter. User units are
+/// Writes dots as SVG, those of each ink ordered along a short path, for the pen of a plotter, if the page has them so;
+/// circles of dots with ranks have these as `data-rank`. User units are
 /// millimetres if the page has a width in these, else the points' units; the origin is the page's upper left corner,
 /// and the paper is drawn for discs only, as a pen would draw it, too. A <desc> tells how long a path is, and how long
 /// it was. Inks with names are layers as Inkscape and programs for plotters know them, so that pens are changed between

@@ -15,14 +15,17 @@ constexpr std::size_t kUsualLine = 40;      ///< two numbers of 18 characters, a
 constexpr std::size_t kUsualName = 8;       ///< of an ink, with its comma
 constexpr std::size_t kNpyAlignment = 64;   ///< of where the numbers begin
 
-/// @param end  of each line
-void write_lines(Body& body, std::span<const Point> points, std::string_view end, const std::stop_token& stop) {
+/// @param ranks  of the points, or none
+/// @param end    of each line
+void write_lines(Body& body, std::span<const Point> points, std::span<const std::uint32_t> ranks, std::string_view end,
+                 const std::stop_token& stop) {
     std::string& out = body.text();
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (i % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) break;
         append_shortest(out, points[i].x);
         out += ',';
         append_shortest(out, points[i].y);
+        if (!ranks.empty()) out.append(",").append(std::to_string(ranks[i]));
         out += end;
     }
 }
@@ -51,8 +54,8 @@ void write_rows(Body& body, std::span<const Point> points, std::size_t columns, 
                 const std::stop_token& stop) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (i % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) break;
-        const auto [third, fourth] = rest(i);
-        const std::array<double, 4> row = {points[i].x, points[i].y, third, fourth};
+        const auto [third, fourth, fifth] = rest(i);
+        const std::array<double, 5> row = {points[i].x, points[i].y, third, fourth, fifth};
         body.text().append(reinterpret_cast<const char*>(row.data()), columns * sizeof(double));
     }
 }
@@ -70,20 +73,21 @@ std::string quoted(std::string_view text) {
 void write_csv(std::span<const InkDots> inks, Body& body, const std::stop_token& stop) {
     const bool named = are_named(inks);
     body.expect((count_points(inks) + 1) * (kUsualLine + (named ? kUsualName : 0)));
-    body.text() += named ? "x,y,ink\r\n" : "x,y\r\n";
+    const bool ranked = !named && !inks.front().dots.ranks.empty();
+    body.text().append("x,y").append(named ? ",ink" : ranked ? ",rank" : "").append("\r\n");
     for (const auto& [ink, dots, radius] : inks)
-        write_lines(body, dots.points, named ? ',' + ink.name + "\r\n" : "\r\n", stop);
+        write_lines(body, dots.points, dots.ranks, named ? ',' + ink.name + "\r\n" : "\r\n", stop);
 }
 
 void write_npy(std::span<const InkDots> inks, Body& body, const std::stop_token& stop) {
-    const std::size_t columns = are_named(inks) ? 3 : 2;
+    const std::size_t columns = are_named(inks) || !inks.front().dots.ranks.empty() ? 3 : 2;
     write_npy_header(count_points(inks), columns, body);
     double number = 0;
     for (const InkDots& each : inks) {
         write_rows(
             body, each.dots.points, columns,
-            [&](std::size_t) {
-                return std::array{number, 0.0};
+            [&, &ranks = each.dots.ranks](std::size_t i) {
+                return std::array{ranks.empty() ? number : ranks[i], 0.0, 0.0};
             },
             stop);
         ++number;
@@ -93,26 +97,30 @@ void write_npy(std::span<const InkDots> inks, Body& body, const std::stop_token&
 void write_map_csv(const MapOfDots& map, Body& body, const std::stop_token& stop) {
     const bool named = map.are_named();
     body.expect((map.size() + 1) * (kUsualLine + kUsualName));
-    body.text() += named ? "x,y,feature,class\r\n" : "x,y,feature\r\n";
+    body.text().append("x,y").append(map.are_ranked() ? ",rank" : "").append(named ? ",feature,class" : ",feature");
+    body.text() += "\r\n";
     for (const MapDots& each : map.classes) {
         const std::string end = named ? ',' + quoted(each.ink.name) + "\r\n" : "\r\n";
         for_features(each.dots, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
             write_lines(body, std::span(each.dots.dots.points).subspan(first, count),
-                        ',' + std::to_string(feature) + end, stop);
+                        ranks_of(each.dots.dots, first, count), ',' + std::to_string(feature) + end, stop);
         });
     }
 }
 
 void write_map_npy(const MapOfDots& map, Body& body, const std::stop_token& stop) {
-    const std::size_t columns = map.are_named() ? 4 : 3;
+    const bool ranked = map.are_ranked();
+    const std::size_t columns = (map.are_named() ? 4 : 3) + (ranked ? 1 : 0);
     write_npy_header(map.size(), columns, body);
     double number = 0;
     for (const MapDots& each : map.classes) {
         const auto& features = each.dots.feature_of;
         write_rows(
             body, each.dots.dots.points, columns,
-            [&](std::size_t i) {
-                return std::array{static_cast<double>(features[i]), number};
+            [&, &ranks = each.dots.dots.ranks](std::size_t i) {
+                const double feature = features[i];
+                return ranked ? std::array{static_cast<double>(ranks[i]), feature, number}
+                              : std::array{feature, number, 0.0};
             },
             stop);
         ++number;

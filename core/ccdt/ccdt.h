@@ -77,6 +77,7 @@ struct Distribution {
     bool stopped = false;  ///< ended early by the stop token: iterations and polish may be missing, and the mesh
                            ///< not be Delaunay
     std::optional<TriangleMesh> mesh;
+    std::vector<std::uint32_t> ranks = {};  ///< [points] or none: the place of each in a progressive order
 
     /// Capacity variation of the points.
     double variation() const { return polished.value_or(trace.back()); }

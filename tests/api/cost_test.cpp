@@ -133,6 +133,8 @@ INSTANTIATE_TEST_SUITE_P(
                     SampleCase{"standard", R"("sites":100000,)" + kSquare},
                     SampleCase{"best", R"("sites":50000,"quality":"best",)" + kSquare},
                     SampleCase{"stealthy", R"("sites":50000,"quality":"stealthy",)" + kTorus},
+                    SampleCase{"progressive", R"("sites":100000,"order":"progressive","quality":"draft",)" + kSquare},
+                    SampleCase{"path", R"("sites":100000,"order":"path","quality":"draft",)" + kSquare},
                     SampleCase{"torus", R"("sites":100000,)" + kTorus},
                     SampleCase{"mesh", R"("sites":100000,"mesh":true,)" + kSquare},
                     SampleCase{"start", R"("sites":100000,"iterations":0,)" + kSquare},

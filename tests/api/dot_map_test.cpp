@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "api/cost.h"
 #include "api/sample.h"
@@ -277,6 +280,47 @@ TEST(DotMap, QuotesNamesOfClasses) {
     const auto svg = answer(request(classes + R"(,"format":"svg")", features));
     EXPECT_NE(svg->body.find("label=\"a,&quot;b&quot;&lt;&amp;\""), std::string::npos);
     EXPECT_NE(svg->body.find("id=\"class-1-feature-0\""), std::string::npos);
+}
+
+TEST(DotMap, RanksThePointsOfAllFeaturesTogether) {
+    const std::string options = R"("classes":["people","dogs"],"per":10,"order":"progressive")";
+    const auto json = map(request(options));
+    const auto& ranks = json.at("rank");
+    ASSERT_EQ(ranks.size(), 299U);
+    std::vector<int> people, dogs;
+    std::array<int, 2> first_50{};
+    for (std::size_t i = 0; i < ranks.size(); ++i) {
+        const int rank = ranks[i], feature = json.at("feature")[i];
+        const bool is_of_people = json.at("class")[i] == 0;
+        (is_of_people ? people : dogs).push_back(rank);
+        if (is_of_people && rank < 50) ++first_50[static_cast<std::size_t>(feature)];
+        const bool continues =
+            i > 0 && json.at("feature")[i - 1] == feature && json.at("class")[i - 1] == json.at("class")[i];
+        EXPECT_TRUE(!continues || ranks[i - 1] < rank) << i;
+    }
+    for (auto* each : {&people, &dogs}) {
+        std::ranges::sort(*each);
+        for (std::size_t i = 0; i < each->size(); ++i) EXPECT_EQ((*each)[i], static_cast<int>(i));
+    }
+    EXPECT_NEAR(first_50[0], 40, 3);
+    const std::string csv = answer(request(options + R"(,"format":"csv")"))->body;
+    EXPECT_TRUE(csv.starts_with("x,y,rank,feature,class\r\n"));
+    EXPECT_NE(answer(request(options + R"(,"format":"npy")"))->body.find("'shape': (299, 5)"), std::string::npos);
+    const auto features =
+        nlohmann::json::parse(answer(request(options + R"(,"format":"geojson")"))->body).at("features");
+    EXPECT_EQ(features[0].at("properties").at("rank").size(), 200U);
+    const std::string svg = answer(request(options + R"(,"format":"svg")"))->body;
+    EXPECT_NE(svg.find(R"(data-rank="249")"), std::string::npos);
+}
+
+TEST(DotMap, HasAPathInEachFeature) {
+    const std::string options = R"("sites":"people","per":10,"coordinates":"lonlat",)";
+    const auto usual = map(request(options + R"("seed":1)")),
+               path = map(request(options + R"("order":"path","seed":1)"));
+    EXPECT_EQ(path.at("feature"), usual.at("feature"));
+    EXPECT_NE(path.at("points"), usual.at("points"));
+    EXPECT_FALSE(path.contains("rank"));
+    EXPECT_EQ(map(request(options + R"("order":"progressive")")).at("rank").size(), 250U);
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "tests/api/files.h"
 
@@ -626,6 +628,66 @@ TEST(Sample, AnswersWithItsPartIfThatIsAskedFor) {
         EXPECT_EQ(answer["points"].size(), 100);
     }
     EXPECT_FALSE(parse('{' + kSquare + R"(,"sites":100,"on_deadline":"best"})"));
+}
+
+const std::string kTwenty = kSquare + R"(,"sites":20)";
+
+/// Points as a sorted list.
+nlohmann::json sorted(nlohmann::json points) {
+    std::sort(points.begin(), points.end());
+    return points;
+}
+
+TEST(SampleOrder, ChangesTheOrderAlone) {
+    const auto usual = sample('{' + kTwenty + '}');
+    EXPECT_EQ(sample('{' + kTwenty + R"(,"order":"none"})").at("points"), usual.at("points"));
+    for (const std::string order : {"path", "progressive"}) {
+        const auto ordered = sample('{' + kTwenty + R"(,"order":")" + order + "\"}");
+        EXPECT_NE(ordered.at("points"), usual.at("points"));
+        EXPECT_EQ(sorted(ordered.at("points")), sorted(usual.at("points")));
+        EXPECT_EQ(ordered.contains("rank"), order == "progressive");
+    }
+    EXPECT_FALSE(parse('{' + kTwenty + R"(,"order":"random"})"));
+}
+
+TEST(SampleOrder, RanksInEveryFormat) {
+    const std::string body = '{' + kTwenty + R"(,"order":"progressive","format":")";
+    std::vector<int> ranks(20);
+    std::iota(ranks.begin(), ranks.end(), 0);
+    EXPECT_EQ(sample(body + "json\"}").at("rank"), nlohmann::json(ranks));
+    const auto feature = nlohmann::json::parse(answer(body + "geojson\"}")->body);
+    EXPECT_EQ(feature.at("properties").at("rank"), nlohmann::json(ranks));
+    const std::string csv = answer(body + "csv\"}")->body;
+    EXPECT_TRUE(csv.starts_with("x,y,rank\r\n")) << csv;
+    EXPECT_TRUE(csv.ends_with(",19\r\n")) << csv;
+    const std::string npy = answer(body + "npy\"}")->body;
+    EXPECT_NE(npy.find("'shape': (20, 3)"), std::string::npos);
+    double last = 0;
+    std::memcpy(&last, npy.data() + npy.size() - sizeof last, sizeof last);
+    EXPECT_EQ(last, 19);
+    const std::string svg = answer(body + "svg\"}")->body;
+    EXPECT_LT(svg.find(R"(data-rank="3")"), svg.find(R"(data-rank="4")"));
+    EXPECT_NE(svg.find(R"(data-rank="19")"), std::string::npos);
+}
+
+TEST(SampleOrder, IsThatOfDrawings) {
+    const std::string body = '{' + kTwenty + R"(,"format":"svg")";
+    const std::string usual = answer(body + '}')->body;
+    EXPECT_EQ(answer(body + R"(,"order":"path"})")->body, usual);
+    EXPECT_NE(answer(body + R"(,"order":"none"})")->body, usual);
+}
+
+TEST(SampleOrder, TakesTheMeshAlong) {
+    const auto json = sample('{' + kTwenty + R"(,"order":"progressive","mesh":true})");
+    for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(json.at("vertices")[i], json.at("points")[i]);
+}
+
+TEST(SampleOrder, IsPartialWhereItIsStopped) {
+    Timings timings;
+    std::stop_source source;
+    source.request_stop();
+    const std::string body = '{' + kTwenty + R"(,"iterations":0,"order":"progressive")";
+    EXPECT_FALSE(run_sample(*parse(body + '}'), {}, decode_inline(), {source.get_token(), {}}, timings));
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ std::vector<Point> points_of_feature(const std::string& body) {
 
 std::vector<Point> points_of_csv(std::string_view body) {
     const auto title = api::take_until(body, "\r\n");
-    CCDT_CHECK(title == "x,y" || title == "x,y,ink");
+    CCDT_CHECK(title == "x,y" || title == "x,y,ink" || title == "x,y,rank");
     std::vector<Point> points;
     while (!body.empty()) {
         auto line = api::take_until(body, "\r\n");

@@ -18,6 +18,8 @@ constexpr api::Limits kLimits = {.max_sites = 100, .max_pixels = 4'096};
 
 constexpr std::array<std::string_view, 4> kQualities = {"draft", "standard", "best", "stealthy"};
 
+constexpr std::array<std::string_view, 3> kOrders = {"none", "path", "progressive"};
+
 /// Which members a request has, by the bits of a number.
 enum class Given : std::uint16_t {
     Iterations = 1,
@@ -34,6 +36,7 @@ enum class Given : std::uint16_t {
     Avoid = 2048,
     Buffer = 4096,
     Fixed = 8192,
+    Order = 16384,
 };
 
 /// A JSON object of the members that are told one after the other.
@@ -133,6 +136,7 @@ std::string take_request(Bytes& input) {
     take_density(input, members);
     if (given(Given::Fixed)) members.add("fixed", coordinates(take_ring(input)));
     if (given(Given::Buffer)) members.add("buffer", take_number(input));
+    if (given(Given::Order)) members.add_word("order", take_one(kOrders, input));
     if (given(Given::Avoid))
         members.add("avoid", '[' + coordinates(take_ring(input)) + ',' + coordinates(take_ring(input)) + ']');
     return members.finish();
@@ -179,7 +183,8 @@ void check_answer(const api::SampleRequest& request, const api::Answer& answer) 
     if (format == "json") return check(points_of_json(answer.body));
     if (format == "geojson") return check(points_of_feature(answer.body));
     if (format == "csv") return check(points_of_csv(answer.body));
-    if (format == "npy") return check(points_of_npy(answer.body, 2));
+    if (format == "npy")
+        return check(points_of_npy(answer.body, request.order == api::PointOrder::Progressive ? 3 : 2));
 }
 
 }  // namespace

@@ -86,6 +86,11 @@ def samples(formats, methods):
     for form, method in itertools.product(("json", "png"), methods):
         yield f"iterations {form} {method}", {"sites": 90, "format": form, "method": method, "iterations": 2,
                                          "domain": RECTANGLE}
+    for place, order in itertools.product(domains, ("none", "path", "progressive")):
+        yield f"{place} {order}", {"sites": 300, "order": order, "format": "csv", **domains[place]}
+    yield "order density", {"sites": 500, "order": "progressive", "density": GRID, "domain": RECTANGLE}
+    yield "order lonlat", {"sites": 500, "order": "progressive", "coordinates": "lonlat",
+                           "geometry": polygon("Italy-110m.geojson")}
     yield "torus stealthy", {"sites": 500, "quality": "stealthy", "domain": {**TORUS, "width": 3}}
     yield "drawing", {"sites": 200, "format": "png", "width": 333, "dot": 0.02, "domain": RECTANGLE}
     yield "plot", {"sites": 200, "format": "svg", "width_mm": 90, "style": "stroke", "domain": RECTANGLE}

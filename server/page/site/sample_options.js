@@ -43,6 +43,8 @@ export const moreFields = [
     help: "Ends the iterations once the variation is below this." },
   { kind: "choice", name: "invalid", label: "Invalid polygons", standard: "repair", choices: [["repair", "repair"], ["reject", "refuse"]],
     help: "Rings that cross themselves, holes that reach out, parts that overlap." },
+  { kind: "choice", name: "order", label: "Order", standard: "usual", choices: [["usual", "usual: a path in SVG"], ["none", "none"], ["path", "along a short path"], ["progressive", "progressive"]],
+    help: "Progressive: the first points, however many, are spread evenly, and each point has its rank." },
   { kind: "choice", name: "on_deadline", label: "Out of time", standard: "error", choices: [["error", "refuse"], ["partial", "take what there is"]],
     help: "The server has a limit on how long a request may take." },
 ];

@@ -1,0 +1,109 @@
+#include "api/ordering.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "api/output/map_dots.h"
+#include "api/run/deadline.h"
+#include "core/order/progressive_order.h"
+#include "core/order/reorder.h"
+#include "core/tour/short_path.h"
+
+namespace ccdt::api {
+namespace {
+
+/// Order that is asked for and not left to a writer.
+PointOrder order_of(const SampleRequest& request) {
+    const PointOrder order = request.order.value_or(PointOrder::None);
+    const bool is_vector = std::holds_alternative<VectorWriter>(request.format->writer);
+    return order == PointOrder::Path && is_vector ? PointOrder::None : order;
+}
+
+bool is_even(const SampleRequest& request, const Domain& domain) {
+    return domain.is_torus() && std::holds_alternative<std::monostate>(request.density) && request.run.fixed.empty();
+}
+
+std::vector<std::uint32_t> progressive(const SampleRequest& request, const Domain& domain,
+                                       std::span<const Point> points, const std::stop_token& stop) {
+    if (request.coordinates == Coordinates::LonLat) return progressive_order_on_globe(points, stop);
+    return progressive_order(domain, points, is_even(request, domain), stop);
+}
+
+/// Checks that an order was found in time.
+Result<void> check_order(const SampleRequest& request, Distribution& points, const std::stop_token& stop) {
+    points.stopped = points.stopped || stop.stop_requested();
+    return check_whole(points, request.on_deadline);
+}
+
+/// Sorts each feature's dots by their ranks.
+std::vector<std::uint32_t> by_features(const ClassDots& dots, std::span<const std::uint32_t> ranks) {
+    std::vector<std::uint32_t> order(ranks.size());
+    std::iota(order.begin(), order.end(), 0U);
+    for_features(dots, [&](std::uint32_t, std::size_t first, std::size_t count) {
+        std::ranges::sort(std::span(order).subspan(first, count), {}, [&](std::uint32_t i) { return ranks[i]; });
+    });
+    return order;
+}
+
+/// Finds a short path in each feature.
+std::vector<std::uint32_t> along_paths(const ClassDots& dots, const std::stop_token& stop) {
+    std::vector<std::uint32_t> order;
+    for_features(dots, [&](std::uint32_t, std::size_t first, std::size_t count) {
+        for (const std::uint32_t i : short_path(std::span(dots.dots.points).subspan(first, count), stop))
+            order.push_back(static_cast<std::uint32_t>(first) + i);
+    });
+    return order;
+}
+
+std::vector<std::uint32_t> inverse(std::span<const std::uint32_t> order) {
+    std::vector<std::uint32_t> places(order.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) places[order[i]] = i;
+    return places;
+}
+
+}  // namespace
+
+Result<void> order_points(const SampleRequest& request, const Domain& domain, Distribution& points,
+                          const std::stop_token& stop) {
+    switch (order_of(request)) {
+        case PointOrder::None:
+            return {};
+        case PointOrder::Path:
+            reorder(points, short_path(points.points, stop));
+            return {};
+        case PointOrder::Progressive:
+            reorder(points, progressive(request, domain, points.points, stop));
+            points.ranks.resize(points.points.size());
+            std::iota(points.ranks.begin(), points.ranks.end(), 0U);
+            return check_order(request, points, stop);
+    }
+    return {};
+}
+
+Result<void> order_dots(const SampleRequest& request, const Domain& whole, ClassDots& dots,
+                        const std::stop_token& stop) {
+    switch (order_of(request)) {
+        case PointOrder::None:
+            return {};
+        case PointOrder::Path:
+            reorder(dots.dots, along_paths(dots, stop));
+            return {};
+        case PointOrder::Progressive: {
+            const auto ranks = inverse(progressive(request, whole, dots.dots.points, stop));
+            const auto order = by_features(dots, ranks);
+            reorder(dots.dots, order);
+            dots.dots.ranks.clear();
+            for (const std::uint32_t i : order) dots.dots.ranks.push_back(ranks[i]);
+            return check_order(request, dots.dots, stop);
+        }
+    }
+    return {};
+}
+
+}  // namespace ccdt::api
