@@ -1,0 +1,67 @@
+#include "core/order/threshold_mask.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+
+namespace ccdt {
+namespace {
+
+/// Variance of how many pixels below a rank are in blocks of a few pixels a side, at all places of the tile, also over
+/// its seams; over that of pixels chosen at random.
+double unevenness(const std::vector<std::uint32_t>& ranks, int side, int block, double share) {
+    const double count = static_cast<double>(ranks.size()), least = share * count;
+    double sum = 0;
+    for (int y = 0; y < side; ++y) {
+        for (int x = 0; x < side; ++x) {
+            double below = 0;
+            for (int j = 0; j < block; ++j) {
+                for (int i = 0; i < block; ++i)
+                    below += ranks[static_cast<std::size_t>((y + j) % side * side + (x + i) % side)] < least ? 1 : 0;
+            }
+            const double error = below - share * block * block;
+            sum += error * error;
+        }
+    }
+    return sum / count / (share * (1 - share) * block * block);
+}
+
+TEST(ThresholdMask, HasEachRankOnce) {
+    for (const auto& [width, height] : {std::pair{8, 8}, {9, 13}, {64, 16}, {31, 97}}) {
+        auto ranks = threshold_mask(width, height, 1);
+        std::ranges::sort(ranks);
+        std::vector<std::uint32_t> all(static_cast<std::size_t>(width * height));
+        std::iota(all.begin(), all.end(), 0U);
+        EXPECT_EQ(ranks, all) << width << ' ' << height;
+    }
+}
+
+TEST(ThresholdMask, IsEvenAtEveryThreshold) {
+    constexpr int kSide = 128;
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        const auto ranks = threshold_mask(kSide, kSide, seed);
+        for (const double share : {1.0 / 64, 1.0 / 16, 0.15, 0.25, 0.4, 0.5, 0.6, 0.75, 0.85, 15.0 / 16, 63.0 / 64}) {
+            // Blocks that hold about 16 of those that are fewer.
+            const int block = static_cast<int>(4 / std::sqrt(std::min(share, 1 - share)));
+            EXPECT_LT(unevenness(ranks, kSide, block, share), 0.16) << share;
+        }
+    }
+}
+
+TEST(ThresholdMask, RepeatsAndDependsOnTheSeed) {
+    EXPECT_EQ(threshold_mask(32, 24, 1), threshold_mask(32, 24, 1));
+    EXPECT_NE(threshold_mask(32, 24, 1), threshold_mask(32, 24, 2));
+}
+
+TEST(ThresholdMask, EndsWhenItIsStopped) {
+    std::stop_source source;
+    source.request_stop();
+    EXPECT_EQ(threshold_mask(64, 64, 1, source.get_token()).size(), 4'096U);
+}
+
+}  // namespace
+}  // namespace ccdt
