@@ -30,6 +30,10 @@ Json describe(const PointFormat& format) {
     return json;
 }
 
+Json describe(const MaskFormat& format) {
+    return describe(format.file);
+}
+
 Json describe(const AnalysisFormat& format) {
     return describe(format.file);
 }
@@ -77,6 +81,7 @@ std::string capabilities_json(const Limits& limits) {
         {"halftone", {{"formats", describe_all(halftone_formats())}, {"options", halftone_options()}}},
         {"sample",
          {{"formats", describe_all(sample_formats())},
+          {"masks", describe_all(mask_formats())},
           {"options", sample_options()},
           {"methods", describe_methods(limits)}}},
         {"analyze", {{"formats", describe_all(analyze_formats())}, {"options", analyze_options()}}}};

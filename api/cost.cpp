@@ -321,6 +321,7 @@ std::size_t usual_sites(const HalftoneRequest& request, double ink, double finen
 }
 
 Cost cost_of(const SampleRequest& request, const Limits& limits) {
+    if (request.mask_format != nullptr) return cost(cost_of_mask(request));
     const auto* image = std::get_if<DensityImage>(&request.density);
     const auto* grid = std::get_if<DensityGrid>(&request.density);
     Estimate density;

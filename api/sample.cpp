@@ -167,6 +167,20 @@ Result<void> read_sites(const Input& input, const Limits& limits, Draft& draft) 
     return assign(draft.request.run.sites, read_sites(input, limits));
 }
 
+/// Reads a format of points or of masks.
+Result<void> read_any_format(const Input& input, Draft& draft) {
+    const auto points = sample_formats();
+    const auto masks = mask_formats();
+    auto files = files_of(points);
+    const auto others = files_of(masks);
+    files.insert(files.end(), others.begin(), others.end());
+    const auto chosen = read_format(input, files);
+    if (!chosen) return tl::unexpected(chosen.error());
+    draft.request.format = points[*chosen < points.size() ? *chosen : 0];
+    if (*chosen >= points.size()) draft.request.mask_format = masks[*chosen - points.size()];
+    return {};
+}
+
 Result<void> read_fixed(const Input& input, const Limits& limits, Draft& draft) {
     draft.given.fixed = true;
     return assign(draft.request.run.fixed, read_points(input, limits));
@@ -209,8 +223,7 @@ constexpr std::array<OptionRule<Draft>, 20> kOptionRules = {{
     {"width",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_integer(i, 1, kMaxWidth)); }},
     {"dot", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.dot, read_number(i, kPositive)); }},
-    {"format", [](const Input& i, const Limits&,
-                  Draft& d) { return assign(d.request.format, read_format(i, sample_formats())); }},
+    {"format", [](const Input& i, const Limits&, Draft& d) { return read_any_format(i, d); }},
 }};
 
 constexpr auto kRules = [] {
@@ -237,7 +250,8 @@ Result<void> read_inputs(std::span<const OptionRule<Draft>> rules, std::span<con
     };
     ErrorList errors;
     errors.add(read);
-    if (!has_any({"sites", "classes"})) errors.add(missing_sites(draft.request));
+    if (draft.request.mask_format == nullptr && !has_any({"sites", "classes"}))
+        errors.add(missing_sites(draft.request));
     if (!draft.request.is_document && !has_any({"polygon", "geometry", "domain"})) errors.add(not_one_shape());
     return errors.result();
 }
@@ -294,7 +308,7 @@ Result<void> read_request(std::string_view body, const std::vector<TextOption>& 
 }
 
 Result<void> check_sites(const SampleRequest& request) {
-    if (request.run.sites > 0) return {};
+    if (request.run.sites > 0 || request.mask_format != nullptr) return {};
     return missing_sites(request);
 }
 
@@ -584,7 +598,9 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
     }));
     errors.add(check_fixed(draft.request));
     errors.add(check_quality(draft));
-    errors.add(settle_domain(draft));
+    const auto domain = settle_domain(draft);
+    errors.add(domain);
+    if (domain && draft.request.mask_format != nullptr) errors.add(check_mask(draft.request));
     errors.add(settle_format(accept, sample_formats(), draft.request.format));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);
@@ -592,6 +608,7 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
 
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
                           const Control& control, Timings& timings, BodyTaker* taker) {
+    if (request.mask_format != nullptr) return run_mask(request, control, timings);
     if (request.counts) return run_dot_map(request, limits, decode, control, timings, taker);
     Stopwatch watch;
     const auto made = make_domain(request, control.stop).and_then([&](RepairedDomain&& given) {

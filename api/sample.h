@@ -14,6 +14,7 @@
 #include "api/input/point_order.h"
 #include "api/input/polygon_reader.h"
 #include "api/input/run_options.h"
+#include "api/mask.h"
 #include "api/method.h"
 #include "api/output/body.h"
 #include "api/output/formats.h"
@@ -58,7 +59,8 @@ struct SampleRequest {
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
     Options run;
     const Method* method = &methods().front();
-    const PointFormat* format = nullptr;  ///< never null in a request that was parsed
+    const PointFormat* format = nullptr;      ///< never null in a request that was parsed
+    const MaskFormat* mask_format = nullptr;  ///< a mask is asked for, and no points
     DrawingOptions drawing;
     std::optional<int> width;         ///< of a drawing, in pixels; none: chosen
     std::optional<double> dot;        ///< radius in units of the domain, > 0; none: chosen

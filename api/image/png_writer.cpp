@@ -122,35 +122,64 @@ void write_header(png_structp png, png_infop info, const DotImage& image, const 
 
 /// Writes the file. libpng reports errors by a jump back into this function, so it owns nothing that would need
 /// destroying.
-/// @param row  room for one row of the file
-/// @returns    false on an error or a stop
+/// @param row      room for one row of the file
+/// @param set_row  called as set_row(y, row) to fill it; throws nothing
+/// @returns        false on an error or a stop
+template <class SetRow>
 bool write_all(png_structp png, png_infop info, const DotImage& image, const Layout& layout, png_byte* row,
-               const std::stop_token& stop) {
+               const SetRow& set_row, const std::stop_token& stop) {
     if (setjmp(png_jmpbuf(png)) != 0) return false;
     write_header(png, info, image, layout);
     for (int y = 0; y < image.height; ++y) {
         if (stop.stop_requested()) return false;
-        pack_row(image.row(y), image.row_size(), layout, row);
+        set_row(y, row);
         png_write_row(png, row);
     }
     png_write_end(png, info);
     return true;
 }
 
-}  // namespace
-
-Result<std::string> write_png(const DotImage& image, std::optional<double> width_mm, const std::stop_token& stop) {
-    const Layout layout = layout_of(image, width_mm);
-    std::vector<png_byte> row(image.row_size());
+/// @param image     its size and channels count
+/// @param row_size  bytes of a row at most
+template <class SetRow>
+Result<std::string> write_file(const DotImage& image, const Layout& layout, std::size_t row_size, const SetRow& set_row,
+                               const std::stop_token& stop) {
+    std::vector<png_byte> row(row_size);
     Sink sink;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_error, on_warning);
     png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
     if (info != nullptr) png_set_write_fn(png, &sink, append, nullptr);
-    const bool written = info != nullptr && write_all(png, info, image, layout, row.data(), stop);
+    const bool written = info != nullptr && write_all(png, info, image, layout, row.data(), set_row, stop);
     png_destroy_write_struct(&png, &info);
     if (written) return std::move(sink.bytes);
     if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped while the picture was encoded");
     return failure(ErrorCode::Internal, "the picture could not be encoded");
+}
+
+}  // namespace
+
+Result<std::string> write_png(const DotImage& image, std::optional<double> width_mm, const std::stop_token& stop) {
+    const Layout layout = layout_of(image, width_mm);
+    const auto set_row = [&](int y, png_byte* row) { pack_row(image.row(y), image.row_size(), layout, row); };
+    return write_file(image, layout, image.row_size(), set_row, stop);
+}
+
+Result<std::string> write_greys(std::span<const std::uint16_t> greys, int width, int height, int bits,
+                                const std::stop_token& stop) {
+    DotImage image;
+    image.width = width;
+    image.height = height;
+    image.colours = 1;  // one channel
+    Layout layout;
+    layout.bit_depth = bits;
+    const auto columns = static_cast<std::size_t>(width);
+    const auto set_row = [&](int y, png_byte* row) {
+        for (const std::uint16_t grey : greys.subspan(static_cast<std::size_t>(y) * columns, columns)) {
+            if (bits > 8) *row++ = static_cast<png_byte>(grey >> 8);
+            *row++ = static_cast<png_byte>(grey & 255);
+        }
+    };
+    return write_file(image, layout, 2 * columns, set_row, stop);
 }
 
 }  // namespace ccdt::api

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 
@@ -17,5 +19,12 @@ namespace ccdt::api {
 /// Same input, same bytes. Errors: Stopped; Internal if memory runs out.
 Result<std::string> write_png(const DotImage& image, std::optional<double> width_mm = {},
                               const std::stop_token& stop = {});
+
+/// Encodes greys as a PNG file that tells nothing of their meaning.
+/// @param greys  [width * height] row by row
+/// @param bits   of each, 8 or 16
+/// Otherwise as write_png().
+Result<std::string> write_greys(std::span<const std::uint16_t> greys, int width, int height, int bits,
+                                const std::stop_token& stop = {});
 
 }  // namespace ccdt::api

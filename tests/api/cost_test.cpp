@@ -135,6 +135,7 @@ INSTANTIATE_TEST_SUITE_P(
                     SampleCase{"stealthy", R"("sites":50000,"quality":"stealthy",)" + kTorus},
                     SampleCase{"progressive", R"("sites":100000,"order":"progressive","quality":"draft",)" + kSquare},
                     SampleCase{"path", R"("sites":100000,"order":"path","quality":"draft",)" + kSquare},
+                    SampleCase{"mask", R"("format":"mask16","domain":{"type":"torus","width":512,"height":512})"},
                     SampleCase{"torus", R"("sites":100000,)" + kTorus},
                     SampleCase{"mesh", R"("sites":100000,"mesh":true,)" + kSquare},
                     SampleCase{"start", R"("sites":100000,"iterations":0,)" + kSquare},

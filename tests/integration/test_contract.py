@@ -234,6 +234,9 @@ class Options(ContractCase):
         body = {**self.base(path, option), option: value}
         if option == "sites" and value > 1000:
             body.update({"iterations": 0, "format": "npy"})
+        if option == "format" and value in ("mask", "mask16"):
+            del body["sites"]
+            body["domain"] = {"type": "torus", "width": 16, "height": 8}
         if option == "per" and value > 1000:
             body["geometry"] = map_of(20 * value)
         self.assertEqual(faults(body, schema(SCHEMAS[path])), [], (option, value))
@@ -355,7 +358,8 @@ class Formats(ContractCase):
         for path, name in SCHEMAS.items():
             content = DOCUMENT["paths"][path]["post"]["responses"]["200"]["content"]
             words = properties(name)["format"]["enum"]
-            made = [self.pose(path, {**BODIES[path], "format": word}).type.split(";")[0] for word in words]
+            made = [self.pose(path, {**BODIES[path], "format": word}).type.split(";")[0]
+                    for word in words if not word.startswith("mask")]
             self.assertEqual(sorted(made), sorted(content))
             body = {option: value for option, value in BODIES[path].items() if option != "format"}
             for media in content:

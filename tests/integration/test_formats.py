@@ -288,6 +288,31 @@ class Pictures(FormatCase):
         self.assertEqual(self.ask("/halftone?sites=10&scale=7&format=webp", data=strip).status, 200)
 
 
+class Masks(FormatCase):
+    SIDE = 128
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        torus = {"type": "torus", "width": cls.SIDE, "height": cls.SIDE}
+        masks = {form: post_json(cls.server, "/sample", {"format": form, "domain": torus}) for form in ("mask", "mask16")}
+        cls.greys = {form: numpy.array(Image.open(io.BytesIO(mask.body))).astype(int) for form, mask in masks.items()}
+
+    def test_have_all_greys_equally_often(self):
+        counts = numpy.bincount(self.greys["mask"].ravel(), minlength=256)
+        self.assertTrue((counts == self.SIDE ** 2 // 256).all())
+        self.assertEqual(len(numpy.unique(self.greys["mask16"])), self.SIDE ** 2)
+        self.assertTrue((self.greys["mask16"] // 256 == self.greys["mask"]).all())
+
+    def test_have_next_to_no_low_frequencies(self):
+        frequency = numpy.hypot(*numpy.meshgrid(*2 * [numpy.fft.fftfreq(self.SIDE)]))
+        for share in (1 / 16, 1 / 4, 1 / 2, 3 / 4, 15 / 16):
+            below = self.greys["mask"] < 256 * share
+            power = numpy.abs(numpy.fft.fft2(below - share)) ** 2 / (self.SIDE ** 2 * share * (1 - share))
+            low = (frequency > 0) & (frequency < 0.25 * min(share, 1 - share) ** 0.5)
+            self.assertLess(power[low].mean(), 0.1, share)  # chosen at random: 1
+
+
 class Accepted(FormatCase):
     """Accept chooses where `format` does not."""
 

@@ -88,6 +88,8 @@ def samples(formats, methods):
                                          "domain": RECTANGLE}
     for place, order in itertools.product(domains, ("none", "path", "progressive")):
         yield f"{place} {order}", {"sites": 300, "order": order, "format": "csv", **domains[place]}
+    for form in ("mask", "mask16"):
+        yield "tile " + form, {"format": form, "seed": 3, "domain": {"type": "torus", "width": 48, "height": 32}}
     yield "order density", {"sites": 500, "order": "progressive", "density": GRID, "domain": RECTANGLE}
     yield "order lonlat", {"sites": 500, "order": "progressive", "coordinates": "lonlat",
                            "geometry": polygon("Italy-110m.geojson")}

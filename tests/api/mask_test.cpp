@@ -1,0 +1,69 @@
+#include "api/mask.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "api/cost.h"
+#include "api/sample.h"
+#include "tests/api/files.h"
+
+namespace ccdt::api {
+namespace {
+
+Result<SampleRequest> parse(const std::string& members, const std::string& format = "mask") {
+    return parse_sample("{\"format\":\"" + format + "\"," + members + '}', {}, "", {});
+}
+
+std::string torus(const std::string& width, const std::string& height) {
+    return R"("domain":{"type":"torus","width":)" + width + R"(,"height":)" + height + '}';
+}
+
+Result<Answer> answer(const SampleRequest& request, const Control& control = {}) {
+    Timings timings;
+    return run_sample(request, {}, decode_inline(), control, timings);
+}
+
+TEST(Mask, IsAPicture) {
+    for (const std::string format : {"mask", "mask16"}) {
+        const auto request = parse(torus("32", "24"), format);
+        ASSERT_TRUE(request) << request.error().message;
+        const auto made = answer(*request);
+        ASSERT_TRUE(made) << made.error().message;
+        EXPECT_EQ(made->media_type, "image/png");
+        EXPECT_EQ(made->body.substr(16, 8), std::string("\0\0\0\x20\0\0\0\x18", 8));
+        EXPECT_EQ(made->body[24], format == "mask" ? 8 : 16);  // bits, and then the colour type: grey
+        EXPECT_EQ(made->body[25], 0);
+        EXPECT_EQ(answer(*request)->body, made->body);
+    }
+}
+
+TEST(Mask, TakesATorusOfPixels) {
+    for (const auto& [width, height] : {std::pair{"7", "64"}, {"64", "1025"}, {"64.5", "64"}, {"1e300", "64"}}) {
+        const auto request = parse(torus(width, height));
+        ASSERT_FALSE(request) << width << ' ' << height;
+        EXPECT_EQ(request.error().field, "/domain");
+    }
+    EXPECT_FALSE(parse(R"("polygon":[[0,0],[64,0],[64,64]])"));
+    EXPECT_FALSE(parse(R"("domain":{"type":"rectangle","width":64,"height":64})"));
+    EXPECT_EQ(parse(torus("64", "64") + R"(,"sites":10)").error().field, "/sites");
+    EXPECT_EQ(parse(torus("64", "64") + R"(,"fixed":[[1,1]])").error().field, "/fixed");
+    EXPECT_EQ(parse(torus("64", "64") + R"(,"density":{"width":1,"height":1,"values":[1]})").error().field, "/density");
+}
+
+TEST(Mask, EndsWhenItIsStopped) {
+    std::stop_source source;
+    source.request_stop();
+    const auto stopped = answer(*parse(torus("64", "64")), {source.get_token(), {}});
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().code, ErrorCode::Stopped);
+}
+
+TEST(Mask, CostsMoreTheLargerItIs) {
+    const Cost small = cost_of(*parse(torus("64", "64")), {}), large = cost_of(*parse(torus("1024", "1024")), {});
+    EXPECT_GT(large.seconds, 100 * small.seconds);
+    EXPECT_GT(large.memory, small.memory);
+}
+
+}  // namespace
+}  // namespace ccdt::api
