@@ -136,7 +136,8 @@ class Failures(ServerCase):
         family.spare()
         self.assertLessEqual(len(helper.links()), before + 2)  # those in passing
         self.assertEqual(len(family.keepers()), 1)
-        self.assertFalse(any("memfd" in link for link in family.server.links()))
+        files = {link for link in family.server.links() if "memfd" in link}
+        self.assertEqual(files, {"/memfd:number (deleted)"}, "neither pictures nor replies")
 
     def test_of_a_decoder_cost_its_own_picture(self):
         family = Family(self.server)
