@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kStopStride = 1'024;  ///< points between two looks at the stop token
 
-// Test ProgressiveOrder and benchmark ProgressivePattern hold these to what they reach. A shorter reach keeps the
+// Test ProgressiveOrder holds these to what they reach. A shorter reach keeps the
 // nearest further apart and leaves more power in low frequencies, a longer one does the opposite and takes longer.
 constexpr double kReach = 1.7;  ///< over the distance of neighbours in a hexagonal grid
 constexpr double kStep = 0.7;   ///< share of the points that is left when reaches grow
