@@ -138,12 +138,21 @@ Estimate leaving_room(const SampleRequest& request) {
 Estimate mapping(const SampleRequest& request) {
     if (!request.counts) return {};
     constexpr Estimate kFeature{4'096, 25 * kMicrosecond}, kCorner{600, 2.5 * kMicrosecond};
-    constexpr Estimate kDot{150, 3 * kMicrosecond};
+    constexpr Estimate kDot{600, 3 * kMicrosecond};
     const auto features = static_cast<double>(request.counts->features());
     const auto corners = static_cast<double>(corners_of(request.domain));
     const auto classes = static_cast<double>(request.counts->classes.size());
     return cutting(request) + (kFeature * features + kCorner * corners + leaving_room(request)) * classes +
            kDot * static_cast<double>(request.run.sites);
+}
+
+/// Evens out long waves in a polygon, on the mesh itself. Of maps of dots mapping() counts that.
+Estimate evening_out(const SampleRequest& request) {
+    const Options& run = request.run;
+    const bool is_polygon = std::holds_alternative<PolygonInput>(request.domain) && !request.counts;
+    if (!is_polygon || run.quality == Quality::Draft || run.iterations == 0) return {};
+    constexpr double kBytes = 260;
+    return {static_cast<double>(run.sites) * kBytes, 0};
 }
 
 /// Makes grids: of several inks one each, and one of all together.
@@ -329,7 +338,7 @@ Cost cost_of(const SampleRequest& request, const Limits& limits) {
     if (grid != nullptr) density = weighing(static_cast<double>(grid->values.size()));
     const bool is_uniform = image == nullptr && grid == nullptr && request.coordinates == Coordinates::Plane;
     const Estimate placing = bounding(request) + charting(request) + mapping(request) + density +
-                             request.method->cost(request.run, is_uniform);
+                             request.method->cost(request.run, is_uniform) + evening_out(request);
     const Estimate made = then(then(placing, ordering(request)), writing(request, limits));
     const Estimate read = image != nullptr ? decoding(image->file) : Estimate{};
     return cost(then(request.mask ? then(decoding(*request.mask), read) : read, made));

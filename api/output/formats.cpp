@@ -15,7 +15,7 @@ namespace {
 constexpr int kAnySide = std::numeric_limits<int>::max();
 
 constexpr Estimate kNumbers{150, 0.3 * kMicrosecond};  ///< of a site, as text or in binary
-constexpr Estimate kPath{500, 3.5 * kMicrosecond};     ///< of a site, with ordering it along a short path
+constexpr Estimate kPath{360, 3.5 * kMicrosecond};     ///< of a site, with ordering it along a short path
 constexpr Estimate kColours{16, 0.1 * kMicrosecond};   ///< of a pixel as libwebp holds it
 
 void list_csv(std::span<const InkDots> inks, const Report&, Body& body, const std::stop_token& stop) {

@@ -53,7 +53,10 @@ class Streams(ServerCase):
         self.assertEqual(answer.headers["content-encoding"], "gzip")
         self.assertEqual(answer.headers["transfer-encoding"], "chunked")
         self.assertTrue(answer.headers["etag"].endswith('-gzip"'))
-        self.assertEqual(gzip.decompress(answer.body), post_json(self.server, "/sample", body).body)
+        plain = post_json(self.server, "/sample", body)
+        self.assertEqual(gzip.decompress(answer.body), plain.body)
+        for each in (answer, plain):
+            self.assertIn("Accept-Encoding", each.headers["vary"])
 
     def test_have_tags(self):
         body = points("npy", 300_000)
