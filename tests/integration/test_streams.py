@@ -15,6 +15,7 @@ from test_computing import children, figure, fork_server, wait_until
 TORUS = {"type": "torus", "width": 1, "height": 1}
 JSON = ("--header", "Content-Type: application/json")
 MANY = 400_000
+LARGER = 1_000_000  # more than server, sockets and curl hold of an answer
 
 
 def points(form, sites=MANY, **members):
@@ -79,7 +80,7 @@ class Streams(ServerCase):
 
     def test_end_what_computes_when_the_client_leaves(self):
         with Server("--workers=1", "--timeout=120") as server:
-            call = Call(server.url("/sample"), *JSON, "--limit-rate", "1M", data=points("geojson"))
+            call = Call(server.url("/sample"), *JSON, "--limit-rate", "1M", data=points("geojson", LARGER))
             wait_until(lambda: call.body.is_file() and call.body.stat().st_size > 0)
             call.abandon()
             wait_until(lambda: figure(server, "ccdt_workers_busy") == 0)
@@ -88,7 +89,7 @@ class Streams(ServerCase):
 
     def test_break_off_visibly(self):
         with Server("--workers=1", "--timeout=120") as server:
-            call = Call(server.url("/sample"), *JSON, "--limit-rate", "8M", data=points("geojson"))
+            call = Call(server.url("/sample"), *JSON, "--limit-rate", "8M", data=points("geojson", LARGER))
             wait_until(lambda: call.body.is_file() and call.body.stat().st_size > 0)
             for process in children(fork_server(server)):
                 os.kill(process, signal.SIGKILL)
