@@ -61,11 +61,11 @@ AnyPicture take_picture(Bytes& input, std::initializer_list<Plane AnyPicture::*>
 }  // namespace
 
 api::Decode decode_of(Bytes input) {
-    return {[input](std::string_view, std::size_t, const std::stop_token&) mutable -> Result<Picture> {
+    return {[input](std::string_view, const api::Reading&, const std::stop_token&) mutable -> Result<Picture> {
                 Bytes bytes = input;
                 return take_picture<Picture>(bytes, {&Picture::luminance});
             },
-            [input](std::string_view, std::size_t, const std::stop_token&) mutable -> Result<ColourPicture> {
+            [input](std::string_view, const api::Reading&, const std::stop_token&) mutable -> Result<ColourPicture> {
                 Bytes bytes = input;
                 return take_picture<ColourPicture>(bytes,
                                                    {&ColourPicture::red, &ColourPicture::green, &ColourPicture::blue});
