@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -32,6 +33,18 @@ using Triangulation =
 using Vertex = Triangulation::Vertex_handle;
 using Face = Triangulation::Face_handle;
 using Kind = Arrangement::Meeting::Kind;
+
+#ifdef __SIZEOF_FLOAT128__
+__extension__ using Wide = __float128;  // quadruple precision, which the standard has no name for
+constexpr Wide kEpsilon = 0x1p-112;
+#else
+using Wide = long double;
+constexpr Wide kEpsilon = std::numeric_limits<Wide>::epsilon();
+#endif
+
+Wide size(Wide value) {
+    return value < 0 ? -value : value;
+}
 
 constexpr std::size_t kStopStride = 256;  ///< points, or segments, between two looks at the stop token
 
@@ -117,17 +130,44 @@ std::vector<ConstrainedDelaunay::Branch> find_branches(std::span<const std::uint
     return branches;
 }
 
-/// Where two segments cross, rounded: within the box of each.
-Point crossing(Point a, Point b, Point c, Point d) {
+/// Where two segments cross, as exact_crossing() has it; nothing where quadruple precision cannot tell.
+std::optional<Point> quick_crossing(Point a, Point b, Point c, Point d) {
+    constexpr int kRoundings = 8;  // more than there are in any of the sums below
+    const Wide ux = Wide{b.x} - a.x, uy = Wide{b.y} - a.y, vx = Wide{d.x} - c.x, vy = Wide{d.y} - c.y;
+    const Wide wx = Wide{c.x} - a.x, wy = Wide{c.y} - a.y;
+    const Wide below = ux * vy - uy * vx, below_error = kRoundings * kEpsilon * (size(ux * vy) + size(uy * vx));
+    const Wide above = wx * vy - wy * vx, above_error = kRoundings * kEpsilon * (size(wx * vy) + size(wy * vx));
+    if (!(size(below) > 2 * below_error)) return std::nullopt;
+    const Wide share = above / below;
+    const Wide share_error = 2 * (above_error + size(share) * below_error) / size(below) + kEpsilon * size(share);
+    const auto coordinate = [&](double from, Wide along, double other, Wide other_along) -> std::optional<double> {
+        if (along == 0) return from;
+        if (other_along == 0) return other;
+        const Wide at = from + share * along;
+        const Wide error = size(along) * share_error + kRoundings * kEpsilon * (size(from) + size(share * along));
+        const auto low = static_cast<double>(at - error), high = static_cast<double>(at + error);
+        return low == high ? std::optional(low) : std::nullopt;
+    };
+    const auto x = coordinate(a.x, ux, c.x, vx), y = coordinate(a.y, uy, c.y, vy);
+    if (!x || !y) return std::nullopt;
+    return Point{*x, *y};
+}
+
+/// Where two segments cross, rounded.
+Point exact_crossing(Point a, Point b, Point c, Point d) {
     using Exact = CGAL::Exact_predicates_exact_constructions_kernel;
     const auto exact = [](Point p) { return Exact::Point_2(p.x, p.y); };
     const auto found = CGAL::intersection(Exact::Segment_2(exact(a), exact(b)), Exact::Segment_2(exact(c), exact(d)));
     const auto* place = boost::get<Exact::Point_2>(&*found);
-    const auto rounded = [](const Exact::FT& value) {
-        const double coordinate = CGAL::to_double(CGAL::exact(value));
-        return coordinate < kLeastCoordinate ? 0 : coordinate;
-    };
+    const auto rounded = [](const Exact::FT& value) { return CGAL::to_double(CGAL::exact(value)); };
     return {rounded(place->x()), rounded(place->y())};
+}
+
+/// Where two segments cross, rounded: within the box of each.
+Point crossing(Point a, Point b, Point c, Point d) {
+    const auto quick = quick_crossing(a, b, c, d);
+    const Point place = quick ? *quick : exact_crossing(a, b, c, d);
+    return {place.x < kLeastCoordinate ? 0 : place.x, place.y < kLeastCoordinate ? 0 : place.y};
 }
 
 double distance_to_line(Point p, Point a, Point b) {
@@ -415,6 +455,11 @@ int exact_orientation(Point a, Point b, Point c) {
 }
 
 double exact_ordinate(Point a, Point b, double x) {
+    constexpr int kRoundings = 8;
+    const Wide rise = (Wide{b.y} - a.y) * (Wide{x} - a.x) / (Wide{b.x} - a.x), y = a.y + rise;
+    const Wide error = kRoundings * kEpsilon * (size(a.y) + size(rise));
+    const auto low = static_cast<double>(y - error), high = static_cast<double>(y + error);
+    if (low == high) return low;
     using Number = CGAL::Exact_predicates_exact_constructions_kernel::FT;
     const Number share = (Number(x) - Number(a.x)) / (Number(b.x) - Number(a.x));
     return CGAL::to_double(CGAL::exact(Number(a.y) + share * (Number(b.y) - Number(a.y))));
