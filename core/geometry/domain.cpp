@@ -219,7 +219,11 @@ Result<Domain> Domain::without(std::span<const Area> areas, const std::stop_toke
     assert(!is_torus_);
     auto left = difference(rings_, areas, frame_.resolution(), stop);
     if (!left) return tl::unexpected(left.error());
-    auto domain = make(*std::move(left), frame_, {});
+    return within(*std::move(left));
+}
+
+Result<Domain> Domain::within(std::vector<Ring> rings) const {
+    auto domain = make(std::move(rings), frame_, {});
     if (!domain) return failure(ErrorCode::Unusable, "nothing is left of the polygon");
     return domain;
 }

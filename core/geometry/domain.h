@@ -76,6 +76,11 @@ public:
     /// Not of a torus. Errors (Unusable): nothing is left; areas that cross too often.
     Result<Domain> without(std::span<const Area> areas, const std::stop_token& stop = {}) const;
 
+    /// What rings enclose within the domain. The unit frame and the bounding box stay what they are.
+    /// @param rings  valid, the inside on their left, in the unit frame
+    /// Errors (Unusable): nothing is left.
+    Result<Domain> within(std::vector<Ring> rings) const;
+
     /// Outer rings and holes in the unit frame; none of a torus, which has no border.
     const std::vector<Ring>& rings() const { return rings_; }
 

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <queue>
 #include <span>
@@ -17,6 +20,8 @@ namespace ccdt {
 
 namespace {
 
+constexpr std::size_t kMore = 16;  ///< pieces that crossings may make for each corner: strips overlap
+
 double length(Point p) {
     return std::sqrt(dot(p, p));
 }
@@ -29,7 +34,18 @@ double distance_to(Point a, Point b, Point p) {
     return length(from - at * along);
 }
 
-/// What is too near to a domain's border, as many polygons; in the unit frame.
+/// What is too near to a piece of the border: to an edge, on its left, or to a segment, on both sides.
+struct Reach {
+    Point a, b;
+    double distance = 0;  ///< that is kept
+    bool is_edge = false;
+    Point before, after;  ///< corners of the border next to an edge
+
+    /// Distance by which a point is farther than it need be.
+    double clearance(Point p) const { return distance_to(a, b, p) - distance; }
+};
+
+/// What is too near to a domain's border, piece by piece; in the unit frame.
 ///
 /// If discs lie around their points, the nearest point of the border to a place inside that is too near lies on an
 /// edge, and the place on its left; or it is a corner that reaches inwards, and the place is between the two edges'
@@ -45,12 +61,10 @@ public:
         for (const Ring& ring : domain.rings()) add_ring(ring);
     }
 
-    /// One convex polygon each; neighbours in number are neighbours in the plane, mostly.
-    std::vector<Area> take() { return std::move(areas_); }
+    /// Neighbours in number are neighbours along the border.
+    std::vector<Reach> take() { return std::move(reaches_); }
 
 private:
-    static constexpr double kSlice = std::numbers::pi / 16;  ///< of an arc: its radius over the polygon's is 0.995
-
     /// The disc around a point of the border, in the unit frame, with room for rounding.
     Disc disc(Point p) const {
         constexpr double kRoundings = 1e-12, kResolutions = 4, kMost = 4;  // the latter reaches over all of the frame
@@ -59,12 +73,6 @@ private:
         const double radius = std::min(kMost, (1 + kRoundings) * (given.radius / scale_));
         const Point centre = is_centred_ ? p : (1 / scale_) * (given.centre - domain_.bounds().min);
         return {centre, radius + kResolutions * domain_.resolution()};
-    }
-
-    static Point normal(Point a, Point b) {
-        const Point along = b - a;
-        const double inverse = 1 / length(along);
-        return {-inverse * along.y, inverse * along.x};
     }
 
     /// Edges of a ring that are taken for one segment.
@@ -78,24 +86,18 @@ private:
         const auto at = [&](std::size_t i) { return ring[i % size]; };
         discs_.clear();
         for (const Point& p : ring) discs_.push_back(disc(p));
-        bool was_edge = false, first_is_edge = false;
         for (std::size_t i = 0; i < size;) {
             const Run run = longest_run(ring, i);
-            const bool is_edge = run.edges == 1;
             const Disc &from = discs_[i], &to = discs_[(i + run.edges) % size];
-            if (!is_edge) {
-                add_capsule(from.centre, to.centre, run.reach);
+            if (run.edges > 1) {
+                reaches_.push_back({from.centre, to.centre, run.reach, false, {}, {}});
             } else if (is_centred_) {
-                add_edge(at(i), at(i + 1), from.radius);
+                reaches_.push_back({at(i), at(i + 1), from.radius, true, at(i + size - 1), at(i + 2)});
             } else {
                 add_swept(at(i), at(i + 1), from, to, kMostHalvings);
             }
-            if (was_edge && is_edge && is_centred_) add_corner(at(i - 1), at(i), at(i + 1), from.radius);
-            if (i == 0) first_is_edge = is_edge;
-            was_edge = is_edge;
             i += run.edges;
         }
-        if (was_edge && first_is_edge && is_centred_) add_corner(at(size - 1), at(0), at(1), discs_[0].radius);
     }
 
     /// The run of edges from a corner on: one edge, or so many that a capsule is less work than they are.
@@ -136,11 +138,66 @@ private:
         const double widest = std::max(from.radius, to.radius);
         const double off = distance_to(from.centre, to.centre, between.centre) + between.radius - widest;
         if (off <= kMostOff * widest || halvings == 0) {
-            if (widest > 0) add_capsule(from.centre, to.centre, widest + std::max(off, 0.0));
+            const double distance = widest + std::max(off, 0.0);
+            if (widest > 0) reaches_.push_back({from.centre, to.centre, distance, false, {}, {}});
             return;
         }
         add_swept(a, middle, from, between, halvings - 1);
         add_swept(middle, b, between, to, halvings - 1);
+    }
+
+    static constexpr int kMostHalvings = 10;
+
+    const Domain& domain_;
+    const double scale_;
+    const DiscAround& disc_around_;
+    const bool is_centred_;    ///< discs have the points for centres, and one radius
+    std::vector<Disc> discs_;  ///< around the corners of a ring
+    std::vector<Reach> reaches_;
+};
+
+/// Polygons about what is too near to pieces of the border, within a box.
+class Shapes {
+public:
+    Shapes(const Domain& domain, const Box& box) : box_(box) {
+        const Box all = domain.unit_bounds();
+        box_.min = {std::max(box.min.x, all.min.x), std::max(box.min.y, all.min.y)};
+        box_.max = {std::min(box.max.x, all.max.x), std::min(box.max.y, all.max.y)};
+    }
+
+    /// One convex polygon each.
+    std::vector<Area> take() { return std::move(areas_); }
+
+    /// @param is_after  the piece before has been added: so has the corner between
+    void add(const Reach& reach, bool is_after) {
+        if (!reach.is_edge) return add_capsule(reach.a, reach.b, reach.distance);
+        add_edge(reach.a, reach.b, reach.distance);
+        if (!is_after) add_corner(reach.before, reach.a, reach.b, reach.distance);
+        add_corner(reach.a, reach.b, reach.after, reach.distance);
+    }
+
+    void add(Ring polygon) {
+        Ring inside = clipped(std::move(polygon), box_);
+        if (inside.size() < 3) return;
+        for (Point& p : inside) {
+            if (p.x < Domain::kLeast) p.x = 0;
+            if (p.y < Domain::kLeast) p.y = 0;
+        }
+        areas_.push_back({std::move(inside)});
+    }
+
+private:
+    static constexpr double kSlice = std::numbers::pi / 16;  ///< of an arc: its radius over the polygon's is 0.995
+
+    static Point normal(Point a, Point b) {
+        const Point along = b - a;
+        const double inverse = 1 / length(along);
+        return {-inverse * along.y, inverse * along.x};
+    }
+
+    static Point turned(Point p, double angle) {
+        const double c = std::cos(angle), s = std::sin(angle);
+        return {c * p.x - s * p.y, s * p.x + c * p.y};
     }
 
     /// What is near to a segment: the polygon about two half circles and what is between.
@@ -155,14 +212,11 @@ private:
         add(std::move(capsule));
     }
 
-    static Point turned(Point p, double angle) {
-        const double c = std::cos(angle), s = std::sin(angle);
-        return {c * p.x - s * p.y, s * p.x + c * p.y};
-    }
-
+    /// What is near to an edge, on its left. On its right it bulges: edges of its own that only nearly run along the
+    /// border would cross it many times.
     void add_edge(Point a, Point b, double reach) {
         const Point up = normal(a, b);
-        add({a, b, b + reach * up, a + reach * up});
+        add({a, 0.5 * (a + b) - reach / 8 * up, b, b + reach * up, a + reach * up});
     }
 
     /// What is too near to a corner that reaches inwards: the polygon about the arc between the normals.
@@ -181,23 +235,7 @@ private:
         add(std::move(fan));
     }
 
-    void add(Ring polygon) {
-        Ring inside = clipped(std::move(polygon), domain_.unit_bounds());
-        if (inside.size() < 3) return;
-        for (Point& p : inside) {
-            if (p.x < Domain::kLeast) p.x = 0;
-            if (p.y < Domain::kLeast) p.y = 0;
-        }
-        areas_.push_back({std::move(inside)});
-    }
-
-    static constexpr int kMostHalvings = 10;
-
-    const Domain& domain_;
-    const double scale_;
-    const DiscAround& disc_around_;
-    const bool is_centred_;    ///< discs have the points for centres, and one radius
-    std::vector<Disc> discs_;  ///< around the corners of a ring
+    Box box_;
     std::vector<Area> areas_;
 };
 
@@ -207,7 +245,7 @@ Result<std::vector<Area>> joined(std::vector<Area> areas, const Domain& domain, 
     while (areas.size() > kTogether) {
         std::vector<Area> fewer;
         for (std::span<const Area> rest = areas; !rest.empty(); rest = rest.subspan(std::min(kTogether, rest.size()))) {
-            auto one = united(rest.first(std::min(kTogether, rest.size())), domain.resolution(), stop);
+            auto one = united(rest.first(std::min(kTogether, rest.size())), domain.resolution(), stop, kMore);
             if (!one) return tl::unexpected(one.error());
             fewer.push_back(*std::move(one));
         }
@@ -216,12 +254,183 @@ Result<std::vector<Area>> joined(std::vector<Area> areas, const Domain& domain, 
     return areas;
 }
 
+/// A tree of squares over the unit square, each halved until it is known which few pieces of the border matter in it:
+/// whether a place is too near is decided by the nearest alone, so none matters that is farther from all of a square
+/// than another one is.
+class ReachTree {
+public:
+    ReachTree(const Domain& domain, std::vector<Reach> reaches, const std::stop_token& stop)
+        : domain_(domain), reaches_(std::move(reaches)), stop_(stop) {
+        std::vector<std::uint32_t> all(reaches_.size());
+        std::iota(all.begin(), all.end(), 0U);
+        squares_.emplace_back();
+        counts_whole_.assign(reaches_.size(), false);
+        divide(0, kRoot, all);
+    }
+
+    /// What is too near, in the squares at least that its border crosses: all of it, if most pieces of the border are
+    /// long and apart, else in each such square what matters there.
+    Result<std::vector<Area>> border() const {
+        constexpr double kMostWhole = 0.2;
+        const auto whole = static_cast<double>(std::ranges::count(counts_whole_, true));
+        if (whole > kMostWhole * static_cast<double>(reaches_.size())) {
+            auto areas = joined(all_shapes(), domain_, stop_);
+            if (areas || areas.error().code == ErrorCode::Stopped) return areas;
+        }
+        std::vector<Area> areas;
+        for (const auto& [square, cell] : leaves()) {
+            auto area = united(shapes_in(square, cell), domain_.resolution(), stop_, kMore);
+            if (!area) return tl::unexpected(area.error());
+            if (!area->empty()) areas.push_back(*std::move(area));
+        }
+        return areas;
+    }
+
+    /// Tells whether a corner of what is left without border() is too near.
+    bool is_too_near(Point p) const {
+        constexpr double kRounding = 1e-6;
+        std::uint32_t at = 0;
+        Cell cell = kRoot;
+        while (squares_[at].kind == Kind::Divided) {
+            const bool right = p.x >= cell.centre.x, upper = p.y >= cell.centre.y;
+            const int quarter = 2 * upper + right;
+            at = squares_[at].first + static_cast<std::uint32_t>(quarter);
+            cell = cell.quarter(quarter);
+        }
+        const Square& square = squares_[at];
+        if (square.kind != Kind::Border) return square.kind == Kind::Near;
+        return std::ranges::any_of(pieces_in(square), [&](std::uint32_t i) {
+            return reaches_[i].clearance(p) < -kRounding * reaches_[i].distance;
+        });
+    }
+
+private:
+    struct Cell {
+        Point centre;
+        double half = 0;  ///< of its side
+        double radius() const { return std::numbers::sqrt2 * half; }
+        Cell quarter(int i) const {
+            const double by = half / 2;
+            return {centre + Point{i % 2 == 1 ? by : -by, i / 2 == 1 ? by : -by}, by};
+        }
+        Box box() const { return {centre - Point{half, half}, centre + Point{half, half}}; }
+    };
+    enum class Kind : std::uint8_t {
+        Clear,    ///< nothing of it is too near
+        Near,     ///< all of it is
+        Border,   ///< a few pieces of the border tell
+        Crowded,  ///< more do, but it is so small that all of it may count as too near
+        Divided,  ///< into four
+    };
+    struct Square {
+        Kind kind = Kind::Clear;
+        std::uint32_t first = 0;  ///< of its quarters, or of its pieces in `members_`
+        std::uint32_t count = 0;  ///< of pieces
+    };
+    static constexpr Cell kRoot{{0.5, 0.5}, 0.5};
+
+    std::span<const std::uint32_t> pieces_in(const Square& square) const {
+        return std::span(members_).subspan(square.first, square.count);
+    }
+
+    void divide(std::uint32_t at, const Cell& cell, std::span<const std::uint32_t> candidates) {
+        constexpr std::size_t kFew = 12;
+        constexpr double kSure = 1e-3, kLeast = 2e-3;  // of the distance that is kept
+        constexpr double kRounding = 1e-15;
+        if (stop_.stop_requested()) return;
+        std::vector<double> clearances(candidates.size());
+        std::size_t nearest = 0;
+        for (std::size_t i = 0; i < candidates.size(); ++i) {
+            clearances[i] = reaches_[candidates[i]].clearance(cell.centre);
+            if (clearances[i] < clearances[nearest]) nearest = i;
+        }
+        const double radius = cell.radius() + kRounding;
+        if (candidates.empty() || clearances[nearest] > radius) return;
+        const double distance = reaches_[candidates[nearest]].distance;
+        if (clearances[nearest] + radius <= -kSure * distance) {
+            squares_[at].kind = Kind::Near;
+            return;
+        }
+        const double most = std::min(clearances[nearest] + 2 * radius, radius);
+        std::vector<std::uint32_t> left;
+        for (std::size_t i = 0; i < candidates.size(); ++i) {
+            if (clearances[i] <= most) left.push_back(candidates[i]);
+        }
+        if (left.size() <= kFew) {
+            squares_[at] = {Kind::Border, static_cast<std::uint32_t>(members_.size()),
+                            static_cast<std::uint32_t>(left.size())};
+            members_.insert(members_.end(), left.begin(), left.end());
+            for (const std::uint32_t i : left)
+                if (2 * reaches_[i].distance < cell.half) counts_whole_[i] = true;
+        } else if (radius <= std::max(kLeast * distance, 4 * kRounding)) {
+            squares_[at].kind = Kind::Crowded;
+        } else {
+            const auto first = static_cast<std::uint32_t>(squares_.size());
+            squares_[at] = {Kind::Divided, first, 0};
+            squares_.resize(squares_.size() + 4);
+            for (int i = 0; i < 4; ++i) divide(first + static_cast<std::uint32_t>(i), cell.quarter(i), left);
+        }
+    }
+
+    struct Leaf {
+        Square square;
+        Cell cell;
+    };
+
+    /// Squares that the border of what is too near may cross.
+    std::vector<Leaf> leaves() const {
+        std::vector<Leaf> found;
+        find_leaves({squares_[0], kRoot}, found);
+        return found;
+    }
+
+    void find_leaves(const Leaf& at, std::vector<Leaf>& found) const {
+        if (at.square.kind == Kind::Border || at.square.kind == Kind::Crowded) found.push_back(at);
+        if (at.square.kind != Kind::Divided) return;
+        for (int i = 0; i < 4; ++i)
+            find_leaves({squares_[at.square.first + static_cast<std::uint32_t>(i)], at.cell.quarter(i)}, found);
+    }
+
+    std::vector<Area> shapes_in(const Square& square, const Cell& cell) const {
+        const Box box = cell.box();
+        Shapes shapes(domain_, box);
+        if (square.kind == Kind::Crowded)
+            shapes.add({box.min, {box.max.x, box.min.y}, box.max, {box.min.x, box.max.y}});
+        const auto pieces = pieces_in(square);
+        for (std::size_t i = 0; i < pieces.size(); ++i)
+            shapes.add(reaches_[pieces[i]], i > 0 && reaches_[pieces[i - 1]].b == reaches_[pieces[i]].a);
+        return shapes.take();
+    }
+
+    std::vector<Area> all_shapes() const {
+        Shapes shapes(domain_, domain_.unit_bounds());
+        for (std::size_t i = 0; i < reaches_.size(); ++i)
+            shapes.add(reaches_[i], i > 0 && reaches_[i - 1].b == reaches_[i].a);
+        return shapes.take();
+    }
+
+    const Domain& domain_;
+    std::vector<Reach> reaches_;
+    std::vector<Square> squares_;
+    std::vector<std::uint32_t> members_;  ///< pieces of the border
+    std::vector<bool> counts_whole_;      ///< pieces that few others are near to, somewhere
+    std::stop_token stop_;
+};
+
+/// Without what is too near where the new border runs, the domain falls into what is far enough, and what is not.
 Result<Domain> without_strip(const Domain& domain, const DiscAround& disc_around, bool is_centred,
                              const std::stop_token& stop) {
-    auto strip = joined(Strip(domain, disc_around, is_centred).take(), domain, stop);
+    auto reaches = Strip(domain, disc_around, is_centred).take();
+    if (reaches.empty()) return domain;
+    const ReachTree tree(domain, std::move(reaches), stop);
+    const auto strip = tree.border();
     if (!strip) return tl::unexpected(strip.error());
-    if (strip->empty()) return domain;
-    return domain.without(*strip, stop);
+    auto left = difference(domain.rings(), *strip, domain.resolution(), stop, kMore);
+    if (!left) return tl::unexpected(left.error());
+    std::erase_if(*left, [&](const Ring& ring) {
+        return std::ranges::any_of(ring, [&](Point p) { return tree.is_too_near(p); });
+    });
+    return domain.within(*std::move(left));
 }
 
 /// Distance of a point from the border, below 0 outside; in the unit frame.

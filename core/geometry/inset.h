@@ -21,7 +21,7 @@ struct Disc {
 /// The unit frame and the bounding box stay what they are. The new border is nowhere nearer than it should be, and
 /// farther by 1 part in 100 at most: arcs around corners are polygons about circles, and coasts that are much finer
 /// than the distance are taken for coarser ones. Errors (Unusable): nothing is left; Stopped. Same input, same bytes.
-/// O(n log n) for all inputs that people draw.
+/// O(n log n) for all inputs that people draw, however ragged.
 ///
 /// Why not GEOS' buffer of a negative distance: its arcs cut corners, and it drops what of the border is finer than a
 /// hundredth of the distance, either of which leaves points too near.

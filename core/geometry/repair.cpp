@@ -23,8 +23,8 @@ void append_chain(const Ring& corners, std::uint32_t group, Chains& chains) {
 }
 
 tl::expected<Arrangement, TooManyCrossings> arrange(const Chains& chains, double resolution,
-                                                    const std::stop_token& stop) {
-    return arrange(chains, resolution, most_pieces(chains.points.size()), stop);
+                                                    const std::stop_token& stop, std::size_t more = 0) {
+    return arrange(chains, resolution, most_pieces(chains.points.size(), more), stop);
 }
 
 tl::unexpected<Error> stopped() {
@@ -40,9 +40,9 @@ public:
     }
 
     /// The border of what they cover.
-    Result<Area> trace(double resolution, const std::stop_token& stop) {
+    Result<Area> trace(double resolution, const std::stop_token& stop, std::size_t more) {
         chains_.groups = static_cast<std::uint32_t>(kinds_.size());
-        const auto map = arrange(chains_, resolution, stop);
+        const auto map = arrange(chains_, resolution, stop, more);
         if (!map) return failure(ErrorCode::Unusable, "the polygon crosses itself too often to be repaired");
         if (stop.stop_requested()) return stopped();
         const Cover cover(chains_, *map, kinds_, resolution, stop);
@@ -93,19 +93,19 @@ Result<std::vector<Ring>> enclosed_together(const std::vector<Ring>& rings, cons
     return difference(rings, {}, frame.resolution(), stop);
 }
 
-Result<Area> difference(const Area& area, std::span<const Area> others, double resolution,
-                        const std::stop_token& stop) {
+Result<Area> difference(const Area& area, std::span<const Area> others, double resolution, const std::stop_token& stop,
+                        std::size_t more) {
     // The rule for a part and its holes, whose rings may be many each.
     Groups groups;
     groups.append(area, {0, false});
     for (const Area& other : others) groups.append(other, {0, true});
-    return groups.trace(resolution, stop);
+    return groups.trace(resolution, stop, more);
 }
 
-Result<Area> united(std::span<const Area> areas, double resolution, const std::stop_token& stop) {
+Result<Area> united(std::span<const Area> areas, double resolution, const std::stop_token& stop, std::size_t more) {
     Groups groups;
     for (std::size_t part = 0; part < areas.size(); ++part) groups.append(areas[part], {part, false});
-    return groups.trace(resolution, stop);
+    return groups.trace(resolution, stop, more);
 }
 
 }  // namespace ccdt

@@ -15,8 +15,9 @@
 namespace ccdt {
 
 /// Pieces that crossings of so many corners may make: four each, enough for scribbles, too little to fill the memory.
-constexpr std::size_t most_pieces(std::size_t corners) {
-    return corners / 4 + 200'000;
+/// @param more  for each corner besides
+constexpr std::size_t most_pieces(std::size_t corners, std::size_t more = 0) {
+    return corners / 4 + 200'000 + more * corners;
 }
 
 /// What rings enclose: its border, and what was wrong with the rings.
@@ -53,11 +54,14 @@ Result<std::vector<Ring>> enclosed_together(const std::vector<Ring>& rings, cons
 
 /// The border of what is in an area and in none of others; otherwise as enclosed_area(), and nothing is told.
 /// @param area, others  in the unit frame, within the unit square
+/// @param more          pieces that crossings may make for each corner, beyond most_pieces()
 Result<Area> difference(const Area& area, std::span<const Area> others, double resolution,
-                        const std::stop_token& stop = {});
+                        const std::stop_token& stop = {}, std::size_t more = 0);
 
 /// The border of what is in any of several areas.
 /// @param resolution  what is no thicker than this, about, is nothing
-Result<Area> united(std::span<const Area> areas, double resolution, const std::stop_token& stop = {});
+/// @param more        as above
+Result<Area> united(std::span<const Area> areas, double resolution, const std::stop_token& stop = {},
+                    std::size_t more = 0);
 
 }  // namespace ccdt

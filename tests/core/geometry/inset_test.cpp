@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stop_token>
 
 #include "tests/support/shapes.h"
 
@@ -78,6 +79,61 @@ TEST(Inset, OfAFineCircleIsACircle) {
     const Domain left = inset_of(parts, 0.5);
     EXPECT_NEAR(left.area(), 0.25 * std::numbers::pi, 0.01);
     expect_distance(left, parts, 0.5);
+}
+
+/// A circle whose corners reach in, each by another share of a depth.
+Parts ragged_circle(int corners, double depth) {
+    Ring ring = test::circle({0, 0}, 1, corners);
+    double share = 0.5;
+    for (Point& p : ring) {
+        constexpr double kGoldenRatio = 0.6180339887498949;
+        share = std::fmod(share + kGoldenRatio * (1 + share), 1.0);
+        p = (1 - depth * share) * p;
+    }
+    return {{ring, {}}};
+}
+
+TEST(Inset, OfRaggedBordersKeepsItsDistance) {
+    const Parts parts = ragged_circle(1500, 0.1);
+    for (const double distance : {1e-6, 1e-4, 3e-3, 1e-2, 3e-2, 0.1, 0.45}) {
+        SCOPED_TRACE(testing::Message() << distance);
+        expect_distance(inset_of(parts, distance), parts, distance);
+    }
+}
+
+TEST(Inset, TakesNoMoreOfRaggedBordersThanItMust) {
+    const Parts parts = ragged_circle(1500, 0.1);
+    for (const double distance : {3e-3, 3e-2, 0.3}) {
+        const Domain left = inset_of(parts, distance);
+        Parts left_parts;
+        for (const Ring& ring : left.rings()) {
+            Ring& user = left_parts.emplace_back().outer;
+            for (const Point& p : ring) user.push_back(left.to_user(p));
+        }
+        int lost = 0, kept = 0;
+        for (int i = 0; i < 60; ++i) {
+            for (int j = 0; j < 60; ++j) {
+                const Point p{(i - 29.5) / 30, (j - 29.5) / 30};
+                if (!test::contains(parts, p) || test::distance_to_border(parts, p) < 1.01 * distance) continue;
+                ++(test::contains(left_parts, p) ? kept : lost);
+            }
+        }
+        EXPECT_GT(kept, 500) << distance;
+        EXPECT_EQ(lost, 0) << distance;
+    }
+}
+
+TEST(Inset, OfManyCornersIsNotRefused) {
+    const Parts parts = ragged_circle(20'000, 0.1);
+    for (const double distance : {1e-3, 0.1, 0.5}) EXPECT_GT(inset_of(parts, distance).area(), 0.4) << distance;
+}
+
+TEST(Inset, StopsWhenAsked) {
+    std::stop_source source;
+    source.request_stop();
+    const auto left = inset(Domain::create(ragged_circle(1500, 0.1)).value(), 0.1, source.get_token());
+    ASSERT_FALSE(left);
+    EXPECT_EQ(left.error().code, ErrorCode::Stopped);
 }
 
 TEST(Inset, KeepsOutOfDiscsThatLieBesideTheirPoints) {
