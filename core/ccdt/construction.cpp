@@ -118,7 +118,8 @@ const StartSites& Construction::start_sites() {
 }
 
 MeshPolish& Construction::polish() {
-    return polish_ ? *polish_ : polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_);
+    return polish_ ? *polish_
+                   : polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_, team_);
 }
 
 /// First sites among which long waves are gone; none where nothing is to be gained.

@@ -220,6 +220,31 @@ TEST(Distribute, GivesTheSameBytesOnAllThreads) {
     for (const auto& result : results) EXPECT_TRUE(same_bytes(result, expected));
 }
 
+/// A team that counts what it is given to do.
+class CountingTeam : public Team {
+public:
+    void run(std::size_t count, const std::function<void(std::size_t)>& task) override {
+        ++runs;
+        alone().run(count, task);
+    }
+    int runs = 0;
+};
+
+TEST(Distribute, HasTheTeamPolishToo) {
+    const auto runs_of = [](Quality quality) {
+        CountingTeam team;
+        Control control;
+        control.team = &team;
+        const auto result =
+            distribute(domain_of(kSquare), Density::uniform(), {.sites = 20'000, .quality = quality}, control);
+        EXPECT_TRUE(result);
+        return team.runs;
+    };
+    const int draft = runs_of(Quality::Draft), standard = runs_of(Quality::Standard);
+    EXPECT_GT(draft, 100);
+    EXPECT_GT(standard, draft + 100) << "a polish of 15 rounds, each of several steps";
+}
+
 TEST(Distribute, GivesTheSameBytesByAnyTeam) {
     constexpr std::size_t kSites = 20'000;  // enough for several blocks of sites, on several levels
     const Domain land = domain_of(test::read_geojson("South-Africa-50m.geojson"));
