@@ -1,6 +1,7 @@
 #include "core/parallel/thread_team.h"
 
 #include <algorithm>
+#include <chrono>
 #include <system_error>
 #include <utility>
 
@@ -14,6 +15,14 @@ public:
         for (std::size_t number = 0; number < count; ++number) task(number);
     }
 };
+
+/// Waits for what mostly comes soon, one step after the other: to be woken takes tens of microseconds.
+template <class Predicate>
+void wait_awake(Predicate&& has_come) {
+    constexpr auto kSoon = std::chrono::microseconds(50);
+    const auto end = std::chrono::steady_clock::now() + kSoon;
+    while (!has_come() && std::chrono::steady_clock::now() < end) continue;
+}
 
 }  // namespace
 
@@ -43,8 +52,12 @@ void ThreadTeam::run(std::size_t count, const std::function<void(std::size_t)>& 
     }
     wanted_.notify_all();
     work_on(work);
+    {
+        const std::lock_guard lock(mutex_);
+        work_ = nullptr;
+    }
+    wait_awake([this] { return busy_ == 0; });
     std::unique_lock lock(mutex_);
-    work_ = nullptr;
     left_.wait(lock, [this] { return busy_ == 0; });
     if (work.failure) std::rethrow_exception(work.failure);
 }
@@ -71,6 +84,9 @@ void ThreadTeam::help(const std::stop_token& stop) {
         work_on(work);
         lock.lock();
         if (--busy_ == 0) left_.notify_one();
+        lock.unlock();
+        wait_awake([&] { return round_ != done; });
+        lock.lock();
     }
 }
 

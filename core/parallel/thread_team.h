@@ -49,9 +49,9 @@ private:
     std::condition_variable_any wanted_;  ///< there is work
     std::condition_variable left_;        ///< a helper has left it
     Work* work_ = nullptr;
-    std::size_t round_ = 0;   ///< number of the work
-    std::size_t places_ = 0;  ///< helpers that may still join it
-    std::size_t busy_ = 0;    ///< helpers at it
+    std::atomic<std::size_t> round_ = 0;  ///< number of the work
+    std::size_t places_ = 0;              ///< helpers that may still join it
+    std::atomic<std::size_t> busy_ = 0;   ///< helpers at it
     std::vector<std::jthread> helpers_;
 };
 
