@@ -159,12 +159,13 @@ bool Triangulation::locate(const Region& region, Location& at) const {
     }
 }
 
-/// Where a walk to a place begins: where the last one left a smaller region, or at the last insertion.
-Triangulation::Location Triangulation::way_to(const Region& region, Point p, const Pending& pending) const {
-    const auto has = [&](std::uint32_t vertex) { return region.has(vertex); };
-    if (pending.triangle == kNone || !std::ranges::all_of(triangles_[pending.triangle].corners, has))
-        return {region.last, p, {}};
-    return {pending.triangle, p + distance(pending.shift), pending.shift};
+/// Where a walk to a place begins: in a triangle, the place as its copy that is nearest there.
+Triangulation::Location Triangulation::way_from(std::uint32_t triangle, Point p) const {
+    if (!is_torus()) return {triangle, p, {}};
+    const auto periods = [](double way, double period) { return static_cast<std::int8_t>(whole(way / period + 0.5)); };
+    const Point way = points_[triangles_[triangle].corners[0]] - p;
+    const Shift shift{periods(way.x, period_.x), periods(way.y, period_.y)};
+    return {triangle, p + distance(shift), shift};
 }
 
 /// @returns the first of two triangles that are not in use
@@ -210,10 +211,12 @@ Triangulation::Insertion Triangulation::insert(Region& region, std::uint32_t sit
         region.last = 0;
         return Insertion::Done;
     }
-    Location at = way_to(region, p, pending);
+    const std::uint32_t start = pending.triangle == kNone ? region.last : pending.triangle;
+    const auto has = [&](std::uint32_t vertex) { return region.has(vertex); };
+    if (!std::ranges::all_of(triangles_[start].corners, has)) return Insertion::Elsewhere;
+    Location at = way_from(start, p);
     if (!locate(region, at)) {
         pending.triangle = at.triangle;
-        pending.shift = at.shift;
         return Insertion::Elsewhere;
     }
     const std::uint32_t t = region.last = at.triangle;
@@ -315,8 +318,7 @@ std::vector<std::uint32_t> Triangulation::insert_all(std::span<const std::uint32
         regions.of(blocks_.around({c[0], c[1], c[2]})).last = t;
     }
     if (!triangles_.empty()) regions.levels.back().front().last = whole_.last;
-    for (std::uint32_t i = 0; i < sites.size(); ++i)
-        regions.of({0, blocks_.of(sites[i])}).sites.push_back({i, kNone, {}});
+    for (std::uint32_t i = 0; i < sites.size(); ++i) regions.of({0, blocks_.of(sites[i])}).sites.push_back({i, kNone});
     Batch batch{sites, draw, attempts, margin, stop, kNone};
     if (!triangles_.empty()) {
         batch.first_unused = static_cast<std::uint32_t>(triangle_count());

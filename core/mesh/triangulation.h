@@ -204,8 +204,7 @@ private:
     /// A site to be inserted.
     struct Pending {
         std::uint32_t number = 0;        ///< in a batch
-        std::uint32_t triangle = kNone;  ///< where a walk to it has left a region, and the shift there
-        Shift shift;
+        std::uint32_t triangle = kNone;  ///< where a walk to it has left a region
     };
 
     /// What one task may change: the triangles all of whose vertices lie in a block.
@@ -232,7 +231,7 @@ private:
 
     void insert_first(std::uint32_t site, Point p);
     bool locate(const Region& region, Location& at) const;
-    Location way_to(const Region& region, Point p, const Pending& pending) const;
+    Location way_from(std::uint32_t triangle, Point p) const;
     Insertion insert(Region& region, std::uint32_t site, Point p, double margin, Pending& pending,
                      std::uint32_t unused);
     void insert_in(Region& region, const Batch& batch);
