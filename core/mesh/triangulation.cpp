@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "core/geometry/pair.h"
@@ -17,7 +18,6 @@ struct Triangulation::Batch {
     int attempts;
     double margin;
     const std::stop_token& stop;
-    std::uint32_t first_unused;  ///< of two new triangles for each site
 };
 
 void Triangulation::fix_last(std::size_t count) {
@@ -27,10 +27,10 @@ void Triangulation::fix_last(std::size_t count) {
 
 Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& border) : sites_(sites) {
     fix_last(0);
-    whole_.last = 0;
+    make_room(border.triangles.size());
     points_.resize(sites);
     points_.insert(points_.end(), border.points.begin(), border.points.end());
-    triangles_.reserve(border.triangles.size() + 2 * sites);
+    const std::uint32_t first = whole_.last = border_triangle();
     for (const auto& given : border.triangles) {
         Triangle& triangle = triangles_.emplace_back();
         for (std::uint32_t i = 0; i < 3; ++i) {
@@ -41,7 +41,7 @@ Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& borde
             // The neighbour's edge that begins where ours ends is the one we share.
             const auto& other = border.triangles[neighbour].corners;
             const std::uint32_t end = given.corners[(i + 1) % 3];
-            triangle.twins[i] = edge(neighbour, other[0] == end ? 0 : other[1] == end ? 1 : 2);
+            triangle.twins[i] = edge(first + neighbour, other[0] == end ? 0 : other[1] == end ? 1 : 2);
         }
     }
     mark_inside();
@@ -52,7 +52,15 @@ Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& borde
 Triangulation::Triangulation(std::size_t sites, Point period)
     : sites_(sites), period_(period), points_(sites), part_of_(sites, 0), part_count_(1) {
     fix_last(0);
-    triangles_.reserve(2 * sites);
+    make_room(0);
+}
+
+/// Makes room for the two triangles of each site, and for the border's.
+void Triangulation::make_room(std::size_t border) {
+    Triangle unused;
+    unused.flags = kOutside;
+    triangles_.reserve(2 * sites_ + border);
+    triangles_.resize(2 * sites_, unused);
 }
 
 /// Crossing a segment changes sides: fills inwards from the box, whose triangles are outside.
@@ -62,8 +70,8 @@ void Triangulation::mark_inside() {
     const auto at_box = [](const Triangle& t) {
         return std::find(t.twins.begin(), t.twins.end(), kNone) != t.twins.end();
     };
-    const auto first = std::find_if(triangles_.begin(), triangles_.end(), at_box) - triangles_.begin();
-    stack.push_back(static_cast<std::uint32_t>(first));
+    const auto border = triangles_.begin() + border_triangle();
+    stack.push_back(static_cast<std::uint32_t>(std::find_if(border, triangles_.end(), at_box) - triangles_.begin()));
     seen[stack.front()] = true;
     triangles_[stack.front()].flags |= kOutside;
     while (!stack.empty()) {
@@ -168,17 +176,6 @@ Triangulation::Location Triangulation::way_from(std::uint32_t triangle, Point p)
     return {triangle, p + distance(shift), shift};
 }
 
-/// @returns the first of two triangles that are not in use
-std::uint32_t Triangulation::add_triangles() {
-    if (!unused_.empty()) {
-        const std::uint32_t first = unused_.back();
-        unused_.pop_back();
-        return first;
-    }
-    triangles_.resize(triangles_.size() + 2);
-    return static_cast<std::uint32_t>(triangles_.size() - 2);
-}
-
 void Triangulation::join(std::uint32_t edge, std::uint32_t twin) {
     set_twin(edge, twin);
     if (twin != kNone) set_twin(twin, edge);
@@ -187,7 +184,8 @@ void Triangulation::join(std::uint32_t edge, std::uint32_t twin) {
 /// The two triangles that a single vertex and its copies make.
 void Triangulation::insert_first(std::uint32_t site, Point p) {
     points_[site] = p;
-    const std::uint32_t below = add_triangles(), above = below + 1;
+    const std::uint32_t below = 2 * site, above = below + 1;
+    triangles_[below] = triangles_[above] = {};
     triangles_[below].corners = triangles_[above].corners = {site, site, site};
     triangles_[below].set_shifts({1, 0}, {0, 1}, {-1, -1});
     triangles_[above].set_shifts({1, 1}, {-1, 0}, {0, -1});
@@ -198,17 +196,16 @@ void Triangulation::insert_first(std::uint32_t site, Point p) {
 
 bool Triangulation::insert(std::uint32_t site, Point p, double margin) {
     Pending pending;
-    return insert(whole_, site, p, margin, pending, kNone) == Insertion::Done;
+    return insert(whole_, site, p, margin, pending) == Insertion::Done;
 }
 
 /// Inserts a site if its place and what is to be changed for it lies within a region.
-/// @param unused  first of two new triangles; kNone: some
 Triangulation::Insertion Triangulation::insert(Region& region, std::uint32_t site, Point p, double margin,
-                                               Pending& pending, std::uint32_t unused) {
+                                               Pending& pending) {
     if (is_torus()) p = snapped(p);
-    if (triangles_.empty()) {
+    if (region.last == kNone) {
         insert_first(site, p);
-        region.last = 0;
+        region.last = 2 * site;
         return Insertion::Done;
     }
     const std::uint32_t start = pending.triangle == kNone ? region.last : pending.triangle;
@@ -236,7 +233,7 @@ Triangulation::Insertion Triangulation::insert(Region& region, std::uint32_t sit
     // corner beyond it in its circle, a half-plane, and is flipped away.
     points_[site] = p;
     part_of_[site] = part_of_[c[0]];
-    const std::uint32_t u = unused == kNone ? add_triangles() : unused, v = u + 1;
+    const std::uint32_t u = 2 * site, v = u + 1;
     triangles_[u] = triangles_[v] = {};
     triangles_[u].corners = {c[1], c[2], site};
     triangles_[v].corners = {c[2], c[0], site};
@@ -315,24 +312,15 @@ std::vector<std::uint32_t> Triangulation::insert_all(std::span<const std::uint32
     for (std::size_t i = 0; i < triangle_count(); i += stride) {
         const auto t = static_cast<std::uint32_t>(i);
         const auto& c = triangles_[t].corners;
-        regions.of(blocks_.around({c[0], c[1], c[2]})).last = t;
+        if (triangles_[t].is_inside()) regions.of(blocks_.around({c[0], c[1], c[2]})).last = t;
     }
-    if (!triangles_.empty()) regions.levels.back().front().last = whole_.last;
+    regions.levels.back().front().last = whole_.last;
     for (std::uint32_t i = 0; i < sites.size(); ++i) regions.of({0, blocks_.of(sites[i])}).sites.push_back({i, kNone});
-    Batch batch{sites, draw, attempts, margin, stop, kNone};
-    if (!triangles_.empty()) {
-        batch.first_unused = static_cast<std::uint32_t>(triangle_count());
-        Triangle unused;
-        unused.flags = kOutside;
-        triangles_.resize(triangle_count() + 2 * sites.size(), unused);
-    }
+    const Batch batch{sites, draw, attempts, margin, stop};
     Region whole = work_upwards(std::move(regions), [&](Region& region) { insert_in(region, batch); });
     whole_.last = whole.last;
     std::vector<std::uint32_t> left;
-    for (const Pending& pending : whole.sites) {
-        left.push_back(sites[pending.number]);
-        if (batch.first_unused != kNone) unused_.push_back(batch.first_unused + 2 * pending.number);
-    }
+    for (const Pending& pending : whole.sites) left.push_back(sites[pending.number]);
     return left;
 }
 
@@ -346,10 +334,9 @@ void Triangulation::insert_in(Region& region, const Batch& batch) {
         if (i % kStopStride == 0 && batch.stop.stop_requested()) return;
         Pending& pending = region.sites[i];
         const std::uint32_t site = batch.sites[pending.number];
-        const std::uint32_t unused = batch.first_unused == kNone ? kNone : batch.first_unused + 2 * pending.number;
         auto done = Insertion::Refused;
         for (int attempt = 0; attempt < batch.attempts && done == Insertion::Refused; ++attempt)
-            done = insert(region, site, batch.draw(site, attempt), batch.margin, pending, unused);
+            done = insert(region, site, batch.draw(site, attempt), batch.margin, pending);
         if (done != Insertion::Done) left.push_back(pending);
     }
     region.sites = std::move(left);
@@ -526,69 +513,75 @@ std::vector<std::array<Point, 3>> Triangulation::inside_triangles(std::uint32_t 
 }
 
 void Triangulation::trim() {
-    for (Triangle& triangle : triangles_) {
-        for (std::uint32_t i = 0; i < 3; ++i) {
-            if (triangle.is_constrained(i)) triangle.twins[i] = kNone;
+    constexpr std::size_t kRange = 16384;
+    for_ranges(*team_, triangle_count(), kRange, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+            for (std::uint32_t i = 0; i < 3; ++i) {
+                if (triangles_[t].is_constrained(i)) triangles_[t].twins[i] = kNone;
+            }
+            triangles_[t].flags &= static_cast<std::uint8_t>(~kConstrained);
         }
-        triangle.flags &= static_cast<std::uint8_t>(~kConstrained);
-    }
+    });
+    drop_outside();
     if (!is_torus()) points_.resize(points_.size() - 4);  // the box
     part_of_.resize(points_.size());
-    find_edges();
     number_along_sites();
     find_edges();
     changed_.assign(points_.size(), 0);
 }
 
-/// Triangles in the order of their first site: neighbours in the plane become neighbours in memory.
+/// Those that lie outside were there before the first site; the border's others close up.
+void Triangulation::drop_outside() {
+    std::uint32_t next = border_triangle();
+    for (std::uint32_t t = next; t < triangle_count(); ++t) {
+        if (!triangles_[t].is_inside()) continue;
+        triangles_[next] = triangles_[t];
+        for (std::uint32_t i = 0; i < 3; ++i) join(edge(next, i), triangles_[t].twins[i]);
+        ++next;
+    }
+    triangles_.resize(next);
+}
+
+/// Triangles in the order of their first vertex: neighbours in the plane become neighbours in memory.
 void Triangulation::number_along_sites() {
     constexpr std::size_t kRange = 8192;
-    std::vector<std::vector<std::uint32_t>> parts(sites_ / kRange + 2);  // the last one is of those without sites
-    for_ranges(*team_, sites_, kRange, [&](std::size_t begin, std::size_t end) {
-        for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) list_first(v, parts[begin / kRange]);
+    const std::size_t count = triangle_count();
+    const auto first_of = [&](std::size_t t) { return std::ranges::min(triangles_[t].corners); };
+    std::vector<std::uint32_t> ends(points_.size() + 1, 0);  // in the new order, of the triangles of each vertex
+    for_ranges(*team_, count, kRange, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t)
+            std::atomic_ref(ends[first_of(t) + 1]).fetch_add(1, std::memory_order_relaxed);
     });
-    for (std::uint32_t t = 0; t < triangle_count(); ++t) {
-        if (triangles_[t].is_inside() && std::ranges::none_of(corners(t), [this](auto v) { return is_site(v); }))
-            parts.back().push_back(t);
-    }
-    std::vector<std::size_t> begins{0};
-    for (const auto& part : parts) begins.push_back(begins.back() + part.size());
-    std::vector<std::uint32_t> number(triangle_count(), kNone);
-    std::vector<Triangle> sorted(begins.back());
-    const auto number_part = [&](std::size_t part) {
-        for (std::size_t i = 0; i < parts[part].size(); ++i)
-            number[parts[part][i]] = static_cast<std::uint32_t>(begins[part] + i);
-    };
-    const auto sort_part = [&](std::size_t part) {
-        for (std::size_t i = 0; i < parts[part].size(); ++i) {
-            Triangle& triangle = sorted[begins[part] + i] = triangles_[parts[part][i]];
-            for (std::uint32_t& twin : triangle.twins) {
+    std::partial_sum(ends.begin(), ends.end(), ends.begin());
+    std::vector<std::uint32_t> order(count), number(count);
+    for_ranges(*team_, count, kRange, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t)
+            order[std::atomic_ref(ends[first_of(t)]).fetch_add(1, std::memory_order_relaxed)] =
+                static_cast<std::uint32_t>(t);
+    });
+    for_ranges(*team_, points_.size(), kRange, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            const std::uint32_t first = v == 0 ? 0 : ends[v - 1];
+            std::sort(order.begin() + first, order.begin() + ends[v]);  // by whatever task came first, until now
+            for (std::uint32_t i = first; i < ends[v]; ++i) number[order[i]] = i;
+        }
+    });
+    std::vector<Triangle> sorted(count);
+    for_ranges(*team_, count, kRange, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            sorted[i] = triangles_[order[i]];
+            for (std::uint32_t& twin : sorted[i].twins) {
                 if (twin != kNone) twin = edge(number[triangle_of(twin)], twin % 4);
             }
         }
-    };
-    team_->run(parts.size(), number_part);
-    team_->run(parts.size(), sort_part);
+    });
     triangles_ = std::move(sorted);
-}
-
-/// Lists the triangles around a site that have none of a smaller number.
-void Triangulation::list_first(std::uint32_t site, std::vector<std::uint32_t>& list) const {
-    std::uint32_t h = edge_of_[site];
-    do {
-        const auto corners = this->corners(triangle_of(h));
-        // A triangle around a torus may have a site at several corners.
-        const auto first = std::ranges::min_element(corners);
-        if (*first == site && h % 4 == static_cast<std::uint32_t>(first - corners.begin()))
-            list.push_back(triangle_of(h));
-        h = twin(previous(h));
-    } while (h != edge_of_[site]);
 }
 
 void Triangulation::find_edges() {
     edge_of_.resize(points_.size());
     for (std::uint32_t t = 0; t < triangle_count(); ++t) {
-        for (std::uint32_t i = 0; i < 3 && triangles_[t].is_inside(); ++i) keep_edge(edge(t, i));
+        for (std::uint32_t i = 0; i < 3; ++i) keep_edge(edge(t, i));
     }
 }
 

@@ -155,7 +155,8 @@ public:
     /// Corners of the triangles inside the domain, or inside one part of it; before trim().
     std::vector<std::array<Point, 3>> inside_triangles(std::uint32_t part = kNone) const;
 
-    /// Drops what lies outside the domain and renumbers the triangles in the order of the sites.
+    /// Drops what lies outside the domain and renumbers the triangles in the order of the sites, all of which must
+    /// have been inserted.
     void trim();
 
     /// Stores sites of a torus that have left the box, by a quarter of a period or more, where they are within it.
@@ -229,16 +230,17 @@ private:
     enum class Insertion { Done, Refused, Elsewhere };
     struct Batch;
 
+    void make_room(std::size_t border);
+    /// The first triangle of those that were there before the first site.
+    std::uint32_t border_triangle() const { return static_cast<std::uint32_t>(2 * sites_); }
     void insert_first(std::uint32_t site, Point p);
     bool locate(const Region& region, Location& at) const;
     Location way_from(std::uint32_t triangle, Point p) const;
-    Insertion insert(Region& region, std::uint32_t site, Point p, double margin, Pending& pending,
-                     std::uint32_t unused);
+    Insertion insert(Region& region, std::uint32_t site, Point p, double margin, Pending& pending);
     void insert_in(Region& region, const Batch& batch);
     Regions make_regions(std::size_t sites) const;
     template <class Work>
     Region work_upwards(Regions regions, Work&& work);
-    std::uint32_t add_triangles();
     void join(std::uint32_t edge, std::uint32_t twin);
     bool is_constrained(std::uint32_t edge) const { return triangles_[edge / 4].is_constrained(edge % 4); }
     void set_twin(std::uint32_t edge, std::uint32_t twin) { triangles_[edge / 4].twins[edge % 4] = twin; }
@@ -253,20 +255,19 @@ private:
     void mark_inside();
     void mark_parts();
     void separate(std::span<const ConstrainedDelaunay::Branch> branches);
+    void drop_outside();
     void number_along_sites();
-    void list_first(std::uint32_t site, std::vector<std::uint32_t>& list) const;
     void find_edges();
 
     std::size_t sites_;
     std::size_t free_ = sites_;
     Point period_;  ///< 0 unless a torus
     std::vector<Point> points_;
-    std::vector<Triangle> triangles_;
+    std::vector<Triangle> triangles_;     ///< two for each site, near it in the plane, then the border's
     std::vector<std::uint32_t> part_of_;  ///< [vertices]
     std::size_t part_count_ = 0;
     std::vector<std::uint32_t> edge_of_;  ///< [vertices]
     std::vector<std::uint8_t> changed_;   ///< [vertices]
-    std::vector<std::uint32_t> unused_;   ///< triangles, each the first of two
     SiteBlocks blocks_;                   ///< of the free sites
     Region whole_;
     Team* team_ = &alone();
