@@ -138,11 +138,15 @@ std::vector<Point> Construction::even_start() {
 
 /// @returns  the capacity variation; of no use once a stop is asked for
 double Construction::measure(const Triangulation& mesh) {
-    std::vector<double> capacities;
-    capacity_.of_triangles(mesh, capacities, stop_);
+    const double total =
+        fixed_.sites > 0 ? site_share() * static_cast<double>(mesh.site_count()) * capacity_.total() : capacity_.total();
+    if (capacity_.is_uniform()) return set_even_goals(mesh, total, goals_);
+    capacity_.of_triangles(mesh, capacities_, stop_);
     if (stopping()) return 0;
-    const double total = site_share() * static_cast<double>(mesh.site_count()) * capacity_.total();
-    return set_goals(mesh, fixed_.sites > 0 ? total : capacity_.total(), capacity_.densest(), capacities, goals_);
+    std::vector<TriangleGoal> goals = goals_.release();
+    const double variation = set_goals(mesh, total, capacity_.densest(), capacities_, goals);
+    goals_ = std::move(goals);
+    return variation;
 }
 
 /// Tells whether an iteration's passes are exact. These cost more, and matter once the sites are near their places:
@@ -180,7 +184,7 @@ bool Construction::iterate() {
             relaxation.pass();
         }
     }
-    relaxation.forget_goals();
+    goals_ = relaxation.take_goals();
     if (!stopping()) mesh.restore_delaunay(stop_);
     const double variation = measure(mesh);
     if (stopping()) return false;
@@ -188,8 +192,13 @@ bool Construction::iterate() {
     ++result_.iterations;
     if (goes_on()) return true;
     relaxation_.reset();
-    goals_ = std::vector<TriangleGoal>();
+    forget_goals();
     return true;
+}
+
+void Construction::forget_goals() {
+    goals_ = {};
+    capacities_ = {};
 }
 
 void Construction::equalise(int passes) {
@@ -218,7 +227,7 @@ Result<void> Construction::finish() {
         *placed_ = *std::move(again);
     }
     const double variation = measure(mesh);
-    goals_ = std::vector<TriangleGoal>();
+    forget_goals();
     if (!stopping()) result_.polished = variation;
     return {};
 }

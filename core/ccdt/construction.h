@@ -66,6 +66,7 @@ private:
     const StartSites& start_sites();
     std::vector<Point> even_start();
     double measure(const Triangulation& mesh);
+    void forget_goals();
     Relaxation& relaxation();
     bool is_exact(int iteration) const;
 
@@ -81,7 +82,8 @@ private:
     std::optional<StartSites> start_;
     std::optional<MeshPolish> polish_;
     std::optional<Relaxation> relaxation_;
-    std::vector<TriangleGoal> goals_;  ///< [triangles]
+    TriangleGoals goals_;
+    std::vector<double> capacities_;  ///< [triangles], unless the density is uniform
     Distribution result_;
 };
 

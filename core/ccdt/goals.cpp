@@ -18,7 +18,33 @@ struct Reached {
     double targets = 0;
     double sum = 0;
     double squares = 0;  ///< over the targets
+
+    void add(double reached, double target) {
+        targets += target;
+        sum += reached;
+        squares += reached * reached / target;
+    }
+
+    void add(const Reached& other) {
+        targets += other.targets;
+        sum += other.sum;
+        squares += other.squares;
+    }
+
+    /// Standard deviation over mean of reached / target, each triangle weighing as much as its target.
+    double variation() const {
+        if (!(sum > 0)) return 0;
+        const double mean = sum / targets;
+        return std::sqrt(std::max(0.0, squares / targets - mean * mean)) / mean;
+    }
 };
+
+constexpr double kLeastTarget = 1e-9;  ///< less is rounding
+
+/// Capacity in units of half a site's, for each unit of it.
+double unit_of(const Triangulation& mesh, double total) {
+    return 2 * static_cast<double>(mesh.site_count()) / total;
+}
 
 /// The edge of the border that a triangle with a site lies on; there can be no second one, as the others end in it.
 std::uint32_t border_edge(const Triangulation& mesh, std::uint32_t triangle) {
@@ -60,24 +86,41 @@ double length(const Triangulation& mesh, std::uint32_t edge, double weight) {
     return weight > 0 ? std::sqrt(dot(along, along)) / hexagonal_spacing(weight) : 0;
 }
 
-/// Sets the target of a triangle with a site, and its share of a triangle.
-/// @param faced  [sites] lengths of the edges of the border that each faces, together
-void aim(const Triangulation& mesh, std::uint32_t triangle, const std::vector<double>& faced, TriangleGoal& goal) {
+/// Lengths of the edges that a site faces, together.
+/// @param weight_of  gives the weight of a triangle
+template <class WeightOf>
+double faced_length(const Triangulation& mesh, std::uint32_t site, WeightOf&& weight_of) {
+    double sum = 0;
+    std::uint32_t h = mesh.edge_of(site);
+    do {
+        const std::uint32_t triangle = Triangulation::triangle_of(h), edge = faced_edge(mesh, triangle);
+        if (edge != kNone && mesh.origin(Triangulation::previous(edge)) == site)
+            sum += length(mesh, edge, weight_of(triangle));
+        h = mesh.twin(Triangulation::previous(h));
+    } while (h != mesh.edge_of(site));
+    return sum;
+}
+
+/// Goal of a triangle with a free site.
+template <class WeightOf>
+TriangleGoal aim(const Triangulation& mesh, std::uint32_t triangle, WeightOf&& weight_of) {
     constexpr double kEdgeShare = 0.5;     // of the strip; the other half goes to the corners
     constexpr double kCornerShare = 0.61;  // benchmark BorderPattern: less crowds sites at the border, more shuns it
     constexpr double kLeastShare = 1e-3;   // of a fan of a thousand triangles: keeps the terms of one vertex comparable
-    const auto corners = mesh.corners(triangle);
-    const bool touches_border = !std::ranges::all_of(corners, [&](std::uint32_t v) { return mesh.is_site(v); });
+    const double weight = weight_of(triangle);
+    const bool touches_border =
+        !std::ranges::all_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_site(v); });
     const std::uint32_t edge = faced_edge(mesh, triangle);
-    goal.share = 1;
-    if (edge == kNone) {
-        goal.target = touches_border ? kCornerShare : 1;
-        return;
-    }
-    const double own = length(mesh, edge, goal.weight), all = std::min(1.0, faced[facing_site(mesh, edge)]);
+    if (edge == kNone) return {weight, touches_border ? kCornerShare : 1, 1};
+    const double own = length(mesh, edge, weight);
+    const double all = std::min(1.0, faced_length(mesh, facing_site(mesh, edge), weight_of));
     // The first row is half a row from the border, and a whole one from fixed sites.
-    goal.target = touches_border ? kEdgeShare * own : std::min(1.0, own);
-    if (own < all) goal.share = std::max(kLeastShare, own / all);
+    return {weight, touches_border ? kEdgeShare * own : std::min(1.0, own),
+            own < all ? std::max(kLeastShare, own / all) : 1};
+}
+
+bool is_any_free(const Triangulation& mesh, std::uint32_t triangle) {
+    return std::ranges::any_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_free(v); });
 }
 
 }  // namespace
@@ -89,54 +132,71 @@ double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, co
 
 double set_goals(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals) {
-    constexpr double kLeastTarget = 1e-9;  // less is rounding
-    const double unit = 2 * static_cast<double>(mesh.site_count()) / total;
+    const double unit = unit_of(mesh, total);
     const double largest_weight = unit * densest;
     const auto reached_by = [&](std::uint32_t t) { return unit * std::max(0.0, capacities[t]); };
-    std::vector<double> faced(mesh.site_count(), 0);
+    const auto weight_of = [&](std::uint32_t t) { return goals[t].weight; };
     goals.resize(mesh.triangle_count());
-    std::vector<std::vector<std::pair<std::uint32_t, double>>> lists((goals.size() + kRange - 1) / kRange);
     for_ranges(mesh.team(), goals.size(), kRange, [&](std::size_t begin, std::size_t end) {
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
             const double area = mesh.doubled_area(t);
             goals[t].weight = area > 0 ? std::min(reached_by(t) / area, largest_weight) : largest_weight;
-            const std::uint32_t edge = faced_edge(mesh, t), site = edge == kNone ? kNone : facing_site(mesh, edge);
-            if (site != kNone) lists[begin / kRange].emplace_back(site, length(mesh, edge, goals[t].weight));
         }
     });
-    for (const auto& list : lists) {
-        for (const auto& [site, length] : list) faced[site] += length;
-    }
-
-    std::vector<Reached> parts(lists.size());
+    std::vector<Reached> parts((goals.size() + kRange - 1) / kRange);
     for_ranges(mesh.team(), goals.size(), kRange, [&](std::size_t begin, std::size_t end) {
         Reached own;
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
             const double reached = reached_by(t);
-            TriangleGoal& goal = goals[t];
-            if (std::ranges::none_of(mesh.corners(t), [&](std::uint32_t v) { return mesh.is_free(v); })) {
-                goal = {.weight = goal.weight, .target = reached};  // nothing there can move it
+            if (!is_any_free(mesh, t)) {
+                goals[t] = {goals[t].weight, reached, 1};  // nothing there can move it
                 continue;
             }
-            aim(mesh, t, faced, goal);
-            if (goal.target < kLeastTarget) continue;
-            own.targets += goal.target;
-            own.sum += reached;
-            own.squares += reached * reached / goal.target;
+            const TriangleGoal goal = aim(mesh, t, weight_of);
+            goals[t].target = goal.target;
+            goals[t].share = goal.share;
+            if (goal.target >= kLeastTarget) own.add(reached, goal.target);
         }
         parts[begin / kRange] = own;
     });
     Reached all;
-    for (const Reached& part : parts) {
-        all.targets += part.targets;
-        all.sum += part.sum;
-        all.squares += part.squares;
-    }
+    for (const Reached& part : parts) all.add(part);
+    return all.variation();
+}
 
-    // Mean and variance of reached / target, each triangle weighing as much as its target.
-    if (!(all.sum > 0)) return 0;
-    const double mean = all.sum / all.targets;
-    return std::sqrt(std::max(0.0, all.squares / all.targets - mean * mean)) / mean;
+double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& goals) {
+    const double unit = unit_of(mesh, total), weight = unit / 2;
+    const auto weight_of = [&](std::uint32_t) { return weight; };
+    const std::size_t count = mesh.triangle_count(), ranges = (count + kRange - 1) / kRange;
+    std::vector<std::vector<std::uint32_t>> lists(ranges);
+    std::vector<std::vector<TriangleGoal>> goals_of(ranges);
+    std::vector<Reached> parts(ranges);
+    for_ranges(mesh.team(), count, kRange, [&](std::size_t begin, std::size_t end) {
+        Reached own;
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
+            const double reached = weight * std::max(0.0, mesh.doubled_area(t));
+            if (std::ranges::all_of(mesh.corners(t), [&](std::uint32_t v) { return mesh.is_free(v); })) {
+                own.add(reached, 1);
+                continue;
+            }
+            const bool moves = is_any_free(mesh, t);
+            const TriangleGoal goal = moves ? aim(mesh, t, weight_of) : TriangleGoal{weight, reached, 1};
+            if (moves && goal.target >= kLeastTarget) own.add(reached, goal.target);
+            lists[begin / kRange].push_back(t);
+            goals_of[begin / kRange].push_back(goal);
+        }
+        parts[begin / kRange] = own;
+    });
+    Reached all;
+    std::vector<std::uint32_t> triangles;
+    std::vector<TriangleGoal> own;
+    for (std::size_t range = 0; range < ranges; ++range) {
+        all.add(parts[range]);
+        triangles.insert(triangles.end(), lists[range].begin(), lists[range].end());
+        own.insert(own.end(), goals_of[range].begin(), goals_of[range].end());
+    }
+    goals = {{weight, 1, 1}, std::move(triangles), std::move(own)};
+    return all.variation();
 }
 
 }  // namespace ccdt

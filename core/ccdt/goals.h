@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/ccdt/capacity_integral.h"
-#include "core/ccdt/relaxation.h"
+#include "core/ccdt/triangle_goals.h"
 #include "core/mesh/triangulation.h"
 
 namespace ccdt {
@@ -35,5 +35,9 @@ double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, co
 /// @param densest  largest capacity per area of the unit frame
 double set_goals(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals);
+
+/// The same where capacities are areas: all triangles between free sites have one goal.
+/// @param total  area of the unit frame that the sites are to share
+double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& goals);
 
 }  // namespace ccdt

@@ -31,6 +31,20 @@ Point minimum(double xx, double xy, double yy, Point gradient) {
 
 }  // namespace
 
+/// Contribution of a triangle to the normal equations of its corners.
+struct Relaxation::Term {
+    double weight;  ///< this and the target: over the square root of the share
+    double target;
+    double spring;  ///< weight * share
+    double scale;   ///< 1 over the square root of the share
+};
+
+inline Relaxation::Term Relaxation::term(std::uint32_t triangle) const {
+    const TriangleGoal& goal = goals_.of(triangle);
+    const double scale = goal.share == 1 ? 1 : 1 / std::sqrt(goal.share);
+    return {scale * goal.weight, scale * goal.target, goal.share * goal.weight, scale};
+}
+
 /// Normal equations of one vertex about its present place: the energy's half gradient and half Hessian.
 struct Relaxation::NormalEquations {
     double xx = 0, xy = 0, yy = 0;
@@ -78,29 +92,16 @@ Relaxation::Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool unifor
       options_(options),
       magic_(mesh.is_torus() ? kSnapping : 0) {}
 
-void Relaxation::prepare(std::vector<TriangleGoal> goals, const std::stop_token& stop) {
+void Relaxation::prepare(TriangleGoals goals, const std::stop_token& stop) {
+    goals_ = std::move(goals);
+    plain_weight_ = goals_.of(0).weight;
     if (kinds_.empty()) small_ = options_.small_area ? *options_.small_area : kSmall * mean_doubled_area();
-    set_terms(goals);
-    goals = std::vector<TriangleGoal>();
     list_sites(stop);
     border_.clear();
     const auto sites = static_cast<std::uint32_t>(mesh_.site_count());
     for (std::uint32_t v = sites; v < mesh_.vertex_count(); ++v) {
         if (!fixed_[v - sites]) add_fan(v, border_);
     }
-}
-
-void Relaxation::set_terms(std::span<const TriangleGoal> goals) {
-    plain_weight_ = goals[0].weight;
-    terms_.resize(goals.size() + 1);
-    for_ranges(mesh_.team(), goals.size(), kRange, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t t = begin; t < end; ++t) {
-            const TriangleGoal& goal = goals[t];
-            const double scale = goal.share == 1 ? 1 : 1 / std::sqrt(goal.share);
-            terms_[t] = {scale * goal.weight, scale * goal.target, goal.share * goal.weight, scale};
-        }
-    });
-    terms_.back() = {};
 }
 
 /// Sorts the free sites into groups that can be moved at the same time.
@@ -234,7 +235,7 @@ bool Relaxation::add_site(std::uint32_t site, Group& group, std::uint32_t first,
     Batch& batch = group.batches[kinds_[site]];
     batch.insert(batch.end(), record.begin(), record.begin() + 2 + 2 * static_cast<std::ptrdiff_t>(pairs));
     if (plain) return true;
-    for (std::size_t i = count; i < 2 * pairs; ++i) triangles[i] = static_cast<std::uint32_t>(terms_.size() - 1);
+    for (std::size_t i = count; i < 2 * pairs; ++i) triangles[i] = Triangulation::kNone;
     batch.insert(batch.end(), triangles.begin(), triangles.begin() + 2 * static_cast<std::ptrdiff_t>(pairs));
     return true;
 }
@@ -328,7 +329,7 @@ void Relaxation::move_few(const std::uint32_t* record) {
             spring_x += x[i];
             spring_y += y[i];
         } else {
-            const Term &even = terms_[triangles[2 * i]], &odd = terms_[triangles[2 * i + 1]];
+            const Term even = term(triangles[2 * i]), odd = term(triangles[2 * i + 1]);
             const Pair weight{even.weight, odd.weight}, target{even.target, odd.target};
             const Pair spring{even.spring, odd.spring};
             const Pair wa = weight * a[i], wb = weight * b[i];
@@ -390,7 +391,7 @@ Relaxation::NormalEquations Relaxation::equations_of(const Fans& fans, const Fan
     const Point v = mesh_.point(fan.vertex);
     NormalEquations equations;
     for (std::uint32_t i = 0; i < fan.triangles; ++i) {
-        equations.add(place(ring, i) - v, place(ring, i + 1) - v, terms_[fans.triangles[fan.first + i]],
+        equations.add(place(ring, i) - v, place(ring, i + 1) - v, term(fans.triangles[fan.first + i]),
                       options_.spring);
     }
     return equations;
@@ -407,9 +408,9 @@ void Relaxation::slide(const Fans& fans, const Fan& fan) {
     const std::uint32_t* triangles = &fans.triangles[fan.first];
     const Point v = mesh_.point(fan.vertex);
     NormalEquations equations = equations_of(fans, fan);
-    equations.add_spring(mesh_.point(around.front()) - v, options_.border_spring * terms_[triangles[0]].spring);
+    equations.add_spring(mesh_.point(around.front()) - v, options_.border_spring * term(triangles[0]).spring);
     equations.add_spring(mesh_.point(around.back()) - v,
-                         options_.border_spring * terms_[triangles[fan.triangles - 1]].spring);
+                         options_.border_spring * term(triangles[fan.triangles - 1]).spring);
     const Point along = mesh_.point(around.front()) - mesh_.point(around.back());
     move(fan.vertex, options_.relaxation * equations.minimum_along(along) * along, ring_of(fans, fan), fan.triangles);
 }
@@ -476,7 +477,7 @@ void Relaxation::move_exactly(std::uint32_t site, double unit, ExactRing& ring) 
         const Point from = mesh_.along(h), to = mesh_.along(after);
         const Point gradient{unit * (sweeps_[h] * from.y - sweeps_[after] * to.y),
                              unit * (sweeps_[after] * to.x - sweeps_[h] * from.x)};
-        const Term& term = terms_[triangle];
+        const Term term = this->term(triangle);
         equations.add(term.scale * gradient, term.scale * unit * capacities_[triangle] - term.target);
         equations.add_springs(from, to, options_.spring * term.spring);
         ring.vertices.push_back(mesh_.target(h));
@@ -497,14 +498,15 @@ void Relaxation::move_exactly(std::uint32_t site, double unit, ExactRing& ring) 
 double Relaxation::energy() const {
     double energy = 0;
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
-        const double residual = terms_[t].weight * mesh_.doubled_area(t) - terms_[t].target;
+        const Term term = this->term(t);
+        const double residual = term.weight * mesh_.doubled_area(t) - term.target;
         energy += residual * residual;
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t h = Triangulation::edge(t, i);
             const Point length = mesh_.along(h);
             const bool border = mesh_.twin(h) == Triangulation::kNone;
             const double spring = 0.5 * options_.spring + (border ? options_.border_spring : 0);
-            energy += spring * terms_[t].spring * dot(length, length);
+            energy += spring * term.spring * dot(length, length);
         }
     }
     return energy;

@@ -10,18 +10,11 @@
 #include <vector>
 
 #include "core/ccdt/capacity_integral.h"
+#include "core/ccdt/triangle_goals.h"
 #include "core/geometry/point.h"
 #include "core/mesh/triangulation.h"
 
 namespace ccdt {
-
-/// Weight of a triangle's doubled area, and the target of their product. In units of half the capacity that one site
-/// stands for, so that a triangle between three sites aims at 1.
-struct TriangleGoal {
-    double weight = 0;  ///< capacity per doubled area, held fixed while vertices move
-    double target = 1;
-    double share = 1;  ///< of a triangle of common size that it is, > 0: less than 1 for one of many in a narrow fan
-};
 
 /// Says where a site may go instead of a place: there, if it may stand there, or somewhere on the way.
 using Fence = std::function<Point(std::uint32_t site, Point to)>;
@@ -55,13 +48,13 @@ public:
     /// @param uniform  all weights are equal, and all targets between three sites
     Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool uniform, const RelaxationOptions& options);
 
-    /// Lists the mesh's edges and takes new goals [triangles]. To be called before the first pass and after every
+    /// Lists the mesh's edges and takes new goals. To be called before the first pass and after every
     /// restore_delaunay(). O(vertices).
     /// @param stop  asked now and then; no pass must follow
-    void prepare(std::vector<TriangleGoal> goals, const std::stop_token& stop = {});
+    void prepare(TriangleGoals goals, const std::stop_token& stop = {});
 
-    /// Gives back what the goals take. No pass must follow until they are given anew.
-    void forget_goals() { terms_ = std::vector<Term>(); }
+    /// Gives the goals back. No pass must follow until there are new ones.
+    TriangleGoals take_goals() { return std::move(goals_); }
 
     /// Moves every vertex once. O(vertices).
     void pass();
@@ -80,15 +73,8 @@ public:
     double energy() const;
 
 private:
+    struct Term;
     struct NormalEquations;
-
-    /// Contribution of a triangle to the normal equations of its corners.
-    struct Term {
-        double weight = 0;  ///< this and the target: over the square root of the share
-        double target = 0;
-        double spring = 0;  ///< weight * share
-        double scale = 0;   ///< 1 over the square root of the share
-    };
 
     /// Sites of one kind, laid out for the fast path. Per site: itself; its neighbours counter-clockwise, the first one
     /// repeated until there are 2 * pairs + 1 of them; unless it is plain, the 2 * pairs triangles between them.
@@ -161,7 +147,7 @@ private:
     Point place(const Ring& ring, std::size_t i) const;
     Ring ring_of(const Fans& fans, const Fan& fan) const;
     double mean_doubled_area() const;
-    void set_terms(std::span<const TriangleGoal> goals);
+    Term term(std::uint32_t triangle) const;
     void list_sites(const std::stop_token& stop);
     void list_block(std::size_t number, bool first_time);
     void list_larger(std::size_t level, std::size_t number);
@@ -191,7 +177,7 @@ private:
     double magic_ = 0;         ///< rounds places to what is exact on a torus; else 0
     double small_ = 0;         ///< doubled area below which the fast path leaves a triangle to the general one
     double plain_weight_ = 0;  ///< of the triangles around plain sites
-    std::vector<Term> terms_;  ///< [triangles + 1], the last one for triangles that are none
+    TriangleGoals goals_;
 
     std::vector<std::uint8_t> kinds_;         ///< [sites]
     std::vector<std::uint8_t> levels_;        ///< [sites] of the groups that they belong to

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/mesh/triangulation.h"
+
+namespace ccdt {
+
+/// Weight of a triangle's doubled area, and the target of their product. In units of half the capacity that one site
+/// stands for, so that a triangle between three sites aims at 1.
+struct TriangleGoal {
+    double weight = 0;  ///< capacity per doubled area, held fixed while vertices move
+    double target = 1;
+    double share = 1;  ///< of a triangle of common size that it is, > 0: less than 1 for one of many in a narrow fan
+};
+
+/// The goals of all triangles: one for each, or, where most are the same, that one and the others.
+class TriangleGoals {
+public:
+    TriangleGoals() = default;
+
+    /// @param all  [triangles]
+    TriangleGoals(std::vector<TriangleGoal> all) : all_(std::move(all)) {}
+
+    /// @param triangles  those that have goals of their own, in ascending order
+    /// @param goals      [as many]
+    TriangleGoals(const TriangleGoal& common, std::vector<std::uint32_t> triangles, std::vector<TriangleGoal> goals)
+        : common_(common), triangles_(std::move(triangles)), own_(std::move(goals)) {}
+
+    /// Goal of a triangle; of kNone, one that adds nothing.
+    const TriangleGoal& of(std::uint32_t triangle) const {
+        return triangle < all_.size() ? all_[triangle] : rare(triangle);
+    }
+
+    /// Gives the room of one goal for each away.
+    std::vector<TriangleGoal> release() { return std::exchange(all_, {}); }
+
+private:
+    const TriangleGoal& rare(std::uint32_t triangle) const {
+        static constexpr TriangleGoal kNothing{0, 0, 1};
+        if (triangle == Triangulation::kNone) return kNothing;
+        const auto at = std::ranges::lower_bound(triangles_, triangle);
+        if (at == triangles_.end() || *at != triangle) return common_;
+        return own_[static_cast<std::size_t>(at - triangles_.begin())];
+    }
+
+    std::vector<TriangleGoal> all_;
+    TriangleGoal common_;
+    std::vector<std::uint32_t> triangles_;
+    std::vector<TriangleGoal> own_;  ///< [those triangles]
+};
+
+}  // namespace ccdt
