@@ -119,11 +119,6 @@ void MeshPolish::begin(const Triangulation& mesh) {
         }
     }
     if (!domain_.is_box()) row_.find(mesh);
-    areas_.resize(mesh.triangle_count());
-    moved_areas_.resize(mesh.triangle_count());
-    for_ranges(team_, areas_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t t = begin; t < end; ++t) areas_[t] = mesh.doubled_area(static_cast<std::uint32_t>(t));
-    });
 }
 
 /// Lists the edges of a block's share of the triangles: those within the block, and the others.
@@ -132,8 +127,7 @@ void MeshPolish::list_edges(const Triangulation& mesh, std::size_t block, std::v
     const std::size_t count = blocks.count(0);
     const std::uint32_t first = blocks.begin(block), size = blocks.begin(block + 1) - first;
     const std::size_t end = (block + 1) * mesh.triangle_count() / count;
-    std::vector<std::uint32_t>& own = edges_[0][block];
-    own.resize(3 * (end - block * mesh.triangle_count() / count));
+    std::vector<std::uint32_t> own(3 * (end - block * mesh.triangle_count() / count));
     std::size_t listed = 0;
     for (std::size_t t = block * mesh.triangle_count() / count; t < end; ++t) {
         const auto corners = mesh.corners(static_cast<std::uint32_t>(t));
@@ -152,7 +146,7 @@ void MeshPolish::list_edges(const Triangulation& mesh, std::size_t block, std::v
     };
     const auto rest = std::stable_partition(own.begin(), own.end(), is_within);
     others.assign(rest, own.end());
-    own.erase(rest, own.end());
+    edges_[0][block].assign(own.begin(), rest);
 }
 
 void MeshPolish::even_out(Triangulation& mesh, const std::stop_token& stop) {
@@ -297,41 +291,53 @@ void MeshPolish::apply(Triangulation& mesh) {
         }
     });
     take_back(mesh);
-    areas_.swap(moved_areas_);
     if (mesh.is_torus()) mesh.wrap();
 }
 
+/// Twice the area of a triangle before its sites were moved.
+double MeshPolish::area_before(const Triangulation& mesh, std::uint32_t triangle) const {
+    const auto corners = mesh.corners(triangle);
+    const auto place = [&](std::uint32_t i) {
+        const Point p = mesh.is_site(corners[i]) ? moves_[corners[i]] : mesh.point(corners[i]);
+        return p + mesh.distance(mesh.lift(Triangulation::edge(triangle, i)));
+    };
+    const Point a = place(0), b = place(1), c = place(2);
+    return cross(b - a, c - a);
+}
+
 /// Tells whether a triangle has kept enough of its area, and is no needle unless it was one.
-bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const {
+bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle) const {
     constexpr double kSmall = 0.05;       // of the mean area; larger triangles are no needles
     constexpr double kLeastShape = 1e-5;  // doubled area over the longest edge squared
-    if (area < kKeptArea * areas_[triangle]) return false;
+    const double area = mesh.doubled_area(triangle), before = area_before(mesh, triangle);
+    if (area < kKeptArea * before) return false;
     if (area >= kSmall * domain_.unit_area() / static_cast<double>(mesh.site_count())) return true;
     const auto [a, b, c] = mesh.places(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
     const double least = std::max(kLeastShape * longest, domain_.resolution() * std::sqrt(longest));
-    return area >= std::min(areas_[triangle], least) && orientation(a, b, c) > 0;
+    return area >= std::min(before, least) && orientation(a, b, c) > 0;
 }
 
 /// Shortens moves and takes them back next to triangles that would turn over, or lose most of their area, until there
 /// is none.
 void MeshPolish::take_back(Triangulation& mesh) {
     constexpr int kHalvings = 3;  // in polygons, where vertices of the border leave less room
-    std::vector<std::vector<std::uint32_t>> lists((areas_.size() + kTriangles - 1) / kTriangles);
+    const std::size_t triangles = mesh.triangle_count();
+    std::vector<std::vector<std::uint32_t>> lists((triangles + kTriangles - 1) / kTriangles);
     bool found = true;
     for (int sweep = 0; found; ++sweep) {
         const double kept = !domain_.is_box() && sweep < kHalvings ? 0.5 : 0;
-        for_ranges(team_, areas_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+        for_ranges(team_, triangles, kTriangles, [&](std::size_t begin, std::size_t end) {
             auto& list = lists[begin / kTriangles];
             list.clear();
             for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
-                if (!is_sound(mesh, t, moved_areas_[t] = mesh.doubled_area(t))) list.push_back(t);
+                if (!is_sound(mesh, t)) list.push_back(t);
             }
         });
         found = false;
         for (const auto& list : lists) {
             for (const std::uint32_t t : list) {
-                if (is_sound(mesh, t, mesh.doubled_area(t))) continue;  // since a neighbour was taken back
+                if (is_sound(mesh, t)) continue;  // since a neighbour was taken back
                 for (const std::uint32_t v : mesh.corners(t)) {
                     if (!mesh.is_site(v) || mesh.point(v) == moves_[v]) continue;
                     mesh.points()[v] = moves_[v] + kept * (mesh.point(v) - moves_[v]);

@@ -45,8 +45,7 @@ public:
     /// Nothing happens for a uniform density.
     void even_out_start(std::span<Point> sites, const std::stop_token& stop);
 
-    /// Lists the edges between sites, and what triangles are like before the first move. Comes before the other steps,
-    /// and again after all that changes edges.
+    /// Lists the edges between sites. Comes before the other steps, and again after all that changes edges.
     void begin(const Triangulation& mesh);
 
     /// Moves neighbours that are nearer than they should be apart, and sites as others push them. Of this step and the
@@ -84,7 +83,8 @@ private:
     void measure_spacings(const Triangulation& mesh);
     void apply(Triangulation& mesh);
     void take_back(Triangulation& mesh);
-    bool is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const;
+    double area_before(const Triangulation& mesh, std::uint32_t triangle) const;
+    bool is_sound(const Triangulation& mesh, std::uint32_t triangle) const;
     Point inside(Point p) const;
     Point allowed(Point p, double spacing) const;
 
@@ -104,7 +104,6 @@ private:
     std::vector<std::array<std::uint32_t, 2>> facing_;  ///< near sites that no edge joins
     std::vector<Point> moves_;                          ///< [sites] and, once they are made, where these were before
     std::vector<double> spacings_;
-    std::vector<double> areas_, moved_areas_;  ///< doubled [triangles], before a move and after it
 };
 
 }  // namespace ccdt
