@@ -138,8 +138,8 @@ std::vector<Point> Construction::even_start() {
 
 /// @returns  the capacity variation; of no use once a stop is asked for
 double Construction::measure(const Triangulation& mesh) {
-    const double total =
-        fixed_.sites > 0 ? site_share() * static_cast<double>(mesh.site_count()) * capacity_.total() : capacity_.total();
+    const double total = fixed_.sites > 0 ? site_share() * static_cast<double>(mesh.site_count()) * capacity_.total()
+                                          : capacity_.total();
     if (capacity_.is_uniform()) return set_even_goals(mesh, total, goals_);
     capacity_.of_triangles(mesh, capacities_, stop_);
     if (stopping()) return 0;

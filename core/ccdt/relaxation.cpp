@@ -111,6 +111,7 @@ void Relaxation::list_sites(const std::stop_token& stop) {
     for (int level = 0; level < blocks.levels(); ++level)
         groups_[static_cast<std::size_t>(level)].resize(blocks.count(level));
     const bool first_time = kinds_.empty();
+    room_.resize(room_of(blocks.sites()));
     kinds_.resize(blocks.sites(), kFanKind);
     levels_.resize(blocks.sites());
     mesh_.team().run(blocks.count(0), [&](std::size_t number) {
@@ -121,46 +122,82 @@ void Relaxation::list_sites(const std::stop_token& stop) {
     }
 }
 
+void Relaxation::Fans::clear() {
+    all.clear();
+    vertices.clear();
+    lifts.clear();
+    triangles.clear();
+}
+
+/// Forgets all but the records.
+void Relaxation::Group::clear() {
+    fans.clear();
+    sites.clear();
+    others.clear();
+}
+
+/// Takes new records, into the room if they fit.
+void Relaxation::Group::keep(const Batches& batches, std::span<std::uint32_t> room) {
+    for (std::size_t kind = 0; kind < kKinds; ++kind)
+        begins[kind + 1] = begins[kind] + static_cast<std::uint32_t>(batches[kind].size());
+    std::uint32_t* to = room.data();
+    if (begins.back() > room.size()) {
+        own.resize(begins.back());
+        to = own.data();
+    }
+    for (std::size_t kind = 0; kind < kKinds; ++kind) std::ranges::copy(batches[kind], to + begins[kind]);
+    records = to;
+}
+
+/// Records that a block of level 0 has room for. All sites have 6 neighbours in the mean, the last pair of which may be
+/// half full; a block may have a few more.
+std::size_t Relaxation::room_of(std::size_t sites) const {
+    constexpr double kSpare = 1.06;
+    const double neighbours = 6.5, plain = 2 + neighbours, general = plain + neighbours;
+    return static_cast<std::size_t>(kSpare * (uniform_ ? plain : general) * static_cast<double>(sites));
+}
+
 /// Lists the sites all of whose neighbours lie in one block, and takes down the others. Most have kept their
 /// neighbours: their records are taken over from the old batches, in the same order.
 void Relaxation::list_block(std::size_t number, bool first_time) {
     const SiteBlocks& blocks = mesh_.blocks();
+    const std::uint32_t begin = blocks.begin(number), end = blocks.begin(number + 1);
     Group& group = groups_[0][number];
-    const auto old_batches = std::exchange(group.batches, {});
-    for (std::size_t kind = 0; kind < kKinds; ++kind) {
-        const std::size_t size = old_batches[kind].size();
-        group.batches[kind].reserve(size + size / 16);  // most sites stay of their kind
+    Batches batches;
+    for (std::uint8_t kind = 0; kind < kKinds; ++kind) {
+        const std::size_t size = group.batch(kind).size();
+        batches[kind].reserve(size + size / 16);  // most sites stay of their kind
     }
     group.clear();
     std::array<std::size_t, kKinds> taken{};
-    const std::uint32_t begin = blocks.begin(number), end = blocks.begin(number + 1);
     for (std::uint32_t v = begin; v < end; ++v) {
         const bool kept = !first_time && !mesh_.has_changed(v);
         const std::uint8_t kind = first_time || levels_[v] > 0 ? kFanKind : kinds_[v];
         if (kind != kFanKind) {
-            const auto record = old_batches[kind].begin() + static_cast<std::ptrdiff_t>(taken[kind]);
+            const std::uint32_t* const record = group.batch(kind).data() + taken[kind];
             taken[kind] += stride(kind);
             if (kept) {
-                Batch& batch = group.batches[kind];
-                batch.insert(batch.end(), record, record + static_cast<std::ptrdiff_t>(stride(kind)));
+                batches[kind].insert(batches[kind].end(), record, record + stride(kind));
                 continue;
             }
         }
         if (kept && levels_[v] > 0) {
             group.others.push_back(v);
-        } else if (add_site(v, group, begin, end - begin)) {
+        } else if (add_site(v, batches, group.fans, begin, end - begin)) {
             levels_[v] = 0;
         } else {
             levels_[v] = level_of(v);
             group.others.push_back(v);
         }
     }
+    group.keep(batches, std::span(room_).subspan(room_of(begin), room_of(end) - room_of(begin)));
 }
 
 /// Lists the sites for which a block of a higher level is needed.
 void Relaxation::list_larger(std::size_t level, std::size_t number) {
     Group& group = groups_[level][number];
     group.clear();
+    Batches batches;
     const auto& smaller = groups_[level - 1];
     const std::size_t first = groups_[level].size() == 1 ? 0 : 4 * number;
     const std::size_t last = groups_[level].size() == 1 ? smaller.size() : first + 4;
@@ -170,10 +207,11 @@ void Relaxation::list_larger(std::size_t level, std::size_t number) {
                 group.others.push_back(v);
             } else {
                 group.sites.push_back(v);
-                add_site(v, group, 0, Triangulation::kNone);
+                add_site(v, batches, group.fans, 0, Triangulation::kNone);
             }
         }
     }
+    group.keep(batches, {});
 }
 
 /// Level of the block in which a site has all of its neighbours that move at the same time.
@@ -201,7 +239,7 @@ double Relaxation::mean_doubled_area() const {
 /// Adds a site to a batch or, for the general path, to the fans.
 /// @param first, size  sites that the group has
 /// @returns            false, and nothing changes, where others of the site's neighbours move
-bool Relaxation::add_site(std::uint32_t site, Group& group, std::uint32_t first, std::uint32_t size) {
+bool Relaxation::add_site(std::uint32_t site, Batches& batches, Fans& fans, std::uint32_t first, std::uint32_t size) {
     constexpr std::size_t kMost = 2 * kMostPairs;
     std::array<std::uint32_t, 2 + 2 * kMost> record;
     std::array<std::uint32_t, kMost> triangles;
@@ -223,7 +261,7 @@ bool Relaxation::add_site(std::uint32_t site, Group& group, std::uint32_t first,
     } while (h != begin);
     if (!fits) {
         kinds_[site] = kFanKind;
-        add_fan(site, group.fans);
+        add_fan(site, fans);
         return true;
     }
 
@@ -232,7 +270,7 @@ bool Relaxation::add_site(std::uint32_t site, Group& group, std::uint32_t first,
     record[0] = site;
     for (std::size_t i = count; i <= 2 * pairs; ++i) around[i] = around[0];
     kinds_[site] = kind_of(plain, pairs);
-    Batch& batch = group.batches[kinds_[site]];
+    Batch& batch = batches[kinds_[site]];
     batch.insert(batch.end(), record.begin(), record.begin() + 2 + 2 * static_cast<std::ptrdiff_t>(pairs));
     if (plain) return true;
     for (std::size_t i = count; i < 2 * pairs; ++i) triangles[i] = Triangulation::kNone;
@@ -285,8 +323,9 @@ void Relaxation::move_batch(const Group& group) {
     constexpr std::uint8_t kKind = kind_of(kPlain, kPairs);
     constexpr std::size_t kStride = stride(kKind);
     constexpr std::size_t kStreams = 4;
-    const std::uint32_t* records = group.batches[kKind].data();
-    const std::size_t count = group.batches[kKind].size() / kStride;
+    const std::span<const std::uint32_t> batch = group.batch(kKind);
+    const std::uint32_t* const records = batch.data();
+    const std::size_t count = batch.size() / kStride;
     const std::size_t length = (count + kStreams - 1) / kStreams;
     for (std::size_t i = 0; i < length; ++i) {
         for (std::size_t at = i; at < count; at += length) move_few<kPlain, kPairs>(records + at * kStride);
@@ -391,8 +430,7 @@ Relaxation::NormalEquations Relaxation::equations_of(const Fans& fans, const Fan
     const Point v = mesh_.point(fan.vertex);
     NormalEquations equations;
     for (std::uint32_t i = 0; i < fan.triangles; ++i) {
-        equations.add(place(ring, i) - v, place(ring, i + 1) - v, term(fans.triangles[fan.first + i]),
-                      options_.spring);
+        equations.add(place(ring, i) - v, place(ring, i + 1) - v, term(fans.triangles[fan.first + i]), options_.spring);
     }
     return equations;
 }

@@ -108,28 +108,26 @@ private:
         std::vector<Point> lifts;
         std::vector<std::uint32_t> triangles;
 
-        void clear() {
-            all.clear();
-            vertices.clear();
-            lifts.clear();
-            triangles.clear();
-        }
+        void clear();
     };
+
+    using Batches = std::array<Batch, kKinds>;
 
     /// Sites that one task moves, one after the other: all of their neighbours that move at the same time are among
     /// them.
     struct Group {
-        std::array<Batch, kKinds> batches;
+        const std::uint32_t* records = nullptr;          ///< of all batches, one after the other
+        std::array<std::uint32_t, kKinds + 1> begins{};  ///< of the batches
+        std::vector<std::uint32_t> own;                  ///< the records, if they are kept here
         Fans fans;
         std::vector<std::uint32_t> sites;   ///< all of them; not at level 0, where they are most of a block's
         std::vector<std::uint32_t> others;  ///< of the block, which belong to larger ones
 
-        void clear() {
-            for (Batch& batch : batches) batch.clear();
-            fans.clear();
-            sites.clear();
-            others.clear();
+        std::span<const std::uint32_t> batch(std::uint8_t kind) const {
+            return {records + begins[kind], begins[kind + std::size_t{1}] - begins[kind]};
         }
+        void clear();
+        void keep(const Batches& batches, std::span<std::uint32_t> room);
     };
 
     /// Room for what lies around a site in an exact pass.
@@ -149,10 +147,11 @@ private:
     double mean_doubled_area() const;
     Term term(std::uint32_t triangle) const;
     void list_sites(const std::stop_token& stop);
+    std::size_t room_of(std::size_t sites) const;
     void list_block(std::size_t number, bool first_time);
     void list_larger(std::size_t level, std::size_t number);
     std::uint8_t level_of(std::uint32_t site) const;
-    bool add_site(std::uint32_t site, Group& group, std::uint32_t first, std::uint32_t size);
+    bool add_site(std::uint32_t site, Batches& batches, Fans& fans, std::uint32_t first, std::uint32_t size);
     void add_fan(std::uint32_t vertex, Fans& fans) const;
     void move_group(const Group& group);
     template <bool kPlain, std::size_t kPairs>
@@ -182,6 +181,9 @@ private:
     std::vector<std::uint8_t> kinds_;         ///< [sites]
     std::vector<std::uint8_t> levels_;        ///< [sites] of the groups that they belong to
     std::vector<std::vector<Group>> groups_;  ///< [levels][blocks]
+    /// For the records of each block of level 0. In one piece, which goes back as such: of pieces the size of a block
+    /// little could be used by what comes after.
+    std::vector<std::uint32_t> room_;
     Fans border_;
     std::vector<double> capacities_;  ///< [triangles] in an exact pass
     std::vector<double> sweeps_;      ///< [half-edges] in an exact pass
