@@ -215,20 +215,29 @@ Result<void> Construction::finish() {
     if (stopping()) return {};
     Triangulation& mesh = placed_->mesh;
     mesh.restore_delaunay(stop_);
-    std::vector<Point> sites(mesh.points().begin(),
-                             mesh.points().begin() + static_cast<std::ptrdiff_t>(options_.sites));
-    // Where other sites were in the way of one that had to leave white, all are triangulated anew.
-    const bool moved = polish_->clear_gaps(sites);
-    polish_.reset();
-    if (moved) {
-        auto again = triangulate_sites(sites);
-        if (stopping()) return {};
-        if (!again) return tl::unexpected(again.error());
-        *placed_ = *std::move(again);
-    }
+    if (auto cleared = clear_gaps(); !cleared) return cleared;
+    if (stopping()) return {};
     const double variation = measure(mesh);
     forget_goals();
     if (!stopping()) result_.polished = variation;
+    return {};
+}
+
+/// Takes sites that stand in white out of it. Where others were in the way of one, all are triangulated anew.
+Result<void> Construction::clear_gaps() {
+    std::vector<Point> sites;
+    bool moved = false;
+    if (!capacity_.is_uniform()) {
+        const auto all = placed_->mesh.points().begin();
+        sites.assign(all, all + static_cast<std::ptrdiff_t>(options_.sites));
+        moved = polish_->clear_gaps(sites);
+    }
+    polish_.reset();
+    if (!moved) return {};
+    auto again = triangulate_sites(sites);
+    if (stopping()) return {};
+    if (!again) return tl::unexpected(again.error());
+    *placed_ = *std::move(again);
     return {};
 }
 

@@ -67,6 +67,7 @@ private:
     std::vector<Point> even_start();
     double measure(const Triangulation& mesh);
     void forget_goals();
+    Result<void> clear_gaps();
     Relaxation& relaxation();
     bool is_exact(int iteration) const;
 

@@ -33,7 +33,8 @@ MeshPolish::MeshPolish(const Domain& domain, const Density& density, double capa
       fixed_(std::move(fixed)),
       support_(domain, density),
       moves_(sites + fixed_.places.size()),
-      spacings_(moves_.size()) {
+      // In a polygon what keeps sites off the border reads them.
+      spacings_(density.is_uniform() && domain.is_box() ? 0 : moves_.size()) {
     if (!(fixed_.sites > 0)) fixed_.sites = static_cast<double>(sites);
     if (!fixed_.others.empty()) others_.emplace(domain, fixed_.others);
     if (domain.is_box()) {
@@ -172,7 +173,7 @@ bool MeshPolish::find_nearer(const Triangulation& mesh, double least) {
 
 bool MeshPolish::is_nearer(const Triangulation& mesh, std::uint32_t a, std::uint32_t b, double half_reach) const {
     const Point apart = mesh.point(b) - mesh.point(a);
-    const double reach = half_reach * (spacings_[a] + spacings_[b]);
+    const double reach = half_reach * (spacing_of(a) + spacing_of(b));
     return dot(apart, apart) < reach * reach;
 }
 
@@ -185,7 +186,7 @@ void MeshPolish::find_facing(const Triangulation& mesh, double half_reach) {
     for (const std::uint32_t site : sites) places.push_back(mesh.point(site));
     const CellList cells(domain_, places);
     for (const std::uint32_t a : sites) {
-        cells.for_near(mesh.point(a), 2 * half_reach * spacings_[a], [&](Point, std::uint32_t number) {
+        cells.for_near(mesh.point(a), 2 * half_reach * spacing_of(a), [&](Point, std::uint32_t number) {
             const std::uint32_t b = sites[number];
             if (a < b && is_nearer(mesh, a, b, half_reach)) facing_.push_back({a, b});
         });
@@ -206,8 +207,9 @@ void MeshPolish::find_facing(const Triangulation& mesh, double half_reach) {
 }
 
 void MeshPolish::measure_spacings(const Triangulation& mesh) {
-    if (!transport_ && !local_) {
-        std::ranges::fill(spacings_, spacing({}));
+    if (density_.is_uniform()) {
+        even_spacing_ = spacing({});
+        std::ranges::fill(spacings_, even_spacing_);
         return;
     }
     for_ranges(team_, mesh.site_count(), kSites, [&](std::size_t begin, std::size_t end) {
@@ -234,7 +236,7 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
     std::fill(moves_.begin(), moves_.end(), Point{});
     std::ranges::copy(pushed, moves_.begin());
     const auto push_two = [&](std::uint32_t a, std::uint32_t b, Point along) {
-        const double least = half_reach * (spacings_[a] + spacings_[b]);
+        const double least = half_reach * (spacing_of(a) + spacing_of(b));
         const double squared = dot(along, along);
         if (squared >= least * least) return;
         // Two that face each other across a tongue of land would only be pressed against its shores.
@@ -254,7 +256,8 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
     if (others_) push_off_others(mesh, half_reach, push);
     for_ranges(team_, moves_.size(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
-            const double longest = kLongestPush * spacings_[v], length = std::sqrt(dot(moves_[v], moves_[v]));
+            const double longest = kLongestPush * spacing_of(static_cast<std::uint32_t>(v)),
+                         length = std::sqrt(dot(moves_[v], moves_[v]));
             if (length > longest) moves_[v] = (longest / length) * moves_[v];
         }
     });
@@ -270,7 +273,7 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
 void MeshPolish::push_off_others(const Triangulation& mesh, double half_reach, double push) {
     const Point sides = domain_.unit_bounds().max;
     for (std::uint32_t v = 0; v < mesh.free_count(); ++v) {
-        const double least = 2 * half_reach * spacings_[v];
+        const double least = 2 * half_reach * spacing_of(v);
         const Point site = mesh.is_torus() ? wrapped(mesh.point(v), sides) : mesh.point(v);
         others_->for_near(site, least, [&](Point place, std::uint32_t) {
             const Point along = site - place;

@@ -81,6 +81,7 @@ private:
     void find_facing(const Triangulation& mesh, double half_reach);
     void push_off_others(const Triangulation& mesh, double half_reach, double push);
     void measure_spacings(const Triangulation& mesh);
+    double spacing_of(std::uint32_t site) const { return spacings_.empty() ? even_spacing_ : spacings_[site]; }
     void apply(Triangulation& mesh);
     void take_back(Triangulation& mesh);
     double area_before(const Triangulation& mesh, std::uint32_t triangle) const;
@@ -103,7 +104,8 @@ private:
     std::vector<std::vector<std::vector<std::uint32_t>>> edges_;
     std::vector<std::array<std::uint32_t, 2>> facing_;  ///< near sites that no edge joins
     std::vector<Point> moves_;                          ///< [sites] and, once they are made, where these were before
-    std::vector<double> spacings_;
+    std::vector<double> spacings_;                      ///< [sites]; empty if all have the same
+    double even_spacing_ = 0;                           ///< that one
 };
 
 }  // namespace ccdt

@@ -169,14 +169,12 @@ void SplineGrid::add_all(std::span<const Point> points, Add&& add) {
     }
     const std::size_t bands = static_cast<std::size_t>(rows_) / kRows + 1;
     const std::size_t parts = (points.size() + kFew - 1) / kFew;
-    std::vector<std::uint32_t> band_of(points.size()), order(points.size());
+    std::vector<std::uint32_t> order(points.size());
+    const auto band_of = [&](std::size_t i) { return place(points[i]).first / stride_ / kRows; };
     std::vector<std::uint32_t> next(parts * bands, 0);  // place in the order for a part's next point of each band
     for_ranges(team_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
         std::uint32_t* const count = &next[begin / kFew * bands];
-        for (std::size_t i = begin; i < end; ++i) {
-            band_of[i] = static_cast<std::uint32_t>(place(points[i]).first / stride_ / kRows);
-            ++count[band_of[i]];
-        }
+        for (std::size_t i = begin; i < end; ++i) ++count[band_of(i)];
     });
     std::vector<std::uint32_t> begins{0};  // [bands + 1]
     for (std::size_t band = 0; band < bands; ++band) {
@@ -185,8 +183,8 @@ void SplineGrid::add_all(std::span<const Point> points, Add&& add) {
         begins.push_back(begin);
     }
     for_ranges(team_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
-        std::uint32_t* const place = &next[begin / kFew * bands];
-        for (std::size_t i = begin; i < end; ++i) order[place[band_of[i]]++] = static_cast<std::uint32_t>(i);
+        std::uint32_t* const next_of = &next[begin / kFew * bands];
+        for (std::size_t i = begin; i < end; ++i) order[next_of[band_of(i)]++] = static_cast<std::uint32_t>(i);
     });
     for (std::size_t odd = 0; odd < 2; ++odd) {
         team_.run((bands + 1 - odd) / 2, [&](std::size_t number) {
