@@ -133,6 +133,7 @@ std::vector<Point> Construction::even_start() {
         for (std::size_t site = begin; site < end; ++site) first[site] = start.draw(site, 0);
     });
     polish().even_out_start(first, stop_);
+    polish().rest();
     return first;
 }
 
@@ -141,10 +142,11 @@ double Construction::measure(const Triangulation& mesh) {
     const double total = fixed_.sites > 0 ? site_share() * static_cast<double>(mesh.site_count()) * capacity_.total()
                                           : capacity_.total();
     if (capacity_.is_uniform()) return set_even_goals(mesh, total, goals_);
-    capacity_.of_triangles(mesh, capacities_, stop_);
+    std::vector<double> capacities;
+    capacity_.of_triangles(mesh, capacities, stop_);
     if (stopping()) return 0;
     std::vector<TriangleGoal> goals = goals_.release();
-    const double variation = set_goals(mesh, total, capacity_.densest(), capacities_, goals);
+    const double variation = set_goals(mesh, total, capacity_.densest(), capacities, goals);
     goals_ = std::move(goals);
     return variation;
 }
@@ -192,13 +194,8 @@ bool Construction::iterate() {
     ++result_.iterations;
     if (goes_on()) return true;
     relaxation_.reset();
-    forget_goals();
-    return true;
-}
-
-void Construction::forget_goals() {
     goals_ = {};
-    capacities_ = {};
+    return true;
 }
 
 void Construction::equalise(int passes) {
@@ -218,7 +215,7 @@ Result<void> Construction::finish() {
     if (auto cleared = clear_gaps(); !cleared) return cleared;
     if (stopping()) return {};
     const double variation = measure(mesh);
-    forget_goals();
+    goals_ = {};
     if (!stopping()) result_.polished = variation;
     return {};
 }

@@ -66,7 +66,6 @@ private:
     const StartSites& start_sites();
     std::vector<Point> even_start();
     double measure(const Triangulation& mesh);
-    void forget_goals();
     Result<void> clear_gaps();
     Relaxation& relaxation();
     bool is_exact(int iteration) const;
@@ -84,7 +83,6 @@ private:
     std::optional<MeshPolish> polish_;
     std::optional<Relaxation> relaxation_;
     TriangleGoals goals_;
-    std::vector<double> capacities_;  ///< [triangles], unless the density is uniform
     Distribution result_;
 };
 

@@ -30,17 +30,24 @@ struct Free {
 template <class T>
 class Buffer {
 public:
-    explicit Buffer(std::size_t size) : data_(static_cast<T*>(fftw_malloc(size * sizeof(T)))), size_(size) {
+    explicit Buffer(std::size_t size) : size_(size) { restore(); }
+
+    void release() { data_.reset(); }
+
+    /// Brings released memory again, all 0.
+    void restore() {
+        if (data_) return;
+        data_.reset(static_cast<T*>(fftw_malloc(size_ * sizeof(T))));
         if (!data_) throw std::bad_alloc();
-        std::uninitialized_fill_n(data_.get(), size, T());
+        std::uninitialized_fill_n(data_.get(), size_, T());
     }
 
     T* data() const { return data_.get(); }
     std::span<T> view() const { return {data_.get(), size_}; }
 
 private:
-    std::unique_ptr<T[], Free> data_;
     std::size_t size_;
+    std::unique_ptr<T[], Free> data_;
 };
 
 class Plan {
@@ -162,6 +169,11 @@ struct RealTransform::Plans {
         return fftw_plan_many_dft(1, &rows, lines, data, nullptr, 1, rows, data, nullptr, 1, rows, sign, kFlags);
     }
 
+    void restore() {
+        grid.restore();
+        spectrum.restore();
+    }
+
     void transform_columns(const Lines& lines) {
         run_columns(team, lines, spectrum.data(), kept, height, [](fftw_plan plan, std::complex<double>* data) {
             fftw_execute_dft(plan, pairs(data), pairs(data));
@@ -181,7 +193,13 @@ RealTransform::RealTransform(RealTransform&&) noexcept = default;
 RealTransform& RealTransform::operator=(RealTransform&&) noexcept = default;
 RealTransform::~RealTransform() = default;
 
+void RealTransform::rest() {
+    plans_->grid.release();
+    plans_->spectrum.release();
+}
+
 std::span<double> RealTransform::grid() {
+    plans_->restore();
     return plans_->grid.view();
 }
 
@@ -194,6 +212,7 @@ std::span<const std::complex<double>> RealTransform::spectrum() const {
 }
 
 std::span<double> RealTransform::spare() {
+    plans_->restore();
     return {reinterpret_cast<double*>(plans_->spectrum.data()), plans_->spare};
 }
 
@@ -253,7 +272,12 @@ CosineTransform::CosineTransform(CosineTransform&&) noexcept = default;
 CosineTransform& CosineTransform::operator=(CosineTransform&&) noexcept = default;
 CosineTransform::~CosineTransform() = default;
 
+void CosineTransform::rest() {
+    plans_->grid.release();
+}
+
 std::span<double> CosineTransform::grid() {
+    plans_->grid.restore();
     return plans_->grid.view();
 }
 

@@ -29,6 +29,9 @@ public:
     RealTransform& operator=(RealTransform&&) noexcept;
     ~RealTransform();
 
+    /// Gives the memory back. The next grid() or spare() brings it again, all cells 0; nothing else may come before.
+    void rest();
+
     /// Cells of the grid [rows * columns], row by row.
     std::span<double> grid();
 
@@ -64,6 +67,9 @@ public:
     CosineTransform(CosineTransform&&) noexcept;
     CosineTransform& operator=(CosineTransform&&) noexcept;
     ~CosineTransform();
+
+    /// Gives the memory back. The next grid() brings it again, all cells 0; nothing else may come before.
+    void rest();
 
     /// Cells of the grid [rows * columns], row by row: values before forward(), coefficients of frequency (x, y) after
     /// it.

@@ -525,6 +525,7 @@ void Triangulation::trim() {
     drop_outside();
     if (!is_torus()) points_.resize(points_.size() - 4);  // the box
     part_of_.resize(points_.size());
+    if (part_count_ == 1) part_of_ = std::vector<std::uint32_t>();
     number_along_sites();
     find_edges();
     changed_.assign(points_.size(), 0);

@@ -148,7 +148,7 @@ public:
     /// Connected parts of the domain.
     std::size_t part_count() const { return part_count_; }
     /// Part that a vertex lies in; kNone for a place outside, of which there are four until trim().
-    std::uint32_t part_of(std::uint32_t vertex) const { return part_of_[vertex]; }
+    std::uint32_t part_of(std::uint32_t vertex) const { return part_of_.empty() ? 0 : part_of_[vertex]; }
     /// Part that a place lies in; kNone outside the domain. Not for tori, nor after trim().
     std::uint32_t part_at(Point p);
 
@@ -264,7 +264,7 @@ private:
     Point period_;  ///< 0 unless a torus
     std::vector<Point> points_;
     std::vector<Triangle> triangles_;     ///< two for each site, near it in the plane, then the border's
-    std::vector<std::uint32_t> part_of_;  ///< [vertices]
+    std::vector<std::uint32_t> part_of_;  ///< [vertices]; after trim() none if there is one part
     std::size_t part_count_ = 0;
     std::vector<std::uint32_t> edge_of_;  ///< [vertices]
     std::vector<std::uint8_t> changed_;   ///< [vertices]

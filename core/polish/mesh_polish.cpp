@@ -75,11 +75,13 @@ void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& s
     constexpr int kRounds = 5, kFreeRounds = 3;
     constexpr double kMomentum = 0.5;
     if (density_.is_uniform() || !transport_) return;
-    std::vector<Point> last(sites.size()), all(sites.begin(), sites.end());
-    all.insert(all.end(), fixed_.places.begin(), fixed_.places.end());
+    std::vector<Point> last(sites.size()), all;
     for (int round = 0; round < kRounds; ++round) {
-        std::ranges::copy(sites, all.begin());
-        if (!transport_->displacements(all, moves_, stop, fixed_.weights)) break;
+        if (!fixed_.places.empty()) {
+            all.assign(sites.begin(), sites.end());
+            all.insert(all.end(), fixed_.places.begin(), fixed_.places.end());
+        }
+        if (!transport_->displacements(all.empty() ? sites : all, moves_, stop, fixed_.weights)) break;
         const bool free = round < kFreeRounds;
         for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
@@ -92,6 +94,10 @@ void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& s
     if (!domain_.is_torus()) return;
     const Point sides = domain_.unit_bounds().max;
     for (Point& p : sites) p = p - Point{whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
+}
+
+void MeshPolish::rest() {
+    if (transport_) transport_->rest();
 }
 
 bool MeshPolish::clear_gaps(std::span<Point> sites) const {

@@ -45,6 +45,9 @@ public:
     /// Nothing happens for a uniform density.
     void even_out_start(std::span<Point> sites, const std::stop_token& stop);
 
+    /// Gives back what most of the memory is for until the next step.
+    void rest();
+
     /// Lists the edges between sites. Comes before the other steps, and again after all that changes edges.
     void begin(const Triangulation& mesh);
 

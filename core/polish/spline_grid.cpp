@@ -71,12 +71,7 @@ SplineGrid::SplineGrid(bool torus, Point sides, int columns, int rows, Team& tea
       stride_(static_cast<std::size_t>(columns) + 2 * kMargin),
       transform_(make_transform(torus, columns, rows, team, padded_size())) {
     assert(sides.x > 0 && sides.y > 0);
-    if (auto* fourier = std::get_if<RealTransform>(&transform_)) {
-        padded_ = fourier->spare();
-    } else {
-        own_.resize(padded_size());
-        padded_ = own_;
-    }
+    take_room();
     const double waves = torus ? 1 : 0.5;
     const auto windows = [&](int count, int cells) {
         std::vector<double> values;
@@ -105,7 +100,24 @@ inline SplineGrid::Place SplineGrid::place(Point p) const {
     return {static_cast<std::size_t>(j + 1) * stride_ + static_cast<std::size_t>(i + 1), Pair{x - i, y - j}};
 }
 
+void SplineGrid::rest() {
+    std::visit([](auto& transform) { transform.rest(); }, transform_);
+    own_ = std::vector<double>();
+    padded_ = {};
+}
+
+void SplineGrid::take_room() {
+    if (!padded_.empty()) return;
+    if (auto* fourier = std::get_if<RealTransform>(&transform_)) {
+        padded_ = fourier->spare();
+    } else {
+        own_.resize(padded_size());
+        padded_ = own_;
+    }
+}
+
 void SplineGrid::clear() {
+    take_room();
     std::fill(padded_.begin(), padded_.end(), 0.0);
 }
 

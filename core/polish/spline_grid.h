@@ -30,6 +30,8 @@ public:
     int rows() const { return rows_; }
     Point cell() const { return {sides_.x / columns_, sides_.y / rows_}; }
 
+    /// Gives the memory back. The next clear() brings it again; nothing else may come before.
+    void rest();
     /// Sets all values to 0; to be called before the first spread().
     void clear();
     /// Adds a point of this value.
@@ -116,6 +118,7 @@ private:
     };
     Place place(Point p) const;
     std::size_t padded_size() const;
+    void take_room();
     template <class Visit>
     void for_padded(std::size_t number, Visit&& visit);
     template <class Add>

@@ -117,7 +117,7 @@ void Transport::add_octave() {
         const Point f = grid.frequency(i, j);
         const double cycles = length(f) * spacing;
         if (j >= 0 && cycles > 0 && cycles < kShortest)
-            octave.factor(i, j) = share_undone(cycles, uniform_) / grid.window(i, j);
+            octave.factor(i, j) = static_cast<float>(share_undone(cycles, uniform_) / grid.window(i, j));
     });
 }
 
@@ -145,8 +145,8 @@ std::array<std::vector<double>, 2> along_axes(const SplineGrid& grid, Function&&
     return values;
 }
 
-/// Masses blurred by a Gaussian, per unit of area.
-std::vector<double> Transport::smoothed(const std::vector<double>& masses, double sigma) {
+/// Masses blurred by a Gaussian, per unit of area; where octave 0 has its grid.
+std::span<const double> Transport::smooth(const std::vector<double>& masses, double sigma) {
     SplineGrid& grid = octaves_[0].grid;
     const Point cell = grid.cell();
     const double scale = 1 / (grid.cells() * cell.x * cell.y);
@@ -163,22 +163,24 @@ std::vector<double> Transport::smoothed(const std::vector<double>& masses, doubl
         });
     });
     grid.backward();
-    return {grid.grid().begin(), grid.grid().end()};
+    return grid.grid();
 }
 
 void Transport::assign_octaves(const std::vector<double>& masses) {
     const double sparsest = 1 / std::pow(octave_spacing(kMostOctaves), 2);
-    const std::vector<double> fine = smoothed(masses, kSmoothing * finest_);
-    const std::vector<double> coarse = smoothed(masses, kLevelSmoothing * finest_);
+    const auto spacing_at = [&](double density) { return 1 / std::sqrt(std::max(density, sparsest)); };
     levels_.resize(masses.size());
     spacings_.resize(masses.size());
+    const auto fine = smooth(masses, kSmoothing * finest_);
+    for_ranges(team_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t cell = begin; cell < end; ++cell) spacings_[cell] = static_cast<float>(spacing_at(fine[cell]));
+    });
+    const auto coarse = smooth(masses, kLevelSmoothing * finest_);
     std::vector<double> highest((masses.size() + kCells - 1) / kCells, 0);
     for_ranges(team_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
         double& own = highest[begin / kCells];
         for (std::size_t cell = begin; cell < end; ++cell) {
-            spacings_[cell] = static_cast<float>(1 / std::sqrt(std::max(fine[cell], sparsest)));
-            const double spacing = 1 / std::sqrt(std::max(coarse[cell], sparsest));
-            const double level = std::log2(spacing / finest_) + kCaution;
+            const double level = std::log2(spacing_at(coarse[cell]) / finest_) + kCaution;
             levels_[cell] = static_cast<float>(std::clamp(level, 0.0, static_cast<double>(kMostOctaves - 1)));
             if (masses[cell] > 0) own = std::max(own, static_cast<double>(levels_[cell]));
         }
@@ -196,21 +198,25 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
     SplineGrid& grid = octaves_[0].grid;
     const Point cell = grid.cell();
     const auto [across, up] = along_axes(grid, [](double f, double side) { return 1 / sinc(f * side); });
-    targets_.assign(grid.coefficient_count(), 0);
+    grid.with_coefficients([&]<class Coefficient>(std::span<Coefficient>) {
+        targets_.emplace<std::vector<Coefficient>>(grid.coefficient_count());
+    });
     for (std::size_t octave = 0; octave < octaves_.size() && !stop.stop_requested(); ++octave) {
         for_ranges(team_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) grid.grid()[i] = masses[i] * part(i, octave);
         });
         grid.forward();
         const double highest = std::pow(kShortest / octave_spacing(octave), 2);
-        grid.with_coefficients([&, &across = across, &up = up](auto coefficients) {
+        grid.with_coefficients([&, &across = across, &up = up]<class Coefficient>(std::span<Coefficient> coefficients) {
+            auto& targets = std::get<std::vector<Coefficient>>(targets_);
             grid.for_frequencies([&](std::size_t number, int i, int j) {
                 const Point f = grid.frequency(i, j);
                 if (dot(f, f) >= highest) return;
-                std::complex<double> coefficient = coefficients[number];
+                Coefficient coefficient = coefficients[number];
                 // Cells' middles lie half a cell beyond a torus' grid points.
-                if (torus_) coefficient *= std::polar(1.0, -kPi * (f.x * cell.x + f.y * cell.y));
-                targets_[number] +=
+                if constexpr (!std::is_same_v<Coefficient, double>)
+                    coefficient *= std::polar(1.0, -kPi * (f.x * cell.x + f.y * cell.y));
+                targets[number] +=
                     coefficient * (share_undone(length(f) * octave_spacing(octave), uniform_) *
                                    across[static_cast<std::size_t>(i)] * up[static_cast<std::size_t>(std::abs(j))]);
             });
@@ -238,12 +244,12 @@ void Transport::set_fine_targets(const Density& density, const CellBlock& block,
         }
     }
     if (!transform(stop)) return;
-    targets_.assign(octaves_[0].grid.coefficient_count(), 0);
-    octaves_[0].grid.with_coefficients([&](auto total) {
+    octaves_[0].grid.with_coefficients([&]<class Coefficient>(std::span<Coefficient> total) {
+        auto& targets = targets_.emplace<std::vector<Coefficient>>(octaves_[0].grid.coefficient_count());
         join_octaves(total);
         octaves_[0].grid.for_frequencies([&](std::size_t number, int i, int j) {
             const Point f = octaves_[0].grid.frequency(i, j);
-            targets_[number] = total[number] * (sinc(f.x * piece.x) * sinc(f.y * piece.y));
+            targets[number] = total[number] * (sinc(f.x * piece.x) * sinc(f.y * piece.y));
         });
     });
 }
@@ -347,9 +353,9 @@ void Transport::join_octaves(std::span<Coefficient> total) {
     const std::size_t columns = finest.number(0, 1);
     for_ranges(team_, static_cast<std::size_t>(finest.rows()), kRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
-            const double* factors = &octaves_[0].factor(0, finest.signed_row(static_cast<int>(row)));
+            const float* factors = &octaves_[0].factor(0, finest.signed_row(static_cast<int>(row)));
             const auto part = total.subspan(row * columns, columns);
-            for (std::size_t i = 0; i < columns; ++i) part[i] *= factors[i];
+            for (std::size_t i = 0; i < columns; ++i) part[i] *= static_cast<double>(factors[i]);
         }
     });
     for (std::size_t octave = 1; octave < octaves_.size(); ++octave) {
@@ -357,7 +363,7 @@ void Transport::join_octaves(std::span<Coefficient> total) {
         coarser.grid.with_coefficients([&](auto part) {
             if constexpr (std::is_same_v<decltype(part), std::span<Coefficient>>) {
                 coarser.grid.for_frequencies([&](std::size_t number, int i, int j) {
-                    const double factor = coarser.factor(i, j);
+                    const auto factor = static_cast<double>(coarser.factor(i, j));
                     if (factor != 0) total[finest.number(i, j)] += factor * part[number];
                 });
             }
@@ -370,15 +376,11 @@ void Transport::join_octaves(std::span<Coefficient> total) {
 template <class Coefficient>
 void Transport::solve(std::span<Coefficient> total) {
     join_octaves(total);
-    for_ranges(team_, targets_.size(), kCells, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t number = begin; number < end; ++number) {
-            if constexpr (std::is_same_v<Coefficient, double>) {
-                total[number] -= targets_[number].real();
-            } else {
-                total[number] -= targets_[number];
-            }
-        }
-    });
+    if (const auto* targets = std::get_if<std::vector<Coefficient>>(&targets_); targets != nullptr) {
+        for_ranges(team_, targets->size(), kCells, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t number = begin; number < end; ++number) total[number] -= (*targets)[number];
+        });
+    }
     const SplineGrid& grid = octaves_[0].grid;
     const double area = sides_.x * sides_.y;
     grid.for_frequencies([&](std::size_t number, int i, int j) {
@@ -387,6 +389,10 @@ void Transport::solve(std::span<Coefficient> total) {
         total[number] *= -1 / (4 * kPi * kPi * dot(f, f) * grid.window(i, j) * grid.copies() * area);
     });
     total[0] = 0;
+}
+
+void Transport::rest() {
+    for (Octave& octave : octaves_) octave.grid.rest();
 }
 
 bool Transport::displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop,

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <stop_token>
+#include <variant>
 #include <vector>
 
 #include "core/density/density.h"
@@ -56,20 +57,23 @@ public:
     /// are denser than octaves go, over as little as holds one.
     double spacing(Point p) const;
 
+    /// Gives back what most of the memory is for until displacements() are asked for again.
+    void rest();
+
 private:
     /// Sites whose spacing is about 2^octave times the finest.
     struct Octave {
         SplineGrid grid;
-        std::vector<double> factors;  ///< share of a wave's error that a round undoes, over the window; see factor()
+        std::vector<float> factors;  ///< share of a wave's error that a round undoes, over the window; see factor()
 
         /// Of the coefficient (column, row), the same for (column, -row).
-        double& factor(int column, int row) { return factors[grid.number(column, std::abs(row))]; }
+        float& factor(int column, int row) { return factors[grid.number(column, std::abs(row))]; }
     };
 
     void add_octave();
     double octave_spacing(std::size_t octave) const;
     std::vector<double> masses(const Density& density, const CellBlock& block) const;
-    std::vector<double> smoothed(const std::vector<double>& masses, double sigma);
+    std::span<const double> smooth(const std::vector<double>& masses, double sigma);
     void assign_octaves(const std::vector<double>& masses);
     void set_targets(const std::vector<double>& masses, const std::stop_token& stop);
     void set_fine_targets(const Density& density, const CellBlock& block, const std::stop_token& stop);
@@ -94,10 +98,11 @@ private:
     double finest_ = 0;   ///< spacing of octave 0
     double in_line_ = 0;  ///< the same, were all sites in a line along the longer side; grids are no finer
     std::vector<Octave> octaves_;
-    std::vector<std::complex<double>> targets_;  ///< [coefficients of octave 0] of the density, if not uniform
-    std::vector<float> levels_;                  ///< [cells of octave 0] octave that sites there belong to
-    std::vector<float> spacings_;                ///< [cells of octave 0]
-    std::optional<LocalSpacing> denser_;         ///< if sites are closer somewhere than octave 0 resolves
+    /// [coefficients of octave 0] of the density, if not uniform.
+    std::variant<std::vector<double>, std::vector<std::complex<double>>> targets_;
+    std::vector<float> levels_;           ///< [cells of octave 0] octave that sites there belong to
+    std::vector<float> spacings_;         ///< [cells of octave 0]
+    std::optional<LocalSpacing> denser_;  ///< if sites are closer somewhere than octave 0 resolves
 };
 
 }  // namespace ccdt

@@ -130,6 +130,22 @@ TEST(RealTransform, MovesWithWhatItHolds) {
     EXPECT_EQ(first.grid().size(), 4u);
 }
 
+TEST(RealTransform, RemembersNothingOfARest) {
+    const auto values = noise(120);
+    const auto rests = [&](auto&& transform) {
+        std::ranges::copy(values, transform.grid().begin());
+        transform.forward();
+        transform.rest();
+        for (const double value : transform.grid()) EXPECT_EQ(value, 0);
+        std::ranges::copy(values, transform.grid().begin());
+        transform.forward();
+        transform.backward();
+        return transform.grid()[17];
+    };
+    EXPECT_NEAR(rests(RealTransform(12, 10)) / 120, values[17], 1e-14);
+    EXPECT_NEAR(rests(CosineTransform(12, 10)) / 480, values[17], 1e-14);
+}
+
 TEST(RealTransform, IsTheSameOnManyThreads) {
     constexpr int kSide = 90;
     const auto values = noise(kSide * kSide);

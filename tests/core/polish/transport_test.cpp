@@ -83,6 +83,19 @@ TEST(Transport, TellsThatItWasStopped) {
     EXPECT_FALSE(transport.displacements(sites, moves, source.get_token()));
 }
 
+TEST(Transport, GoesOnAfterARest) {
+    for (const Domain& domain : {Domain::rectangle(1, 1).value(), Domain::torus(1, 1).value()}) {
+        const Density density = waves();
+        const auto sites = distribute(domain, density, {.sites = kSites, .seed = 4, .quality = Quality::Draft})->points;
+        Transport transport(domain, density, kSites);
+        std::vector<Point> before(kSites), after(kSites);
+        ASSERT_TRUE(transport.displacements(sites, before));
+        transport.rest();
+        ASSERT_TRUE(transport.displacements(sites, after));
+        EXPECT_EQ(before, after);
+    }
+}
+
 TEST(Transport, LeavesALatticeWhereItIs) {
     constexpr int kSide = 60;
     std::vector<Point> sites;
