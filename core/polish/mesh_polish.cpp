@@ -126,6 +126,12 @@ void MeshPolish::begin(const Triangulation& mesh) {
         }
     }
     if (!domain_.is_box()) row_.find(mesh);
+    std::vector<double> largest((mesh.triangle_count() + kTriangles - 1) / kTriangles, 0);
+    for_ranges(team_, mesh.triangle_count(), kTriangles, [&](std::size_t begin, std::size_t end) {
+        double& own = largest[begin / kTriangles];
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) own = std::max(own, mesh.doubled_area(t));
+    });
+    largest_area_ = std::ranges::max(largest);
 }
 
 /// Lists the edges of a block's share of the triangles: those within the block, and the others.
@@ -315,12 +321,15 @@ double MeshPolish::area_before(const Triangulation& mesh, std::uint32_t triangle
 }
 
 /// Tells whether a triangle has kept enough of its area, and is no needle unless it was one.
-bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle) const {
+/// @param area  doubled, that it has now
+bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const {
     constexpr double kSmall = 0.05;       // of the mean area; larger triangles are no needles
     constexpr double kLeastShape = 1e-5;  // doubled area over the longest edge squared
-    const double area = mesh.doubled_area(triangle), before = area_before(mesh, triangle);
+    const bool is_large = area >= kSmall * domain_.unit_area() / static_cast<double>(mesh.site_count());
+    if (is_large && area >= kKeptArea * largest_area_) return true;
+    const double before = area_before(mesh, triangle);
     if (area < kKeptArea * before) return false;
-    if (area >= kSmall * domain_.unit_area() / static_cast<double>(mesh.site_count())) return true;
+    if (is_large) return true;
     const auto [a, b, c] = mesh.places(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
     const double least = std::max(kLeastShape * longest, domain_.resolution() * std::sqrt(longest));
@@ -333,20 +342,25 @@ void MeshPolish::take_back(Triangulation& mesh) {
     constexpr int kHalvings = 3;  // in polygons, where vertices of the border leave less room
     const std::size_t triangles = mesh.triangle_count();
     std::vector<std::vector<std::uint32_t>> lists((triangles + kTriangles - 1) / kTriangles);
+    std::vector<double> largest(lists.size());
     bool found = true;
     for (int sweep = 0; found; ++sweep) {
         const double kept = !domain_.is_box() && sweep < kHalvings ? 0.5 : 0;
         for_ranges(team_, triangles, kTriangles, [&](std::size_t begin, std::size_t end) {
             auto& list = lists[begin / kTriangles];
             list.clear();
+            double most = 0;
             for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
-                if (!is_sound(mesh, t)) list.push_back(t);
+                const double area = mesh.doubled_area(t);
+                most = std::max(most, area);
+                if (!is_sound(mesh, t, area)) list.push_back(t);
             }
+            largest[begin / kTriangles] = most;
         });
         found = false;
         for (const auto& list : lists) {
             for (const std::uint32_t t : list) {
-                if (is_sound(mesh, t)) continue;  // since a neighbour was taken back
+                if (is_sound(mesh, t, mesh.doubled_area(t))) continue;  // since a neighbour was taken back
                 for (const std::uint32_t v : mesh.corners(t)) {
                     if (!mesh.is_site(v) || mesh.point(v) == moves_[v]) continue;
                     mesh.points()[v] = moves_[v] + kept * (mesh.point(v) - moves_[v]);
@@ -355,6 +369,7 @@ void MeshPolish::take_back(Triangulation& mesh) {
             }
         }
     }
+    largest_area_ = std::ranges::max(largest);
 }
 
 }  // namespace ccdt

@@ -88,7 +88,7 @@ private:
     void apply(Triangulation& mesh);
     void take_back(Triangulation& mesh);
     double area_before(const Triangulation& mesh, std::uint32_t triangle) const;
-    bool is_sound(const Triangulation& mesh, std::uint32_t triangle) const;
+    bool is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const;
     Point inside(Point p) const;
     Point allowed(Point p, double spacing) const;
 
@@ -109,6 +109,7 @@ private:
     std::vector<Point> moves_;                          ///< [sites] and, once they are made, where these were before
     std::vector<double> spacings_;                      ///< [sites]; empty if all have the same
     double even_spacing_ = 0;                           ///< that one
+    double largest_area_ = 0;                           ///< of all triangles before a move, doubled
 };
 
 }  // namespace ccdt
