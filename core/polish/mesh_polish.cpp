@@ -60,13 +60,19 @@ Point MeshPolish::inside(Point p) const {
 }
 
 /// Nearest place to p where a site may stand: in the domain's box, and with density if some is near.
-Point MeshPolish::allowed(Point p, double spacing) const {
+/// @param spacing  gives the spacing of sites there, if it is asked
+template <class Spacing>
+Point MeshPolish::allowed(Point p, Spacing&& spacing) const {
     constexpr double kReach = 2;  // spacings; two longer sides reach over the whole box
     p = inside(p);
     if (density_.is_uniform()) return p;
-    const Point sides = domain_.unit_bounds().max;
-    const Point corner{whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
-    return inside(corner + support_.nearest(p - corner, kReach * spacing));
+    Point corner;
+    if (domain_.is_torus()) {
+        const Point sides = domain_.unit_bounds().max;
+        corner = {whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
+    }
+    const auto here = support_.here(p - corner);
+    return inside(corner + (here ? *here : support_.nearest(p - corner, kReach * spacing())));
 }
 
 void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& stop) {
@@ -87,7 +93,7 @@ void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& s
             for (std::size_t i = begin; i < end; ++i) {
                 last[i] = moves_[i] + (free ? kMomentum : 0) * last[i];
                 const Point moved = sites[i] + last[i];
-                sites[i] = free ? inside(moved) : allowed(moved, spacing(sites[i]));
+                sites[i] = free ? inside(moved) : allowed(moved, [&] { return spacing(sites[i]); });
             }
         });
     }
@@ -105,7 +111,7 @@ bool MeshPolish::clear_gaps(std::span<Point> sites) const {
     constexpr double kAnywhere = 1;  // "spacing" that reaches over the longer side
     bool moved = false;
     for (Point& site : sites) {
-        const Point to = allowed(site, kAnywhere);
+        const Point to = allowed(site, [] { return kAnywhere; });
         moved = moved || !(to == site);
         site = to;
     }
@@ -301,7 +307,7 @@ void MeshPolish::apply(Triangulation& mesh) {
     for_ranges(team_, mesh.free_count(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
             const Point here = mesh.points()[v], there = here + moves_[v];
-            mesh.points()[v] = density_.is_uniform() ? inside(there) : allowed(there, spacing(here));
+            mesh.points()[v] = density_.is_uniform() ? inside(there) : allowed(there, [&] { return spacing(here); });
             moves_[v] = here;
         }
     });

@@ -90,7 +90,8 @@ private:
     double area_before(const Triangulation& mesh, std::uint32_t triangle) const;
     bool is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const;
     Point inside(Point p) const;
-    Point allowed(Point p, double spacing) const;
+    template <class Spacing>
+    Point allowed(Point p, Spacing&& spacing) const;
 
     Team& team_;
     const Domain& domain_;

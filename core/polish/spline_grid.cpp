@@ -170,23 +170,26 @@ Point SplineGrid::gradient(Point p) const {
     return {sum.x / cell.x, sum.y / cell.y};
 }
 
-/// Calls add(number) for each point. The rows of the grid are divided into bands: points of one band follow each other,
-/// and are added at the same time as those of the bands beyond the next, which their taps do not reach.
-template <class Add>
-void SplineGrid::add_all(std::span<const Point> points, Add&& add) {
+/// Calls add(number) for each point that counts. The rows of the grid are divided into bands: points of one band follow
+/// each other, and are added at the same time as those of the bands beyond the next, which their taps do not reach.
+template <class Counts, class Add>
+void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& add) {
     constexpr std::size_t kFew = 8192;  // of which the lists below take longer than they are worth; also of a task
     if (points.size() <= kFew) {
-        for (std::size_t i = 0; i < points.size(); ++i) add(i);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            if (counts(i)) add(i);
+        }
         return;
     }
     const std::size_t bands = static_cast<std::size_t>(rows_) / kRows + 1;
     const std::size_t parts = (points.size() + kFew - 1) / kFew;
-    std::vector<std::uint32_t> order(points.size());
     const auto band_of = [&](std::size_t i) { return place(points[i]).first / stride_ / kRows; };
     std::vector<std::uint32_t> next(parts * bands, 0);  // place in the order for a part's next point of each band
     for_ranges(team_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
         std::uint32_t* const count = &next[begin / kFew * bands];
-        for (std::size_t i = begin; i < end; ++i) ++count[band_of(i)];
+        for (std::size_t i = begin; i < end; ++i) {
+            if (counts(i)) ++count[band_of(i)];
+        }
     });
     std::vector<std::uint32_t> begins{0};  // [bands + 1]
     for (std::size_t band = 0; band < bands; ++band) {
@@ -194,9 +197,12 @@ void SplineGrid::add_all(std::span<const Point> points, Add&& add) {
         for (std::size_t part = 0; part < parts; ++part) begin += std::exchange(next[part * bands + band], begin);
         begins.push_back(begin);
     }
+    std::vector<std::uint32_t> order(begins.back());
     for_ranges(team_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
         std::uint32_t* const next_of = &next[begin / kFew * bands];
-        for (std::size_t i = begin; i < end; ++i) order[next_of[band_of(i)]++] = static_cast<std::uint32_t>(i);
+        for (std::size_t i = begin; i < end; ++i) {
+            if (counts(i)) order[next_of[band_of(i)]++] = static_cast<std::uint32_t>(i);
+        }
     });
     for (std::size_t odd = 0; odd < 2; ++odd) {
         team_.run((bands + 1 - odd) / 2, [&](std::size_t number) {
@@ -207,14 +213,15 @@ void SplineGrid::add_all(std::span<const Point> points, Add&& add) {
 }
 
 void SplineGrid::spread(std::span<const Point> points, std::span<const double> values) {
-    if (values.empty()) return add_all(points, [&](std::size_t i) { spread(points[i], 1); });
-    add_all(points, [&](std::size_t i) {
-        if (values[i] != 0) spread(points[i], values[i]);
-    });
+    const auto each = [](std::size_t) { return true; };
+    if (values.empty()) return add_all(points, each, [&](std::size_t i) { spread(points[i], 1); });
+    const auto counts = [&](std::size_t i) { return values[i] != 0; };
+    add_all(points, counts, [&](std::size_t i) { spread(points[i], values[i]); });
 }
 
 void SplineGrid::spread_moves(std::span<const Point> points, std::span<const Point> moves) {
-    add_all(points, [&](std::size_t i) { spread_move(points[i], moves[i]); });
+    const auto each = [](std::size_t) { return true; };
+    add_all(points, each, [&](std::size_t i) { spread_move(points[i], moves[i]); });
 }
 
 /// Adds what was spread beyond the grid to where it belongs.

@@ -121,8 +121,8 @@ private:
     void take_room();
     template <class Visit>
     void for_padded(std::size_t number, Visit&& visit);
-    template <class Add>
-    void add_all(std::span<const Point> points, Add&& add);
+    template <class Counts, class Add>
+    void add_all(std::span<const Point> points, Counts&& counts, Add&& add);
     std::size_t folded(std::size_t padded, int cells) const;
 
     static constexpr std::size_t kRows = 16;  ///< that a task takes; more than taps reach

@@ -10,17 +10,22 @@ Support::Support(const Domain& domain, const Density& density) : density_(densit
     to_grid_ = {density.width() / sides.x, density.height() / sides.y};
 }
 
-Point Support::nearest(Point p, double reach) const {
+std::optional<Point> Support::here(Point p) const {
     const Point g{p.x * to_grid_.x, p.y * to_grid_.y};
     const int column = std::clamp(static_cast<int>(g.x), 0, density_.width() - 1);
     const int row = std::clamp(static_cast<int>(g.y), 0, density_.height() - 1);
-    if (density_.value(column, row) > 0) {
-        // On the side of a cell rounding would decide what it stands in.
-        constexpr double kSide = 1e-6;
-        const Point q{std::clamp(g.x, column + kSide, column + 1 - kSide),
-                      std::clamp(g.y, row + kSide, row + 1 - kSide)};
-        return q == g ? p : Point{q.x / to_grid_.x, q.y / to_grid_.y};
-    }
+    if (!(density_.value(column, row) > 0)) return std::nullopt;
+    // On the side of a cell rounding would decide what it stands in.
+    constexpr double kSide = 1e-6;
+    const Point q{std::clamp(g.x, column + kSide, column + 1 - kSide), std::clamp(g.y, row + kSide, row + 1 - kSide)};
+    return q == g ? p : Point{q.x / to_grid_.x, q.y / to_grid_.y};
+}
+
+Point Support::nearest(Point p, double reach) const {
+    if (const auto found = here(p)) return *found;
+    const Point g{p.x * to_grid_.x, p.y * to_grid_.y};
+    const int column = std::clamp(static_cast<int>(g.x), 0, density_.width() - 1);
+    const int row = std::clamp(static_cast<int>(g.y), 0, density_.height() - 1);
     const double most = reach * std::max(to_grid_.x, to_grid_.y);
     for (int around = 2;; around *= 2) {
         if (const auto found = nearest_within(g, column, row, around))

@@ -18,6 +18,9 @@ public:
     /// where none is within reach. O(cells within reach).
     Point nearest(Point p, double reach) const;
 
+    /// The same for a place with density; none for others.
+    std::optional<Point> here(Point p) const;
+
 private:
     std::optional<Point> nearest_within(Point g, int column, int row, int around) const;
 

@@ -203,7 +203,7 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
     });
     for (std::size_t octave = 0; octave < octaves_.size() && !stop.stop_requested(); ++octave) {
         for_ranges(team_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) grid.grid()[i] = masses[i] * part(i, octave);
+            for (std::size_t i = begin; i < end; ++i) grid.grid()[i] = masses[i] * part(levels_[i], octave);
         });
         grid.forward();
         const double highest = std::pow(kShortest / octave_spacing(octave), 2);
@@ -272,9 +272,9 @@ std::size_t Transport::cell_of(Point p) const {
            index(p.x / sides_.x, grid.columns());
 }
 
-/// Share of an octave in what stands in a cell.
-double Transport::part(std::size_t cell, std::size_t octave) const {
-    const double distance = std::abs(static_cast<double>(levels_[cell]) - static_cast<double>(octave));
+/// Share of an octave in what belongs to another one.
+double Transport::part(float level, std::size_t octave) {
+    const double distance = std::abs(static_cast<double>(level) - static_cast<double>(octave));
     return std::max(0.0, 1 - distance);
 }
 
@@ -297,7 +297,7 @@ void Transport::spread(Point p, double weight) {
     const std::size_t cell = cell_of(p);
     const auto lower = static_cast<std::size_t>(levels_[cell]);
     for (std::size_t octave = lower; octave < std::min(lower + 2, octaves_.size()); ++octave) {
-        const double share = part(cell, octave);
+        const double share = part(levels_[cell], octave);
         if (share > 0) octaves_[octave].grid.spread(p, weight * share);
     }
 }
@@ -327,18 +327,18 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
         return transform(stop);
     }
     std::vector<Point> places(sites.size());
-    std::vector<std::uint32_t> cells(sites.size());
+    std::vector<float> levels(sites.size());
     for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             places[i] = in_box(sites[i]);
-            cells[i] = static_cast<std::uint32_t>(cell_of(places[i]));
+            levels[i] = levels_[cell_of(places[i])];
         }
     });
     values.resize(sites.size());
     for (std::size_t octave = 0; octave < octaves_.size(); ++octave) {
         if (stop.stop_requested()) return false;
         for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) values[i] = weight(i) * part(cells[i], octave);
+            for (std::size_t i = begin; i < end; ++i) values[i] = weight(i) * part(levels[i], octave);
         });
         octaves_[octave].grid.spread(places, values);
     }

@@ -79,7 +79,7 @@ private:
     void set_fine_targets(const Density& density, const CellBlock& block, const std::stop_token& stop);
     Point in_box(Point p) const;
     std::size_t cell_of(Point p) const;
-    double part(std::size_t cell, std::size_t octave) const;
+    static double part(float level, std::size_t octave);
     void clear();
     void spread(Point p, double weight);
     bool transform(const std::stop_token& stop);
