@@ -8,7 +8,7 @@ import json
 import math
 import sys
 
-WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 720, 380, 64, 170, 20, 48
+WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 720, 390, 64, 170, 30, 48
 COLOURS = {"draft": "#3b6ea5", "standard": "#b5482f"}
 QUALITIES = {"0": "draft", "1": "standard"}
 
@@ -44,15 +44,18 @@ def main(source, target):
         x, y = place(10 ** power, 0)
         svg.append(f'<text x="{x:.1f}" y="{y + 18:.1f}" text-anchor="middle">10<tspan dy="-5" font-size="10">{power}'
                    '</tspan></text>')
+    ends = {}  # of the lines, where their names stand: below each other, and none over another
+    for key, line in sorted(lines.items(), key=lambda item: place(*max(item[1]))[1]):
+        ends[key] = max(place(*max(line))[1], max(ends.values(), default=0) + 16)
     for (quality, by), line in sorted(lines.items()):
         points = " ".join("%.1f,%.1f" % place(*point) for point in sorted(line))
         dashes = ' stroke-dasharray="6 4"' if by > 1 else ""
         svg.append(f'<polyline points="{points}" fill="none" stroke="{COLOURS[quality]}" stroke-width="2"{dashes}/>')
-        x, y = place(*max(line))
+        x, y = place(*max(line))[0], ends[quality, by]
         name = f"{quality}, {threads} threads" if by > 1 else f"{quality}, 1 thread"
         svg.append(f'<text x="{x + 8:.1f}" y="{y + 4:.1f}" fill="{COLOURS[quality]}">{name}</text>')
     svg.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{HEIGHT - 8}" text-anchor="middle">sites</text>'
-               f'<text x="{LEFT - 50}" y="{TOP - 6}">microseconds a site</text></svg>')
+               f'<text x="{LEFT - 50}" y="{TOP - 14}">microseconds a site</text></svg>')
     with open(target, "w", encoding="utf-8") as file:
         file.write("\n".join(svg) + "\n")
 
