@@ -464,7 +464,7 @@ void Triangulation::wrap() {
 }
 
 /// Lists those edges of triangles [begin, end) that want to be flipped; of each edge the half with the smaller number.
-void Triangulation::find_flips(std::size_t begin, std::size_t end, std::vector<std::uint32_t>& found) const {
+void Triangulation::find_flips(std::size_t begin, std::size_t end, std::vector<Flip>& found) const {
     // Without branches that cannot be foretold.
     std::vector<std::uint32_t> edges(3 * (end - begin) + 1);
     std::size_t count = 0;
@@ -478,8 +478,12 @@ void Triangulation::find_flips(std::size_t begin, std::size_t end, std::vector<s
     if (count % 2 != 0) edges[count] = edges[count - 1];
     for (std::size_t i = 0; i < count; i += 2) {
         if (is_certain(edges[i], edges[i + 1])) continue;
-        if (wants_flip(edges[i])) found.push_back(edges[i]);
-        if (i + 1 < count && wants_flip(edges[i + 1])) found.push_back(edges[i + 1]);
+        for (std::size_t k = i; k < std::min(i + 2, count); ++k) {
+            if (!wants_flip(edges[k])) continue;
+            const auto& c = triangles_[triangle_of(edges[k])].corners;
+            const std::uint32_t beyond = origin(previous(twin(edges[k])));
+            found.push_back({edges[k], blocks_.around({c[0], c[1], c[2], beyond})});
+        }
     }
 }
 
@@ -487,18 +491,14 @@ std::size_t Triangulation::restore_delaunay(const std::stop_token& stop) {
     constexpr std::size_t kRange = 8192;
     changed_.assign(points_.size(), 0);
     if (is_torus()) wrap();
-    std::vector<std::vector<std::uint32_t>> found((triangle_count() + kRange - 1) / kRange);
+    std::vector<std::vector<Flip>> found((triangle_count() + kRange - 1) / kRange);
     for_ranges(*team_, triangle_count(), kRange, [&](std::size_t begin, std::size_t end) {
         if (!stop.stop_requested()) find_flips(begin, end, found[begin / kRange]);
     });
     if (stop.stop_requested()) return 0;
     auto regions = make_regions(1);
-    for (const auto& edges : found) {
-        for (const std::uint32_t h : edges) {
-            const auto& c = triangles_[triangle_of(h)].corners;
-            const std::uint32_t beyond = origin(previous(twin(h)));
-            regions.of(blocks_.around({c[0], c[1], c[2], beyond})).stack.push_back(h);
-        }
+    for (const auto& flips : found) {
+        for (const Flip& flip : flips) regions.of(flip.block).stack.push_back(flip.edge);
     }
     return work_upwards(std::move(regions), [this](Region& region) { legalise(region); }).flips;
 }

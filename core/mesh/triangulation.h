@@ -227,6 +227,11 @@ private:
 
         Region& of(SiteBlocks::Block block);
     };
+    /// An edge that wants to be flipped, and the block of the four vertices around.
+    struct Flip {
+        std::uint32_t edge;
+        SiteBlocks::Block block;
+    };
     enum class Insertion { Done, Refused, Elsewhere };
     struct Batch;
 
@@ -250,7 +255,7 @@ private:
     bool is_certain(std::uint32_t edge, std::uint32_t other) const;
     void flip(std::uint32_t edge);
     void legalise(Region& region);
-    void find_flips(std::size_t begin, std::size_t end, std::vector<std::uint32_t>& found) const;
+    void find_flips(std::size_t begin, std::size_t end, std::vector<Flip>& found) const;
     void keep_edge(std::uint32_t edge);
     void mark_inside();
     void mark_parts();

@@ -118,7 +118,10 @@ void SplineGrid::take_room() {
 
 void SplineGrid::clear() {
     take_room();
-    std::fill(padded_.begin(), padded_.end(), 0.0);
+    constexpr std::size_t kRange = 65536;
+    for_ranges(team_, padded_.size(), kRange, [&](std::size_t begin, std::size_t end) {
+        std::ranges::fill(padded_.subspan(begin, end - begin), 0.0);
+    });
 }
 
 void SplineGrid::spread(Point p, double value) {
