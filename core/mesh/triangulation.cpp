@@ -219,7 +219,6 @@ Triangulation::Insertion Triangulation::insert(Region& region, std::uint32_t sit
     const std::uint32_t t = region.last = at.triangle;
     const Triangle split = triangles_[t];
     if (!split.is_inside()) return Insertion::Refused;
-    const auto& c = split.corners;
     const auto places = this->places(t);
     for (std::uint32_t i = 0; i < 3; ++i) {
         if (places[i] == at.point) return Insertion::Refused;
@@ -229,11 +228,24 @@ Triangulation::Insertion Triangulation::insert(Region& region, std::uint32_t sit
             return Insertion::Refused;
     }
 
-    // Split into three: (c0, c1, p) stays at t. Where p lies on an edge, one of them is flat; that edge then has the
-    // corner beyond it in its circle, a half-plane, and is flipped away.
     points_[site] = p;
-    part_of_[site] = part_of_[c[0]];
+    part_of_[site] = part_of_[split.corners[0]];
     const std::uint32_t u = 2 * site, v = u + 1;
+    divide(site, at, u, v);
+    region.stack.insert(region.stack.end(), {edge(t, 0), edge(u, 0), edge(v, 0)});
+    legalise(region);
+    return Insertion::Done;
+}
+
+/// Splits a triangle into three at a site.
+/// @param at    the triangle, and the site as seen from it
+/// @param u, v  triangles that are not in use
+void Triangulation::divide(std::uint32_t site, const Location& at, std::uint32_t u, std::uint32_t v) {
+    // (c0, c1, p) stays at t. Where p lies on an edge, one of them is flat; that edge then has the corner beyond it in
+    // its circle, a half-plane, and is flipped away.
+    const std::uint32_t t = at.triangle;
+    const Triangle split = triangles_[t];
+    const auto& c = split.corners;
     triangles_[u] = triangles_[v] = {};
     triangles_[u].corners = {c[1], c[2], site};
     triangles_[v].corners = {c[2], c[0], site};
@@ -253,9 +265,6 @@ Triangulation::Insertion Triangulation::insert(Region& region, std::uint32_t sit
     join(edge(t, 1), edge(u, 2));
     join(edge(u, 1), edge(v, 2));
     join(edge(v, 1), edge(t, 2));
-    region.stack.insert(region.stack.end(), {edge(t, 0), edge(u, 0), edge(v, 0)});
-    legalise(region);
-    return Insertion::Done;
 }
 
 /// Works on all regions of a level at the same time, then on those of the next one, which take over what is left.
@@ -501,6 +510,60 @@ std::size_t Triangulation::restore_delaunay(const std::stop_token& stop) {
         for (const Flip& flip : flips) regions.of(flip.block).stack.push_back(flip.edge);
     }
     return work_upwards(std::move(regions), [this](Region& region) { legalise(region); }).flips;
+}
+
+/// Lists the edges that leave a site, counter-clockwise.
+std::vector<std::uint32_t> Triangulation::edges_around(std::uint32_t site) const {
+    std::vector<std::uint32_t> edges;
+    std::uint32_t h = edge_of_[site];
+    do {
+        edges.push_back(h);
+        h = twin(previous(h));
+    } while (h != edge_of_[site]);
+    return edges;
+}
+
+/// Turns edges away from a site until it has three.
+/// @returns  false if it keeps more, as no other one can be turned
+bool Triangulation::isolate(std::uint32_t site) {
+    // An edge can be turned where both triangles that it will divide are counter-clockwise.
+    const auto can_turn = [&](std::uint32_t h) {
+        const Point here = points_[site], there = points_[target(h)];
+        const Point left = points_[origin(previous(h))], right = points_[origin(previous(twin(h)))];
+        return orientation(here, right, left) > 0 && orientation(there, left, right) > 0;
+    };
+    for (auto edges = edges_around(site); edges.size() > 3; edges = edges_around(site)) {
+        const auto turned = std::ranges::find_if(edges, can_turn);
+        if (turned == edges.end()) return false;
+        flip(*turned);
+    }
+    return true;
+}
+
+bool Triangulation::relocate(std::uint32_t site, std::uint32_t triangle, Point p) {
+    std::vector<std::uint32_t> touched;  // triangles
+    for (const std::uint32_t h : edges_around(site)) touched.push_back(triangle_of(h));
+    const bool isolated = isolate(site);
+    if (isolated) {
+        // The three triangles that are left become one, and the two others a share of the one where the site goes.
+        const auto edges = edges_around(site);
+        const std::uint32_t h = edges[0], kept = triangle_of(h), u = triangle_of(edges[1]), v = triangle_of(edges[2]);
+        triangles_[kept].corners[h % 4] = target(edges[2]);
+        join(h, twin(next(edges[2])));
+        join(previous(h), twin(next(edges[1])));
+        points_[site] = p;
+        if (!part_of_.empty()) part_of_[site] = part_of_[triangles_[triangle].corners[0]];
+        divide(site, {triangle, p, {}}, u, v);
+        touched.push_back(triangle);
+    }
+    for (const std::uint32_t t : touched) {
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            keep_edge(edge(t, i));
+            whole_.stack.push_back(edge(t, i));
+        }
+    }
+    legalise(whole_);
+    return isolated;
 }
 
 std::vector<std::array<Point, 3>> Triangulation::inside_triangles(std::uint32_t part) const {

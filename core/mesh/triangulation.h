@@ -168,6 +168,13 @@ public:
     /// @returns     the number of flips
     std::size_t restore_delaunay(const std::stop_token& stop = {});
 
+    /// Takes a site away from where it stands and inserts it in a triangle elsewhere; restores the Delaunay property
+    /// around both places, as far as it was there. Not on a torus; after trim().
+    /// @param triangle  none that the site is a corner of
+    /// @param p         strictly inside the triangle
+    /// @returns         false, and the site stays, where its neighbours lie so that no edge can be turned away from it
+    bool relocate(std::uint32_t site, std::uint32_t triangle, Point p);
+
     /// Tells whether the last restore_delaunay() has changed anything around the vertex.
     bool has_changed(std::uint32_t vertex) const { return changed_[vertex] != 0; }
 
@@ -239,6 +246,9 @@ private:
     /// The first triangle of those that were there before the first site.
     std::uint32_t border_triangle() const { return static_cast<std::uint32_t>(2 * sites_); }
     void insert_first(std::uint32_t site, Point p);
+    void divide(std::uint32_t site, const Location& at, std::uint32_t u, std::uint32_t v);
+    std::vector<std::uint32_t> edges_around(std::uint32_t site) const;
+    bool isolate(std::uint32_t site);
     bool locate(const Region& region, Location& at) const;
     Location way_from(std::uint32_t triangle, Point p) const;
     Insertion insert(Region& region, std::uint32_t site, Point p, double margin, Pending& pending);

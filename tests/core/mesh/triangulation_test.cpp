@@ -1,5 +1,6 @@
 #include "core/mesh/triangulation.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
@@ -192,6 +193,42 @@ TEST(Triangulation, StaysSoundWhenFlippingIsStopped) {
     EXPECT_EQ(count_bad_links(mesh), 0u);
     EXPECT_GT(mesh.restore_delaunay(), 0u);
     expect_valid(mesh, 1, 0);
+}
+
+TEST(Triangulation, RelocatesSites) {
+    constexpr std::uint32_t kSites = 60;
+    const Parts ring{{test::box(0, 0, 4, 4), {test::box(1, 1, 2, 2)}}};
+    StartMesh start(domain_of(ring), Density::uniform(), {.sites = kSites, .seed = 5});
+    Triangulation& mesh = start.mesh;
+    Random random(3, 1);
+    int relocated = 0;
+    for (std::uint32_t round = 0; round < 300; ++round) {
+        const std::uint32_t site = round % kSites;
+        const auto triangle = static_cast<std::uint32_t>(random.uniform() * static_cast<double>(mesh.triangle_count()));
+        if (std::ranges::count(mesh.corners(triangle), site) > 0) continue;
+        const auto [a, b, c] = mesh.places(triangle);
+        const Point to = 1.0 / 3 * (a + b + c);
+        ASSERT_TRUE(mesh.relocate(site, triangle, to));
+        ASSERT_EQ(mesh.point(site), to);
+        ASSERT_EQ(mesh.origin(mesh.edge_of(site)), site);
+        ++relocated;
+        expect_valid(mesh, 1, 1);
+    }
+    EXPECT_GT(relocated, 200);
+    EXPECT_EQ(mesh.restore_delaunay(), 0u);
+}
+
+/// On both diagonals of a square an edge turned away from the site would end in a flat triangle.
+TEST(Triangulation, LeavesSitesWhoseEdgesCannotBeTurned) {
+    Triangulation mesh = empty_mesh({{test::box(0, 0, 0.5, 0.5), {}}, {test::box(0.75, 0, 0.25, 0.25), {}}}, 1);
+    ASSERT_TRUE(mesh.insert(0, {0.25, 0.25}));
+    mesh.trim();
+    std::uint32_t triangle = 0;
+    while (mesh.part_of(mesh.corners(triangle)[0]) == mesh.part_of(0)) ++triangle;
+    const auto [a, b, c] = mesh.places(triangle);
+    EXPECT_FALSE(mesh.relocate(0, triangle, 1.0 / 3 * (a + b + c)));
+    EXPECT_EQ(mesh.point(0), (Point{0.25, 0.25}));
+    expect_valid(mesh, 2, 0);
 }
 
 TEST(Triangulation, TellsWhatFlipsHaveChanged) {
