@@ -1,6 +1,7 @@
 #include "core/polish/graph_solver.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace ccdt {
 
@@ -13,21 +14,20 @@ constexpr std::uint32_t kNone = ~std::uint32_t{0};
 /// one here.
 constexpr double kLengthening = 0.35;
 
-double product(std::span<const double> a, std::span<const double> b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-    return sum;
-}
+constexpr std::uint32_t kBlock = 512;  ///< vertices of a block
+constexpr std::uint32_t kTask = 2048;  ///< vertices that a task takes, of blocks in turn: each waits for the one before
 
 }  // namespace
 
-GraphSolver::GraphSolver(std::size_t vertices, std::span<const Edge> edges) : direction_(vertices), image_(vertices) {
+GraphSolver::GraphSolver(std::size_t vertices, std::span<const Edge> edges, Team& team)
+    : team_(team), sums_((vertices + kTask - 1) / kTask), direction_(vertices), image_(vertices) {
     std::vector<Edge> between;
     levels_.push_back(make_level(vertices, edges));
     for (;;) {
         Level& fine = levels_.back();
         const std::size_t count = aggregate(fine);
         if (count == fine.size()) break;
+        list_members(fine, count);
         between.clear();
         for (std::uint32_t v = 0; v < fine.size(); ++v) {
             for (const Link& link : fine.links(v)) {
@@ -51,15 +51,15 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
     std::vector<std::uint32_t> end(first.begin(), first.end() - 1);
     std::vector<Link> links(2 * edges.size());
     for (const Edge& edge : edges) {
-        links[end[edge.a]++] = {edge.b, edge.conductance};
-        links[end[edge.b]++] = {edge.a, edge.conductance};
+        links[end[edge.a]++] = {edge.b, static_cast<float>(edge.conductance)};
+        links[end[edge.b]++] = {edge.a, static_cast<float>(edge.conductance)};
     }
     // Of a vertex those to the same other one become one.
     level.first.reserve(vertices + 1);
     level.first.push_back(0);
     level.all.reserve(links.size());
     std::vector<std::uint32_t> last(vertices, kNone);  // link to each vertex
-    for (std::size_t v = 0; v < vertices; ++v) {
+    for (std::uint32_t v = 0; v < vertices; ++v) {
         const std::size_t begin = level.all.size();
         double sum = 0;
         for (const Link& link : std::span(links).subspan(first[v], first[v + 1] - first[v])) {
@@ -69,13 +69,22 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
             } else {
                 level.all[last[link.to]].conductance += link.conductance;
             }
-            sum += link.conductance;
         }
+        // Before v in its block, behind it there, elsewhere.
+        const auto from = level.all.begin() + static_cast<std::ptrdiff_t>(begin);
+        const auto beyond =
+            std::partition(from, level.all.end(), [v](const Link& link) { return link.to / kBlock == v / kBlock; });
+        const auto later = std::partition(from, beyond, [v](const Link& link) { return link.to < v; });
+        level.later.push_back(static_cast<std::uint32_t>(later - level.all.begin()));
+        level.beyond.push_back(static_cast<std::uint32_t>(beyond - level.all.begin()));
+        for (std::size_t k = begin; k < level.all.size(); ++k) sum += level.all[k].conductance;
         level.first.push_back(static_cast<std::uint32_t>(level.all.size()));
         level.sum.push_back(sum);
+        level.inverse.push_back(sum > 0 ? 1 / sum : 0);
     }
     level.inflow.resize(vertices);
     level.potential.resize(vertices);
+    level.left.resize(vertices);
     return level;
 }
 
@@ -106,35 +115,86 @@ std::size_t GraphSolver::aggregate(Level& level) {
     return count;
 }
 
+void GraphSolver::list_members(Level& level, std::size_t count) {
+    level.first_member.assign(count + 1, 0);
+    for (const std::uint32_t coarse : level.coarse) ++level.first_member[coarse + 1];
+    for (std::size_t i = 0; i < count; ++i) level.first_member[i + 1] += level.first_member[i];
+    std::vector<std::uint32_t> end(level.first_member.begin(), level.first_member.end() - 1);
+    level.members.resize(level.size());
+    for (std::uint32_t v = 0; v < level.size(); ++v) level.members[end[level.coarse[v]]++] = v;
+}
+
 inline double GraphSolver::Level::outflow(std::uint32_t v, std::span<const double> potentials) const {
     double flow = sum[v] * potentials[v];
     for (const Link& link : links(v)) flow -= link.conductance * potentials[link.to];
     return flow;
 }
 
-/// Sets a vertex' potential so that as much flows out as in.
-inline void GraphSolver::relax(Level& level, std::uint32_t vertex) {
-    if (!(level.sum[vertex] > 0)) return;
-    double flow = level.inflow[vertex];
-    for (const Link& link : level.links(vertex)) flow += link.conductance * level.potential[link.to];
-    level.potential[vertex] = flow / level.sum[vertex];
+/// Calls function(begin, end) with the blocks of a level.
+template <class Function>
+void GraphSolver::for_blocks(std::size_t vertices, Function&& function) const {
+    for_ranges(team_, vertices, kTask, [&](std::size_t begin, std::size_t end) {
+        function(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end));
+    });
 }
 
-/// Sets the potentials of a level to about what its inflow wants; the same way there and back, so that as an operator
-/// it is symmetric.
+/// Calls function(begin, end) with the blocks of the finest level.
+/// @returns  the sum of what it returns
+template <class Function>
+double GraphSolver::sum_over_blocks(Function&& function) {
+    for_blocks(size(), [&](std::uint32_t begin, std::uint32_t end) { sums_[begin / kTask] = function(begin, end); });
+    return std::accumulate(sums_.begin(), sums_.end(), 0.0);
+}
+
+/// Sets the potentials of a level to about what its inflow wants: by relaxation, each vertex' potential set so that as
+/// much flows out as in, by the next level, and by relaxation again, the other way round, so that as an operator it is
+/// symmetric.
 void GraphSolver::cycle(std::size_t number) {
     Level& level = levels_[number];
-    std::ranges::fill(level.potential, 0.0);
-    if (level.coarse.empty()) return;  // nothing is linked any more
-    const auto count = static_cast<std::uint32_t>(level.size());
-    for (std::uint32_t v = 0; v < count; ++v) relax(level, v);
+    if (level.coarse.empty()) {  // nothing is linked any more
+        std::ranges::fill(level.potential, 0.0);
+        return;
+    }
+    const auto flow = [&](std::uint32_t begin, std::uint32_t end) {
+        double sum = 0;
+        for (const Link& link : level.between(begin, end)) sum += link.conductance * level.potential[link.to];
+        return sum;
+    };
+    const auto relax = [&](std::uint32_t v, double all) { level.potential[v] = all * level.inverse[v]; };
+    // From nothing, so that those behind a vertex give nothing yet: what they give when it is their turn is what is
+    // left.
+    for_blocks(level.size(), [&](std::uint32_t begin, std::uint32_t end) {
+        const std::uint32_t most = std::min(kBlock, end - begin);
+        for (std::uint32_t i = 0; i < most; ++i) {
+            for (std::uint32_t v = begin + i; v < end; v += kBlock)
+                relax(v, level.inflow[v] + flow(level.first[v], level.later[v]));
+        }
+    });
+    for_blocks(level.size(), [&](std::uint32_t begin, std::uint32_t end) {
+        for (std::uint32_t v = begin; v < end; ++v) level.left[v] = flow(level.later[v], level.first[v + 1]);
+    });
     Level& next = levels_[number + 1];
-    std::ranges::fill(next.inflow, 0.0);
-    for (std::uint32_t v = 0; v < count; ++v)
-        next.inflow[level.coarse[v]] += level.inflow[v] - level.outflow(v, level.potential);
+    for_blocks(next.size(), [&](std::uint32_t begin, std::uint32_t end) {
+        for (std::uint32_t v = begin; v < end; ++v) {
+            next.inflow[v] = 0;
+            for (std::uint32_t k = level.first_member[v]; k < level.first_member[v + 1]; ++k)
+                next.inflow[v] += level.left[level.members[k]];
+        }
+    });
     cycle(number + 1);
-    for (std::uint32_t v = 0; v < count; ++v) level.potential[v] += next.potential[level.coarse[v]];
-    for (std::uint32_t v = count; v-- > 0;) relax(level, v);
+    for_blocks(level.size(), [&](std::uint32_t begin, std::uint32_t end) {
+        for (std::uint32_t v = begin; v < end; ++v) level.potential[v] += next.potential[level.coarse[v]];
+    });
+    for_blocks(level.size(), [&](std::uint32_t begin, std::uint32_t end) {
+        for (std::uint32_t v = begin; v < end; ++v)
+            level.left[v] = level.inflow[v] + flow(level.beyond[v], level.first[v + 1]);
+    });
+    for_blocks(level.size(), [&](std::uint32_t begin, std::uint32_t end) {
+        for (std::uint32_t i = std::min(kBlock, end - begin); i-- > 0;) {
+            for (std::uint32_t v = begin + i; v < end; v += kBlock)
+                relax(v, level.left[v] + flow(level.first[v], level.beyond[v]));
+        }
+    });
 }
 
 void GraphSolver::solve(std::span<double> inflow, std::span<double> potential, int steps) {
@@ -146,19 +206,32 @@ void GraphSolver::solve(std::span<double> inflow, std::span<double> potential, i
     for (int step = 0; step < steps; ++step) {
         std::ranges::copy(inflow, finest.inflow.begin());
         cycle(0);
-        const double now = product(inflow, finest.potential);
+        const double now = sum_over_blocks([&](std::uint32_t begin, std::uint32_t end) {
+            double sum = 0;
+            for (std::uint32_t v = begin; v < end; ++v) sum += inflow[v] * finest.potential[v];
+            return sum;
+        });
         if (step == 0) first = now;
         if (!(now > kNegligible * first)) return;
         const double kept = last > 0 ? now / last : 0;
         last = now;
-        for (std::size_t v = 0; v < size(); ++v) direction_[v] = finest.potential[v] + kept * direction_[v];
-        for (std::uint32_t v = 0; v < size(); ++v) image_[v] = finest.outflow(v, direction_);
-        const double energy = product(direction_, image_);
+        for_blocks(size(), [&](std::uint32_t begin, std::uint32_t end) {
+            for (std::uint32_t v = begin; v < end; ++v) direction_[v] = finest.potential[v] + kept * direction_[v];
+        });
+        const double energy = sum_over_blocks([&](std::uint32_t begin, std::uint32_t end) {
+            double sum = 0;
+            for (std::uint32_t v = begin; v < end; ++v)
+                sum += direction_[v] * (image_[v] = finest.outflow(v, direction_));
+            return sum;
+        });
         if (!(energy > 0)) return;
-        for (std::size_t v = 0; v < size(); ++v) {
-            potential[v] += now / energy * direction_[v];
-            inflow[v] -= now / energy * image_[v];
-        }
+        const double length = now / energy;
+        for_blocks(size(), [&](std::uint32_t begin, std::uint32_t end) {
+            for (std::uint32_t v = begin; v < end; ++v) {
+                potential[v] += length * direction_[v];
+                inflow[v] -= length * image_[v];
+            }
+        });
     }
 }
 

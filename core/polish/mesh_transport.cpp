@@ -12,6 +12,8 @@ namespace ccdt {
 namespace {
 
 constexpr std::uint32_t kNone = Triangulation::kNone;
+// What a task takes.
+constexpr std::size_t kSites = 4096, kTriangles = 8192;
 
 double length(Point p) {
     return std::sqrt(dot(p, p));
@@ -61,28 +63,35 @@ std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, co
     // Doubled area over squared sides: angles of thinner triangles are rounding alone.
     constexpr double kThinnest = 1e-12;
     const auto owner = owners(mesh);
-    std::vector<std::array<double, 3>> cotangents;  // of the angles that face the edges
-    cotangents.reserve(mesh.triangle_count());
-    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        const auto [a, b, c] = mesh.places(t);
-        const Point ab = b - a, bc = c - b, ca = a - c;
-        const double area = cross(ab, bc);
-        const double scale = area > kThinnest * (dot(ab, ab) + dot(bc, bc)) ? -1 / area : 0;
-        cotangents.push_back({scale * dot(bc, ca), scale * dot(ca, ab), scale * dot(ab, bc)});
-    }
+    std::vector<std::array<double, 3>> cotangents(mesh.triangle_count());  // of the angles that face the edges
+    for_ranges(mesh.team(), cotangents.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+            const auto [a, b, c] = mesh.places(static_cast<std::uint32_t>(t));
+            const Point ab = b - a, bc = c - b, ca = a - c;
+            const double area = cross(ab, bc);
+            const double scale = area > kThinnest * (dot(ab, ab) + dot(bc, bc)) ? -1 / area : 0;
+            cotangents[t] = {scale * dot(bc, ca), scale * dot(ca, ab), scale * dot(ab, bc)};
+        }
+    });
+    std::vector<std::vector<GraphSolver::Edge>> lists((cotangents.size() + kTriangles - 1) / kTriangles);
+    for_ranges(mesh.team(), cotangents.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+        auto& list = lists[begin / kTriangles];
+        list.reserve(3 * (end - begin) / 2 + 3);
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
+            const auto corners = mesh.corners(t);
+            for (std::uint32_t i = 0; i < 3; ++i) {
+                const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
+                if (twin != kNone && twin < h) continue;
+                const std::uint32_t a = owner[corners[i]], b = owner[corners[(i + 1) % 3]];
+                if (a == b || a == kNone || b == kNone || !passes(a, b)) continue;
+                const double other = twin == kNone ? 0 : cotangents[Triangulation::triangle_of(twin)][twin % 4];
+                list.push_back({a, b, std::clamp((cotangents[t][i] + other) / 2, kLeast, kMost)});
+            }
+        }
+    });
     std::vector<GraphSolver::Edge> edges;
     edges.reserve(3 * mesh.site_count());
-    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        const auto corners = mesh.corners(t);
-        for (std::uint32_t i = 0; i < 3; ++i) {
-            const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
-            if (twin != kNone && twin < h) continue;
-            const std::uint32_t a = owner[corners[i]], b = owner[corners[(i + 1) % 3]];
-            if (a == b || a == kNone || b == kNone || !passes(a, b)) continue;
-            const double other = twin == kNone ? 0 : cotangents[Triangulation::triangle_of(twin)][twin % 4];
-            edges.push_back({a, b, std::clamp((cotangents[t][i] + other) / 2, kLeast, kMost)});
-        }
-    }
+    for (const auto& list : lists) edges.insert(edges.end(), list.begin(), list.end());
     return edges;
 }
 
@@ -158,15 +167,18 @@ MeshTransport::MeshTransport(const Domain& domain, const Density& density, const
     : MeshTransport(
           mesh,
           [grid = ErrorGrid(domain.unit_bounds().max, cell_of(domain, density, mesh.site_count()), mesh.site_count(),
-                            border_of(domain, density, mesh), density)](std::span<const Point> sites,
-                                                                        std::span<double> errors) mutable {
+                            border_of(domain, density, mesh), density),
+           &team = mesh.team()](std::span<const Point> sites, std::span<double> errors) mutable {
               grid.measure(sites);
-              std::ranges::transform(sites, errors.begin(), [&](Point site) { return grid.at(site); });
+              for_ranges(team, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+                  for (std::size_t v = begin; v < end; ++v) errors[v] = grid.at(sites[v]);
+              });
           },
           [](std::uint32_t, std::uint32_t) { return true; }) {}
 
 MeshTransport::MeshTransport(const Triangulation& mesh, Measure measure, const Passes& passes)
-    : solver_(mesh.site_count(), edges_between_sites(mesh, passes)),
+    : team_(mesh.team()),
+      solver_(mesh.site_count(), edges_between_sites(mesh, passes), mesh.team()),
       measure_(std::move(measure)),
       error_(mesh.site_count()),
       potential_(mesh.site_count()),
@@ -192,15 +204,17 @@ void MeshTransport::find_errors(const Triangulation& mesh) {
 /// Carries what flows along an edge over its length: half of it moves with the site at either end.
 void MeshTransport::flow(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves) const {
     constexpr double kLongestMove = 0.25;  // spacings, as in Transport
-    for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
-        Point move;
-        for (const auto& [to, conductance] : solver_.links(v)) {
-            const double flow = conductance * (potential_[to] - potential_[v]);
-            move = move + (flow / 2) * (mesh.point(to) - mesh.point(v));
+    for_ranges(team_, mesh.site_count(), kSites, [&](std::size_t begin, std::size_t end) {
+        for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
+            Point move;
+            for (const auto& [to, conductance] : solver_.links(v)) {
+                const double flow = conductance * (potential_[to] - potential_[v]);
+                move = move + (flow / 2) * (mesh.point(to) - mesh.point(v));
+            }
+            const double longest = kLongestMove * spacings[v], distance = length(move);
+            moves[v] = distance > longest ? (longest / distance) * move : move;
         }
-        const double longest = kLongestMove * spacings[v], distance = length(move);
-        moves[v] = distance > longest ? (longest / distance) * move : move;
-    }
+    });
 }
 
 bool MeshTransport::displacements(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves,

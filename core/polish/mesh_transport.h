@@ -58,6 +58,7 @@ private:
     void find_errors(const Triangulation& mesh);
     void flow(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves) const;
 
+    Team& team_;
     GraphSolver solver_;
     Measure measure_;
     std::vector<double> error_, potential_;  ///< [sites]

@@ -1,11 +1,14 @@
 #include "core/polish/graph_solver.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "core/parallel/thread_team.h"
 #include "core/random.h"
 
 namespace ccdt {
@@ -62,6 +65,24 @@ TEST(GraphSolver, TakesFewSteps) {
         const double before = squares(inflow);
         solver.solve(inflow, potential, 8);
         EXPECT_LT(squares(inflow), 1e-4 * before) << side;
+    }
+}
+
+TEST(GraphSolver, GivesTheSameBytesByAnyTeam) {
+    constexpr std::uint32_t kSide = 128;
+    std::vector<double> inflow;
+    for (std::uint32_t v = 0; v < kSide * kSide; ++v) inflow.push_back(v % 2 == 0 ? 1 : -1);
+    std::ranges::shuffle(inflow, std::minstd_rand(1));
+    const auto solved_by = [&](Team& team) {
+        GraphSolver solver(kSide * kSide, grid(kSide), team);
+        std::vector<double> left = inflow, potential(kSide * kSide);
+        solver.solve(left, potential, 3);
+        return potential;
+    };
+    const auto expected = solved_by(alone());
+    for (const std::size_t size : {2, 3, 16}) {
+        ThreadTeam team(size);
+        EXPECT_EQ(solved_by(team), expected) << size << " threads";
     }
 }
 
