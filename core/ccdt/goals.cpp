@@ -165,6 +165,8 @@ double set_goals(const Triangulation& mesh, double total, double densest, const 
 }
 
 double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& goals) {
+    // Where one triangle in so many has a goal of its own, looking these up takes longer than all else of a pass.
+    constexpr std::size_t kRims = 32;
     const double unit = unit_of(mesh, total), weight = unit / 2;
     const auto weight_of = [&](std::uint32_t) { return weight; };
     const std::size_t count = mesh.triangle_count(), ranges = (count + kRange - 1) / kRange;
@@ -195,7 +197,14 @@ double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& go
         triangles.insert(triangles.end(), lists[range].begin(), lists[range].end());
         own.insert(own.end(), goals_of[range].begin(), goals_of[range].end());
     }
-    goals = {{weight, 1, 1}, std::move(triangles), std::move(own)};
+    const TriangleGoal common{weight, 1, 1};
+    if (triangles.size() * kRims < count) {
+        goals = {common, std::move(triangles), std::move(own)};
+    } else {
+        std::vector<TriangleGoal> each(count, common);
+        for (std::size_t i = 0; i < own.size(); ++i) each[triangles[i]] = own[i];
+        goals = std::move(each);
+    }
     return all.variation();
 }
 
