@@ -108,7 +108,8 @@ Result<void> InkConstructions::polish() {
     std::vector<Polish::Layer> layers;
     for (Construction* construction : constructions_) {
         layers.push_back({&construction->polish(), &construction->mesh(),
-                          [construction](int passes) { construction->equalise(passes); }});
+                          [construction](int passes) { construction->equalise(passes); },
+                          [construction](std::span<const std::uint32_t> sites) { construction->take_away(sites); }});
     }
     const auto after = [this] {
         ++round_;

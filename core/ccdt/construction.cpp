@@ -8,6 +8,7 @@
 #include "core/ccdt/border.h"
 #include "core/ccdt/fixed_choice.h"
 #include "core/ccdt/placement.h"
+#include "core/ccdt/resettlement.h"
 
 namespace ccdt {
 
@@ -188,14 +189,35 @@ bool Construction::iterate() {
     }
     goals_ = relaxation.take_goals();
     if (!stopping()) mesh.restore_delaunay(stop_);
-    const double variation = measure(mesh);
+    double variation = measure(mesh);
     if (stopping()) return false;
+    if (resettles() && Resettlement(mesh, goals_, domain_.resolution()).even_out() > 0) {
+        relaxation_.reset();
+        variation = measure(mesh);
+    }
     result_.trace.push_back(variation);
     ++result_.iterations;
     if (goes_on()) return true;
     relaxation_.reset();
     goals_ = {};
     return true;
+}
+
+/// Tells whether the iteration that ends is the one after which sites are taken to where they are missing: once what is
+/// too many or too few is told from what is not at rest yet, and while there are iterations left to follow.
+bool Construction::resettles() const {
+    constexpr int kIteration = 2;
+    return result_.iterations == std::min(kIteration, options_.iterations - 1) && has_polish(options_) &&
+           density_.is_smooth() && !domain_.is_box() && fixed_.sites == 0;
+}
+
+void Construction::take_away(std::span<const std::uint32_t> sites) {
+    Triangulation& mesh = placed_->mesh;
+    mesh.restore_delaunay(stop_);
+    measure(mesh);
+    if (stopping()) return;
+    Resettlement resettlement(mesh, goals_, domain_.resolution());
+    for (const std::uint32_t site : sites) resettlement.take_away(site);
 }
 
 void Construction::equalise(int passes) {

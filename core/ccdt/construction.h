@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/ccdt/capacity_integral.h"
@@ -47,6 +49,9 @@ public:
     /// Makes the triangulation Delaunay and its triangles' capacities more equal, amid the polish.
     void equalise(int passes);
 
+    /// Takes sites of a polygon to where there is more room.
+    void take_away(std::span<const std::uint32_t> sites);
+
     /// Makes the triangulation Delaunay again, after the polish. Errors: as start().
     Result<void> finish();
 
@@ -69,6 +74,7 @@ private:
     Result<void> clear_gaps();
     Relaxation& relaxation();
     bool is_exact(int iteration) const;
+    bool resettles() const;
 
     const Domain& domain_;
     const Density& density_;

@@ -189,6 +189,28 @@ bool MeshPolish::find_nearer(const Triangulation& mesh, double least) {
            std::ranges::any_of(edges_, [&](const auto& blocks) { return std::ranges::any_of(blocks, has_near); });
 }
 
+std::vector<std::uint32_t> MeshPolish::take_nearer(const Triangulation& mesh, double least) {
+    const double half_reach = 0.5 * least * hexagonal_spacing(1);
+    std::vector<std::array<std::uint32_t, 2>> pairs = std::move(facing_);
+    facing_.clear();
+    mesh_transport_.reset();
+    for (const auto& blocks : edges_) {
+        for (const auto& list : blocks) {
+            for (const std::uint32_t h : list) {
+                const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
+                if (is_nearer(mesh, a, b, half_reach)) pairs.push_back({std::min(a, b), std::max(a, b)});
+            }
+        }
+    }
+    std::ranges::sort(pairs);
+    std::vector<std::uint32_t> taken;
+    for (const auto& [a, b] : pairs) {
+        if (std::ranges::find(taken, a) == taken.end() && std::ranges::find(taken, b) == taken.end())
+            taken.push_back(a);
+    }
+    return taken;
+}
+
 bool MeshPolish::is_nearer(const Triangulation& mesh, std::uint32_t a, std::uint32_t b, double half_reach) const {
     const Point apart = mesh.point(b) - mesh.point(a);
     const double reach = half_reach * (spacing_of(a) + spacing_of(b));

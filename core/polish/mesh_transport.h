@@ -44,7 +44,7 @@ public:
     /// Computes the moves of a round. Sites do not come nearer to the border than half a row, unless they are.
     /// @param mesh      as it was, or with edges flipped and sites moved since by less than a spacing or two
     /// @param spacings  [sites] 1 / sqrt(density of the sites that are wanted)
-    /// @param moves     out [sites], none longer than a quarter of the spacing there
+    /// @param moves     out [sites], none longer than 0.35 of the spacing there
     /// @param stop      asked now and then
     /// @returns         false if it was stopped: the moves are of no use
     /// O(sites + vertices of the border).

@@ -62,7 +62,9 @@ void Polish::refine(const PolishSettings& settings, const std::stop_token& stop,
     });
     repeat(settings.relax_rounds, stop, after, [&](int round) {
         push_apart(settings.reach, settings.push, settings.ink_reach, settings.push, stop);
-        if ((round + 1) % settings.even_every == 0) even_out_each(stop);
+        if ((round + 1) % settings.even_every == 0) {
+            for (int even = 0; even < settings.relax_evens; ++even) even_out_each(stop);
+        }
         equalise(settings.relax_passes, stop);
     });
     repeat(settings.even_rounds, stop, after, [&](int) {
@@ -71,11 +73,7 @@ void Polish::refine(const PolishSettings& settings, const std::stop_token& stop,
         for (int push = 0; push < settings.even_pushes; ++push) push_near();
     });
     repeat(settings.near_rounds, stop, after, [&](int) { push_near(); });
-    for (int round = 0; round < settings.most_again && !stop.stop_requested() && is_any_nearer(settings.least);
-         ++round) {
-        restore_meshes(stop);
-        push_near();
-    }
+    push_again(settings, push_near, stop);
     repeat(settings.last_rounds, stop, after, [&](int) { even_out_each(stop); });
     repeat(settings.retouch_rounds, stop, after, [&](int) { this->retouch(retouch, stop); });
     repeat(settings.stealth_rounds, stop, after,
@@ -120,6 +118,22 @@ void Polish::begin() {
 bool Polish::is_any_nearer(double least) {
     return least > 0 && std::ranges::any_of(
                             layers_, [&](const Layer& layer) { return layer.steps->find_nearer(*layer.mesh, least); });
+}
+
+/// Repeats a push on triangulations made anew while any two sites are too near. Two that no pushes part have others all
+/// around them, or both shores of a neck: one goes elsewhere.
+void Polish::push_again(const PolishSettings& settings, const std::function<void()>& push,
+                        const std::stop_token& stop) {
+    for (int round = 0; round < settings.most_again && !stop.stop_requested() && is_any_nearer(settings.least);
+         ++round) {
+        for (const Layer& layer : layers_) {
+            if (round != settings.take_after || !layer.take_away) continue;
+            const auto sites = layer.steps->take_nearer(*layer.mesh, settings.least);
+            layer.take_away(sites);
+        }
+        restore_meshes(stop);
+        push();
+    }
 }
 
 void Polish::restore_meshes(const std::stop_token& stop) {

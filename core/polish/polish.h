@@ -28,6 +28,8 @@ public:
         Triangulation* mesh = nullptr;
         std::function<void(int passes)> equalise;  ///< makes the mesh Delaunay and its triangles more equal; may be
                                                    ///< empty if no settings want it
+        /// Takes sites of a polygon to where there is more room; may be empty: none is.
+        std::function<void(std::span<const std::uint32_t> sites)> take_away = {};
     };
 
     /// Computes moves of all sites of several inks.
@@ -55,6 +57,7 @@ private:
     void gather();
     void begin();
     bool is_any_nearer(double least);
+    void push_again(const PolishSettings& settings, const std::function<void()>& push, const std::stop_token& stop);
     void restore_meshes(const std::stop_token& stop);
     void push_apart(double reach, double push, double ink_reach, double ink_push, const std::stop_token& stop);
     void equalise(int passes, const std::stop_token& stop);

@@ -25,14 +25,16 @@ struct PolishSettings {
     double ink_reach = 0;    ///< distance below which sites of different inks are pushed
     int relax_rounds = 0;    ///< then, that push and even out as well, and make triangles equal again
     int relax_passes = 0;    ///< of the relaxation in each of these
+    int relax_evens = 1;     ///< how often these even out where they do
     int even_rounds = 0;     ///< then, that even out,
     int even_pushes = 0;     ///< each followed by so many pushes of the nearest sites
     int near_rounds = 0;     ///< then, that only push the nearest sites: too few to make waves
     double nearest = 0;      ///< their reach within an ink,
     double ink_nearest = 0;  ///< and between inks
     double least = 0;        ///< distance of neighbours below which they are pushed so again, found anew each time,
-    int most_again = 0;      ///< so often at most
-    int last_rounds = 0;     ///< then, that even out what these have left behind
+    int most_again = 0;      ///< so often at most;
+    int take_after = 0;   ///< after so many of these, in polygons, one of two that are still as near is taken elsewhere
+    int last_rounds = 0;  ///< then, that even out what these have left behind
     int retouch_rounds = 0;  ///< last, of moves that the caller chooses by what is seen of all inks together
     int stealth_rounds = 0;  ///< at most, that silence low frequencies
 

@@ -262,7 +262,7 @@ TEST(Polish, KeepsCountriesCapacities) {
         const Domain domain = domain_of(test::read_geojson(name));
         SCOPED_TRACE(name);
         const double draft = evenness_of(domain, Quality::Draft, 1).variation;
-        EXPECT_LT(evenness_of(domain, Quality::Standard, 1).variation, 1.1 * draft);
+        EXPECT_LT(evenness_of(domain, Quality::Standard, 1).variation, draft);
         EXPECT_LT(evenness_of(domain, Quality::Best, 1).variation, draft);
     }
 }

@@ -1,0 +1,182 @@
+#include "core/ccdt/resettlement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+
+namespace ccdt {
+
+namespace {
+
+constexpr std::uint32_t kNone = Triangulation::kNone;
+
+bool has_site(const Triangulation& mesh, std::uint32_t triangle) {
+    return std::ranges::any_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_site(v); });
+}
+
+/// The site that each triangle without any goes with, that of the nearest one which has one [triangles]; kNone for
+/// those with sites, and where a part has none.
+std::vector<std::uint32_t> owners(const Triangulation& mesh) {
+    std::vector<std::uint32_t> owner(mesh.triangle_count(), kNone), reached;
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        if (has_site(mesh, t)) continue;
+        for (std::uint32_t i = 0; i < 3 && owner[t] == kNone; ++i) {
+            const std::uint32_t twin = mesh.twin(Triangulation::edge(t, i));
+            if (twin == kNone || !has_site(mesh, Triangulation::triangle_of(twin))) continue;
+            owner[t] = mesh.origin(Triangulation::previous(twin));
+            reached.push_back(t);
+        }
+    }
+    for (std::size_t k = 0; k < reached.size(); ++k) {
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t twin = mesh.twin(Triangulation::edge(reached[k], i));
+            if (twin == kNone) continue;
+            const std::uint32_t other = Triangulation::triangle_of(twin);
+            if (owner[other] != kNone || has_site(mesh, other)) continue;
+            owner[other] = owner[reached[k]];
+            reached.push_back(other);
+        }
+    }
+    return owner;
+}
+
+/// Calls function(triangle, neighbour) with the triangles around a site and, of each, its next vertex.
+template <class Function>
+void for_fan(const Triangulation& mesh, std::uint32_t site, Function&& function) {
+    const std::uint32_t first = mesh.edge_of(site);
+    std::uint32_t h = first;
+    do {
+        function(Triangulation::triangle_of(h), mesh.target(h));
+        h = mesh.twin(Triangulation::previous(h));
+    } while (h != first);
+}
+
+}  // namespace
+
+Resettlement::Resettlement(Triangulation& mesh, const TriangleGoals& goals, double least_height)
+    : mesh_(mesh),
+      least_height_(least_height),
+      surplus_(mesh.site_count(), 1),
+      around_(mesh.site_count(), 0),
+      roomiest_(mesh.site_count(), kNone),
+      settled_(mesh.site_count(), false) {
+    share_out(goals);
+    sum_around();
+}
+
+/// Shares each triangle's capacity out among its sites.
+void Resettlement::share_out(const TriangleGoals& goals) {
+    const auto owner = owners(mesh_);
+    std::vector<double> most(mesh_.site_count(), 0);
+    for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
+        const double capacity = goals.of(t).weight * mesh_.doubled_area(t) / 2;
+        const auto give = [&](std::uint32_t site, double share) {
+            surplus_[site] -= share;
+            if (capacity <= most[site]) return;
+            most[site] = capacity;
+            roomiest_[site] = t;
+        };
+        if (owner[t] != kNone) {
+            give(owner[t], capacity);
+            continue;
+        }
+        const auto corners = mesh_.corners(t);
+        const auto sites = std::ranges::count_if(corners, [&](std::uint32_t v) { return mesh_.is_site(v); });
+        for (const std::uint32_t v : corners) {
+            if (mesh_.is_site(v)) give(v, capacity / static_cast<double>(sites));
+        }
+    }
+}
+
+void Resettlement::sum_around() {
+    around_ = surplus_;
+    for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
+        const auto corners = mesh_.corners(t);
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            // Each edge between sites is met once from either end.
+            const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
+            if (mesh_.is_site(a) && mesh_.is_site(b)) around_[a] += surplus_[b];
+        }
+    }
+}
+
+/// Lists sites around which there are too many, or too few, by parts, those with most first.
+/// @param sign  1: too many; -1: too few
+std::vector<Resettlement::Candidate> Resettlement::candidates(double sign) const {
+    constexpr double kLeast = 0.5;  // sites; what is less is a wave's, or noise
+    std::vector<Candidate> found;
+    for (std::uint32_t v = 0; v < surplus_.size(); ++v) {
+        if (sign * around_[v] > kLeast && sign * surplus_[v] > 0) found.push_back({sign * around_[v], v});
+    }
+    std::ranges::sort(found, {}, [&](const Candidate& candidate) {
+        return std::tuple(mesh_.part_of(candidate.site), -candidate.sites, candidate.site);
+    });
+    return found;
+}
+
+std::size_t Resettlement::even_out() {
+    constexpr double kGain = 1.1;  // at one site, taking it from one place to the other would gain nothing
+    const auto many = candidates(1), few = candidates(-1);
+    std::size_t taken = 0;
+    auto to = few.begin();
+    for (const Candidate& from : many) {
+        if (settled_[from.site]) continue;
+        const std::uint32_t part = mesh_.part_of(from.site);
+        while (to != few.end() && (mesh_.part_of(to->site) < part || settled_[to->site])) ++to;
+        if (to == few.end()) break;
+        if (mesh_.part_of(to->site) != part || from.sites + to->sites < kGain) continue;
+        if (relocate(from.site, to->site)) ++taken;
+    }
+    return taken;
+}
+
+bool Resettlement::take_away(std::uint32_t site) {
+    if (settled_[site]) return false;
+    std::uint32_t to = kNone;
+    for (std::uint32_t v = 0; v < surplus_.size(); ++v) {
+        if (v == site || settled_[v] || mesh_.part_of(v) != mesh_.part_of(site)) continue;
+        if (to == kNone || surplus_[v] < surplus_[to]) to = v;
+    }
+    return to != kNone && relocate(site, to);
+}
+
+/// The largest triangle that goes with a site, without another one; kNone if there is none.
+std::uint32_t Resettlement::room_beside(std::uint32_t site, std::uint32_t other) const {
+    const auto is_without = [&](std::uint32_t t) {
+        return std::ranges::none_of(mesh_.corners(t), [&](std::uint32_t v) { return v == other; });
+    };
+    if (roomiest_[site] != kNone && is_without(roomiest_[site])) return roomiest_[site];
+    std::uint32_t largest = kNone;
+    for_fan(mesh_, site, [&](std::uint32_t t, std::uint32_t) {
+        if (is_without(t) && (largest == kNone || mesh_.doubled_area(t) > mesh_.doubled_area(largest))) largest = t;
+    });
+    return largest;
+}
+
+bool Resettlement::relocate(std::uint32_t site, std::uint32_t beside) {
+    const std::uint32_t triangle = room_beside(beside, site);
+    settle(site);
+    if (triangle == kNone) return false;
+    settle(beside);
+    constexpr double kLeastShape = 1e-5;  // doubled area of its three parts over the longest edge squared
+    const auto [a, b, c] = mesh_.places(triangle);
+    const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
+    const double least = std::max(kLeastShape * longest, least_height_ * std::sqrt(longest));
+    if (mesh_.doubled_area(triangle) < 3 * least) return false;
+    return mesh_.relocate(site, triangle, 1.0 / 3 * (a + b + c));
+}
+
+/// Remembers that what is told of a site, its neighbours and theirs is true no more.
+void Resettlement::settle(std::uint32_t site) {
+    for_fan(mesh_, site, [&](std::uint32_t, std::uint32_t near) {
+        settled_[site] = true;
+        if (!mesh_.is_site(near)) return;
+        for_fan(mesh_, near, [&](std::uint32_t, std::uint32_t next) {
+            settled_[near] = true;
+            if (mesh_.is_site(next)) settled_[next] = true;
+        });
+    });
+}
+
+}  // namespace ccdt

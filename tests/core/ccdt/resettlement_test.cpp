@@ -1,0 +1,110 @@
+#include "core/ccdt/resettlement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <gtest/gtest.h>
+
+#include "core/ccdt/relaxation.h"
+#include "tests/support/meshes.h"
+
+namespace ccdt {
+namespace {
+
+using test::domain_of;
+using test::Parts;
+using test::StartMesh;
+
+const Parts kStrip{{test::box(0, 0, 1, 0.1), {}}};
+
+std::ptrdiff_t count_left_of(const Triangulation& mesh, double x) {
+    return std::count_if(mesh.points().begin(), mesh.points().begin() + static_cast<std::ptrdiff_t>(mesh.site_count()),
+                         [x](Point p) { return p.x < x; });
+}
+
+/// Takes sites from one place to a triangle at another one.
+void crowd(Triangulation& mesh, Point from, Point to, int count) {
+    const auto distance = [](Point a, Point b) { return std::sqrt(dot(a - b, a - b)); };
+    for (int i = 0; i < count; ++i) {
+        std::uint32_t site = 0, triangle = 0;
+        for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
+            if (distance(mesh.point(v), from) < distance(mesh.point(site), from)) site = v;
+        }
+        const auto middle = [&](std::uint32_t t) {
+            const auto [a, b, c] = mesh.places(t);
+            return 1.0 / 3 * (a + b + c);
+        };
+        for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+            if (distance(middle(t), to) < distance(middle(triangle), to)) triangle = t;
+        }
+        ASSERT_TRUE(mesh.relocate(site, triangle, middle(triangle)));
+    }
+}
+
+TEST(Resettlement, TakesSitesToWhereTheyAreMissing) {
+    constexpr std::size_t kSites = 60;
+    StartMesh start(domain_of(kStrip), Density::uniform(), {.sites = kSites, .seed = 2});
+    crowd(start.mesh, {0, 0.05}, {0.95, 0.05}, 5);
+    ASSERT_LT(count_left_of(start.mesh, 0.2), 8);
+    for (int round = 0; round < 5; ++round) {
+        start.measure();
+        Resettlement(start.mesh, start.goals).even_out();
+    }
+    EXPECT_NEAR(static_cast<double>(count_left_of(start.mesh, 0.2)), 0.2 * kSites, 1.5);
+    EXPECT_NEAR(static_cast<double>(count_left_of(start.mesh, 0.8)), 0.8 * kSites, 1.5);
+    EXPECT_EQ(test::count_inverted(start.mesh), 0u);
+    EXPECT_EQ(test::count_not_delaunay(start.mesh), 0u);
+}
+
+TEST(Resettlement, LeavesWhatIsEven) {
+    StartMesh start(domain_of(kStrip), Density::uniform(), {.sites = 60, .seed = 2});
+    for (int round = 0; round < 5; ++round) {
+        start.measure();
+        Relaxation relaxation(start.mesh, start.border.corner, true, {});
+        relaxation.prepare(start.goals);
+        for (int pass = 0; pass < 5; ++pass) relaxation.pass();
+        start.mesh.restore_delaunay();
+    }
+    const auto before = start.mesh.points();
+    start.measure();
+    EXPECT_EQ(Resettlement(start.mesh, start.goals).even_out(), 0u);
+    EXPECT_EQ(start.mesh.points(), before);
+}
+
+TEST(Resettlement, CrossesNoWater) {
+    StartMesh start(domain_of({{test::box(0, 0, 0.45, 0.1), {}}, {test::box(0.55, 0, 0.45, 0.1), {}}}),
+                    Density::uniform(), {.sites = 60, .seed = 2});
+    crowd(start.mesh, {0, 0.05}, {0.95, 0.05}, 10);
+    const auto before = count_left_of(start.mesh, 0.5);
+    for (int round = 0; round < 3; ++round) {
+        start.measure();
+        Resettlement(start.mesh, start.goals).even_out();
+        EXPECT_EQ(count_left_of(start.mesh, 0.5), before);
+    }
+}
+
+TEST(Resettlement, TakesASiteToTheRoomiestPlace) {
+    StartMesh start(domain_of(kStrip), Density::uniform(), {.sites = 60, .seed = 2});
+    crowd(start.mesh, {0, 0.05}, {0.95, 0.05}, 4);
+    start.measure();
+    std::uint32_t last = 0;
+    for (std::uint32_t v = 0; v < 60; ++v) {
+        if (start.mesh.point(v).x > start.mesh.point(last).x) last = v;
+    }
+    Resettlement resettlement(start.mesh, start.goals);
+    EXPECT_TRUE(resettlement.take_away(last));
+    EXPECT_LT(start.mesh.point(last).x, 0.2);
+    EXPECT_FALSE(resettlement.take_away(last)) << "what is told of it is true no more";
+}
+
+TEST(Resettlement, MakesNoTrianglesThatAreTooFlat) {
+    StartMesh start(domain_of(kStrip), Density::uniform(), {.sites = 60, .seed = 2});
+    crowd(start.mesh, {0, 0.05}, {0.95, 0.05}, 5);
+    start.measure();
+    EXPECT_EQ(Resettlement(start.mesh, start.goals, 1).even_out(), 0u);
+    EXPECT_GT(Resettlement(start.mesh, start.goals, 1e-9).even_out(), 0u);
+}
+
+}  // namespace
+}  // namespace ccdt
