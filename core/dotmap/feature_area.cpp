@@ -5,7 +5,8 @@
 
 namespace ccdt {
 
-FeatureArea::FeatureArea(const Domain& domain, const Clearance& clearance) : bounds_(domain.bounds()) {
+FeatureArea::FeatureArea(const Domain& domain, const Clearance& clearance, std::size_t cells)
+    : bounds_(domain.bounds()) {
     // One for the rounding of corners, and one for that of points.
     constexpr double kRoundings = 2;
     margin_ = kRoundings * domain.resolution() * std::max(bounds_.width(), bounds_.height());
@@ -36,6 +37,65 @@ FeatureArea::FeatureArea(const Domain& domain, const Clearance& clearance) : bou
     edges_.resize(first_.back());
     auto next = first_;
     for (const Edge& edge : all) for_rows(edge, [&](std::size_t row) { edges_[next[row]++] = edge; });
+    if (cells > 0) make_grid(all, spans, cells);
+}
+
+/// Finds the cells that no edge comes near to, and of these the ones that lie inside.
+/// @param crossings  of a row by edges, in the mean
+void FeatureArea::make_grid(const std::vector<Edge>& edges, double crossings, std::size_t cells) {
+    const double each = static_cast<double>(cells), shape = bounds_.width() / bounds_.height();
+    const double rows = std::floor(std::clamp(std::sqrt(each / shape), 1.0, std::max(1.0, each / crossings)));
+    const double columns = std::floor(each / rows);
+    grid_rows_ = static_cast<std::size_t>(rows);
+    grid_columns_ = static_cast<std::size_t>(columns);
+    rows_per_unit_ = rows / bounds_.height();
+    columns_per_unit_ = columns / bounds_.width();
+    if (!std::isfinite(rows_per_unit_) || !std::isfinite(columns_per_unit_)) return;
+    grid_.assign(grid_rows_ * grid_columns_, Cell::Outside);
+    for (const Edge& edge : edges) mark(edge);
+    const auto middle = [&](std::size_t column, std::size_t row) {
+        return bounds_.min + Point{(static_cast<double>(column) + 0.5) / columns * bounds_.width(),
+                                   (static_cast<double>(row) + 0.5) / rows * bounds_.height()};
+    };
+    for (std::size_t row = 0; row < grid_rows_; ++row) {
+        Cell run = Cell::Near;  // of cells between which there is no edge
+        for (std::size_t column = 0; column < grid_columns_; ++column) {
+            Cell& cell = grid_[row * grid_columns_ + column];
+            if (cell != Cell::Near && run == Cell::Near) {
+                run = place_of(middle(column, row)) == Place::Inside ? Cell::Inside : Cell::Outside;
+            }
+            if (cell == Cell::Near) {
+                run = Cell::Near;
+            } else {
+                cell = run;
+            }
+        }
+    }
+}
+
+/// Marks the cells that come nearer to an edge than its clearance.
+void FeatureArea::mark(const Edge& edge) {
+    constexpr double kRounding = 1e-6;  // of a cell
+    const auto& [low, high, clearance, length] = edge;
+    const double height = bounds_.height() / static_cast<double>(grid_rows_);
+    const double above = clearance + kRounding * height;
+    const double beside = clearance + kRounding * bounds_.width() / static_cast<double>(grid_columns_);
+    const Point along = high - low;
+    const auto [west, east] = std::minmax(low.x, high.x);
+    const std::size_t last = grid_row(high.y + above);
+    for (std::size_t row = grid_row(low.y - above); row <= last; ++row) {
+        const double bottom = bounds_.min.y + static_cast<double>(row) * height;
+        double from = west, to = east;
+        if (along.y > above) {  // the part of it that is near the row
+            const double in = std::clamp((bottom - above - low.y) / along.y, 0.0, 1.0);
+            const double out = std::clamp((bottom + height + above - low.y) / along.y, 0.0, 1.0);
+            from = low.x + (along.x > 0 ? in : out) * along.x;
+            to = low.x + (along.x > 0 ? out : in) * along.x;
+        }
+        const std::size_t end = grid_column(to + beside);
+        for (std::size_t column = grid_column(from - beside); column <= end; ++column)
+            grid_[row * grid_columns_ + column] = Cell::Near;
+    }
 }
 
 std::size_t FeatureArea::row_of(double y) const {
@@ -47,6 +107,7 @@ std::size_t FeatureArea::row_of(double y) const {
 FeatureArea::Place FeatureArea::place_of(Point p, const Edge*& near) const {
     if (!(p.x > bounds_.min.x && p.x < bounds_.max.x && p.y > bounds_.min.y && p.y < bounds_.max.y))
         return Place::Outside;
+    if (is_deep(p)) return Place::Inside;
     const std::size_t row = row_of(p.y);
     bool inside = false;
     for (std::size_t i = first_[row]; i < first_[row + 1]; ++i) {

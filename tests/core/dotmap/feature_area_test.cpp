@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/dotmap/feature_index.h"
 #include "core/random.h"
 #include "tests/support/shapes.h"
@@ -33,6 +35,30 @@ TEST(FeatureArea, ContainsWhatPredicatesSay) {
             inside += area.contains(p) ? 1 : 0;
         }
         EXPECT_GT(inside, 100);
+    }
+}
+
+TEST(FeatureArea, KnowsTheSameByCells) {
+    const Parts shapes[] = {{{test::star({3, 2}, 2, 0.7, 40), {test::circle({3, 2}, 0.5, 17)}}},
+                            {test::sieve(5)},
+                            test::read_geojson("South-Africa-50m.geojson"),
+                            {{test::box(0, 0, 1000, 1), {}}}};
+    for (const Parts& parts : shapes) {
+        const Domain domain = Domain::create(parts).value();
+        const Box& box = domain.bounds();
+        const double size = std::min(box.width(), box.height());
+        const auto clearance = [&](Point middle, Point) {
+            return middle.x < box.min.x + box.width() / 2 ? 0.02 * size : 0;
+        };
+        const FeatureArea area(domain, clearance);
+        for (const std::size_t cells : {1, 40, 2000, 100000}) {
+            const FeatureArea gridded(domain, clearance, cells);
+            Random random(4, cells);
+            for (int i = 0; i < 4000; ++i) {
+                const Point p = box.min + Point{random.uniform() * box.width(), random.uniform() * box.height()};
+                EXPECT_EQ(gridded.place_of(p), area.place_of(p)) << p.x << ' ' << p.y << ' ' << cells;
+            }
+        }
     }
 }
 
