@@ -52,7 +52,7 @@ std::uint64_t along_curve(Point share) {
 
 }  // namespace
 
-Result<DotGround> DotGround::create(const Map& map, std::size_t number, const std::stop_token& stop) {
+Result<DotGround> DotGround::create(const Map& map, std::size_t number, Team& team, const std::stop_token& stop) {
     DotGround ground(map, number);
     ground.find_fixed();
     for (std::size_t i = 0; i < map.features.size(); ++i) {
@@ -82,11 +82,11 @@ Result<DotGround> DotGround::create(const Map& map, std::size_t number, const st
         ground.wanted_.push_back(sites / capacity);
     }
     ground.overlaps_.resize(map.features.size());
-    ground.fences_.reserve(map.features.size());
-    for (std::uint32_t i = 0; i < map.features.size(); ++i) {
-        if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
-        ground.fences_.push_back(ground.make_fence(i));
-    }
+    ground.fences_.resize(map.features.size());
+    team.run(ground.fences_.size(), [&](std::size_t i) {
+        if (!stop.stop_requested()) ground.fences_[i] = ground.make_fence(static_cast<std::uint32_t>(i));
+    });
+    if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
     return ground;
 }
 
@@ -119,10 +119,11 @@ Options DotGround::start_options(std::uint32_t feature, std::uint64_t seed) cons
 /// Has dots keep clear of sparser ground: with next to none beyond that push back, rows of dots would be pushed onto
 /// the border. Where densities are alike no border shall show.
 FeatureArea DotGround::make_fence(std::uint32_t feature) const {
-    constexpr double kClear = 0.3;    // of the distance of neighbours; half a row would be 0.43
-    constexpr double kSteepness = 2;  // beyond where the density is half or more there is no clearance
-    constexpr double kThin = 0.5;     // of the feature's width, at most
-    constexpr double kBeyond = 1e-3;  // of the distance of neighbours: where the density beyond is looked at
+    constexpr double kClear = 0.3;     // of the distance of neighbours; half a row would be 0.43
+    constexpr double kSteepness = 2;   // beyond where the density is half or more there is no clearance
+    constexpr double kThin = 0.5;      // of the feature's width, at most
+    constexpr double kBeyond = 1e-3;   // of the distance of neighbours: where the density beyond is looked at
+    constexpr std::size_t kCells = 4;  // of the grid, for each dot
     const Domain& area = map_.features[feature].area;
     if (dots(feature) == 0) return map_.areas[feature];
     double perimeter = 0;
@@ -133,13 +134,14 @@ FeatureArea DotGround::make_fence(std::uint32_t feature) const {
         }
     }
     const double width = 2 * area.area() / perimeter;
-    return FeatureArea(area, [&](Point middle, Point inwards) {
+    const auto clearance = [&](Point middle, Point inwards) {
         const double inside = own(feature, middle);
         if (!(inside > 0)) return 0.0;
         const double distance = hexagonal_spacing(inside);
         const double share = around(middle - kBeyond * distance * inwards) / inside;
         return std::min(kClear * std::max(0.0, 1 - kSteepness * share) * distance, kThin * width);
-    });
+    };
+    return FeatureArea(area, clearance, kCells * dots(feature));
 }
 
 double DotGround::density(Point p) const {
@@ -187,20 +189,28 @@ std::vector<std::uint32_t> DotGround::order() const {
 }
 
 Result<std::vector<FeatureDot>> DotGround::draw(std::uint64_t seed, const std::function<Point(Point)>& rounded,
-                                                const std::stop_token& stop) const {
-    std::vector<FeatureDot> all;
-    all.reserve(dots_);
-    for (const std::uint32_t feature : order()) {
-        if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
-        if (dots(feature) == 0) continue;
-        if (auto drawn = draw(feature, seed_of(seed, class_, feature), rounded, all); !drawn)
-            return tl::unexpected(drawn.error());
+                                                Team& team, const std::stop_token& stop) const {
+    std::vector<FeatureDot> all(dots_);
+    const std::vector<std::uint32_t> order = this->order();
+    std::vector<std::span<FeatureDot>> shares;
+    for (std::span<FeatureDot> rest = all; const std::uint32_t feature : order) {
+        shares.push_back(rest.first(dots(feature)));
+        rest = rest.subspan(dots(feature));
+    }
+    std::vector<Result<void>> drawn(order.size());
+    team.run(order.size(), [&](std::size_t i) {
+        if (stop.stop_requested() || shares[i].empty()) return;
+        drawn[i] = draw(order[i], seed_of(seed, class_, order[i]), rounded, shares[i]);
+    });
+    if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
+    for (const Result<void>& each : drawn) {
+        if (!each) return tl::unexpected(each.error());
     }
     return all;
 }
 
 Result<void> DotGround::draw(std::uint32_t feature, std::uint64_t seed, const std::function<Point(Point)>& rounded,
-                             std::vector<FeatureDot>& all) const {
+                             std::span<FeatureDot> dots) const {
     constexpr int kAttempts = 16;  // where the feature covers half of a dot's cell, one of 65,536 is still unplaced
     constexpr int kClearAttempts = 8;
     const Domain& area = map_.features[feature].area;
@@ -223,7 +233,7 @@ Result<void> DotGround::draw(std::uint32_t feature, std::uint64_t seed, const st
             };
             if (auto drawn = draw_again(feature, seed + site, accept, interior); !drawn) return drawn;
         }
-        all.push_back({*place, feature});
+        dots[site] = {*place, feature};
     }
     return {};
 }

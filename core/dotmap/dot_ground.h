@@ -15,6 +15,7 @@
 #include "core/dotmap/feature_index.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
+#include "core/parallel/team.h"
 #include "core/result.h"
 
 namespace ccdt {
@@ -41,7 +42,7 @@ public:
 
     /// Errors: Unusable if the density is zero all over a feature that has dots.
     /// @param stop  asked now and then: Error Stopped
-    static Result<DotGround> create(const Map& map, std::size_t number, const std::stop_token& stop);
+    static Result<DotGround> create(const Map& map, std::size_t number, Team& team, const std::stop_token& stop);
 
     std::size_t features() const { return map_.features.size(); }
     const Domain& area(std::size_t feature) const { return map_.features[feature].area; }
@@ -60,8 +61,9 @@ public:
     /// Draws the first dots: of each feature a few in each of many cells that want as many, at random. Features come in
     /// an order in which neighbours follow each other, mostly.
     /// @param rounded  takes a place to where it will be, by rounding
+    /// @param rounded  called by several at the same time
     /// Errors: Unusable for a feature that is too thin; Stopped.
-    Result<std::vector<FeatureDot>> draw(std::uint64_t seed, const std::function<Point(Point)>& rounded,
+    Result<std::vector<FeatureDot>> draw(std::uint64_t seed, const std::function<Point(Point)>& rounded, Team& team,
                                          const std::stop_token& stop) const;
 
     /// Draws a dot anew, anywhere in its feature, until it is accepted. Errors: Unusable.
@@ -88,6 +90,9 @@ public:
     /// Tells whether a dot may begin at a place: so far from ground with fewer dots as its row should be.
     bool is_clear(std::uint32_t feature, Point p) const;
 
+    /// Tells of most places where is_clear() that it is so, at once.
+    bool is_deep(std::uint32_t feature, Point p) const { return is_uniform() && fences_[feature].is_deep(p); }
+
     /// Where a dot gets that is to go from one place to another.
     Point towards(std::uint32_t feature, Point from, Point to) const;
 
@@ -102,7 +107,7 @@ private:
     Result<Density> cut_out(const Domain& area, double& largest) const;
     std::vector<std::uint32_t> order() const;
     Result<void> draw(std::uint32_t feature, std::uint64_t seed, const std::function<Point(Point)>& rounded,
-                      std::vector<FeatureDot>& dots) const;
+                      std::span<FeatureDot> dots) const;
 
     Map map_;
     std::size_t class_;

@@ -23,6 +23,8 @@ namespace {
 constexpr double kLongestPush = 0.4;  ///< of a dot's radius: neighbours keep over half of their distance
 constexpr double kKeptArea = 0.1;     ///< least share of its area that a triangle keeps, as in a relaxation
 constexpr double kSmall = 0.01;       ///< of the area it should have, below which a triangle may be a needle
+// What a task takes.
+constexpr std::size_t kDots = 4096, kTriangles = 8192;
 
 /// Doubled area of a triangle between discs of these radii: between three alike that of the hexagonal grid, else such
 /// that along a straight border between small and large ones the strip between their first rows is half a row of each.
@@ -34,8 +36,8 @@ double doubled_area(double a, double b, double c) {
 
 }  // namespace
 
-DotLayer::DotLayer(DotGround& ground, Domain land, const Options& options, const std::stop_token& stop)
-    : ground_(ground), land_(std::move(land)), options_(options), stop_(stop) {
+DotLayer::DotLayer(DotGround& ground, Domain land, const Options& options, const Control& control)
+    : ground_(ground), land_(std::move(land)), options_(options), stop_(control.stop), team_(*control.team) {
     options_.sites = ground.dots();
 }
 
@@ -65,7 +67,7 @@ std::vector<double> DotLayer::length_in_dots(Point a, Point b) const {
 
 Result<void> DotLayer::start() {
     const auto rounded = [this](Point p) { return land_.to_user(land_.to_unit(p)); };
-    auto drawn = ground_.draw(options_.seed, rounded, stop_);
+    auto drawn = ground_.draw(options_.seed, rounded, team_, stop_);
     if (!drawn) return tl::unexpected(drawn.error());
     dots_ = *std::move(drawn);
     ground_.find_overlaps(dots_, stop_);
@@ -76,6 +78,7 @@ Result<void> DotLayer::start() {
     auto empty = empty_mesh(land_, border, sites, stop_);
     if (!empty) return tl::unexpected(empty.error());
     placed_ = *std::move(empty);
+    mesh().set_team(team_);
     mesh().fix_last(fixed_.places.size());
     radii_.resize(sites);
     moves_.resize(sites);
@@ -111,61 +114,82 @@ Result<void> DotLayer::choose_fixed(const Border& border) {
 /// Inserts the dots, coarse to fine: points far apart first keep the triangles round, neighbours in turn keep walks
 /// short.
 Result<void> DotLayer::insert_all() {
-    constexpr std::size_t kStopStride = 4096;
-    std::size_t placed = 0;
-    for (std::size_t stride = 64, coarser = 0; stride >= 1; coarser = stride, stride /= 4) {
-        for (std::size_t dot = 0; dot < dots_.size(); dot += stride) {
+    const auto draw = [this](std::uint32_t dot, int) { return land_.to_unit(dots_[dot].place); };
+    std::vector<std::uint32_t> step, left;
+    for (std::uint32_t stride = 64, coarser = 0; stride >= 1; coarser = stride, stride /= 4) {
+        step.clear();
+        left.clear();
+        for (std::uint32_t dot = 0; dot < dots_.size(); dot += stride) {
             if (coarser != 0 && dot % coarser == 0) continue;
-            if (++placed % kStopStride == 0 && stopping())
-                return failure(ErrorCode::Stopped, "stopped before there was a result");
-            if (auto inserted = insert(static_cast<std::uint32_t>(dot)); !inserted) return inserted;
+            (keeps_place(dot) ? step : left).push_back(dot);
+        }
+        const auto refused = mesh().insert_all(step, draw, 1, land_.resolution(), stop_);
+        left.insert(left.end(), refused.begin(), refused.end());
+        for (const std::uint32_t dot : left) {
+            if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
+            if (auto inserted = insert_anywhere(dot); !inserted) return inserted;
         }
     }
     return {};
 }
 
-Result<void> DotLayer::insert(std::uint32_t dot) {
+/// Tells whether a dot may stand where rounding has its first place.
+bool DotLayer::keeps_place(std::uint32_t dot) const {
+    const auto& [place, feature] = dots_[dot];
+    const Point rounded = land_.to_user(land_.to_unit(place));
+    return rounded == place || ground_.may_be(feature, rounded);
+}
+
+Result<void> DotLayer::insert_anywhere(std::uint32_t dot) {
     const auto accept = [&](Point user) {
         const Point p = land_.to_unit(user);
         return ground_.may_be(dots_[dot].feature, land_.to_user(p)) && mesh().insert(dot, p, land_.resolution());
     };
-    if (accept(dots_[dot].place)) return {};
     std::optional<InteriorSampler> interior;
     return ground_.draw_again(dots_[dot].feature, options_.seed + dot, accept, interior);
 }
 
 /// Finds how large the discs of the dots are where they stand.
 void DotLayer::find_radii() {
-    for (std::size_t dot = 0; dot < dots_.size() && !stopping(); ++dot) {
-        const std::uint32_t feature = dots_[dot].feature;
-        const bool is_known = dot > 0 && dots_[dot - 1].feature == feature && ground_.is_even(feature);
-        radii_[dot] = is_known ? radii_[dot - 1] : radius(ground_.at(feature, place(dot)));
-    }
+    for_ranges(team_, dots_.size(), kDots, [&](std::size_t begin, std::size_t end) {
+        if (stopping()) return;
+        for (std::size_t dot = begin; dot < end; ++dot) {
+            const std::uint32_t feature = dots_[dot].feature;
+            const bool is_known = dot > begin && dots_[dot - 1].feature == feature && ground_.is_even(feature);
+            radii_[dot] = is_known ? radii_[dot - 1] : radius(ground_.at(feature, place(dot)));
+        }
+    });
 }
 
 /// Finds how large triangles should be. A vertex of the border has the disc of the dots beside it.
 void DotLayer::find_aims() {
     find_radii();
     aims_.resize(mesh().triangle_count());
-    for (std::uint32_t t = 0; t < aims_.size(); ++t) {
-        const auto corners = mesh().corners(t);
-        double sum = 0, dots = 0;
-        for (const std::uint32_t v : corners) {
-            if (!mesh().is_site(v)) continue;
-            sum += radii_[v];
-            dots += 1;
-        }
-        const auto radius = [&](std::uint32_t v) { return mesh().is_site(v) ? radii_[v] : sum / dots; };
-        aims_[t] = dots > 0 ? doubled_area(radius(corners[0]), radius(corners[1]), radius(corners[2])) : 0;
+    for_ranges(team_, aims_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) aims_[t] = aim_of(t);
+    });
+}
+
+double DotLayer::aim_of(std::uint32_t triangle) const {
+    const auto corners = mesh().corners(triangle);
+    double sum = 0, dots = 0;
+    for (const std::uint32_t v : corners) {
+        if (!mesh().is_site(v)) continue;
+        sum += radii_[v];
+        dots += 1;
     }
+    const auto radius = [&](std::uint32_t v) { return mesh().is_site(v) ? radii_[v] : sum / dots; };
+    return dots > 0 ? doubled_area(radius(corners[0]), radius(corners[1]), radius(corners[2])) : 0;
 }
 
 /// @returns  the capacity variation
 double DotLayer::measure() {
     find_aims();
     capacities_.resize(aims_.size());
-    for (std::uint32_t t = 0; t < aims_.size(); ++t)
-        capacities_[t] = aims_[t] > 0 ? 0.5 * mesh().doubled_area(t) / aims_[t] : 0;
+    for_ranges(team_, aims_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t)
+            capacities_[t] = aims_[t] > 0 ? 0.5 * mesh().doubled_area(t) / aims_[t] : 0;
+    });
     const double variation = set_goals(mesh(), static_cast<double>(mesh().site_count()),
                                        std::numeric_limits<double>::max(), capacities_, goals_);
     soften_borders();
@@ -175,18 +199,21 @@ double DotLayer::measure() {
 /// Lets triangles between dense and sparse dots give way to those of dots alike: what they miss or have too much of is
 /// the sparse dots', whose places leave them no choice, and would draw rows of dense dots onto the border.
 void DotLayer::soften_borders() {
-    for (std::uint32_t t = 0; t < goals_.size(); ++t) {
+    const auto soften = [this](std::uint32_t triangle) {
         double least = std::numeric_limits<double>::max(), most = 0;
-        for (const std::uint32_t v : mesh().corners(t)) {
+        for (const std::uint32_t v : mesh().corners(triangle)) {
             if (!mesh().is_site(v)) continue;
             least = std::min(least, radii_[v]);
             most = std::max(most, radii_[v]);
         }
-        if (!(most > least)) continue;
+        if (!(most > least)) return;
         const double share = least * least / (most * most);
-        goals_[t].weight *= share;
-        goals_[t].target *= share;
-    }
+        goals_[triangle].weight *= share;
+        goals_[triangle].target *= share;
+    };
+    for_ranges(team_, goals_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) soften(t);
+    });
 }
 
 bool DotLayer::goes_on() const {
@@ -197,13 +224,15 @@ bool DotLayer::goes_on() const {
 Point DotLayer::fenced(std::uint32_t dot, Point to) const {
     if (!std::isfinite(to.x) || !std::isfinite(to.y)) return mesh().point(dot);
     const Point wanted = land_.to_user(to);
+    if (ground_.is_deep(dots_[dot].feature, wanted)) return to;
     const Point there = ground_.towards(dots_[dot].feature, place(dot), wanted);
     if (there == wanted) return to;
     const Point rounded = land_.to_unit(there);
     return ground_.may_be(dots_[dot].feature, land_.to_user(rounded)) ? rounded : mesh().point(dot);
 }
 
-void DotLayer::relax(int passes) {
+Relaxation& DotLayer::relaxation() {
+    if (relaxation_) return *relaxation_;
     RelaxationOptions settings;
     constexpr double kPolishedSpring = 0.03;
     if (has_polish(options_) && ground_.is_uniform()) settings.spring = kPolishedSpring;
@@ -211,9 +240,13 @@ void DotLayer::relax(int passes) {
     const double least = *std::ranges::min_element(radii_);
     settings.small_area = kSmall * doubled_area(least, least, least);
     settings.fence = [this](std::uint32_t dot, Point to) { return fenced(dot, to); };
-    Relaxation relaxation(mesh(), placed_->border.corner, false, settings);
-    relaxation.prepare(goals_, stop_);
-    for (int pass = 0; pass < passes && !stopping(); ++pass) relaxation.pass();
+    return relaxation_.emplace(mesh(), placed_->border.corner, false, settings);
+}
+
+void DotLayer::relax(int passes) {
+    relaxation().prepare(std::move(goals_), stop_);
+    for (int pass = 0; pass < passes && !stopping(); ++pass) relaxation().pass();
+    goals_ = relaxation().take_goals().release();
 }
 
 void DotLayer::ease(const PolishSettings& settings) {
@@ -230,57 +263,62 @@ bool DotLayer::iterate() {
     if (stopping()) return false;
     result_.trace.push_back(measure());
     ++result_.iterations;
+    if (!goes_on()) relaxation_.reset();
     return true;
 }
 
 void DotLayer::begin() {
-    find_aims();
-    edges_.clear();
     areas_.resize(mesh().triangle_count());
-    for (std::uint32_t t = 0; t < areas_.size(); ++t) {
-        areas_[t] = mesh().doubled_area(t);
-        for (std::uint32_t i = 0; i < 3; ++i) {
-            const std::uint32_t h = Triangulation::edge(t, i), twin = mesh().twin(h);
-            if (twin == Triangulation::kNone || twin < h) continue;
-            const std::uint32_t a = mesh().origin(h), b = mesh().target(h);
-            if (mesh().is_site(a) && mesh().is_site(b) && (mesh().is_free(a) || mesh().is_free(b))) edges_.push_back(h);
-        }
-    }
+    moved_areas_.resize(areas_.size());
+    for_ranges(team_, areas_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) areas_[t] = mesh().doubled_area(t);
+    });
 }
 
 void DotLayer::push_apart(double reach, double push, std::span<const Point> pushed) {
-    std::ranges::fill(moves_, Point{});
-    for (std::size_t dot = 0; dot < pushed.size(); ++dot) moves_[dot] = 1 / scale() * pushed[dot];
-    for (const std::uint32_t h : edges_) {
-        const std::uint32_t a = mesh().origin(h), b = mesh().target(h);
-        const Point along = mesh().along(h);
-        const double both = radii_[a] + radii_[b], least = reach * both;
-        const double squared = dot(along, along);
-        if (squared >= least * least) continue;
-        const Point by = 2 * push * (least / std::sqrt(squared) - 1) * along;
-        // One that stays leaves all of the way to the other one.
-        moves_[a] = moves_[a] - (mesh().is_free(b) ? radii_[a] / both : 1) * by;
-        moves_[b] = moves_[b] + (mesh().is_free(a) ? radii_[b] / both : 1) * by;
-    }
-    if (others_) push_off_others(reach, push);
-    for (std::size_t dot = 0; dot < moves_.size(); ++dot) {
-        const double longest = kLongestPush * radii_[dot], length = std::hypot(moves_[dot].x, moves_[dot].y);
-        if (length > longest) moves_[dot] = (longest / length) * moves_[dot];
-    }
+    for_ranges(team_, dots_.size(), kDots, [&](std::size_t begin, std::size_t end) {
+        for (auto dot = static_cast<std::uint32_t>(begin); dot < end; ++dot) {
+            const Point by = pushed.empty() ? Point{} : 1 / scale() * pushed[dot];
+            moves_[dot] = by + push_off_neighbours(dot, reach, push);
+            if (others_) moves_[dot] = moves_[dot] + push_off_others(dot, reach, push);
+            const double longest = kLongestPush * radii_[dot], squared = ccdt::dot(moves_[dot], moves_[dot]);
+            if (squared > longest * longest) moves_[dot] = (longest / std::sqrt(squared)) * moves_[dot];
+        }
+    });
     if (!stopping()) apply();
 }
 
-/// Pushes dots off fixed points that no edge leads to.
-void DotLayer::push_off_others(double reach, double push) {
-    for (std::uint32_t dot = 0; dot < dots_.size(); ++dot) {
-        const double least = 2 * reach * radii_[dot];
-        others_->for_near(mesh().point(dot), least, [&](Point place, std::uint32_t) {
-            const Point along = mesh().point(dot) - place;
+/// How far the sites that edges lead to push a dot.
+Point DotLayer::push_off_neighbours(std::uint32_t dot, double reach, double push) const {
+    Point moved;
+    const std::uint32_t first = mesh().edge_of(dot);
+    std::uint32_t h = first;
+    do {
+        const std::uint32_t other = mesh().target(h);
+        if (mesh().is_site(other)) {
+            const Point along = mesh().along(h);
+            const double both = radii_[dot] + radii_[other], least = reach * both;
             const double squared = ccdt::dot(along, along);
-            if (squared >= least * least || squared == 0) return;
-            moves_[dot] = moves_[dot] + 2 * push * (least / std::sqrt(squared) - 1) * along;
-        });
-    }
+            // One that stays leaves all of the way to the other one.
+            const double share = mesh().is_free(other) ? radii_[dot] / both : 1;
+            if (squared < least * least) moved = moved - 2 * push * share * (least / std::sqrt(squared) - 1) * along;
+        }
+        h = mesh().twin(Triangulation::previous(h));
+    } while (h != first);
+    return moved;
+}
+
+/// How far fixed points push a dot that no edge leads to.
+Point DotLayer::push_off_others(std::uint32_t dot, double reach, double push) const {
+    Point moved;
+    const double least = 2 * reach * radii_[dot];
+    others_->for_near(mesh().point(dot), least, [&](Point place, std::uint32_t) {
+        const Point along = mesh().point(dot) - place;
+        const double squared = ccdt::dot(along, along);
+        if (squared >= least * least || squared == 0) return;
+        moved = moved + 2 * push * (least / std::sqrt(squared) - 1) * along;
+    });
+    return moved;
 }
 
 /// Nothing flows where densities differ so much that dense dots keep clear of the border, which would hold them up.
@@ -308,24 +346,33 @@ void DotLayer::equalise(int passes) {
     if (stopping()) return;
     measure();
     relax(passes);
+    relaxation_.reset();
+    if (!stopping()) find_aims();
     begin();
 }
 
 double DotLayer::least_distance() const {
     double least = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t h : edges_) {
-        const double both = radii_[mesh().origin(h)] + radii_[mesh().target(h)];
-        least = std::min(least, dot(mesh().along(h), mesh().along(h)) / (both * both));
+    for (std::uint32_t t = 0; t < mesh().triangle_count(); ++t) {
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t h = Triangulation::edge(t, i), a = mesh().origin(h), b = mesh().target(h);
+            if (!mesh().is_free(std::min(a, b)) || !mesh().is_site(std::max(a, b))) continue;
+            const double both = radii_[a] + radii_[b];
+            least = std::min(least, dot(mesh().along(h), mesh().along(h)) / (both * both));
+        }
     }
     return std::sqrt(least);
 }
 
 void DotLayer::apply() {
-    for (std::uint32_t dot = 0; dot < dots_.size(); ++dot) {
-        before_[dot] = mesh().point(dot);
-        if (!(moves_[dot] == Point{})) mesh().points()[dot] = fenced(dot, before_[dot] + moves_[dot]);
-    }
+    for_ranges(team_, dots_.size(), kDots, [&](std::size_t begin, std::size_t end) {
+        for (auto dot = static_cast<std::uint32_t>(begin); dot < end; ++dot) {
+            before_[dot] = mesh().point(dot);
+            if (!(moves_[dot] == Point{})) mesh().points()[dot] = fenced(dot, before_[dot] + moves_[dot]);
+        }
+    });
     take_back();
+    areas_.swap(moved_areas_);
 }
 
 /// Tells whether a triangle has kept enough of its area, and is no needle unless it was one.
@@ -341,23 +388,34 @@ bool DotLayer::is_sound(std::uint32_t triangle, double area) const {
 
 /// Takes back moves next to triangles that would turn over, or lose most of their area, until there is none.
 void DotLayer::take_back() {
+    std::vector<std::vector<std::uint32_t>> lists((areas_.size() + kTriangles - 1) / kTriangles);
     for (bool found = true; found;) {
+        for_ranges(team_, areas_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+            auto& list = lists[begin / kTriangles];
+            list.clear();
+            for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
+                if (!is_sound(t, moved_areas_[t] = mesh().doubled_area(t))) list.push_back(t);
+            }
+        });
         found = false;
-        for (std::uint32_t t = 0; t < areas_.size(); ++t) {
-            if (is_sound(t, mesh().doubled_area(t))) continue;
-            for (const std::uint32_t v : mesh().corners(t)) {
-                if (!mesh().is_site(v) || mesh().point(v) == before_[v]) continue;
-                mesh().points()[v] = before_[v];
-                found = true;
+        for (const auto& list : lists) {
+            for (const std::uint32_t t : list) {
+                if (is_sound(t, mesh().doubled_area(t))) continue;  // since a neighbour was taken back
+                for (const std::uint32_t v : mesh().corners(t)) {
+                    if (!mesh().is_site(v) || mesh().point(v) == before_[v]) continue;
+                    mesh().points()[v] = before_[v];
+                    found = true;
+                }
             }
         }
     }
-    for (std::uint32_t t = 0; t < areas_.size(); ++t) areas_[t] = mesh().doubled_area(t);
 }
 
 void DotLayer::restore() {
     mesh().restore_delaunay(stop_);
-    if (!stopping()) begin();
+    if (stopping()) return;
+    find_aims();
+    begin();
 }
 
 void DotLayer::finish() {

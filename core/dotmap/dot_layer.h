@@ -14,6 +14,7 @@
 #include "core/dotmap/dot_ground.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
+#include "core/parallel/team.h"
 #include "core/polish/cell_list.h"
 #include "core/polish/fixed_sites.h"
 #include "core/polish/mesh_transport.h"
@@ -29,7 +30,8 @@ class DotLayer {
 public:
     /// @param ground  must outlive this
     /// @param land    all the ground that has dots
-    DotLayer(DotGround& ground, Domain land, const Options& options, const std::stop_token& stop);
+    /// @param control  its team must outlive this
+    DotLayer(DotGround& ground, Domain land, const Options& options, const Control& control);
     DotLayer(const DotLayer&) = delete;  // relaxations hold on to it
     DotLayer& operator=(const DotLayer&) = delete;
 
@@ -47,7 +49,7 @@ public:
     std::uint32_t feature_of(std::size_t dot) const { return dots_[dot].feature; }
     Point place(std::size_t dot) const { return land_.to_user(mesh().point(static_cast<std::uint32_t>(dot))); }
 
-    /// Lists neighbours, and what triangles are like before the first step of a polish.
+    /// Measures triangles before the first step of a polish.
     void begin();
 
     /// Moves neighbours apart that are nearer than a share of the distance that they should have, and dots as others
@@ -81,27 +83,32 @@ private:
     const Triangulation& mesh() const { return placed_->mesh; }
     Triangulation& mesh() { return placed_->mesh; }
     double scale() const;
+    Relaxation& relaxation();
     void relax(int passes);
     double radius(double density) const;
     std::vector<double> length_in_dots(Point a, Point b) const;
     Result<void> choose_fixed(const Border& border);
     Result<void> insert_all();
-    Result<void> insert(std::uint32_t dot);
+    bool keeps_place(std::uint32_t dot) const;
+    Result<void> insert_anywhere(std::uint32_t dot);
     void find_radii();
     void find_aims();
+    double aim_of(std::uint32_t triangle) const;
     double measure();
     void soften_borders();
     MeshTransport make_transport() const;
     Point fenced(std::uint32_t dot, Point to) const;
     void apply();
     void take_back();
-    void push_off_others(double reach, double push);
+    Point push_off_neighbours(std::uint32_t dot, double reach, double push) const;
+    Point push_off_others(std::uint32_t dot, double reach, double push) const;
     bool is_sound(std::uint32_t triangle, double area) const;
 
     DotGround& ground_;
     Domain land_;
     Options options_;
     std::stop_token stop_;
+    Team& team_;
     std::optional<DomainMesh> placed_;
     std::vector<FeatureDot> dots_;       ///< in the order of their sites; places are those of the start
     FixedSites fixed_;                   ///< the places are vertices behind the dots: sites, as the dots are
@@ -110,11 +117,11 @@ private:
     std::vector<double> aims_;           ///< [triangles] doubled area that each should have
     std::vector<double> capacities_;     ///< [triangles] area over what it should be, in halves of a dot
     std::vector<TriangleGoal> goals_;    ///< [triangles]
-    std::vector<std::uint32_t> edges_;   ///< half-edges between dots
     std::vector<Point> moves_, before_;  ///< [sites]
-    std::optional<MeshTransport> transport_;  ///< once it is asked for
-    std::vector<double> spacings_;            ///< [sites]
-    std::vector<double> areas_;               ///< doubled [triangles], before the last move
+    std::optional<Relaxation> relaxation_;     ///< while there are iterations
+    std::optional<MeshTransport> transport_;   ///< once it is asked for
+    std::vector<double> spacings_;             ///< [sites]
+    std::vector<double> areas_, moved_areas_;  ///< doubled [triangles], before a move and after it
     Distribution result_;
 };
 

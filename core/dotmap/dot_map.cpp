@@ -38,7 +38,7 @@ public:
     DotMap(std::span<const MapFeature> features, const Box& box, const Density& density, const Options& options,
            const Control& control)
         : features_(features),
-          areas_(areas_of(features)),
+          areas_(areas_of(features, *control.team)),
           index_(areas_),
           map_{features, areas_, index_, box, density, options.fixed},
           options_(options),
@@ -47,7 +47,7 @@ public:
     Result<std::vector<ClassDots>> execute();
 
 private:
-    static std::vector<FeatureArea> areas_of(std::span<const MapFeature> features);
+    static std::vector<FeatureArea> areas_of(std::span<const MapFeature> features, Team& team);
     bool stopping() const { return control_.stop.stop_requested(); }
     Result<void> make_layers();
     PolishSettings settings() const;
@@ -78,10 +78,9 @@ private:
     int round_ = 0;
 };
 
-std::vector<FeatureArea> DotMap::areas_of(std::span<const MapFeature> features) {
-    std::vector<FeatureArea> areas;
-    areas.reserve(features.size());
-    for (const MapFeature& feature : features) areas.emplace_back(feature.area);
+std::vector<FeatureArea> DotMap::areas_of(std::span<const MapFeature> features, Team& team) {
+    std::vector<FeatureArea> areas(features.size());
+    team.run(areas.size(), [&](std::size_t i) { areas[i] = FeatureArea(features[i].area); });
     return areas;
 }
 
@@ -95,7 +94,7 @@ Result<std::vector<ClassDots>> DotMap::execute() {
 
 Result<void> DotMap::make_layers() {
     for (std::size_t number = 0; number < features_.front().dots.size(); ++number) {
-        auto ground = DotGround::create(map_, number, control_.stop);
+        auto ground = DotGround::create(map_, number, *control_.team, control_.stop);
         if (!ground) return tl::unexpected(ground.error());
         grounds_.emplace_back();
         layers_.emplace_back();
@@ -103,7 +102,7 @@ Result<void> DotMap::make_layers() {
         grounds_.back() = std::make_unique<DotGround>(*std::move(ground));
         auto land = land_of(features_, number, control_.stop);
         if (!land) return tl::unexpected(land.error());
-        layers_.back() = std::make_unique<DotLayer>(*grounds_.back(), *std::move(land), options_, control_.stop);
+        layers_.back() = std::make_unique<DotLayer>(*grounds_.back(), *std::move(land), options_, control_);
         used_.push_back(layers_.back().get());
     }
     if (has_polish(options_)) settings_ = settings();
@@ -203,21 +202,27 @@ void DotMap::push_apart(double reach, double push, double class_reach, double cl
 /// How far dots of other classes push each dot, of one class after the other; empty if there is one alone.
 std::vector<Point> DotMap::pushes(double reach, double push) {
     if (!land_) return {};
+    constexpr std::size_t kDots = 4096;  // that a task takes
     const double scale = std::max(land_->bounds().width(), land_->bounds().height());
     std::vector<InkSite> sites;
     std::uint32_t number = 0;
     for (std::size_t c = 0; c < layers_.size(); ++c) {
         if (!layers_[c]) continue;
         const DotLayer& layer = *layers_[c];
-        for (std::size_t dot = 0; dot < layer.size(); ++dot) {
+        const auto site_of = [&](std::size_t dot) {
             const Point place = layer.place(dot);
             double all = 0;
             for (const auto& ground : grounds_) {
                 if (ground) all += ground->at(layer.feature_of(dot), place);
             }
             const double own = grounds_[c]->at(layer.feature_of(dot), place);
-            sites.push_back({land_->to_unit(place), 1 / std::sqrt(all) / scale, number, 1 / std::sqrt(own) / scale});
-        }
+            return InkSite{land_->to_unit(place), 1 / std::sqrt(all) / scale, number, 1 / std::sqrt(own) / scale};
+        };
+        const std::size_t first = sites.size();
+        sites.resize(first + layer.size());
+        for_ranges(*control_.team, layer.size(), kDots, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t dot = begin; dot < end; ++dot) sites[first + dot] = site_of(dot);
+        });
         ++number;
     }
     auto moves = push_inks_apart(*land_, sites, reach, push, control_.stop);

@@ -42,7 +42,8 @@ public:
         const FeatureIndex index(areas);
         const Domain land = Domain::united(domains).value();
         const Density density = Density::uniform();
-        const auto ground = DotGround::create({features_, areas, index, land.bounds(), density}, 0, {}).value();
+        const auto ground =
+            DotGround::create({features_, areas, index, land.bounds(), density}, 0, alone(), {}).value();
         std::vector<Point> units;
         for (const Point& p : places) units.push_back(land.to_unit(p));
         std::vector<double> errors(places.size());

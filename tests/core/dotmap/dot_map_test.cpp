@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/geometry/hexagonal_spacing.h"
+#include "core/parallel/thread_team.h"
 #include "core/random.h"
 #include "tests/support/shapes.h"
 
@@ -237,6 +238,31 @@ TEST(DistributeDots, RepeatsItself) {
     Options other;
     other.seed = 1;
     EXPECT_NE(once->front().dots.points, distribute(features, Density::uniform(), other)->front().dots.points);
+}
+
+TEST(DistributeDots, IsTheSameByAnyTeam) {
+    const auto features = features_of({{{{box(0, 0, 1, 1), {}}}, {9000, 500}},
+                                       {{{box(1, 0, 1, 1), {}}}, {6000, 2500}},
+                                       {{{box(0, 1, 2, 1), {}}}, {12000, 0}},
+                                       {{{box(0.5, 0.5, 1, 1), {}}}, {700, 5000}}});
+    std::vector<double> values(32 * 32);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = 1 + static_cast<double>(i % 32) / 16;
+    const auto ramp = Density::grid(32, 32, std::span<const double>(values)).value();
+    const auto uniform = Density::uniform();
+    for (const Density* density : {&uniform, &ramp}) {
+        const auto expected = distribute(features, *density).value();
+        for (const std::size_t size : {2, 16}) {
+            ThreadTeam team(size);
+            Control control;
+            control.team = &team;
+            const auto found = distribute(features, *density, {}, control).value();
+            for (std::size_t i = 0; i < expected.size(); ++i) {
+                EXPECT_TRUE(found[i].dots.points == expected[i].dots.points) << size << " threads";
+                EXPECT_EQ(found[i].dots.trace, expected[i].dots.trace);
+                EXPECT_EQ(found[i].feature_of, expected[i].feature_of);
+            }
+        }
+    }
 }
 
 TEST(DistributeDots, TellsItsProgressAndStops) {
