@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/ccdt/start.h"
 #include "core/globe/chart.h"
 #include "core/globe/clearance.h"
 #include "core/globe/plane_density.h"
@@ -18,18 +19,45 @@ namespace ccdt {
 namespace {
 
 /// Numbers of sites of the parts, in proportion to their integrals.
-std::vector<std::size_t> shared_out(std::size_t sites, const std::vector<PlaneDensity>& densities) {
-    double all = 0;
+/// @param taken  [parts] places for sites that are taken already, and are not to be shared out
+std::vector<std::size_t> shared_out(std::size_t sites, const std::vector<PlaneDensity>& densities,
+                                    const std::vector<double>& taken) {
+    double all = 0, places = static_cast<double>(sites);
     for (const PlaneDensity& each : densities) all += each.total;
-    std::vector<std::size_t> shares;
+    for (const double each : taken) places += each;
+    std::vector<std::size_t> shares(densities.size());
     std::size_t left = sites;
-    for (auto each = densities.rbegin(); each != densities.rend(); ++each) {
-        const bool is_last = std::next(each) == densities.rend();
-        const double share = all > 0 ? each->total / all * static_cast<double>(sites) : 0;
-        shares.insert(shares.begin(), is_last ? left : std::min(left, static_cast<std::size_t>(std::lround(share))));
-        left -= shares.front();
+    for (std::size_t i = densities.size(); i-- > 1;) {
+        const double share = all > 0 ? std::max(0.0, densities[i].total / all * places - taken[i]) : 0;
+        shares[i] = std::min(left, static_cast<std::size_t>(std::lround(share)));
+        left -= shares[i];
     }
+    shares.front() = left;
     return shares;
+}
+
+/// Options of the sites of each part, which get as much ground everywhere: what fixed points leave of a part.
+std::vector<Options> options_of_parts(const std::vector<ChartedPart>& parts, const std::vector<PlaneDensity>& densities,
+                                      const Options& options, const std::stop_token& stop) {
+    constexpr int kRounds = 3;  // how much room a point takes depends but little on how many sites come
+    std::vector<Options> own(parts.size(), options);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        for (Point& p : own[i].fixed) p = parts[i].chart.to_plane(direction_of(p));
+    }
+    std::vector<double> taken(parts.size(), 0);
+    const bool shares_room = parts.size() > 1 && !options.fixed.empty();
+    for (int round = 0;; ++round) {
+        const auto shares = shared_out(options.sites, densities, taken);
+        for (std::size_t i = 0; i < parts.size(); ++i) own[i].sites = shares[i];
+        if (!shares_room || round == kRounds || stop.stop_requested()) return own;
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            if (!(densities[i].total > 0)) continue;
+            Options some = own[i];
+            some.sites = std::max<std::size_t>(1, some.sites);
+            const double room = StartSites(parts[i].domain, densities[i].density, some).room().sites;
+            taken[i] = room - static_cast<double>(some.sites);
+        }
+    }
 }
 
 void to_degrees(const Chart& chart, const WayBack& back, Distribution& placed) {
@@ -99,16 +127,13 @@ Result<GlobeDistribution> distribute_on_globe(const Domain& region, const Densit
         if (!bare) return tl::unexpected(bare.error());
         ground += bare->total;
     }
-    const auto shares = shared_out(options.sites, densities);
+    const auto own = options_of_parts(*parts, densities, options, control.stop);
     const WayBack back(degrees);
     std::optional<Distribution> all;
     for (std::size_t i = 0; i < parts->size(); ++i) {
-        if (shares[i] == 0) continue;
+        if (own[i].sites == 0) continue;
         const ChartedPart& part = (*parts)[i];
-        Options own = options;
-        own.sites = shares[i];
-        for (Point& p : own.fixed) p = part.chart.to_plane(direction_of(p));
-        auto placed = distribute(part.domain, densities[i].density, own, control);
+        auto placed = distribute(part.domain, densities[i].density, own[i], control);
         if (!placed) return tl::unexpected(placed.error());
         to_degrees(part.chart, back, *placed);
         all = all ? joined(*std::move(all), *std::move(placed)) : *std::move(placed);

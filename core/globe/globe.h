@@ -24,6 +24,7 @@ struct GlobeDistribution {
 ///                 which are not known to be the same ground, what two of them have is left out
 /// @param density  stretched over the bounding box of the region in one turn: what the ground wants, relative to other
 ///                 ground
+/// @param options  fixed points in degrees, too: where the region has two parts, each gets what these leave of it
 /// @param buffer   least distance on the ground of sites from the border, in metres; a cut is no border
 /// @returns        sites strictly inside the region; iterations, trace and variation are those of the larger part. The
 ///                 mesh's triangles may reach across the meridian of 180 degrees

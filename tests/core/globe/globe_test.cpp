@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -65,6 +66,33 @@ TEST(DistributeOnGlobe, JoinsTheMeshesOfTwoCharts) {
     ASSERT_EQ(mesh.boundary.size(), 2u);
     for (const auto& loop : mesh.boundary) {
         for (const auto v : loop) EXPECT_GE(v, 500u);
+    }
+}
+
+/// Points on the ground around a place, evenly.
+std::vector<Point> cap_of_points(Point centre, double angle, int count) {
+    const Chart chart(direction_of(centre));
+    std::vector<Point> points;
+    for (int i = 0; i < count; ++i) {
+        const double turned = i * std::numbers::pi * (3 - std::sqrt(5.0));
+        const double away = std::acos(1 - (1 - std::cos(angle)) * (i + 0.5) / count), radius = 2 * std::tan(away / 2);
+        points.push_back(place_of(chart.to_direction({radius * std::cos(turned), radius * std::sin(turned)})));
+    }
+    return points;
+}
+
+TEST(DistributeOnGlobe, SharesSitesOutByWhatFixedPointsLeave) {
+    constexpr double kCap = 20 * std::numbers::pi / 180;  // that of the second chart
+    const Direction middle = direction_of({-150, -30});
+    const auto is_in_cap = [&](Point p) { return dot(direction_of(p), middle) > std::cos(kCap); };
+    const double all = 2000, due = (1 - std::cos(kCap)) / 2;  // share of the ground
+    for (const int fixed : {15, 30, 60, 300}) {
+        Options options{.sites = static_cast<std::size_t>(all) - static_cast<std::size_t>(std::min(fixed, 60))};
+        options.fixed = cap_of_points({-150, -30}, kCap, fixed);
+        const auto globe = placed(region(box(-180, -90, 180, 90)), options);
+        ASSERT_EQ(globe.sites.points.size(), options.sites);
+        const auto in_cap = std::ranges::count_if(globe.sites.points, is_in_cap);
+        EXPECT_NEAR(static_cast<double>(in_cap), std::max(0.0, due * all - fixed), 0.1 * due * all) << fixed;
     }
 }
 
