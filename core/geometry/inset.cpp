@@ -176,6 +176,73 @@ public:
         add_corner(reach.a, reach.b, reach.after, reach.distance);
     }
 
+    /// Pieces at the beginning of which one polygon tells what is near to, up to the last corner; at least one. Edges
+    /// all of one direction, or nearly, and so long that the lines beside them keep theirs: each of these, at any
+    /// distance up to the one that is kept, is a graph over that direction, the farther above the nearer, so that none
+    /// crosses another one.
+    static std::size_t simple_run(std::span<const Reach> pieces) {
+        constexpr std::size_t kMost = 256;
+        constexpr double kForward = 0.05;  // least cosine
+        if (!pieces[0].is_edge) return 1;
+        const Point ahead = along(pieces[0]);
+        double room = (1 - kKept) * length(pieces[0].b - pieces[0].a);
+        std::size_t run = 1;
+        for (; run < std::min(kMost, pieces.size()); ++run) {
+            const Reach &last = pieces[run - 1], &next = pieces[run];
+            if (!next.is_edge || next.a != last.b || next.distance != last.distance) break;
+            const double shorter = shortened(last.b - last.a, next.b - next.a, next.distance);
+            const double left = (1 - kKept) * length(next.b - next.a) - shorter;
+            if (dot(along(next), ahead) < kForward || shorter > room || left < 0) break;
+            room = left;
+        }
+        return run;
+    }
+
+    /// Adds what is near to a simple run of edges, on their left, between the normals at its ends.
+    void add_run(std::span<const Reach> run) {
+        Ring strip;
+        for (const Reach& edge : run) strip.push_back(edge.a);
+        strip.push_back(run.back().b);
+        strip.push_back(run.back().b + run.back().distance * normal(run.back().a, run.back().b));
+        for (std::size_t i = run.size(); i-- > 1;) add_beside(run[i - 1], run[i], strip);
+        strip.push_back(run.front().a + run.front().distance * normal(run.front().a, run.front().b));
+        add(std::move(strip));
+    }
+
+    /// Tells whether the line beside an edge has a length where those of its neighbours begin.
+    static bool keeps_line(const Reach& edge) {
+        const Point along = edge.b - edge.a;
+        return shortened(edge.a - edge.before, along, edge.distance) +
+                   shortened(along, edge.after - edge.b, edge.distance) <=
+               (1 - kKept) * length(along);
+    }
+
+    /// The lines beside the edges of a domain's rings, joined, with arcs; none if an edge is so short that the line
+    /// beside it has no length, or they leave the unit square.
+    /// @param edges  of all rings
+    static std::optional<Area> parallels(std::span<const Ring> rings, std::span<const Reach> edges) {
+        Area lines;
+        for (const Ring& ring : rings) {
+            const auto own = edges.first(ring.size());
+            edges = edges.subspan(ring.size());
+            Ring line;
+            for (std::size_t i = own.size(); i > 0; --i) {
+                if (!keeps_line(own[i - 1])) return std::nullopt;
+                add_beside(own[i - 1], own[i % own.size()], line);
+            }
+            const auto is_within = [](double v) { return v >= Domain::kLeast && v <= 1; };
+            if (!std::ranges::all_of(line, [&](Point p) { return is_within(p.x) && is_within(p.y); }))
+                return std::nullopt;
+            std::ranges::reverse(line);
+            lines.push_back(std::move(line));
+        }
+        return lines;
+    }
+
+    /// Adds what is near to the corner before an edge.
+    void add_corner_before(const Reach& edge) { add_corner(edge.before, edge.a, edge.b, edge.distance); }
+    void add_corner_after(const Reach& edge) { add_corner(edge.a, edge.b, edge.after, edge.distance); }
+
     void add(Ring polygon) {
         Ring inside = clipped(std::move(polygon), box_);
         if (inside.size() < 3) return;
@@ -188,6 +255,20 @@ public:
 
 private:
     static constexpr double kSlice = std::numbers::pi / 16;  ///< of an arc: its radius over the polygon's is 0.995
+    static constexpr double kKept = 0.01;                    ///< share of its length that a line beside an edge keeps
+
+    static Point along(const Reach& edge) {
+        const Point by = edge.b - edge.a;
+        return 1 / length(by) * by;
+    }
+
+    static double turn_between(Point in, Point out) { return std::atan2(cross(in, out), dot(in, out)); }
+
+    /// How much shorter than each of two edges the lines beside them are, at the corner between.
+    static double shortened(Point in, Point out, double distance) {
+        const double turn = turn_between(in, out);
+        return turn > 0 ? distance * std::tan(turn / 2) : 0;
+    }
 
     static Point normal(Point a, Point b) {
         const Point along = b - a;
@@ -221,18 +302,30 @@ private:
 
     /// What is too near to a corner that reaches inwards: the polygon about the arc between the normals.
     void add_corner(Point before, Point corner, Point after, double reach) {
-        const Point in = corner - before, out = after - corner;
-        const double turn = std::atan2(cross(in, out), dot(in, out));
+        const double turn = turn_between(corner - before, after - corner);
         if (turn >= 0) return;
+        Ring fan{corner};
+        add_arc(before, corner, after, reach, turn, fan);
+        add(std::move(fan));
+    }
+
+    /// Adds the polygon about the arc around a corner that reaches inwards, from the normal of what is after it to that
+    /// of what is before.
+    static void add_arc(Point before, Point corner, Point after, double reach, double turn, Ring& ring) {
         const Point first = normal(before, corner), last = normal(corner, after);
         const int slices = static_cast<int>(std::ceil(-turn / kSlice));
         const double slice = turn / slices, radius = reach / std::cos(slice / 2);
-        Ring fan{corner, corner + reach * last};
-        for (int i = slices; i-- > 0;) {
-            fan.push_back(corner + radius * turned(first, (i + 0.5) * slice));
-        }
-        fan.push_back(corner + reach * first);
-        add(std::move(fan));
+        ring.push_back(corner + reach * last);
+        for (int i = slices; i-- > 0;) ring.push_back(corner + radius * turned(first, (i + 0.5) * slice));
+        ring.push_back(corner + reach * first);
+    }
+
+    /// Adds what lies between the lines beside two edges of a run: where they cross, or an arc.
+    static void add_beside(const Reach& before, const Reach& after, Ring& strip) {
+        const double turn = turn_between(along(before), along(after));
+        if (turn < 0) return add_arc(before.a, before.b, after.b, before.distance, turn, strip);
+        const Point up = normal(before.a, before.b) + normal(after.a, after.b);
+        strip.push_back(after.a + 2 * before.distance / dot(up, up) * up);
     }
 
     Box box_;
@@ -286,6 +379,40 @@ public:
         return areas;
     }
 
+    /// All of border() but for what its lines enclose that is too near, if these are no more than the lines beside the
+    /// edges, and meet nowhere; else none.
+    Result<std::optional<Area>> lines() const {
+        const bool are_edges = std::ranges::all_of(reaches_, &Reach::is_edge);
+        if (!has_many() || !are_edges) return std::nullopt;
+        auto lines = Shapes::parallels(domain_.rings(), reaches_);
+        if (!lines) return lines;
+        const auto enclosed = difference(*lines, {}, domain_.resolution(), stop_, kMore);
+        if (!enclosed && enclosed.error().code == ErrorCode::Stopped) return tl::unexpected(enclosed.error());
+        const auto corners = [](const Area& area) {
+            std::size_t sum = 0;
+            for (const Ring& ring : area) sum += ring.size();
+            return sum;
+        };
+        // Where lines meet there is a corner more.
+        if (!enclosed || enclosed->size() != lines->size() || corners(*enclosed) != corners(*lines))
+            return std::nullopt;
+        return lines;
+    }
+
+    /// The domain without strips; none if these are few, or cross each other often.
+    Result<std::optional<Area>> without_strips() const {
+        constexpr double kMostLost = 0.02;  // where more lines are, strips overlap again and again
+        const auto is_lost = [](const Reach& piece) { return !piece.is_edge || !Shapes::keeps_line(piece); };
+        const auto lost = static_cast<double>(std::ranges::count_if(reaches_, is_lost));
+        if (!has_many() || lost > kMostLost * static_cast<double>(reaches_.size())) return std::nullopt;
+        const auto strips = this->strips();
+        auto left = strips ? difference(domain_.rings(), *strips, domain_.resolution(), stop_)
+                           : Result<Area>(tl::unexpected(strips.error()));
+        if (left) return std::optional(*std::move(left));
+        if (left.error().code == ErrorCode::Stopped) return tl::unexpected(left.error());
+        return std::nullopt;
+    }
+
     /// Tells whether a corner of what is left without border() is too near.
     bool is_too_near(Point p) const {
         constexpr double kRounding = 1e-6;
@@ -328,6 +455,12 @@ private:
         std::uint32_t count = 0;  ///< of pieces
     };
     static constexpr Cell kRoot{{0.5, 0.5}, 0.5};
+
+    /// Tells whether it pays to take pieces together, which rounds corners otherwise than crossings are.
+    bool has_many() const {
+        constexpr std::size_t kMany = 10'000;
+        return reaches_.size() > kMany;
+    }
 
     std::span<const std::uint32_t> pieces_in(const Square& square) const {
         return std::span(members_).subspan(square.first, square.count);
@@ -409,6 +542,27 @@ private:
         return shapes.take();
     }
 
+    /// The same, edges that follow each other taken together where that is simple.
+    Result<std::vector<Area>> strips() const {
+        Shapes shapes(domain_, domain_.unit_bounds());
+        Shapes strips(domain_, domain_.unit_bounds());
+        for (std::span<const Reach> rest = reaches_; !rest.empty();) {
+            const std::size_t run = Shapes::simple_run(rest);
+            const bool is_after = rest.size() < reaches_.size() && (rest.data() - 1)->b == rest[0].a;
+            if (run == 1) {
+                shapes.add(rest[0], is_after);
+            } else {
+                strips.add_run(rest.first(run));
+                if (!is_after) shapes.add_corner_before(rest[0]);
+                shapes.add_corner_after(rest[run - 1]);
+            }
+            rest = rest.subspan(run);
+        }
+        auto areas = joined(shapes.take(), domain_, stop_);
+        if (areas) std::ranges::move(strips.take(), std::back_inserter(*areas));
+        return areas;
+    }
+
     const Domain& domain_;
     std::vector<Reach> reaches_;
     std::vector<Square> squares_;
@@ -417,15 +571,25 @@ private:
     std::stop_token stop_;
 };
 
+/// What is left of a domain, and pieces of what is not: the first way that does.
+Result<Area> divided(const Domain& domain, const ReachTree& tree, const std::stop_token& stop) {
+    for (const auto way : {&ReachTree::lines, &ReachTree::without_strips}) {
+        auto left = (tree.*way)();
+        if (!left) return tl::unexpected(left.error());
+        if (*left) return **std::move(left);
+    }
+    const auto strip = tree.border();
+    if (!strip) return tl::unexpected(strip.error());
+    return difference(domain.rings(), *strip, domain.resolution(), stop, kMore);
+}
+
 /// Without what is too near where the new border runs, the domain falls into what is far enough, and what is not.
 Result<Domain> without_strip(const Domain& domain, const DiscAround& disc_around, bool is_centred,
                              const std::stop_token& stop) {
     auto reaches = Strip(domain, disc_around, is_centred).take();
     if (reaches.empty()) return domain;
     const ReachTree tree(domain, std::move(reaches), stop);
-    const auto strip = tree.border();
-    if (!strip) return tl::unexpected(strip.error());
-    auto left = difference(domain.rings(), *strip, domain.resolution(), stop, kMore);
+    auto left = divided(domain, tree, stop);
     if (!left) return tl::unexpected(left.error());
     std::erase_if(*left, [&](const Ring& ring) {
         return std::ranges::any_of(ring, [&](Point p) { return tree.is_too_near(p); });

@@ -128,6 +128,45 @@ TEST(Inset, OfManyCornersIsNotRefused) {
     for (const double distance : {1e-3, 0.1, 0.5}) EXPECT_GT(inset_of(parts, distance).area(), 0.4) << distance;
 }
 
+TEST(Inset, OfManyCornersKeepsItsDistance) {
+    // From lines beside all edges, which meet nowhere, to such as are too long for many of them.
+    const Parts parts = ragged_circle(12'000, 0.1);
+    for (const double distance : {1e-8, 1e-6, 1e-5, 1e-4}) {
+        const Domain left = inset_of(parts, distance);
+        ASSERT_FALSE(left.rings().empty());
+        const Ring& ring = left.rings().front();
+        for (std::size_t i = 0; i < ring.size(); i += 40) {
+            const double found = test::distance_to_border(parts, left.to_user(ring[i]));
+            EXPECT_GE(found, distance);
+            EXPECT_LE(found, 1.01 * distance);
+        }
+    }
+}
+
+TEST(Inset, OfManyCornersTakesAStrip) {
+    constexpr double kDistance = 1e-5;
+    const Parts parts = {{test::star({0, 0}, 1, 0.9999, 12'000), {test::star({0, 0}, 0.5, 0.4999, 12'000)}}};
+    const Domain domain = Domain::create(parts).value(), left = inset_of(parts, kDistance);
+    double perimeter = 0;
+    for (const Ring& ring : {parts[0].outer, parts[0].holes[0]}) {
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+            const Point along = ring[(i + 1) % ring.size()] - ring[i];
+            perimeter += std::sqrt(dot(along, along));
+        }
+    }
+    EXPECT_EQ(left.rings().size(), 2U);
+    EXPECT_NEAR((domain.area() - left.area()) / (kDistance * perimeter), 1, 0.01);
+}
+
+TEST(Inset, DropsLinesThatMeetNoneAndAreTooNear) {
+    // A ring thinner than the distance, within whose hole there is the line of its outer border; and a disc beside it.
+    const Parts parts = {{test::circle({0, 0}, 1, 12'000), {test::circle({0, 0}, 0.9999, 12'000)}},
+                         {test::circle({3, 0}, 1, 12'000), {}}};
+    const Domain left = inset_of(parts, 2e-4);
+    ASSERT_EQ(left.rings().size(), 1U);
+    EXPECT_NEAR(left.area(), std::numbers::pi * 0.9998 * 0.9998, 1e-5);
+}
+
 TEST(Inset, StopsWhenAsked) {
     std::stop_source source;
     source.request_stop();
