@@ -23,7 +23,7 @@ Disc disc_on_ground(const Chart& chart, Point place, double metres) {
 }
 
 Result<void> keep_off_border(ChartedPart& part, double buffer, const std::stop_token& stop) {
-    constexpr double kOnSeam = 1e-9;
+    constexpr double kOnSeam = 1e-5;  // the circle's edges are chords; borders are degrees away
     if (!(buffer > 0)) return {};
     const double metres = std::max(buffer, kLeastBuffer);
     const DiscAround disc_around = [&](Point p) {

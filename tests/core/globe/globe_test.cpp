@@ -54,6 +54,14 @@ TEST(DistributeOnGlobe, WeighsTheGroundByADensity) {
     EXPECT_NEAR(share(across.sites.points, [](Point p) { return p.x < 0; }), 0.75, 0.01);
 }
 
+TEST(DistributeOnGlobe, KeepsNoDistanceFromACut) {
+    const Domain world = region(box(-180, -90, 180, 90));
+    const Options options{.sites = 500};
+    const auto kept = distribute_on_globe(world, Density::uniform(), options, distribute, 1e5);
+    ASSERT_TRUE(kept) << kept.error().message;
+    EXPECT_EQ(kept->sites.points, placed(world, options).sites.points);
+}
+
 TEST(DistributeOnGlobe, JoinsTheMeshesOfTwoCharts) {
     const auto globe = placed(region(box(-180, -90, 180, 90)), {.sites = 500, .keep_mesh = true});
     const TriangleMesh& mesh = *globe.sites.mesh;
