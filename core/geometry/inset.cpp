@@ -415,7 +415,8 @@ public:
 
     /// Tells whether a corner of what is left without border() is too near.
     bool is_too_near(Point p) const {
-        constexpr double kRounding = 1e-6;
+        constexpr double kRounding = 1e-6,
+                         kRoundings = 2;  // of the distance; resolutions, half of what discs have more
         std::uint32_t at = 0;
         Cell cell = kRoot;
         while (squares_[at].kind == Kind::Divided) {
@@ -427,7 +428,8 @@ public:
         const Square& square = squares_[at];
         if (square.kind != Kind::Border) return square.kind == Kind::Near;
         return std::ranges::any_of(pieces_in(square), [&](std::uint32_t i) {
-            return reaches_[i].clearance(p) < -kRounding * reaches_[i].distance;
+            const double rounding = std::max(kRounding * reaches_[i].distance, kRoundings * domain_.resolution());
+            return reaches_[i].clearance(p) < -rounding;
         });
     }
 

@@ -62,6 +62,14 @@ TEST(DistributeOnGlobe, KeepsNoDistanceFromACut) {
     EXPECT_EQ(kept->sites.points, placed(world, options).sites.points);
 }
 
+TEST(DistributeOnGlobe, TakesTheLeastBuffers) {
+    for (const double buffer : {1e-300, 1e-5, 1e-4, 1e-2}) {
+        const auto kept =
+            distribute_on_globe(region(box(0, 0, 1, 1)), Density::uniform(), {.sites = 20}, distribute, buffer);
+        EXPECT_TRUE(kept) << buffer << ' ' << kept.error().message;
+    }
+}
+
 TEST(DistributeOnGlobe, JoinsTheMeshesOfTwoCharts) {
     const auto globe = placed(region(box(-180, -90, 180, 90)), {.sites = 500, .keep_mesh = true});
     const TriangleMesh& mesh = *globe.sites.mesh;
