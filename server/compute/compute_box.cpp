@@ -117,7 +117,7 @@ class ComputeBox::Conversation {
 public:
     using Outcome = tl::expected<Result<api::Answer>, NoReply>;
 
-    Conversation(ComputeBox& box, const Process& process, const Delivery& delivery, const Control& control,
+    Conversation(ComputeBox& box, Process& process, const Delivery& delivery, const Control& control,
                  api::Timings& timings)
         : box_(box),
           process_(process),
@@ -138,13 +138,16 @@ public:
         for (std::size_t i = 0; i < texts.size(); ++i) call.sizes[i] = texts[i].size();
         if (!send_texts(process_.channel.get(), {text_of(call), texts[0], texts[1], texts[2], texts[3], texts[4]}))
             return lost();
-        const std::stop_callback wake(control_.stop, [this] { eventfd_write(stopped_.get(), 1); });
+        const auto wake = [this] { eventfd_write(stopped_.get(), 1); };
+        const std::stop_callback on_stop(control_.stop, wake);
+        const std::stop_callback on_leaving(delivery_.unwanted, wake);
         while (true) {
-            std::array<pollfd, 3> polled = {{{process_.channel.get(), POLLIN, 0},
-                                             {process_.events.get(), POLLIN, 0},
-                                             {give_up_ ? -1 : stopped_.get(), POLLIN, 0}}};
-            if (poll(polled.data(), polled.size(), milliseconds_until(give_up_)) == 0)
+            std::array<pollfd, 3> polled = {
+                {{process_.channel.get(), POLLIN, 0}, {process_.events.get(), POLLIN, 0}, {stopped_.get(), POLLIN, 0}}};
+            if (poll(polled.data(), polled.size(), milliseconds_until(give_up_)) == 0) {
+                end();
                 return tl::unexpected(NoReply{.overdue = true, .death = {}});
+            }
             const auto& [channel, events, stopped] = polled;
             if (channel.revents != 0) {
                 if (auto outcome = listen()) return *std::move(outcome);
@@ -152,6 +155,12 @@ public:
             if (events.revents != 0) take_event();
             if (stopped.revents != 0) pass_on_stop(call);
         }
+    }
+
+    /// Ends the process, and waits until it has given its memory back.
+    void end() {
+        process_.channel.reset();
+        wait_for_death();
     }
 
 private:
@@ -224,10 +233,15 @@ private:
         return answer;
     }
 
+    /// Tells the process to stop, and finds how long it may take.
     void pass_on_stop(const Call& call) {
+        eventfd_t read_away = 0;
+        eventfd_read(stopped_.get(), &read_away);
         const Call stop{.kind = Call::Kind::Stop, .number = call.number, .limits = {}, .sizes = {}};
-        static_cast<void>(send_texts(process_.channel.get(), {text_of(stop)}));
-        give_up_ = Clock::now() + box_.options_.to_stop;
+        if (!give_up_) static_cast<void>(send_texts(process_.channel.get(), {text_of(stop)}));
+        const auto& [limits, to_stop, to_leave] = box_.options_;
+        const Clock::duration longest = delivery_.unwanted.stop_requested() ? to_leave : Clock::duration(to_stop);
+        give_up_ = std::min(give_up_.value_or(Clock::time_point::max()), Clock::now() + longest);
     }
 
     /// Takes an order to the decoder, or how the process ended.
@@ -246,18 +260,22 @@ private:
     }
 
     /// The fork server tells soon how the process ended, if it is there.
-    tl::unexpected<NoReply> lost() {
+    void wait_for_death() {
         const auto until = Clock::now() + kPatience;
         pollfd events{process_.events.get(), POLLIN, 0};
         while (!death_ && poll(&events, 1, milliseconds_until(until)) > 0) {
             if ((events.revents & POLLIN) == 0) break;
             take_event();
         }
+    }
+
+    tl::unexpected<NoReply> lost() {
+        wait_for_death();
         return tl::unexpected(NoReply{.overdue = false, .death = death_});
     }
 
     ComputeBox& box_;
-    const Process& process_;
+    Process& process_;
     const Delivery& delivery_;
     const Control& control_;
     api::Timings& timings_;
@@ -304,11 +322,15 @@ Result<api::Answer> ComputeBox::compute(const ComputeRequest& request, const Del
         Conversation conversation(*this, *process, delivery, control, timings);
         auto outcome = conversation.hold(call, request);
         if (outcome) {
-            if (!conversation.is_abandoned()) give_back(*std::move(process));
+            if (conversation.is_abandoned())
+                conversation.end();
+            else
+                give_back(*std::move(process));
             return *std::move(outcome);
         }
-        ++crashes_;
-        if (control.stop.stop_requested()) return failure(ErrorCode::Stopped, describe(outcome.error()));
+        const bool was_left = outcome.error().overdue && delivery.unwanted.stop_requested();
+        if (!was_left) ++crashes_;
+        if (was_left || control.stop.stop_requested()) return failure(ErrorCode::Stopped, describe(outcome.error()));
         const bool is_told = conversation.has_begun() && delivery.taker != nullptr;
         if (again || is_told || !outcome.error().is_killed())
             return failure(ErrorCode::Internal, describe(outcome.error()));

@@ -37,6 +37,10 @@ public:
     struct Options {
         api::Limits limits;
         std::chrono::seconds to_stop{5};  ///< what a computation may take from its stop to its end
+
+        /// The same where nobody wants the answer any more. A process takes about a millisecond to be made, and 3 GB a
+        /// quarter of a second to be given back.
+        std::chrono::milliseconds to_leave{50};
     };
 
     /// Starts the fork server. Errors: Internal.
@@ -52,7 +56,7 @@ public:
     Result<void> wait_until_ready() { return fork_server_->wait_until_ready(); }
 
     /// Computes an answer: see Compute. The process gives way to others as much as the calling thread does. A
-    /// computation that does not stop in time is ended with its process.
+    /// computation that does not stop in time is ended with its process; that counts as a crash if somebody waits.
     Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
                                 api::Timings& timings);
 

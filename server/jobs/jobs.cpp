@@ -268,6 +268,7 @@ void Jobs::drop_locked(const RunPointer& run) {
         run->stop = Stop::Gone;
         return;
     }
+    run->gone.request_stop();
     stop_locked(*run, Stop::Gone);
     forget_locked(run);
 }
@@ -299,7 +300,7 @@ std::optional<Jobs::End> Jobs::compute(const RunPointer& run, const std::stop_to
     try {
         const Control control{stop, [&](const Progress& progress) { note(run, progress); }};
         answer = whole_request(std::move(request)).and_then([&](const ComputeRequest& whole) {
-            return compute_(whole, {}, control, stages.work);
+            return compute_(whole, {.unwanted = run->gone.get_token()}, control, stages.work);
         });
     } catch (const std::exception& exception) {
         answer = failure(ErrorCode::Internal, exception.what());

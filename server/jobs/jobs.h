@@ -140,6 +140,7 @@ private:
         std::optional<WorkerPool::JobId> handed;  ///< to the pool
         std::optional<Clock::time_point> deadline;
         Stop stop = Stop::None;
+        std::stop_source gone;    ///< stopped once nobody wants the result
         Clock::time_point held;   ///< the last time that its lease was renewed, or that was tried
         bool told = true;         ///< the store knows where it stands
         bool settling = false;    ///< whoever has set it stores how the job ends; nobody else does

@@ -114,8 +114,13 @@ public:
         return stages_;
     }
 
+    /// Tells whatever makes the result that nobody wants it any more.
+    void abandon() { unwanted_.request_stop(); }
+    std::stop_token unwanted() const { return unwanted_.get_token(); }
+
 private:
     const Clock::time_point submitted_ = Clock::now();
+    std::stop_source unwanted_;
 
     mutable std::mutex mutex_;  ///< guards the rest
     std::condition_variable finished_;
@@ -353,10 +358,12 @@ HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobI
                                      Clock::time_point deadline) {
     while (!pending.wait_until(std::min(Clock::now() + kPeek, deadline))) {
         if (incoming.connection.client_gone()) {
+            pending.abandon();
             pool_.cancel(job);
             return give_up(problem(kClientGone, "the client went away"), "client_gone", incoming.record);
         }
         if (abandoned_) {
+            pending.abandon();
             pool_.cancel(job);
             return give_up(busy(503, "the server is shutting down"), "shutdown", incoming.record);
         }
@@ -378,7 +385,7 @@ HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& aske
         const std::stop_callback pass_on(control.stop, [&outlet] { outlet.stop().request_stop(); });
         Control own = control;
         own.stop = outlet.stop().get_token();
-        auto answer = compute_(asked->request, {compressed, &outlet}, own, timings);
+        auto answer = compute_(asked->request, {compressed, &outlet, pending.unwanted()}, own, timings);
         if (answer && answer->streamed && outlet.copy() != nullptr && !answer->partial)
             cache_.keep(key, *outlet.copy());
         outlet.close(answer.map([](const api::Answer&) {}));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <stop_token>
 
 #include "api/image/image_codec.h"
 #include "api/output/body.h"
@@ -15,6 +16,7 @@ namespace ccdt::server {
 struct Delivery {
     bool compressed = false;          ///< if that is worth it
     api::BodyTaker* taker = nullptr;  ///< of a large body, in pieces; null: it is wanted whole
+    std::stop_token unwanted = {};    ///< stopped once nobody wants it any more, not even as far as it came
 };
 
 /// Computes the answer to a request, which is right; may take any time.

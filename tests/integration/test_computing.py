@@ -92,6 +92,22 @@ class Hangs(ServerCase):
         self.assertEqual(post_json(self.server, "/sample", sample()).status, 200)
 
 
+class HangsOfWhatNobodyWants(unittest.TestCase):
+    def test_end_soon_and_are_no_crashes(self):
+        prefer = ("--header", "Prefer: respond-async")
+        with Server("--workers=1", "--timeout=120", program=CRASHING) as server:
+            job = post_json(server, "/sample", sample(seed=HANG), *prefer).headers["location"]
+            wait_until(lambda: ask(server, job).json()["status"] == "running")
+            self.assertEqual(ask(server, job, "--request", "DELETE").status, 204)
+            wait_until(lambda: figure(server, "ccdt_workers_busy") == 0)
+            call = Call(server.url("/sample"), *JSON, data=sample(seed=HANG))
+            wait_until(lambda: figure(server, "ccdt_workers_busy") == 1)
+            call.abandon()
+            wait_until(lambda: figure(server, "ccdt_workers_busy") == 0)
+            self.assertEqual(figure(server, "ccdt_computation_crashes_total"), 0)
+            self.assertEqual(post_json(server, "/sample", sample()).status, 200)
+
+
 class CrashesOfJobs(unittest.TestCase):
     def test_fail_alone_and_stay_failed(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -150,10 +150,14 @@ protected:
         return file >> id >> name >> state && state != "Z";
     }
 
+    static std::unique_ptr<ComputeBox> start(seconds to_stop) {
+        return *ComputeBox::start(
+            launch, {.limits = {.max_sites = 7, .max_pixels = 8}, .to_stop = to_stop},
+            [](const Order&, const std::stop_token&) {}, [](const std::string&) {});
+    }
+
     api::Timings timings_;
-    std::unique_ptr<ComputeBox> box_ = *ComputeBox::start(
-        launch, {.limits = {.max_sites = 7, .max_pixels = 8}, .to_stop = seconds(1)},
-        [](const Order&, const std::stop_token&) {}, [](const std::string&) {});
+    std::unique_ptr<ComputeBox> box_ = start(seconds(1));
 };
 
 TEST_F(ComputeBoxTest, TellsTheWholeAnswer) {
@@ -325,6 +329,22 @@ TEST_F(ComputeBoxTest, EndsWhatDoesNotStop) {
     ASSERT_FALSE(answer);
     EXPECT_EQ(answer.error().code, ErrorCode::Stopped);
     while (is_there(process)) std::this_thread::yield();
+}
+
+TEST_F(ComputeBoxTest, EndsSoonWhatNobodyWants) {
+    box_ = start(std::chrono::hours(1));
+    const pid_t process = process_of_next();
+    std::stop_source stop, unwanted;
+    std::jthread leaving([&] {
+        stop.request_stop();
+        unwanted.request_stop();
+    });
+    const auto answer = box_->compute({"endless", "", "", "", ""}, {.unwanted = unwanted.get_token()},
+                                      {stop.get_token(), {}}, timings_);
+    ASSERT_FALSE(answer);
+    EXPECT_EQ(answer.error().code, ErrorCode::Stopped);
+    EXPECT_FALSE(is_there(process)) << "its memory is free";
+    EXPECT_EQ(box_->counts().crashes, 0U);
 }
 
 TEST_F(ComputeBoxTest, DoesNotEndTheNextComputationByALateStop) {
