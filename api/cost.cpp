@@ -319,7 +319,9 @@ std::size_t bytes_of(const ImageFile& file) {
 Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
     const double sites = most_sites(request, limits);
     const Estimate read = then(decoding(request) + levelling(request), sharpening(request));
-    return cost(then(then(read, weighing(request) + placing(request, sites)), writing(request, sites, limits)));
+    Cost all = cost(then(then(read, weighing(request) + placing(request, sites)), writing(request, sites, limits)));
+    all.answer = request.sites.value_or(0) * request.format->least;
+    return all;
 }
 
 std::size_t usual_sites(const HalftoneRequest& request, double ink, double fineness, const Limits& limits) {
@@ -341,7 +343,9 @@ Cost cost_of(const SampleRequest& request, const Limits& limits) {
                              request.method->cost(request.run, is_uniform) + evening_out(request);
     const Estimate made = then(then(placing, ordering(request)), writing(request, limits));
     const Estimate read = image != nullptr ? decoding(image->file) : Estimate{};
-    return cost(then(request.mask ? then(decoding(*request.mask), read) : read, made));
+    Cost all = cost(then(request.mask ? then(decoding(*request.mask), read) : read, made));
+    all.answer = request.run.sites * request.format->least;
+    return all;
 }
 
 Cost cost_of(const AnalyzeRequest& request) {

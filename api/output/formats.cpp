@@ -12,6 +12,8 @@
 namespace ccdt::api {
 namespace {
 
+constexpr std::size_t kLeastText = 5;  ///< bytes of a site: `1,2` and the end of the line
+
 constexpr int kAnySide = std::numeric_limits<int>::max();
 
 constexpr Estimate kNumbers{150, 0.3 * kMicrosecond};  ///< of a site, as text or in binary
@@ -34,22 +36,29 @@ void list_map_npy(const MapOfDots& map, const Report&, Body& body, const std::st
     write_map_npy(map, body, stop);
 }
 
-constexpr PointFormat kPngPoints{kPng, {}, {}, RasterWriter{kAnySide, write_png, nullptr}};
+constexpr PointFormat kPngPoints{kPng, 0, {}, {}, RasterWriter{kAnySide, write_png, nullptr}};
 constexpr PointFormat kTiffPoints{
-    {"tiff", "TIFF", "tiff", "image/tiff", ""}, {}, {}, RasterWriter{kAnySide, write_tiff, write_tiff_plates}};
+    {"tiff", "TIFF", "tiff", "image/tiff", ""}, 0, {}, {}, RasterWriter{kAnySide, write_tiff, write_tiff_plates}};
 constexpr PointFormat kWebPPoints{
-    {"webp", "WebP", "webp", "image/webp", ""}, {}, kColours, RasterWriter{kMaxWebPSide, write_webp, nullptr}};
-constexpr PointFormat kSvgPoints{kSvg, kPath, {}, VectorWriter{write_svg, write_map_svg}};
-constexpr PointFormat kJsonPoints{kJson, kNumbers, {}, ListWriter{false, write_json, write_map_json}};
+    {"webp", "WebP", "webp", "image/webp", ""}, 0, {}, kColours, RasterWriter{kMaxWebPSide, write_webp, nullptr}};
+constexpr PointFormat kSvgPoints{kSvg, 0, kPath, {}, VectorWriter{write_svg, write_map_svg}};
+constexpr PointFormat kJsonPoints{kJson, kLeastText, kNumbers, {}, ListWriter{false, write_json, write_map_json}};
 constexpr PointFormat kGeoJsonPoints{{"geojson", "GeoJSON", "geojson", "application/geo+json", ""},
+                                     kLeastText,
                                      kNumbers,
                                      {},
                                      ListWriter{true, write_feature, write_map_features}};
-constexpr PointFormat kCsvPoints{
-    {"csv", "CSV", "csv", "text/csv", "; header=present"}, kNumbers, {}, ListWriter{true, list_csv, list_map_csv}};
+constexpr PointFormat kCsvPoints{{"csv", "CSV", "csv", "text/csv", "; header=present"},
+                                 kLeastText,
+                                 kNumbers,
+                                 {},
+                                 ListWriter{true, list_csv, list_map_csv}};
 // NumPy has registered no media type.
-constexpr PointFormat kNpyPoints{
-    {"npy", "NPY", "npy", "application/x-npy", ""}, kNumbers, {}, ListWriter{true, list_npy, list_map_npy}};
+constexpr PointFormat kNpyPoints{{"npy", "NPY", "npy", "application/x-npy", ""},
+                                 2 * sizeof(double),
+                                 kNumbers,
+                                 {},
+                                 ListWriter{true, list_npy, list_map_npy}};
 
 constexpr const PointFormat* kHalftoneFormats[] = {&kPngPoints, &kJsonPoints, &kSvgPoints, &kCsvPoints,
                                                    &kNpyPoints, &kWebPPoints, &kTiffPoints};

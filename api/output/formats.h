@@ -48,6 +48,7 @@ struct RasterWriter {
 /// one compile.
 struct PointFormat {
     FileFormat file;
+    std::size_t least;   ///< bytes that a site has at least
     Estimate per_site;   ///< of writing
     Estimate per_pixel;  ///< of writing, besides the raster
     std::variant<ListWriter, VectorWriter, RasterWriter> writer;

@@ -19,6 +19,7 @@ struct Limits {
 struct Cost {
     std::size_t memory = 0;  ///< bytes at most, the answer among them; not those that the request holds itself
     double seconds = 0;      ///< about, on one core of 2020 or so
+    std::size_t answer = 0;  ///< bytes of the answer's body at least, as far as that is known
 };
 
 /// Option that came as text: a query parameter or a form field.

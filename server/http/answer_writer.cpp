@@ -85,7 +85,10 @@ private:
         erase_header(theirs, "Accept-Ranges");
         const bool streams = static_cast<bool>(response_->stream);
         if (theirs.status == 204 || theirs.status == 304 || streams) erase_header(theirs, "Content-Length");
-        if (streams && !request_->is_http_1_0) theirs.set_header("Transfer-Encoding", "chunked");
+        if (streams && response_->length)
+            theirs.set_header("Content-Length", std::to_string(*response_->length));
+        else if (streams && !request_->is_http_1_0)
+            theirs.set_header("Transfer-Encoding", "chunked");
         if (failed_) erase_header(theirs, "Keep-Alive");
         if (failed_ && !theirs.has_header("Connection")) theirs.set_header("Connection", "close");
         if (request_->is_http_1_0 && !theirs.has_header("Connection")) theirs.set_header("Connection", "keep-alive");

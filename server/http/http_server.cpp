@@ -68,7 +68,8 @@ tl::unexpected<Problem> refusal(Place::Entry entry) {
     return busy(503, reason, std::chrono::seconds(1));
 }
 
-/// Sends a body that comes about while it is sent, in chunks or, to clients that know none, up to the connection's end.
+/// Sends a body that comes about while it is sent, in chunks or, if its length is known, as it is; to clients that know
+/// no chunks, up to the connection's end.
 /// @returns  false if it was not all sent, or the client did not take all of it
 bool stream_body(Connection& connection, Response& response, bool chunked) {
     bool taken = true;
@@ -249,12 +250,13 @@ bool HttpServer::answer(Connection& connection, AnswerWriter& writer, Request re
     std::optional<Response> handled = handle(request, received, connection);
     Response response = handled ? *std::move(handled) : failure_without_words();
     last = last || draining_ || !handled || response.status == kClientGone || !request.keep_alive ||
-           connection.in_reserve() || !connection.between_requests() || (response.stream && request.is_http_1_0);
+           connection.in_reserve() || !connection.between_requests() ||
+           (response.stream && !response.length && request.is_http_1_0);
     bool written = response.status != kClientGone && writer.write(request, response, last);
     if (!written) {
         response.status = kClientGone;
     } else if (response.stream && request.method != "HEAD") {
-        written = stream_body(connection, response, !request.is_http_1_0);
+        written = stream_body(connection, response, !request.is_http_1_0 && !response.length);
     }
     const std::chrono::duration<double, std::milli> elapsed = Clock::now() - start;
     logger_({std::move(request), std::move(response), connection.client().name, connection.bytes_in(),

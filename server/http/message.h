@@ -81,6 +81,7 @@ struct Response {
     std::string media_type;
     std::string body;
     Stream stream;                      ///< null: the body is there; not called for HEAD
+    std::optional<std::size_t> length;  ///< of a body that streams, if it is known
     std::string coding;                 ///< in which the body is compressed; empty: not
     std::string tag;                    ///< entity tag, of a strong one before compression; empty: none
     std::shared_ptr<const void> lease;  ///< of memory, to be given back when the answer has been sent

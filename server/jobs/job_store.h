@@ -49,6 +49,15 @@ public:
         Time now;
     };
 
+    /// What the store has taken of a result already.
+    struct Taken {
+        std::size_t pieces = 0;
+        std::size_t bytes = 0;
+    };
+
+    /// Bytes of a piece of a result, at most.
+    static constexpr std::size_t kPiece = std::size_t{1} << 20;
+
     struct Load {
         std::size_t queued = 0;   ///< jobs to claim
         std::size_t running = 0;  ///< jobs that are claimed
@@ -83,10 +92,19 @@ public:
     /// Has a claimed job claimed by another, first of all; the start does not count.
     virtual Result<void> give_back(const Job& job) = 0;
 
+    /// Takes the next piece of a claimed job's result, and makes room for it as `add` does (LimitExceeded). May be
+    /// called again after an error. What comes of it goes with the claim, unless `finish` ends that with a result.
+    /// @param before  what was taken by this claim
+    /// @param piece   of at most kPiece bytes, and not empty
+    /// @returns       false if it was another's, or cancelled
+    virtual Result<bool> take(const Job& job, const Taken& before, std::string_view piece) = 0;
+
     /// Writes down how a claimed job has ended: its request goes, its result stays. Makes room for it as `add` does, of
     /// which a job without a result needs none (LimitExceeded). May be called again after an error.
-    /// @returns  when it has ended; none if it was another's, or cancelled
-    virtual Result<std::optional<Time>> finish(const Job& job, std::string_view result) = 0;
+    /// @param result  all of it, or what comes after the pieces that were taken, which may be nothing
+    /// @returns       when it has ended; none if it was another's, or cancelled
+    virtual Result<std::optional<Time>> finish(const Job& job, std::string_view result, const Taken& before) = 0;
+    Result<std::optional<Time>> finish(const Job& job, std::string_view result) { return finish(job, result, {}); }
 
     /// Cancels a job that has not ended.
     /// @returns  the job, cancelled; none if it is not there or had ended
@@ -98,8 +116,15 @@ public:
     /// @returns  none if there is no such job, or it has expired
     virtual Result<std::optional<Job>> find(const std::string& id) = 0;
 
+    /// A piece of a result, whose pieces are `Job::result_bytes` together; some of earlier versions are longer than
+    /// kPiece.
+    /// @param number  from 0; less than there are
+    /// @returns       none if the job is not there, or its result is not
+    virtual Result<std::optional<std::string>> piece(const std::string& id, std::size_t number) = 0;
+
+    /// All of a result, put together.
     /// @returns  none if the job is not there, or its result is not
-    virtual Result<std::optional<std::string>> result(const std::string& id) = 0;
+    Result<std::optional<std::string>> result(const std::string& id);
 
     /// Removes some of the jobs that have expired.
     /// @returns  whether there may be more of them
@@ -120,9 +145,10 @@ public:
         return kRow + held;
     }
 
+    /// @param result  bytes of it, as far as it came
     static tl::unexpected<Error> no_room_for(std::size_t result) {
-        return failure(ErrorCode::LimitExceeded,
-                       "the result has " + std::to_string(result) + " bytes, more than there is room for (job-bytes)");
+        return failure(ErrorCode::LimitExceeded, "the result has " + std::to_string(result) +
+                                                     " bytes or more, for which there is no room (job-bytes)");
     }
 
     /// Bytes that a request takes.

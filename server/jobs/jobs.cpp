@@ -93,7 +93,81 @@ JobEnd failed(Job job, Problem failure) {
     return end;
 }
 
+/// A job ends for its result could not be stored.
+JobEnd not_stored(Job job, const Error& error) {
+    JobEnd end{std::move(job), {}, {}, error.message};
+    end.job.status = JobStatus::Failed;
+    end.job.failure = Problem{507, error};
+    end.job.media_type.clear();
+    end.job.result_bytes = 0;
+    return end;
+}
+
+HttpResult<std::string> kept(Result<std::optional<std::string>> result) {
+    if (!result) return store_problem(result.error());
+    if (!*result) return problem(410, "the result was dropped to make room for others (job-bytes)");
+    return **std::move(result);
+}
+
 }  // namespace
+
+/// Stores a result as it is written, all but the last piece. While the store cannot be reached, what computes has to
+/// wait.
+class Jobs::ResultWriter : public api::BodyTaker {
+public:
+    ResultWriter(JobStore& store, const Job& job, std::stop_token stop)
+        : store_(store), job_(job), stop_(std::move(stop)) {}
+
+    Result<void> begin(const api::Answer& /*head*/) override { return {}; }
+
+    Result<void> take(std::string_view piece) override {
+        while (!piece.empty()) {
+            const auto more = piece.substr(0, JobStore::kPiece - last_.size());
+            last_ += more;
+            piece.remove_prefix(more.size());
+            if (last_.size() < JobStore::kPiece) continue;
+            if (auto stored = store(); !stored) return stored;
+        }
+        return {};
+    }
+
+    /// What the store has taken, what comes after it, and why no more could be stored, if so.
+    const JobStore::Taken& taken() const { return taken_; }
+    std::string take_last() { return std::move(last_); }
+    const std::optional<Error>& error() const { return error_; }
+
+private:
+    Result<void> store() {
+        auto stored = store_.take(job_, taken_, last_);
+        while (!stored && stored.error().code == ErrorCode::Stopped && wait())
+            stored = store_.take(job_, taken_, last_);
+        if (!stored) {
+            if (stored.error().code != ErrorCode::Stopped) error_ = stored.error();
+            return tl::unexpected(stored.error());
+        }
+        if (!*stored) return failure(ErrorCode::Stopped, "the job is another's");
+        ++taken_.pieces;
+        taken_.bytes += last_.size();
+        last_.clear();
+        return {};
+    }
+
+    /// @returns  false if a stop has come
+    bool wait() {
+        std::mutex mutex;
+        std::unique_lock lock(mutex);
+        std::condition_variable_any never;
+        never.wait_for(lock, stop_, kLook, [] { return false; });
+        return !stop_.stop_requested();
+    }
+
+    JobStore& store_;
+    const Job job_;
+    const std::stop_token stop_;
+    JobStore::Taken taken_;
+    std::string last_;
+    std::optional<Error> error_;
+};
 
 Jobs::Jobs(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute, Logger logger)
     : limits_(limits),
@@ -138,6 +212,10 @@ HttpResult<void> Jobs::add(Job& job, const ComputeRequest& request) {
     if (JobStore::bytes_of_job(JobStore::bytes_of(request)) > limits_.bytes)
         return problem(413, "the request is larger than what jobs may take, " + std::to_string(limits_.bytes) +
                                 " bytes (job-bytes)");
+    if (JobStore::bytes_of_job(job.cost.answer) > limits_.bytes)
+        return problem(413, "the result would have " + std::to_string(job.cost.answer) +
+                                " bytes or more; what jobs may take is " + std::to_string(limits_.bytes) +
+                                " (job-bytes): ask for it at once, or for another format");
     const auto added = store_.add(job, request);
     if (!added) return store_problem(added.error());
     if (*added == JobStore::Added::QueueFull)
@@ -296,12 +374,16 @@ std::optional<Jobs::End> Jobs::compute(const RunPointer& run, const std::stop_to
         give_back(run);
         return std::nullopt;
     }
+    ResultWriter writer(store_, run->job, stop);
     Result<api::Answer> answer;
     try {
         const Control control{stop, [&](const Progress& progress) { note(run, progress); }};
         answer = whole_request(std::move(request)).and_then([&](const ComputeRequest& whole) {
-            return compute_(whole, {.unwanted = run->gone.get_token()}, control, stages.work);
+            return compute_(whole, {.taker = &writer, .unwanted = run->gone.get_token()}, control, stages.work);
         });
+        if (answer && !answer->streamed) {
+            if (auto taken = writer.take(answer->body); !taken) answer = tl::unexpected(taken.error());
+        }
     } catch (const std::exception& exception) {
         answer = failure(ErrorCode::Internal, exception.what());
     }
@@ -315,10 +397,15 @@ std::optional<Jobs::End> Jobs::compute(const RunPointer& run, const std::stop_to
         return std::nullopt;
     }
     run->settling = true;
-    return end_of(run->job, std::move(answer), stages);
+    return end_of(run->job, std::move(answer), writer, stages);
 }
 
-Jobs::End Jobs::end_of(Job job, Result<api::Answer> answer, const Stages& stages) const {
+Jobs::End Jobs::end_of(Job job, Result<api::Answer> answer, ResultWriter& writer, const Stages& stages) const {
+    if (writer.error()) {
+        JobEnd end = not_stored(std::move(job), *writer.error());
+        end.stages = stages;
+        return {{}, std::move(end)};
+    }
     if (!answer) {
         const Error& error = answer.error();
         JobEnd end = failed(std::move(job),
@@ -331,8 +418,9 @@ Jobs::End Jobs::end_of(Job job, Result<api::Answer> answer, const Stages& stages
     job.media_type = std::move(answer->media_type);
     job.partial = answer->partial;
     job.headers = answer_headers(*answer);
-    job.result_bytes = answer->body.size();
-    return {std::move(answer->body), {std::move(job), stages, Computed{answer->sites, answer->pixels}, {}}};
+    std::string result = writer.take_last();
+    job.result_bytes = writer.taken().bytes + result.size();
+    return {std::move(result), {std::move(job), stages, Computed{answer->sites, answer->pixels}, {}}, writer.taken()};
 }
 
 void Jobs::note(const RunPointer& run, const Progress& progress) {
@@ -377,16 +465,11 @@ void Jobs::settle(const RunPointer& run, End end) {
 
 /// Stores how a job ends; a result that cannot be stored makes a failure, which takes no room.
 Result<std::optional<Time>> Jobs::store_end(End& end) {
-    Job& job = end.told.job;
-    auto stored = store_.finish(job, end.result);
-    if (stored || end.result.empty() || stored.error().code == ErrorCode::Stopped) return stored;
-    end.result.clear();
-    end.told.cause = stored.error().message;
-    job.status = JobStatus::Failed;
-    job.failure = Problem{507, stored.error()};
-    job.media_type.clear();
-    job.result_bytes = 0;
-    return store_.finish(job, {});
+    auto stored = store_.finish(end.told.job, end.result, end.before);
+    const bool has_result = end.told.job.result_bytes > 0;
+    if (stored || !has_result || stored.error().code == ErrorCode::Stopped) return stored;
+    end = {{}, not_stored(std::move(end.told.job), stored.error())};
+    return store_.finish(end.told.job, {});
 }
 
 /// Tells those who follow a job how it has ended.
@@ -423,10 +506,11 @@ void Jobs::add_latest(Job& job) const {
 }
 
 HttpResult<std::string> Jobs::result(const std::string& id) {
-    auto result = store_.result(id);
-    if (!result) return store_problem(result.error());
-    if (!*result) return problem(410, "the result was dropped to make room for others (job-bytes)");
-    return **std::move(result);
+    return kept(store_.result(id));
+}
+
+HttpResult<std::string> Jobs::piece(const std::string& id, std::size_t number) {
+    return kept(store_.piece(id, number));
 }
 
 HttpResult<void> Jobs::remove(const std::string& id, const std::string& owner) {

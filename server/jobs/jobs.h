@@ -76,8 +76,8 @@ public:
     /// Takes on a job; once this returns it will not be lost.
     ///
     /// @param job  whose it is, and what it costs, which the pool has room for
-    /// Problems: 413 larger than the store, 429 the queue is full, or the store of what waits, 503 the server shuts
-    /// down, 507 and 500 the store fails.
+    /// Problems: 413 larger than the store, or its result is, 429 the queue is full, or the store of what waits, 503
+    /// the server shuts down, 507 and 500 the store fails.
     HttpResult<Job> accept(Job job, const ComputeRequest& request);
 
     /// Finds a job. Problems, of the following too: 404 there is no such job, or it is somebody else's; 503 the store
@@ -86,6 +86,9 @@ public:
 
     /// The result of a job that has succeeded. Problems: 410 it was dropped to make room, or the job is gone.
     HttpResult<std::string> result(const std::string& id);
+
+    /// A piece of it: see JobStore::piece. Problems: as of result().
+    HttpResult<std::string> piece(const std::string& id, std::size_t number);
 
     /// Cancels a job that has not finished, and forgets one that has.
     HttpResult<void> remove(const std::string& id, const std::string& owner);
@@ -132,7 +135,9 @@ private:
     struct End {
         std::string result;
         JobEnd told;
+        JobStore::Taken before = {};  ///< what the store has of the result, which comes before that
     };
+    class ResultWriter;
 
     /// A job that this server has claimed.
     struct Run {
@@ -170,7 +175,7 @@ private:
     void run(const RunPointer& run, const std::stop_token& stop);
     bool begin(const RunPointer& run);
     std::optional<End> compute(const RunPointer& run, const std::stop_token& stop);
-    End end_of(Job job, Result<api::Answer> answer, const Stages& stages) const;
+    End end_of(Job job, Result<api::Answer> answer, ResultWriter& writer, const Stages& stages) const;
     void note(const RunPointer& run, const Progress& progress);
     void give_back(const RunPointer& run);
     void settle(const RunPointer& run, End end);

@@ -17,14 +17,14 @@ namespace {
 constexpr std::string_view kPrefix = "ccdt:1:";
 
 /// Bytes of a body that are sent at a time: larger ones would keep others waiting.
-constexpr std::size_t kPiece = std::size_t{1} << 20;
+constexpr std::size_t kPiece = JobStore::kPiece;
 
 /// Bytes of a body that goes with the call that needs it: one round trip, and one wait for the disk, where there would
 /// be two. Larger ones would be copied several times more while nobody else's turn comes.
 constexpr std::size_t kSmall = std::size_t{64} << 10;
 
 /// Seconds that pieces are kept of which nothing came.
-constexpr std::string_view kPiecesKept = "120";
+constexpr std::string_view kPiecesKept = "600";
 
 /// Jobs that are forgotten in one go, lest others wait for long.
 constexpr std::int64_t kForgottenAtOnce = 100;
@@ -202,10 +202,12 @@ Result<RedisReply> RedisJobStore::run(const RedisScript& script, const RedisComm
 }
 
 /// Sends fields, and a body in pieces, to where they are forgotten unless they are renamed.
-Result<void> RedisJobStore::upload(const std::string& key, RedisCommand fields, std::string_view body) {
-    const std::string size = std::to_string(body.size());
+/// @param before  pieces that were sent there, and what they held
+Result<void> RedisJobStore::upload(const std::string& key, RedisCommand fields, std::string_view body,
+                                   const Taken& before) {
+    const std::string size = std::to_string(before.bytes + body.size());
     fields.insert(fields.begin(), {"HSET", key, "size", size});
-    std::size_t number = 0;
+    std::size_t number = before.pieces;
     do {
         const std::string name = std::to_string(number++);
         fields.insert(fields.end(), {name, body.substr(0, kPiece)});
@@ -275,7 +277,7 @@ Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& reque
                         "content_type", request.content_type, "accept", request.accept};
     const std::string pieces = request.body.size() > kSmall ? key_of_pieces(job) : "";
     if (!pieces.empty()) {
-        if (const auto uploaded = upload(pieces, fields, request.body); !uploaded)
+        if (const auto uploaded = upload(pieces, fields, request.body, {}); !uploaded)
             return tl::unexpected(uploaded.error());
     }
     const std::string bytes = std::to_string(bytes_of_job(bytes_of(request)));
@@ -347,14 +349,37 @@ Result<void> RedisJobStore::give_back(const Job& job) {
     return run(kGiveBack, {job.id, claim}).map([](const RedisReply&) {});
 }
 
-Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_view result) {
-    const std::string pieces = result.size() > kSmall ? key_of_pieces(job) : "";
+Result<bool> RedisJobStore::take(const Job& job, const Taken& before, std::string_view piece) {
+    const std::size_t whole = before.bytes + piece.size();
+    if (bytes_of_job(whole) > limits_.bytes) return no_room_for(whole);
+    const std::string pieces = key_of_pieces(job), known = key_of("job", job.id),
+                      leases = std::string(kPrefix) + "leases";
+    const std::string number = std::to_string(before.pieces);
+    const auto replies = client_.run(std::vector<RedisCommand>{{"HSET", pieces, number, piece},
+                                                               {"EXPIRE", pieces, kPiecesKept},
+                                                               {"HGET", known, "claim"},
+                                                               {"ZSCORE", leases, job.id}});
+    if (!replies) return tl::unexpected(replies.error());
+    const bool owned = (*replies)[2].text == std::to_string(job.claim);
+    return owned && (*replies)[3].kind != RedisReply::Kind::Nothing;
+}
+
+Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_view result, const Taken& before) {
+    const std::size_t whole = before.bytes + result.size();
+    if (whole > 0 && bytes_of_job(whole) > limits_.bytes) return no_room_for(whole);
+    const std::string pieces = result.size() > kSmall || before.pieces > 0 ? key_of_pieces(job) : "";
     if (!pieces.empty()) {
-        if (const auto uploaded = upload(pieces, {}, result); !uploaded) return tl::unexpected(uploaded.error());
+        if (const auto uploaded = upload(pieces, {}, result, before); !uploaded)
+            return tl::unexpected(uploaded.error());
+        const auto fields = client_.run(RedisCommand{"HLEN", pieces});
+        if (!fields) return tl::unexpected(fields.error());
+        const std::size_t last = std::max<std::size_t>(1, (result.size() + kPiece - 1) / kPiece);
+        if (fields->number != static_cast<std::int64_t>(1 + before.pieces + last))
+            return failure(ErrorCode::Internal, "what Redis had of the result is lost");
     }
     const std::string claim = std::to_string(job.claim);
-    const std::string size = std::to_string(result.size());
-    const std::string bytes = std::to_string(bytes_of_job(result.size()));
+    const std::string size = std::to_string(whole);
+    const std::string bytes = std::to_string(bytes_of_job(whole));
     const std::string most = std::to_string(limits_.bytes);
     RedisCommand arguments{job.id, claim, pieces, size, bytes, most, pieces.empty() ? result : ""};
     const auto fields = fields_of_end(job);
@@ -362,7 +387,7 @@ Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_vi
     const auto reply = run(kFinish, arguments);
     if (!reply) return tl::unexpected(reply.error());
     if (reply->items.empty()) return not_understood("job " + job.id);
-    if (reply->items[0].text == "no room") return no_room_for(result.size());
+    if (reply->items[0].text == "no room") return no_room_for(whole);
     if (reply->items[0].text == "lost") return std::nullopt;
     const auto finished = api::parse_number<std::int64_t>(reply->items.back().text);
     return Time(std::chrono::milliseconds(finished.value_or(0)));
@@ -382,15 +407,13 @@ Result<std::optional<Job>> RedisJobStore::find(const std::string& id) {
     return job_of(id, run(kFind, {id, ttl}));
 }
 
-Result<std::optional<std::string>> RedisJobStore::result(const std::string& id) {
-    const std::string job = key_of("job", id);
+Result<std::optional<std::string>> RedisJobStore::piece(const std::string& id, std::size_t number) {
     const std::string key = key_of("result", id);
-    const std::vector<RedisCommand> commands{{"HGET", job, "result_bytes"}, {"HGET", key, "0"}};
-    auto replies = client_.run(commands);
-    if (!replies) return tl::unexpected(replies.error());
-    const auto size = api::parse_number<std::size_t>(replies->front().text);
-    if (!size || *size == 0 || replies->back().kind == RedisReply::Kind::Nothing) return std::nullopt;
-    return download(key, std::move(replies->back().text), *size);
+    const std::string name = std::to_string(number);
+    auto reply = client_.run(RedisCommand{"HGET", key, name});
+    if (!reply) return tl::unexpected(reply.error());
+    if (reply->kind == RedisReply::Kind::Nothing) return std::nullopt;
+    return std::move(reply->text);
 }
 
 Result<bool> RedisJobStore::forget() {

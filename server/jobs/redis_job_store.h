@@ -48,11 +48,13 @@ public:
     Result<std::optional<ComputeRequest>> request(const std::string& id) override;
     Result<Hold> hold(const Job& job) override;
     Result<void> give_back(const Job& job) override;
-    Result<std::optional<Time>> finish(const Job& job, std::string_view result) override;
+    Result<bool> take(const Job& job, const Taken& before, std::string_view piece) override;
+    using JobStore::finish;
+    Result<std::optional<Time>> finish(const Job& job, std::string_view result, const Taken& before) override;
     Result<std::optional<Job>> cancel(const std::string& id) override;
     Result<bool> remove(const std::string& id) override;
     Result<std::optional<Job>> find(const std::string& id) override;
-    Result<std::optional<std::string>> result(const std::string& id) override;
+    Result<std::optional<std::string>> piece(const std::string& id, std::size_t number) override;
     Result<bool> forget() override;
     Result<Load> load() override;
     void listen(JobListener* listener) override;
@@ -61,7 +63,7 @@ private:
     using Clock = std::chrono::steady_clock;
 
     Result<RedisReply> run(const RedisScript& script, const RedisCommand& arguments);
-    Result<void> upload(const std::string& key, RedisCommand fields, std::string_view body);
+    Result<void> upload(const std::string& key, RedisCommand fields, std::string_view body, const Taken& before);
     Result<std::optional<std::string>> download(const std::string& key, std::string first, std::size_t size);
     Result<std::optional<Job>> job_of(const std::string& id, const Result<RedisReply>& reply) const;
     RedisSubscription::Told hear();

@@ -20,8 +20,8 @@ namespace {
 /// "ccdt", where SQLite keeps whose file it is.
 constexpr std::int64_t kApplication = 0x63636474;
 
-/// 1: without digests; 2: without traces.
-constexpr std::int64_t kVersion = 3;
+/// 1: without digests; 2: without traces; 3: results in one piece.
+constexpr std::int64_t kVersion = 4;
 
 /// Bytes of the disk that the log keeps, so that there is room to delete when the disk is full. To delete a result
 /// of 36 MiB takes 0.1 MB of it, to give back `kGivenBack` pages 4.2 MB.
@@ -85,6 +85,17 @@ constexpr const char* kDigests = R"(
 
 /// The requests that jobs came with, for the log.
 constexpr const char* kTraces = "ALTER TABLE jobs ADD COLUMN traceparent TEXT NOT NULL DEFAULT ''";
+
+/// Results in pieces. Those of earlier versions are one each, in the row of their job, and are left where they are: to
+/// write them again would take as much room.
+constexpr const char* kPieces = R"(
+    ALTER TABLE results ADD COLUMN job INTEGER;
+    ALTER TABLE results ADD COLUMN number INTEGER NOT NULL DEFAULT 0;
+    CREATE UNIQUE INDEX pieces_of_results ON results (job, number);
+)";
+
+/// Which pieces are those of a job's row, the first parameter.
+constexpr std::string_view kOfJob = "(job = ?1 OR (row = ?1 AND job IS NULL))";
 
 std::int64_t number_of(Time time) {
     return time.time_since_epoch().count();
@@ -168,9 +179,11 @@ std::string digest_of(std::string_view id, const ComputeRequest& request) {
     return digest.finish();
 }
 
-std::string digest_of(std::string_view id, std::string_view result) {
+/// A piece is that of its place, too. What earlier versions wrote is a first one.
+std::string digest_of(std::string_view id, std::size_t number, std::string_view piece) {
     Digest digest;
-    for (const std::string_view text : {id, result}) digest.add(text);
+    for (const std::string_view text : {id, piece}) digest.add(text);
+    if (number > 0) digest.add(std::to_string(number));
     return digest.finish();
 }
 
@@ -278,7 +291,8 @@ void SqliteJobStore::prepare_tables(std::int64_t version) {
     Transaction transaction(database_);
     if (version < 1) database_.execute(kTables);
     if (version < 2) database_.execute(kDigests);
-    database_.execute(kTraces);
+    if (version < 3) database_.execute(kTraces);
+    database_.execute(kPieces);
     if (version < 2) seal_all();
     database_.execute(("PRAGMA application_id = " + std::to_string(kApplication)).c_str());
     database_.execute(("PRAGMA user_version = " + std::to_string(kVersion)).c_str());
@@ -294,8 +308,8 @@ void SqliteJobStore::seal_all() {
         if (const auto request = request_of(kept))
             Statement(database_, "UPDATE questions SET digest = ? WHERE row = ?", digest_of(id, request->value), row)
                 .run();
-        if (const auto result = result_of(kept))
-            Statement(database_, "UPDATE results SET digest = ? WHERE row = ?", digest_of(id, result->value), row)
+        if (const auto result = piece_of(kept, 0))
+            Statement(database_, "UPDATE results SET digest = ? WHERE row = ?", digest_of(id, 0, result->value), row)
                 .run();
     }
 }
@@ -505,8 +519,10 @@ std::optional<Job> SqliteJobStore::begin(Queue::Entry entry) {
         job.progress = {};
         ++job.starts;
         Transaction transaction(database_);
-        update(job, kept->row, kept->bytes);
+        const std::size_t left = std::min(remove_pieces(kept->row), kept->bytes);  // by the claim before
+        update(job, kept->row, kept->bytes - left);
         transaction.commit();
+        release(left);
         job.claim = ++last_claim_;
         claimed_.insert_or_assign(job.id, Claimed{std::move(entry), job, Clock::now() + limits_.lease});
         return std::move(job);
@@ -593,10 +609,11 @@ std::optional<SqliteJobStore::Sealed<ComputeRequest>> SqliteJobStore::request_of
                                   query.text(4)};
 }
 
-std::optional<SqliteJobStore::Sealed<std::string>> SqliteJobStore::result_of(const Kept& kept) {
-    Statement query(database_, "SELECT digest FROM results WHERE row = ?", kept.row);
+std::optional<SqliteJobStore::Sealed<std::string>> SqliteJobStore::piece_of(const Kept& kept, std::size_t number) {
+    const std::string which = "SELECT row, digest FROM results WHERE " + std::string(kOfJob) + " AND number = ?2";
+    Statement query(database_, which.c_str(), kept.row, number_of(number));
     if (!query.step()) return std::nullopt;
-    return Sealed<std::string>{database_.read_body("results", kept.row, kept.bytes), query.text(0)};
+    return Sealed<std::string>{database_.read_body("results", query.integer(0), kept.bytes), query.text(1)};
 }
 
 /// Finds a job as it stands, which for one that runs the database does not know.
@@ -634,13 +651,13 @@ Result<std::optional<ComputeRequest>> SqliteJobStore::request(const std::string&
     });
 }
 
-Result<std::optional<std::string>> SqliteJobStore::result(const std::string& id) {
+Result<std::optional<std::string>> SqliteJobStore::piece(const std::string& id, std::size_t number) {
     return attempt([&]() -> std::optional<std::string> {
         const auto kept = look_up(id);
         if (!kept || kept->job.result_bytes == 0 || kept->job.dropped) return std::nullopt;
-        auto result = result_of(*kept);
-        if (!result || result->digest != digest_of(id, result->value)) damaged("the stored result is damaged");
-        return std::move(result->value);
+        auto piece = piece_of(*kept, number);
+        if (!piece || piece->digest != digest_of(id, number, piece->value)) damaged("the stored result is damaged");
+        return std::move(piece->value);
     });
 }
 
@@ -668,17 +685,40 @@ void SqliteJobStore::update(const Job& job, std::int64_t row, std::size_t bytes)
     seal(row);
 }
 
-Result<std::optional<Time>> SqliteJobStore::finish(const Job& job, std::string_view result) {
+Result<bool> SqliteJobStore::take(const Job& job, const Taken& before, std::string_view piece) {
+    const std::size_t whole = before.bytes + piece.size();
+    if (bytes_of_job(whole) > limits_.bytes) return no_room_for(whole);
     const std::lock_guard room(room_);
-    if (!result.empty() && !make_room(result.size())) return no_room_for(result.size());
+    if (!make_room(piece.size())) return no_room_for(whole);
+    return attempt([&] {
+        const auto kept = find_claimed(job) != nullptr ? look_up(job.id) : std::nullopt;
+        if (!kept) return false;
+        take_room(piece.size());
+        Transaction transaction(database_);
+        insert_piece(*kept, before.pieces, piece);
+        Statement(database_, "UPDATE jobs SET bytes = ? WHERE row = ?", number_of(kept->bytes + piece.size()),
+                  kept->row)
+            .run();
+        seal(kept->row);
+        transaction.commit();
+        bytes_ += piece.size();
+        return true;
+    });
+}
+
+Result<std::optional<Time>> SqliteJobStore::finish(const Job& job, std::string_view result, const Taken& before) {
+    const std::size_t whole = before.bytes + result.size();
+    if (whole > 0 && bytes_of_job(whole) > limits_.bytes) return no_room_for(whole);
+    const std::lock_guard room(room_);
+    if (!result.empty() && !make_room(result.size())) return no_room_for(whole);
     auto finished = attempt([&]() -> std::optional<Time> {
         const Claimed* claimed = find_claimed(job);
         const auto kept = claimed != nullptr ? look_up(job.id) : std::nullopt;
         if (!kept) return std::nullopt;
         Job ended = job;
         ended.finished = time_now();
-        ended.result_bytes = result.size();
-        exchange(ended, *kept, result);
+        ended.result_bytes = whole;
+        exchange(ended, *kept, result, before);
         claimed_.erase(job.id);
         return ended.finished;
     });
@@ -687,22 +727,26 @@ Result<std::optional<Time>> SqliteJobStore::finish(const Job& job, std::string_v
 }
 
 /// Exchanges the request of a job for its result, if it has one.
-void SqliteJobStore::exchange(const Job& job, const Kept& kept, std::string_view result) {
-    const std::size_t after = bytes_of_job(result.size());
-    take_room(after);
+/// @param before  what was taken of it
+void SqliteJobStore::exchange(const Job& job, const Kept& kept, std::string_view result, const Taken& before) {
+    const std::size_t after = bytes_of_job(before.bytes + result.size());
+    take_room(bytes_of_job(result.size()));
     Transaction transaction(database_);
-    remove_bodies(kept.row);
-    if (!result.empty()) {
-        Statement(database_, "INSERT INTO results (row, body, digest) VALUES (?, zeroblob(?), ?)", kept.row,
-                  number_of(result.size()), digest_of(job.id, result))
-            .run();
-        database_.write_body("results", kept.row, result);
-    }
+    remove_question(kept.row);
+    if (before.pieces == 0) remove_pieces(kept.row);
+    if (!result.empty()) insert_piece(kept, before.pieces, result);
     update(job, kept.row, after);
     transaction.commit();
     bytes_ += after;
     release(kept.bytes);
-    if (after > kReserve / 2) cut_log();
+    if (result.size() > kReserve / 2) cut_log();
+}
+
+void SqliteJobStore::insert_piece(const Kept& kept, std::size_t number, std::string_view piece) {
+    Statement(database_, "INSERT INTO results (job, number, body, digest) VALUES (?, ?, zeroblob(?), ?)", kept.row,
+              number_of(number), number_of(piece.size()), digest_of(kept.job.id, number, piece))
+        .run();
+    database_.write_body("results", database_.last_row(), piece);
 }
 
 Result<std::optional<Job>> SqliteJobStore::cancel(const std::string& id) {
@@ -712,7 +756,7 @@ Result<std::optional<Job>> SqliteJobStore::cancel(const std::string& id) {
         Job job = std::move(kept->job);
         job.status = JobStatus::Cancelled;
         job.finished = time_now();
-        exchange(job, *kept, {});
+        exchange(job, *kept, {}, {});
         withdraw(id);
         return job;
     });
@@ -730,9 +774,24 @@ void SqliteJobStore::release(std::size_t bytes) {
     bytes_ -= std::min(bytes_.load(), bytes);
 }
 
+void SqliteJobStore::remove_question(std::int64_t row) {
+    Statement(database_, "DELETE FROM questions WHERE row = ?", row).run();
+}
+
+/// Removes what is there of a job's result.
+/// @returns  bytes of it
+std::size_t SqliteJobStore::remove_pieces(std::int64_t row) {
+    const std::string which = " FROM results WHERE " + std::string(kOfJob);
+    Statement sum(database_, ("SELECT sum(length(body))" + which).c_str(), row);
+    const auto bytes = sum.step() ? static_cast<std::size_t>(sum.integer(0)) : 0;
+    sum.run();
+    Statement(database_, ("DELETE" + which).c_str(), row).run();
+    return bytes;
+}
+
 void SqliteJobStore::remove_bodies(std::int64_t row) {
-    for (const char* statement : {"DELETE FROM questions WHERE row = ?", "DELETE FROM results WHERE row = ?"})
-        Statement(database_, statement, row).run();
+    remove_question(row);
+    remove_pieces(row);
 }
 
 /// Removes one row of jobs.

@@ -27,7 +27,7 @@ namespace ccdt::server {
 /// is opened waits, in the order in which it came. All that is kept has a digest, with which it is compared when it is
 /// read: what the disk has changed is told, and never taken for what was written. The file has a reserve of the disk,
 /// so that jobs can be removed when the disk is full, and gives back what it does not need. One thread uses the
-/// database, the others wait: as long as a large result takes to be written.
+/// database, the others wait: as long as a large request, or a piece of a result, takes to be written.
 class SqliteJobStore : public JobStore {
 public:
     /// @param folder  where the database's files are, made if it is missing; empty: in memory
@@ -42,11 +42,13 @@ public:
     Result<std::optional<ComputeRequest>> request(const std::string& id) override;
     Result<Hold> hold(const Job& job) override;
     Result<void> give_back(const Job& job) override;
-    Result<std::optional<Time>> finish(const Job& job, std::string_view result) override;
+    Result<bool> take(const Job& job, const Taken& before, std::string_view piece) override;
+    using JobStore::finish;
+    Result<std::optional<Time>> finish(const Job& job, std::string_view result, const Taken& before) override;
     Result<std::optional<Job>> cancel(const std::string& id) override;
     Result<bool> remove(const std::string& id) override;
     Result<std::optional<Job>> find(const std::string& id) override;
-    Result<std::optional<std::string>> result(const std::string& id) override;
+    Result<std::optional<std::string>> piece(const std::string& id, std::size_t number) override;
     Result<bool> forget() override;
     Result<Load> load() override;
     void listen(JobListener* listener) override { news_.listen(listener); }
@@ -99,7 +101,7 @@ private:
     std::optional<Kept> look_up(const char* which, const Value& value);
     std::optional<Kept> look_up(const std::string& id);
     std::optional<Sealed<ComputeRequest>> request_of(const Kept& kept);
-    std::optional<Sealed<std::string>> result_of(const Kept& kept);
+    std::optional<Sealed<std::string>> piece_of(const Kept& kept, std::size_t number);
 
     void queue_unfinished();
     bool has_room_for(std::string_view client) const;
@@ -111,10 +113,13 @@ private:
     std::optional<Job> begin(Queue::Entry entry);
     Claimed* find_claimed(const Job& job);
     void withdraw(const std::string& id);
-    void exchange(const Job& job, const Kept& kept, std::string_view result);
+    void exchange(const Job& job, const Kept& kept, std::string_view result, const Taken& before);
+    void insert_piece(const Kept& kept, std::size_t number, std::string_view piece);
     std::optional<Kept> find_kept(const std::string& id);
 
     void update(const Job& job, std::int64_t row, std::size_t bytes);
+    void remove_question(std::int64_t row);
+    std::size_t remove_pieces(std::int64_t row);
     void remove_bodies(std::int64_t row);
     std::size_t remove_row(std::int64_t row);
     void release(std::size_t bytes);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "api/output/body.h"
 #include "server/http/entity_tag.h"
 
 namespace ccdt::server {
@@ -15,6 +16,9 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPeek{200};
 
 constexpr std::chrono::seconds kSoon{1};
+
+/// Bytes of a result that is sent whole; larger ones go out in pieces.
+constexpr std::size_t kWhole = api::Body::kWhole;
 
 /// An answer that holds for the moment only, as what is told of a job does.
 Response for_now(std::string media_type, std::string body) {
@@ -68,18 +72,42 @@ HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view i
     if (!job) return tl::unexpected(job.error());
     if (job->status != JobStatus::Succeeded) return no_result(*job);
     if (const auto tag = find_tag(if_none_match, id)) return not_modified(*tag);
-    auto lease = memory_.take(job->result_bytes);
+    const bool in_pieces = job->result_bytes > kWhole;
+    auto lease = memory_.take(in_pieces ? 2 * JobStore::kPiece : job->result_bytes);
     if (!lease) return busy(503, "there is too little memory left to send a result of this size", kSoon);
-    auto result = jobs_.result(id);
-    if (!result) return tl::unexpected(std::move(result.error()));
+    auto first = in_pieces ? jobs_.piece(id, 0) : jobs_.result(id);
+    if (!first) return tl::unexpected(std::move(first.error()));
     Response response;
     response.media_type = job->media_type;
     response.tag = '"' + id + '"';
-    response.body = *std::move(result);
+    if (in_pieces) {
+        response.length = job->result_bytes;
+        response.stream = stream_of(*job, *std::move(first));
+    } else {
+        response.body = *std::move(first);
+    }
     response.lease = std::make_shared<MemoryBudget::Lease>(*std::move(lease));
     response.headers = job->headers;
     if (job->partial) response.headers.push_back({"X-Partial", "deadline"});
     return response;
+}
+
+/// Makes what sends a large result, one piece after the other.
+Stream JobRoutes::stream_of(const Job& job, std::string first) const {
+    return [this, id = job.id, left = job.result_bytes, piece = std::move(first)](const Send& send,
+                                                                                  Record& record) mutable {
+        for (std::size_t number = 1;; ++number) {
+            const bool taken = piece.size() <= left && send(piece);
+            left -= std::min(left, piece.size());
+            if (!taken || left == 0) return taken;
+            auto next = jobs_.piece(id, number);
+            if (!next) {
+                record.cause = next.error().error.message;
+                return false;
+            }
+            piece = *std::move(next);
+        }
+    };
 }
 
 HttpResult<Response> JobRoutes::remove(const std::string& id, const Connection& connection) {

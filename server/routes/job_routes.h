@@ -26,6 +26,7 @@ public:
     HttpResult<Response> events(const std::string& id, const Connection& connection) const;
 
 private:
+    Stream stream_of(const Job& job, std::string first) const;
     void send_events(Jobs::Watch watch, const Connection& connection, const Send& send) const;
 
     Jobs& jobs_;

@@ -310,7 +310,7 @@ Response Routes::describe(Problem problem, Record& record) {
 void Routes::negotiate_coding(const Request& request, Response& response) {
     const bool done = !response.coding.empty();
     const bool told = response.status == 304;  // which says what the whole answer would have said
-    const bool streamed = response.stream && is_compressible(response.media_type);  // by a worker, if at all
+    const bool streamed = response.stream && !response.length && is_compressible(response.media_type);  // by a worker
     if (!done && !told && !streamed && !is_worth_compressing(response.media_type, response.body)) return;
     response.headers.push_back({"Vary", "Accept-Encoding"});
     if (!done && !told && !streamed && response.body.size() <= kQuickToCompress &&

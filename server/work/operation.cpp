@@ -68,7 +68,7 @@ public:
 
     api::Cost cost() const override {
         const auto computing = server::cost_of(request_, limits_);
-        return {api::size_of(request_) + computing.memory, computing.seconds};
+        return {api::size_of(request_) + computing.memory, computing.seconds, computing.answer};
     }
 
     Result<api::Answer> run(const api::Decode& decode, const Control& control, api::Timings& timings,
@@ -131,7 +131,8 @@ api::Cost cost_of_parsing(const Operation& operation, const ComputeRequest& requ
 api::Cost cost_of_answering(const Operation& operation, const ComputeRequest& request, const ParsedRequest& parsed) {
     const auto parsing = cost_of_parsing(operation, request);
     const auto computing = parsed.cost();
-    return {request.body.size() + std::max(parsing.memory, computing.memory), parsing.seconds + computing.seconds};
+    return {request.body.size() + std::max(parsing.memory, computing.memory), parsing.seconds + computing.seconds,
+            computing.answer};
 }
 
 }  // namespace ccdt::server

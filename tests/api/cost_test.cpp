@@ -221,6 +221,20 @@ INSTANTIATE_TEST_SUITE_P(
             "cmyk_vectors", {{"color", "cmyk"}, {"sites", "65536"}, {"format", "svg"}, {"scale", "4"}}, 4, kColours}),
     [](const auto& each) { return each.param.name; });
 
+TEST(SampleCost, KnowsWhatAnAnswerHasAtLeast) {
+    const auto least = [](const std::string& format) {
+        const auto request = parse_sample(R"({"sites":1000,"format":")" + format + "\"," + kSquare + '}', {}, "", {});
+        Timings timings;
+        const auto answer = run_sample(*request, {}, decode_inline(), {}, timings);
+        const std::size_t known = cost_of(*request, {}).answer;
+        EXPECT_LE(known, answer->body.size()) << format;
+        return known;
+    };
+    EXPECT_EQ(least("npy"), 16'000U);
+    for (const char* text : {"json", "csv", "geojson"}) EXPECT_GT(least(text), 0U);
+    for (const char* drawing : {"svg", "png"}) EXPECT_EQ(least(drawing), 0U);
+}
+
 TEST(AnalyzeCost, IsNeverPassed) {
     if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
     std::string points;

@@ -448,7 +448,7 @@ class Statuses(ContractCase):
         with Server("--job-timeout=0.1") as server:
             self.see_ended(server, ENDLESS, 504)
         with Server("--job-bytes=2KiB") as server:
-            self.see_ended(server, {**SAMPLE, "sites": 1000}, 507)
+            self.see_ended(server, {**SAMPLE, "sites": 100}, 507)
         self.see_late()
         with Server("--rate-limit=0.000001", "--rate-burst=1") as server:
             ask(server, "/metrics")

@@ -6,6 +6,7 @@ import os
 import pathlib
 import re
 import signal
+import tempfile
 import unittest
 
 from harness import Call, Server, ServerCase, ask, post_json
@@ -23,17 +24,26 @@ def points(form, sites=MANY, **members):
     return json.dumps({"sites": sites, "domain": TORUS, "method": "random", "format": form, **members})
 
 
+def figure_of(process, name):
+    told = pathlib.Path(f"/proc/{process}/status").read_text()
+    return int(re.search(rf"{name}:\s+(\d+) kB", told).group(1)) << 10
+
+
 def peak(process):
     """Most bytes that a process has had resident."""
-    told = pathlib.Path(f"/proc/{process}/status").read_text()
-    return int(re.search(r"VmHWM:\s+(\d+) kB", told).group(1)) << 10
+    return figure_of(process, "VmHWM")
+
+
+def of_computing(server, name):
+    """The largest figure of the processes that compute, of which there is one at least."""
+    return max(figure_of(process, name) for process in children(fork_server(server)))
 
 
 class Streams(ServerCase):
     flags = ("--workers=2", "--timeout=120", "--job-bytes=256MiB", "--memory=4GiB")
 
     def whole(self, body):
-        """The same answer as a job's result, which is kept whole."""
+        """The same answer as a job's result, whose length is known."""
         job = post_json(self.server, "/sample", body, "--header", "Prefer: respond-async").headers["location"]
         wait_until(lambda: self.ask(job).json()["status"] == "succeeded")
         return self.ask(job + "/result")
@@ -101,8 +111,91 @@ class Streams(ServerCase):
             self.assertEqual(post_json(server, "/sample", points("csv", 100)).status, 200)
 
 
+PREFER = ("--header", "Prefer: respond-async")
+
+
+def finished(server, body):
+    """Where a job is that has succeeded."""
+    job = post_json(server, "/sample", body, *PREFER).headers["location"]
+    wait_until(lambda: ask(server, job).json()["status"] not in ("queued", "running"))
+    assert ask(server, job).json()["status"] == "succeeded", ask(server, job)
+    return job
+
+
+class Results(unittest.TestCase):
+    """Large results of jobs, which are kept and sent in pieces."""
+
+    def test_outlive_the_server(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with Server(f"--data-dir={folder}", "--timeout=120") as server:
+                job = finished(server, points("csv"))
+                expected = post_json(server, "/sample", points("csv")).body
+                self.assertEqual(ask(server, job + "/result").body, expected)
+                self.assertEqual(server.stop(), 0)
+            with Server(f"--data-dir={folder}") as server:
+                answer = ask(server, job + "/result", "--http1.0")
+                self.assertEqual((answer.status, answer.body), (200, expected))
+                head = ask(server, job + "/result", "--head")
+                self.assertEqual(head.headers["content-length"], str(len(expected)))
+                self.assertEqual(server.stop(), 0)
+
+    def test_break_off_visibly_once_they_are_gone(self):
+        with Server("--timeout=120", "--job-bytes=256MiB") as server:
+            job = finished(server, points("geojson", LARGER))
+            call = Call(server.url(job + "/result"), "--limit-rate", "8M")
+            wait_until(lambda: call.body.is_file() and call.body.stat().st_size > 0)
+            self.assertEqual(ask(server, job, "--request", "DELETE").status, 204)
+            with call.folder:
+                call.process.communicate()
+                self.assertIn(call.process.returncode, (18, 56))  # a part only, or a connection that was reset
+                self.assertIn(b" 200 ", call.head.read_bytes())
+
+    def test_that_are_too_large_are_told_as_early_as_may_be(self):
+        with Server("--timeout=120", "--job-bytes=6MiB") as server:
+            known = post_json(server, "/sample", points("npy"), *PREFER)
+            self.assertEqual(known.status, 413)
+            self.assertIn("(job-bytes)", known.json()["detail"])
+            job = post_json(server, "/sample", points("csv"), *PREFER).headers["location"]
+            wait_until(lambda: ask(server, job).json()["status"] == "failed")
+            answer = ask(server, job + "/result")
+            self.assertEqual(answer.status, 507)
+            self.assertIn("(job-bytes)", answer.json()["detail"])
+            self.assertEqual(ask(server, finished(server, points("csv", 100)) + "/result").status, 200)
+
+
 @unittest.skipIf(SANITIZED, "sanitizers take memory of their own")
 class Memory(unittest.TestCase):
+    def test_does_not_hold_results_of_jobs(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with Server("--workers=1", "--timeout=120", f"--data-dir={folder}") as server:
+                finished(server, points("npy"))
+                before = peak(server.process.pid)
+                result = ask(server, finished(server, points("geojson")) + "/result")
+                self.assertGreater(len(result.body), 16 * MANY)
+                self.assertLess(peak(server.process.pid) - before, 16 * MANY)
+                self.assertEqual(server.stop(), 0)
+
+    def test_of_a_computation_is_bounded_by_its_points(self):
+        many = 262_144
+        with Server("--workers=1", "--timeout=120") as server:
+            post_json(server, "/sample", points("csv", 100))
+            before = of_computing(server, "VmRSS")
+            post_json(server, "/sample", points("csv", many, method="ccdt"))
+            self.assertLess(of_computing(server, "VmHWM") - before, 340 * many)
+            self.assertEqual(server.stop(), 0)
+
+    def test_of_what_writes_is_that_of_the_points(self):
+        for form in ("csv", "geojson"):
+            with Server("--workers=1", "--timeout=120") as server:
+                post_json(server, "/sample", points("csv", 100))
+                before = of_computing(server, "VmRSS")
+                call = Call(server.url("/sample"), *JSON, "--limit-rate", "1M", data=points(form, LARGER))
+                wait_until(lambda call=call: call.body.is_file() and call.body.stat().st_size > 0)
+                taken = of_computing(server, "VmRSS") - before
+                call.abandon()
+                self.assertGreater(taken, 16 * LARGER)
+                self.assertLess(taken, 16 * LARGER + (14 << 20))  # neither points twice nor a text of them
+
     def test_does_not_hold_the_answer(self):
         with Server("--workers=1", "--timeout=120") as server:
             post_json(server, "/sample", points("npy"))

@@ -260,6 +260,71 @@ TEST_P(JobStoreTest, KeepsLargeRequestsAndResults) {
     EXPECT_EQ(bytes(), JobStore::bytes_of_job(large.size()));
 }
 
+TEST_P(JobStoreTest, KeepsResultsThatComeInPieces) {
+    for (const std::size_t last : {std::size_t{0}, std::size_t{1}, JobStore::kPiece}) {
+        add(*store_, job_named("a"));
+        const Job job = claim();
+        const std::string first(JobStore::kPiece, '1'), second(7, '2'), third(last, '3');
+        EXPECT_EQ(store_->take(job, {}, first), true);
+        EXPECT_EQ(store_->take(job, {1, first.size()}, second), true);
+        const std::string all = first + second + third;
+        ASSERT_TRUE(*store_->finish(succeeded(job, all), third, {2, first.size() + second.size()}));
+        if (GetParam().outlives_its_server) open_with({});
+        EXPECT_EQ(find("a").result_bytes, all.size());
+        EXPECT_EQ(**store_->piece("a", 0), first);
+        EXPECT_EQ(**store_->piece("a", 1), second);
+        EXPECT_EQ(**store_->result("a"), all);
+        EXPECT_EQ(bytes(), JobStore::bytes_of_job(all.size()));
+        EXPECT_TRUE(*store_->remove("a"));
+        EXPECT_EQ(*store_->piece("a", 0), std::nullopt);
+        EXPECT_EQ(bytes(), 0u);
+    }
+}
+
+TEST_P(JobStoreTest, ForgetsPiecesWithTheirClaim) {
+    open_with({.lease = std::chrono::milliseconds(1)});
+    add(*store_, job_named("a"));
+    const Job lost = claim();
+    const std::string piece(1000, 'x');
+    EXPECT_TRUE(store_->take(lost, {}, piece));
+    const Job job = claim_again();
+    EXPECT_EQ(store_->take(lost, {1, piece.size()}, piece), false);
+    ASSERT_TRUE(*store_->finish(succeeded(job, "good"), "good"));
+    EXPECT_EQ(**store_->result("a"), "good");
+    EXPECT_EQ(bytes(), JobStore::bytes_of_job(4));
+}
+
+TEST_P(JobStoreTest, ForgetsPiecesOfWhatHasNoResult) {
+    for (const bool cancelled : {true, false}) {
+        add(*store_, job_named("a"));
+        Job job = claim();
+        EXPECT_EQ(store_->take(job, {}, "piece"), true);
+        job.status = JobStatus::Failed;
+        EXPECT_TRUE(cancelled ? (*store_->cancel("a")).has_value() : (*store_->finish(job, {})).has_value());
+        EXPECT_EQ(store_->take(job, {1, 5}, "piece"), false);
+        EXPECT_EQ(*store_->piece("a", 0), std::nullopt);
+        EXPECT_EQ(bytes(), JobStore::bytes_of_job(0));
+        EXPECT_TRUE(*store_->remove("a"));
+    }
+}
+
+TEST_P(JobStoreTest, TakesNoMorePiecesThanThereIsRoomFor) {
+    open_with({.bytes = 20'000});
+    add_finished(*store_, "done", "result");
+    add(*store_, job_named("a"));
+    Job job = claim();
+    const std::string piece(9'000, 'x');
+    EXPECT_EQ(store_->take(job, {}, piece), true);
+    for (const auto& refused : {store_->take(job, {1, 9'000}, std::string(10'500, 'x')).map([](bool) {}),
+                                store_->finish(job, std::string(10'500, 'x'), {1, 9'000}).map([](const auto&) {})}) {
+        ASSERT_FALSE(refused);
+        EXPECT_EQ(refused.error().code, ErrorCode::LimitExceeded);
+    }
+    EXPECT_TRUE(is_there("done")) << "nothing has to go for what will not be";
+    job.status = JobStatus::Failed;
+    EXPECT_TRUE(*store_->finish(job, {})) << "takes no room";
+}
+
 TEST_P(JobStoreTest, KeepsBodiesOfAllSizes) {
     for (const std::size_t size : {1, 65'535, 65'536, 65'537, 1'048'576, 1'048'577, 2'097'152}) {
         std::string body(size, '\0');

@@ -41,13 +41,18 @@ public:
     }
     Result<Hold> hold(const Job& job) override { return store_->hold(job); }
     Result<void> give_back(const Job& job) override { return store_->give_back(job); }
-    Result<std::optional<Time>> finish(const Job& job, std::string_view result) override {
-        return store_->finish(job, result);
+    Result<bool> take(const Job& job, const Taken& before, std::string_view piece) override {
+        return store_->take(job, before, piece);
+    }
+    Result<std::optional<Time>> finish(const Job& job, std::string_view result, const Taken& before) override {
+        return store_->finish(job, result, before);
     }
     Result<std::optional<Job>> cancel(const std::string& id) override { return store_->cancel(id); }
     Result<bool> remove(const std::string& id) override { return store_->remove(id); }
     Result<std::optional<Job>> find(const std::string& id) override { return store_->find(id); }
-    Result<std::optional<std::string>> result(const std::string& id) override { return store_->result(id); }
+    Result<std::optional<std::string>> piece(const std::string& id, std::size_t number) override {
+        return store_->piece(id, number);
+    }
     Result<bool> forget() override { return store_->forget(); }
     Result<Load> load() override { return store_->load(); }
     void listen(JobListener* listener) override { store_->listen(listener); }

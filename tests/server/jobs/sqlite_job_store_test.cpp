@@ -17,6 +17,7 @@ using test::add;
 using test::add_finished;
 using test::job_named;
 using test::kComputeRequest;
+using test::succeeded;
 
 /// Instructions that SQLite has carried out, in all databases opened since `install_counter`.
 std::size_t instructions = 0;
@@ -176,7 +177,7 @@ TEST_F(SqliteJobStoreTest, TakesOverTheFirstVersionsFile) {
         EXPECT_EQ(**store->result("done"), std::string("\0\1\xff", 3));
         EXPECT_EQ(store->damages(), 0u);
     }
-    EXPECT_EQ(Database(file()).value_of("PRAGMA user_version"), 3);
+    EXPECT_EQ(Database(file()).value_of("PRAGMA user_version"), 4);
 }
 
 TEST_F(SqliteJobStoreTest, NeverTellsAResultThatTheDiskHasChanged) {
@@ -191,6 +192,19 @@ TEST_F(SqliteJobStoreTest, NeverTellsAResultThatTheDiskHasChanged) {
     EXPECT_EQ(store->load()->bytes, 0u);
 }
 
+TEST_F(SqliteJobStoreTest, TellsNoPiecesInAnotherOrder) {
+    {
+        const auto store = open();
+        add(*store, job_named("a"));
+        const Job job = **store->claim(1000);
+        ASSERT_TRUE(*store->take(job, {}, "one"));
+        ASSERT_TRUE(*store->finish(succeeded(job, "onetwo"), "two", {1, 3}));
+    }
+    Database(file()).execute("UPDATE results SET number = number + 5; UPDATE results SET number = 6 - number");
+    const auto store = open();
+    for (const std::size_t number : {0, 1}) EXPECT_EQ(store->piece("a", number).error().code, ErrorCode::Unusable);
+}
+
 TEST_F(SqliteJobStoreTest, TellsThatAResultIsLost) {
     add_finished(*open(), "a", "result");
     Database(file()).execute("DELETE FROM results");
@@ -203,7 +217,7 @@ TEST_F(SqliteJobStoreTest, TellsNoResultOfAnotherJob) {
         add_finished(*store, "a", "this");
         add_finished(*store, "b", "that");
     }
-    Database(file()).execute("UPDATE results SET row = row + 10; UPDATE results SET row = 13 - row");
+    Database(file()).execute("UPDATE results SET job = job + 10; UPDATE results SET job = 13 - job");
     const auto store = open();
     EXPECT_FALSE(store->result("a"));
     EXPECT_FALSE(store->result("b"));

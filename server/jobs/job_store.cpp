@@ -1,0 +1,21 @@
+#include "server/jobs/job_store.h"
+
+#include <utility>
+
+namespace ccdt::server {
+
+Result<std::optional<std::string>> JobStore::result(const std::string& id) {
+    const auto job = find(id);
+    if (!job) return tl::unexpected(job.error());
+    auto all = piece(id, 0);
+    if (!*job || !all || !*all) return all;
+    std::string& body = **all;
+    for (std::size_t number = 1; body.size() < (*job)->result_bytes; ++number) {
+        auto next = piece(id, number);
+        if (!next || !*next) return next;
+        body += **next;
+    }
+    return all;
+}
+
+}  // namespace ccdt::server
