@@ -352,7 +352,10 @@ Cost cost_of(const AnalyzeRequest& request) {
     const auto sets = static_cast<double>(request.sets.size());
     const double points = request.sets.empty() ? 0 : static_cast<double>(request.sets.front().size());
     const double cells = points * request.options.max_frequency * request.options.max_frequency;
-    const Estimate transforms{cells * 360, cells * sets * 0.4 * kMicrosecond};
+    const bool in_parts = cells * 16 > static_cast<double>(kMostCells);
+    constexpr double kParts = 600e6, kSpectrum = 40;
+    const Estimate transforms{in_parts ? kParts + cells * kSpectrum : cells * 360,
+                              cells * sets * (in_parts ? 0.7 : 0.4) * kMicrosecond};
     const Estimate others{points * sets * 64, points * sets * kMicrosecond};
     return cost(transforms + others + request.format->cost);
 }

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <complex>
 #include <cstdlib>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "core/analysis/nonuniform_transform.h"
@@ -175,18 +178,79 @@ void for_each_pair(const Plan& plan, Visit visit) {
     }
 }
 
-/// Adds the power of one set.
-/// @param share  what the set counts for
-void add_power(const NonuniformTransform& transform, const Frame& frame, const Plan& plan, double density, double share,
-               Spectrum& spectrum) {
-    for_each_pair(plan, [&](int i, int j) {
-        auto f = transform.value(i, j);
-        if (!frame.periodic) f -= density * hann_transform(i) * hann_transform(j);
+/// Adds the powers of sets to a spectrum, from all frequencies at once or, where that takes too large a grid, from one
+/// part of them after the other.
+class Periodogram {
+public:
+    /// The others must outlive it.
+    Periodogram(const Frame& frame, const Plan& plan, Spectrum& spectrum)
+        : frame_(frame), plan_(plan), spectrum_(spectrum) {
+        constexpr auto kMost = static_cast<double>(kMostCells);
+        if (NonuniformTransform::cells(plan.highest_x, plan.highest_y) <= kMost) {
+            whole_.emplace(plan.highest_x, plan.highest_y);
+            return;
+        }
+        // Parts have two grids, and are as square as may be.
+        const int even = static_cast<int>(std::sqrt(kMost / 2) / 4);
+        const auto longest = [&](int other) { return static_cast<int>(kMost / 2 / (4 * std::max(other, 6))) / 4; };
+        reach_y_ = std::min(plan.highest_y, plan.highest_x < even ? longest(plan.highest_x) : even);
+        reach_x_ = std::min(plan.highest_x, longest(reach_y_));
+        part_.emplace(reach_x_, reach_y_);
+    }
+
+    /// @param points   of a set; left in another order
+    /// @param density  of the set
+    /// @param share    what the set counts for
+    /// Ends early, with nothing of use, if a stop is requested.
+    void add(std::vector<WeightedPoint>& points, double density, double share, const std::stop_token& stop) {
+        if (whole_) {
+            whole_->run(points, stop);
+            for_each_pair(plan_, [&](int i, int j) { add(i, j, whole_->value(i, j), density, share); });
+            return;
+        }
+        bring_together(points);
+        for (int y = reach_y_ - plan_.highest_y; y - reach_y_ <= plan_.highest_y; y += 2 * reach_y_ + 1) {
+            for (int x = reach_x_; x - reach_x_ <= plan_.highest_x; x += 2 * reach_x_ + 1) {
+                part_->run(points, x, y, stop);
+                if (stop.stop_requested()) return;
+                add_part(x, y, density, share);
+            }
+        }
+    }
+
+private:
+    /// Orders points such that those near each other follow each other.
+    static void bring_together(std::vector<WeightedPoint>& points) {
+        constexpr double kBands = 512;
+        std::ranges::sort(points, {}, [](const WeightedPoint& point) {
+            const Point p = point.position;
+            return std::tuple(std::floor(kBands * p.y), p.x, p.y);
+        });
+    }
+
+    /// Adds one of each pair of opposite frequencies of a part around (x, y).
+    void add_part(int x, int y, double density, double share) {
+        for (int j = y - reach_y_; j <= std::min(y + reach_y_, plan_.highest_y); ++j) {
+            const int last = std::min(x + reach_x_, plan_.highest_x);
+            for (int i = std::max(x - reach_x_, j > 0 ? 0 : 1); i <= last; ++i)
+                add(i, j, part_->value(i - x, j - y), density, share);
+        }
+    }
+
+    void add(int i, int j, std::complex<double> f, double density, double share) {
+        if (!frame_.periodic) f -= density * hann_transform(i) * hann_transform(j);
         const double power = share * std::norm(f);
-        spectrum.at(i, j) += power;
-        spectrum.at(-i, -j) += power;
-    });
-}
+        spectrum_.at(i, j) += power;
+        spectrum_.at(-i, -j) += power;
+    }
+
+    const Frame& frame_;
+    const Plan& plan_;
+    Spectrum& spectrum_;
+    std::optional<NonuniformTransform> whole_;
+    std::optional<ShiftedTransform> part_;
+    int reach_x_ = 0, reach_y_ = 0;  ///< of a part
+};
 
 void add_spacing(const std::vector<Point>& set, const Frame& frame, double density, const std::stop_token& stop,
                  Analysis& analysis) {
@@ -265,12 +329,11 @@ Analysis measure(Sets sets, const Frame& frame, const Plan& plan, const std::sto
     analysis.points = sets[0].size();
     analysis.unit = plan.resolution / std::sqrt(frame.box.width()) / std::sqrt(frame.box.height());
     analysis.spectrum = make_spectrum(plan);
-    NonuniformTransform transform(plan.highest_x, plan.highest_y);
+    Periodogram powers(frame, plan, analysis.spectrum);
     for (std::size_t s = 0; s < sets.size() && !stop.stop_requested(); ++s) {
-        const auto points = weigh(sets[s], frame);
-        transform.run(points, stop);
+        auto points = weigh(sets[s], frame);
         const double share = 1 / (sum_of_squares(points) * static_cast<double>(sets.size()));
-        add_power(transform, frame, plan, plan.densities[s], share, analysis.spectrum);
+        powers.add(points, plan.densities[s], share, stop);
         add_spacing(sets[s], frame, plan.densities[s], stop, analysis);
     }
     fill_curves(frame, plan, analysis);

@@ -100,4 +100,57 @@ std::complex<double> NonuniformTransform::value(int i, int j) const {
     return factor * transform_.spectrum()[row * width + column];
 }
 
+ShiftedTransform::ShiftedTransform(int reach_x, int reach_y)
+    : columns_(good_size(grid_side(reach_x))),
+      rows_(good_size(grid_side(reach_y))),
+      unspread_x_(unspreading(reach_x, columns_)),
+      unspread_y_(unspreading(reach_y, rows_)),
+      real_(columns_, rows_),
+      imaginary_(columns_, rows_) {}
+
+void ShiftedTransform::run(std::span<const WeightedPoint> points, int middle_x, int middle_y,
+                           const std::stop_token& stop) {
+    std::ranges::fill(real_.grid(), 0.0);
+    std::ranges::fill(imaginary_.grid(), 0.0);
+    for (std::size_t p = 0; p < points.size(); ++p) {
+        if (p % kPerPoll == 0 && stop.stop_requested()) return;
+        const auto& [position, weight] = points[p];
+        const double turns = middle_x * position.x + middle_y * position.y;
+        const double angle = -2 * std::numbers::pi * (turns - std::floor(turns));
+        spread(position, weight * std::cos(angle), weight * std::sin(angle));
+    }
+    for (RealTransform* const part : {&real_, &imaginary_}) {
+        if (!stop.stop_requested()) part->forward();
+    }
+}
+
+void ShiftedTransform::spread(Point position, double real, double imaginary) {
+    const Footprint x = footprint_of(position.x, columns_);
+    const Footprint y = footprint_of(position.y, rows_);
+    const auto real_grid = real_.grid(), imaginary_grid = imaginary_.grid();
+    for (std::size_t r = 0; r < kWidth; ++r) {
+        const std::size_t row = y.cells[r] * static_cast<std::size_t>(columns_);
+        for (std::size_t c = 0; c < kWidth; ++c) {
+            const double share = y.shares[r] * x.shares[c];
+            real_grid[row + x.cells[c]] += real * share;
+            imaginary_grid[row + x.cells[c]] += imaginary * share;
+        }
+    }
+}
+
+std::complex<double> ShiftedTransform::value(int i, int j) const {
+    // Coefficients of a real grid at opposite frequencies are each other's conjugates, and half of them are kept.
+    const bool is_opposite = i < 0;
+    const int y = is_opposite ? -j : j;
+    const auto row = static_cast<std::size_t>(y < 0 ? y + rows_ : y);
+    const auto column = static_cast<std::size_t>(std::abs(i));
+    const std::size_t place = row * (static_cast<std::size_t>(columns_) / 2 + 1) + column;
+    const double factor = unspread_x_[column] * unspread_y_[static_cast<std::size_t>(std::abs(j))];
+    const auto sum = [&](const RealTransform& part) {
+        const auto coefficient = part.spectrum()[place];
+        return is_opposite ? std::conj(coefficient) : coefficient;
+    };
+    return factor * (sum(real_) + std::complex<double>(0, 1) * sum(imaginary_));
+}
+
 }  // namespace ccdt

@@ -47,4 +47,34 @@ private:
     RealTransform transform_;
 };
 
+/// The same sums around any frequency: a part of them, for which a smaller grid will do. Each point's weight turns with
+/// the frequency in the middle, and its two parts are spread over a grid each.
+///
+/// Errors as above. O(n + N log N) for N cells of 32 bytes.
+class ShiftedTransform {
+public:
+    /// Size of each of the two grids.
+    static double cells(double reach_x, double reach_y) { return NonuniformTransform::cells(reach_x, reach_y); }
+
+    /// @param reach_x, reach_y  >= 0
+    ShiftedTransform(int reach_x, int reach_y);
+
+    /// Computes F around (middle_x, middle_y). Ends early, with nothing of use, if a stop is requested.
+    /// @param points  several times as fast where those near each other follow each other
+    void run(std::span<const WeightedPoint> points, int middle_x, int middle_y, const std::stop_token& stop);
+
+    /// F(middle_x + i, middle_y + j) of the last run, |i| <= reach_x, |j| <= reach_y.
+    std::complex<double> value(int i, int j) const;
+
+private:
+    void spread(Point position, double real, double imaginary);
+
+    int columns_;
+    int rows_;
+    std::vector<double> unspread_x_;  ///< by |i|: what undoes the spreading
+    std::vector<double> unspread_y_;  ///< by |j|
+    RealTransform real_;
+    RealTransform imaginary_;
+};
+
 }  // namespace ccdt

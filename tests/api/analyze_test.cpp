@@ -172,7 +172,7 @@ TEST(Analyze, PointsIntoTheRequestAtWhatCannotBeMeasured) {
 }
 
 TEST(Analyze, NamesTheLimitOfItsTransform) {
-    const auto result = answer('{' + lattice(100) + R"(,"max_frequency":16})");
+    const auto result = answer('{' + lattice(370) + R"(,"max_frequency":16})");
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::LimitExceeded);
     EXPECT_EQ(result.error().field, "/max_frequency");

@@ -242,7 +242,8 @@ TEST(AnalyzeCost, IsNeverPassed) {
         points += (i > 0 ? ",[" : "[") + std::to_string(std::fmod(i * 0.7548776662, 1)) + ',' +
                   std::to_string(std::fmod(i * 0.5698402910, 1)) + ']';
     }
-    for (const auto* more : {"", R"(,"spectrum":true)", R"(,"format":"png")", R"(,"max_frequency":8)"}) {
+    for (const auto* more :
+         {"", R"(,"spectrum":true)", R"(,"format":"png")", R"(,"max_frequency":8)", R"(,"max_frequency":16)"}) {
         const auto request = parse_analyze(R"({"points":[)" + points + "]" + more + ',' + kTorus + '}', "", {});
         ASSERT_TRUE(request) << request.error().message;
         const auto work = [&] {

@@ -179,7 +179,8 @@ class Refusals(AnalyzeCase):
 
     def test_413_names_the_limit(self):
         self.refuse(413, "max-sites", "20000", sets=[noise(10001).tolist()] * 2)
-        self.refuse(413, "/max_frequency", "33554432", points=noise(20000).tolist(), max_frequency=16)
+        long, points = {"type": "rectangle", "width": 1e8, "height": 1}, noise(20000) * [1e8, 1]
+        self.refuse(413, "/max_frequency", "536870912", points=points.tolist(), domain=long, max_frequency=16)
 
     def test_422_points_at_what_cannot_be_measured(self):
         good = noise(10).tolist()

@@ -272,9 +272,22 @@ TEST(Analysis, RefusesWhatItCannotMeasure) {
     }
 }
 
+TEST(Analysis, ComputesLargeSpectraInParts) {
+    const Sets sets = white_noise(1, 140'000);
+    for (const Domain& domain : {torus(), window()}) {
+        const auto whole = measured(sets, domain, {3.8}).spectrum, parts = measured(sets, domain, {4}).spectrum;
+        ASSERT_GT(parts.width, whole.width);
+        for (int j = -whole.height / 2; j <= whole.height / 2; ++j) {
+            for (int i = -whole.width / 2; i <= whole.width / 2; ++i)
+                ASSERT_NEAR(std::sqrt(parts.at(i, j)), std::sqrt(whole.at(i, j)), 1e-9) << i << ' ' << j;
+        }
+        EXPECT_EQ(std::ranges::count(parts.values, 0.0), 1) << "none is left out, but for (0, 0)";
+    }
+}
+
 TEST(Analysis, RefusesATransformThatIsTooLarge) {
     const Sets sets = white_noise(1, 140'000);
-    expect_refused(sets, torus(), ErrorCode::LimitExceeded, "max_frequency");
+    expect_refused(sets, torus(), ErrorCode::LimitExceeded, "max_frequency", {16});
 }
 
 TEST(Analysis, StopsWhenAsked) {

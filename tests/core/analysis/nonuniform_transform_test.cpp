@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -95,6 +96,24 @@ TEST(NonuniformTransform, ForgetsTheRunBefore) {
     fresh.run(points, {});
     for (int i = 0; i <= 10; ++i) {
         for (int j = -10; j <= 10; ++j) EXPECT_EQ(used.value(i, j), fresh.value(i, j));
+    }
+}
+
+TEST(ShiftedTransform, IsTheSumAroundAnyFrequency) {
+    auto points = noise(300);
+    double sum = 0;
+    Random random(9, 0);
+    for (auto& point : points) {
+        point.weight = 2 * random.uniform() - 1;
+        sum += std::abs(point.weight);
+    }
+    ShiftedTransform transform(20, 11);
+    for (const auto& [x, y] : {std::pair(0, 0), std::pair(7, -30), std::pair(5'000, 4'000)}) {
+        transform.run(points, x, y, {});
+        for (int i = -20; i <= 20; ++i) {
+            for (int j = -11; j <= 11; ++j)
+                ASSERT_LT(std::abs(transform.value(i, j) - direct_sum(points, x + i, y + j)), kError * sum);
+        }
     }
 }
 
