@@ -159,7 +159,7 @@ INSTANTIATE_TEST_SUITE_P(
                     SampleCase{"map_classes", squares(3, 5'555, R"("classes":["a","b"])")},
                     SampleCase{"map_globe", squares(3, 11'111, R"("sites":"a","coordinates":"lonlat")"), 6},
                     SampleCase{"map_buffer", squares(3, 11'111, R"("sites":"a","buffer":0.01)")},
-                    SampleCase{"map_fixed", squares(30, 11, R"("sites":"a","fixed":[[0.1,0.1],[0.2,0.2],[1,1]])"), 6},
+                    SampleCase{"map_fixed", squares(30, 11, R"("sites":"a","fixed":[[0.1,0.1],[0.2,0.2],[1,1]])"), 7},
                     SampleCase{"wide", R"("sites":1000,"method":"random","format":"png","width":4000,)" + kSquare}),
     [](const auto& each) { return each.param.name; });
 
