@@ -36,6 +36,17 @@ TRIANGLE = [[0, 0], [4, 0], [1, 3]]
 LAKE = [[[11, 43], [12.5, 43.2], [12.3, 44], [11.2, 44.1]]]
 FIXED = [[0.5, 0.5], [0.5, 0.5], [0.51, 0.5], [0.9, 0.3], [8, 47]]
 
+
+
+def land(ring, **properties):
+    return {"type": "Feature", "properties": properties, "geometry": {"type": "Polygon", "coordinates": [ring]}}
+
+
+LANDS = {"type": "FeatureCollection", "features": [
+    land([[0, 40], [2, 40], [2, 42], [0, 42], [0, 40]], people=120, cattle=60),
+    land([[2, 40], [5, 40], [5, 42], [2, 42], [2, 40]], people=80, cattle=140),
+    land([[0, 42], [5, 42], [3, 45], [0, 42]], people=40, cattle=0)]}
+
 QUALITIES = ("draft", "standard", "best")
 INKS = ("color=gray", "color=cmyk", "color=rgb", "palette=%23e02020,%232040c0", "palette=%23804000")
 
@@ -102,6 +113,13 @@ def samples(formats, methods):
     yield "mask", {"mask": {"image": data_uri(PHOTOS["wedge"])}, **italy}
     yield "buffer", {"avoid": LAKE, "buffer": 0.1, **italy}
     yield "buffer lonlat", {"avoid": LAKE, "buffer": 9000, "coordinates": "lonlat", **italy}
+    people = {"geometry": LANDS, "sites": {"property": "people", "per": 0.5}}
+    for form in formats:
+        yield f"map {form}", {"format": form, **people}
+    for quality in QUALITIES:
+        yield f"map {quality}", {"quality": quality, **people}
+    yield "map classes", {"geometry": LANDS, "classes": ["people", "cattle"], "per": 2, "order": "progressive"}
+    yield "map lonlat", {"coordinates": "lonlat", "fixed": FIXED[:2], "buffer": 2000, **people}
     for place, domain in domains.items():
         yield f"{place} fixed", {"sites": 300, "fixed": FIXED, **domain}
     yield "fixed lonlat", {"fixed": LAKE[0], "coordinates": "lonlat", **italy}
