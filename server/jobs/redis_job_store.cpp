@@ -16,9 +16,6 @@ namespace {
 /// Of all keys; the number is the version of their layout.
 constexpr std::string_view kPrefix = "ccdt:1:";
 
-/// Bytes of a body that are sent at a time: larger ones would keep others waiting.
-constexpr std::size_t kPiece = JobStore::kPiece;
-
 /// Bytes of a body that goes with the call that needs it: one round trip, and one wait for the disk, where there would
 /// be two. Larger ones would be copied several times more while nobody else's turn comes.
 constexpr std::size_t kSmall = std::size_t{64} << 10;
