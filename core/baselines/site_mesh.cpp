@@ -9,6 +9,7 @@
 #include "core/baselines/periodic_images.h"
 #include "core/ccdt/placement.h"
 #include "core/ccdt/start.h"
+#include "core/mesh/insertion_steps.h"
 
 namespace ccdt {
 
@@ -96,15 +97,13 @@ bool SiteMesh::keeps_margin() const {
     return true;
 }
 
-/// Triangulates all sites anew, coarse to fine as place_sites() has it.
+/// Triangulates all sites anew.
 bool SiteMesh::insert_all(std::span<const Point> from, std::span<const Point> to) {
     Triangulation mesh = empty_.mesh;
-    for (std::size_t stride = 64, coarser = 0; stride >= 1; coarser = stride, stride /= 4) {
-        for (std::size_t site = 0; site < to.size(); site += stride) {
-            if (coarser != 0 && site % coarser == 0) continue;
-            if (!insert(mesh, static_cast<std::uint32_t>(site), from[site], to[site])) return false;
-        }
-    }
+    const auto insert_step = [&](std::span<const std::uint32_t> step) {
+        return std::ranges::all_of(step, [&](auto site) { return insert(mesh, site, from[site], to[site]); });
+    };
+    if (!for_insertion_steps(to.size(), insert_step)) return false;
     mesh.trim();
     mesh_ = std::move(mesh);
     return true;

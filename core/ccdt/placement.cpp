@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/ccdt/interior_sampler.h"
+#include "core/mesh/insertion_steps.h"
 #include "core/random.h"
 
 namespace ccdt {
@@ -98,21 +99,12 @@ std::optional<Error> place_sites(Triangulation& mesh, std::span<const Point> fir
                                  const std::stop_token& stop) {
     const std::size_t sites = mesh.free_count();
     Placement placement(mesh, first, start, std::move(room), seed, margin);
-    // Coarse to fine: points far apart first keep the triangles round, neighbours in turn keep walks short.
-    std::vector<std::uint32_t> step;
-    for (std::size_t stride = 64, coarser = 0; stride >= 1; coarser = stride, stride /= 4) {
-        step.clear();
-        for (std::size_t site = 0; site < sites; site += stride) {
-            if (coarser == 0 || site % coarser != 0) step.push_back(static_cast<std::uint32_t>(site));
-        }
-        const bool placed = placement.place(step, stop);
-        if (stop.stop_requested()) return Error{ErrorCode::Stopped, "stopped before there was a result", ""};
-        if (!placed) {
-            return Error{ErrorCode::Unusable,
-                         "the domain is too thin to hold " + std::to_string(sites) + " sites strictly inside", "sites"};
-        }
-    }
-    return std::nullopt;
+    const bool placed =
+        for_insertion_steps(sites, [&](auto step) { return placement.place(step, stop) && !stop.stop_requested(); });
+    if (stop.stop_requested()) return Error{ErrorCode::Stopped, "stopped before there was a result", ""};
+    if (placed) return std::nullopt;
+    return Error{ErrorCode::Unusable,
+                 "the domain is too thin to hold " + std::to_string(sites) + " sites strictly inside", "sites"};
 }
 
 }  // namespace ccdt

@@ -15,6 +15,7 @@
 #include "core/dotmap/dot_error.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/predicates.h"
+#include "core/mesh/insertion_steps.h"
 
 namespace ccdt {
 
@@ -111,24 +112,22 @@ Result<void> DotLayer::choose_fixed(const Border& border) {
     return {};
 }
 
-/// Inserts the dots, coarse to fine: points far apart first keep the triangles round, neighbours in turn keep walks
-/// short.
 Result<void> DotLayer::insert_all() {
+    Result<void> inserted;
+    for_insertion_steps(dots_.size(), [&](auto step) { return (inserted = insert_step(step)).has_value(); });
+    return inserted;
+}
+
+/// Inserts dots, given in ascending order.
+Result<void> DotLayer::insert_step(std::span<const std::uint32_t> dots) {
     const auto draw = [this](std::uint32_t dot, int) { return land_.to_unit(dots_[dot].place); };
-    std::vector<std::uint32_t> step, left;
-    for (std::uint32_t stride = 64, coarser = 0; stride >= 1; coarser = stride, stride /= 4) {
-        step.clear();
-        left.clear();
-        for (std::uint32_t dot = 0; dot < dots_.size(); dot += stride) {
-            if (coarser != 0 && dot % coarser == 0) continue;
-            (keeps_place(dot) ? step : left).push_back(dot);
-        }
-        const auto refused = mesh().insert_all(step, draw, 1, land_.resolution(), stop_);
-        left.insert(left.end(), refused.begin(), refused.end());
-        for (const std::uint32_t dot : left) {
-            if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
-            if (auto inserted = insert_anywhere(dot); !inserted) return inserted;
-        }
+    std::vector<std::uint32_t> kept, left;
+    for (const std::uint32_t dot : dots) (keeps_place(dot) ? kept : left).push_back(dot);
+    const auto refused = mesh().insert_all(kept, draw, 1, land_.resolution(), stop_);
+    left.insert(left.end(), refused.begin(), refused.end());
+    for (const std::uint32_t dot : left) {
+        if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
+        if (auto inserted = insert_anywhere(dot); !inserted) return inserted;
     }
     return {};
 }

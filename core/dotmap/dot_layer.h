@@ -89,6 +89,7 @@ private:
     std::vector<double> length_in_dots(Point a, Point b) const;
     Result<void> choose_fixed(const Border& border);
     Result<void> insert_all();
+    Result<void> insert_step(std::span<const std::uint32_t> dots);
     bool keeps_place(std::uint32_t dot) const;
     Result<void> insert_anywhere(std::uint32_t dot);
     void find_radii();

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace ccdt {
+
+/// Lists sites that are numbered along a space-filling curve in the order in which they are best inserted: coarse to
+/// fine, as points far apart first keep the triangles round, and neighbours in turn keep walks short.
+/// @param visit  called with the sites of each step, in ascending order; returns false to end
+/// @returns      false if it was ended
+template <class Visit>
+bool for_insertion_steps(std::size_t sites, Visit&& visit) {
+    std::vector<std::uint32_t> step;
+    for (std::size_t stride = 64, coarser = 0; stride >= 1; coarser = stride, stride /= 4) {
+        step.clear();
+        for (std::size_t site = 0; site < sites; site += stride) {
+            if (coarser == 0 || site % coarser != 0) step.push_back(static_cast<std::uint32_t>(site));
+        }
+        if (!visit(std::span<const std::uint32_t>(step))) return false;
+    }
+    return true;
+}
+
+}  // namespace ccdt
