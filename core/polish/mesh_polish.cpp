@@ -190,18 +190,10 @@ bool MeshPolish::find_nearer(const Triangulation& mesh, double least) {
 }
 
 std::vector<std::uint32_t> MeshPolish::take_nearer(const Triangulation& mesh, double least) {
-    const double half_reach = 0.5 * least * hexagonal_spacing(1);
-    std::vector<std::array<std::uint32_t, 2>> pairs = std::move(facing_);
+    auto pairs = joined_within(mesh, 0.5 * least * hexagonal_spacing(1));
+    pairs.insert(pairs.end(), facing_.begin(), facing_.end());
     facing_.clear();
     mesh_transport_.reset();
-    for (const auto& blocks : edges_) {
-        for (const auto& list : blocks) {
-            for (const std::uint32_t h : list) {
-                const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
-                if (is_nearer(mesh, a, b, half_reach)) pairs.push_back({std::min(a, b), std::max(a, b)});
-            }
-        }
-    }
     std::ranges::sort(pairs);
     std::vector<std::uint32_t> taken;
     for (const auto& [a, b] : pairs) {
@@ -209,6 +201,20 @@ std::vector<std::uint32_t> MeshPolish::take_nearer(const Triangulation& mesh, do
             taken.push_back(a);
     }
     return taken;
+}
+
+/// Lists the near ones of the sites that edges join, those of smaller number first.
+std::vector<std::array<std::uint32_t, 2>> MeshPolish::joined_within(const Triangulation& mesh,
+                                                                    double half_reach) const {
+    std::vector<std::array<std::uint32_t, 2>> joined;
+    const auto join = [&](std::uint32_t h) {
+        const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
+        if (is_nearer(mesh, a, b, half_reach)) joined.push_back({std::min(a, b), std::max(a, b)});
+    };
+    for (const auto& blocks : edges_) {
+        for (const auto& list : blocks) std::ranges::for_each(list, join);
+    }
+    return joined;
 }
 
 bool MeshPolish::is_nearer(const Triangulation& mesh, std::uint32_t a, std::uint32_t b, double half_reach) const {
@@ -233,15 +239,9 @@ void MeshPolish::find_facing(const Triangulation& mesh, double half_reach) {
     }
     if (facing_.empty()) return;
     std::ranges::sort(facing_);
-    std::vector<std::array<std::uint32_t, 2>> joined, others;
-    const auto join = [&](std::uint32_t h) {
-        const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
-        if (is_nearer(mesh, a, b, half_reach)) joined.push_back({std::min(a, b), std::max(a, b)});
-    };
-    for (const auto& blocks : edges_) {
-        for (const auto& list : blocks) std::ranges::for_each(list, join);
-    }
+    auto joined = joined_within(mesh, half_reach);
     std::ranges::sort(joined);
+    std::vector<std::array<std::uint32_t, 2>> others;
     std::ranges::set_difference(facing_, joined, std::back_inserter(others));
     facing_ = std::move(others);
 }

@@ -84,6 +84,7 @@ public:
 
 private:
     void list_edges(const Triangulation& mesh, std::size_t block, std::vector<std::uint32_t>& others);
+    std::vector<std::array<std::uint32_t, 2>> joined_within(const Triangulation& mesh, double half_reach) const;
     bool is_nearer(const Triangulation& mesh, std::uint32_t a, std::uint32_t b, double half_reach) const;
     void find_facing(const Triangulation& mesh, double half_reach);
     void push_off_others(const Triangulation& mesh, double half_reach, double push);
