@@ -59,6 +59,12 @@ Footprint footprint_of(double position, int side) {
     return footprint;
 }
 
+/// Where the spectrum of a grid has the coefficient (i, j), i >= 0.
+std::size_t place_of(int i, int j, int columns, int rows) {
+    const auto row = static_cast<std::size_t>(j < 0 ? j + rows : j);
+    return row * (static_cast<std::size_t>(columns) / 2 + 1) + static_cast<std::size_t>(i);
+}
+
 }  // namespace
 
 double NonuniformTransform::cells(double highest_x, double highest_y) {
@@ -93,11 +99,8 @@ void NonuniformTransform::spread(const WeightedPoint& point) {
 }
 
 std::complex<double> NonuniformTransform::value(int i, int j) const {
-    const auto row = static_cast<std::size_t>(j < 0 ? j + rows_ : j);
-    const auto column = static_cast<std::size_t>(i);
-    const auto width = static_cast<std::size_t>(columns_) / 2 + 1;
-    const double factor = unspread_x_[column] * unspread_y_[static_cast<std::size_t>(std::abs(j))];
-    return factor * transform_.spectrum()[row * width + column];
+    const double factor = unspread_x_[static_cast<std::size_t>(i)] * unspread_y_[static_cast<std::size_t>(std::abs(j))];
+    return factor * transform_.spectrum()[place_of(i, j, columns_, rows_)];
 }
 
 ShiftedTransform::ShiftedTransform(int reach_x, int reach_y)
@@ -141,11 +144,9 @@ void ShiftedTransform::spread(Point position, double real, double imaginary) {
 std::complex<double> ShiftedTransform::value(int i, int j) const {
     // Coefficients of a real grid at opposite frequencies are each other's conjugates, and half of them are kept.
     const bool is_opposite = i < 0;
-    const int y = is_opposite ? -j : j;
-    const auto row = static_cast<std::size_t>(y < 0 ? y + rows_ : y);
-    const auto column = static_cast<std::size_t>(std::abs(i));
-    const std::size_t place = row * (static_cast<std::size_t>(columns_) / 2 + 1) + column;
-    const double factor = unspread_x_[column] * unspread_y_[static_cast<std::size_t>(std::abs(j))];
+    const std::size_t place = is_opposite ? place_of(-i, -j, columns_, rows_) : place_of(i, j, columns_, rows_);
+    const double factor =
+        unspread_x_[static_cast<std::size_t>(std::abs(i))] * unspread_y_[static_cast<std::size_t>(std::abs(j))];
     const auto sum = [&](const RealTransform& part) {
         const auto coefficient = part.spectrum()[place];
         return is_opposite ? std::conj(coefficient) : coefficient;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -23,6 +24,18 @@ std::vector<WeightedPoint> noise(std::size_t count) {
     std::vector<WeightedPoint> points(count);
     for (auto& point : points) point = {{random.uniform(), random.uniform()}, 1};
     return points;
+}
+
+/// Gives points weights of both signs.
+/// @returns  the sum of |weights|
+double weigh(std::vector<WeightedPoint>& points, std::uint64_t seed) {
+    double sum = 0;
+    Random random(seed, 0);
+    for (auto& point : points) {
+        point.weight = 2 * random.uniform() - 1;
+        sum += std::abs(point.weight);
+    }
+    return sum;
 }
 
 /// The sum itself, point by point.
@@ -54,12 +67,7 @@ TEST(NonuniformTransform, IsTheSumOverPointsWithoutStructure) {
 
 TEST(NonuniformTransform, IsTheSumUnderAnyWeights) {
     auto points = noise(300);
-    double sum = 0;
-    Random random(8, 0);
-    for (auto& point : points) {
-        point.weight = 2 * random.uniform() - 1;
-        sum += std::abs(point.weight);
-    }
+    const double sum = weigh(points, 8);
     EXPECT_LT(largest_error(points, 30, 30), kError * sum);
 }
 
@@ -101,12 +109,7 @@ TEST(NonuniformTransform, ForgetsTheRunBefore) {
 
 TEST(ShiftedTransform, IsTheSumAroundAnyFrequency) {
     auto points = noise(300);
-    double sum = 0;
-    Random random(9, 0);
-    for (auto& point : points) {
-        point.weight = 2 * random.uniform() - 1;
-        sum += std::abs(point.weight);
-    }
+    const double sum = weigh(points, 9);
     ShiftedTransform transform(20, 11);
     for (const auto& [x, y] : {std::pair(0, 0), std::pair(7, -30), std::pair(5'000, 4'000)}) {
         transform.run(points, x, y, {});
