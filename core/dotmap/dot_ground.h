@@ -60,8 +60,7 @@ public:
 
     /// Draws the first dots: of each feature a few in each of many cells that want as many, at random. Features come in
     /// an order in which neighbours follow each other, mostly.
-    /// @param rounded  takes a place to where it will be, by rounding
-    /// @param rounded  called by several at the same time
+    /// @param rounded  takes a place to where it will be, by rounding; called by several at the same time
     /// Errors: Unusable for a feature that is too thin; Stopped.
     Result<std::vector<FeatureDot>> draw(std::uint64_t seed, const std::function<Point(Point)>& rounded, Team& team,
                                          const std::stop_token& stop) const;

@@ -172,8 +172,8 @@ public:
     void add(const Reach& reach, bool is_after) {
         if (!reach.is_edge) return add_capsule(reach.a, reach.b, reach.distance);
         add_edge(reach.a, reach.b, reach.distance);
-        if (!is_after) add_corner(reach.before, reach.a, reach.b, reach.distance);
-        add_corner(reach.a, reach.b, reach.after, reach.distance);
+        if (!is_after) add_corner_before(reach);
+        add_corner_after(reach);
     }
 
     /// Pieces at the beginning of which one polygon tells what is near to, up to the last corner; at least one. Edges
