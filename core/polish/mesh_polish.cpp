@@ -71,8 +71,10 @@ Point MeshPolish::allowed(Point p, Spacing&& spacing) const {
         const Point sides = domain_.unit_bounds().max;
         corner = {whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
     }
-    const auto here = support_.here(p - corner);
-    return inside(corner + (here ? *here : support_.nearest(p - corner, kReach * spacing())));
+    const Point place = p - corner;
+    const auto here = support_.here(place);
+    if (here == place) return p;
+    return inside(corner + (here ? *here : support_.nearest(place, kReach * spacing())));
 }
 
 void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& stop) {
