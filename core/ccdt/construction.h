@@ -74,6 +74,7 @@ private:
     Result<void> clear_gaps();
     Relaxation& relaxation();
     bool is_exact(int iteration) const;
+    void pass_exactly(Relaxation& relaxation);
     bool resettles() const;
 
     const Domain& domain_;

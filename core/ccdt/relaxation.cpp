@@ -479,30 +479,32 @@ void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::siz
     mesh_.points()[vertex] = moved;
 }
 
-void Relaxation::exact_pass(const CapacityIntegral& capacity, const std::stop_token& stop) {
-    capacity.of_edges(mesh_, capacities_, sweeps_, stop);
-    if (stop.stop_requested()) return;
+void Relaxation::measure(const CapacityIntegral& capacity, const std::stop_token& stop) {
     const double sites = options_.site_share ? 1 / *options_.site_share : static_cast<double>(mesh_.site_count());
-    const double unit = 2 * sites / capacity.total();
+    unit_ = 2 * sites / capacity.total();
+    capacity.of_edges(mesh_, capacities_, sweeps_, stop);
+}
+
+void Relaxation::exact_pass() {
     for (std::size_t level = 0; level < groups_.size(); ++level) {
-        mesh_.team().run(groups_[level].size(), [&](std::size_t number) { move_group_exactly(level, number, unit); });
+        mesh_.team().run(groups_[level].size(), [&](std::size_t number) { move_group_exactly(level, number); });
     }
     for (const Fan& fan : border_.all) slide(border_, fan);
 }
 
-void Relaxation::move_group_exactly(std::size_t level, std::size_t number, double unit) {
+void Relaxation::move_group_exactly(std::size_t level, std::size_t number) {
     ExactRing ring;
-    for (const std::uint32_t site : groups_[level][number].sites) move_exactly(site, unit, ring);
+    for (const std::uint32_t site : groups_[level][number].sites) move_exactly(site, ring);
     if (level > 0) return;
     const std::uint32_t end = mesh_.blocks().begin(number + 1);
     for (std::uint32_t site = mesh_.blocks().begin(number); site < end; ++site) {
-        if (levels_[site] == 0) move_exactly(site, unit, ring);
+        if (levels_[site] == 0) move_exactly(site, ring);
     }
 }
 
 /// Moves a site by the true capacities. A triangle (v, from, to) gains what its edge v-from sweeps on its right, and
 /// loses what v-to sweeps.
-void Relaxation::move_exactly(std::uint32_t site, double unit, ExactRing& ring) {
+void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
     ring.vertices.clear();
     ring.lifts.clear();
     ring.gradients.clear();
@@ -513,10 +515,10 @@ void Relaxation::move_exactly(std::uint32_t site, double unit, ExactRing& ring) 
         const std::uint32_t triangle = Triangulation::triangle_of(h);
         const std::uint32_t after = mesh_.twin(Triangulation::previous(h));
         const Point from = mesh_.along(h), to = mesh_.along(after);
-        const Point gradient{unit * (sweeps_[h] * from.y - sweeps_[after] * to.y),
-                             unit * (sweeps_[after] * to.x - sweeps_[h] * from.x)};
+        const Point gradient{unit_ * (sweeps_[h] * from.y - sweeps_[after] * to.y),
+                             unit_ * (sweeps_[after] * to.x - sweeps_[h] * from.x)};
         const Term term = this->term(triangle);
-        equations.add(term.scale * gradient, term.scale * unit * capacities_[triangle] - term.target);
+        equations.add(term.scale * gradient, term.scale * unit_ * capacities_[triangle] - term.target);
         equations.add_springs(from, to, options_.spring * term.spring);
         ring.vertices.push_back(mesh_.target(h));
         ring.lifts.push_back(mesh_.distance(mesh_.shift(h)));
@@ -528,7 +530,7 @@ void Relaxation::move_exactly(std::uint32_t site, double unit, ExactRing& ring) 
          {ring.vertices, ring.lifts.data()}, ring.vertices.size());
     const Point by = mesh_.point(site) - before;
     for (const Point gradient : ring.gradients) {
-        capacities_[Triangulation::triangle_of(h)] += dot(gradient, by) / unit;
+        capacities_[Triangulation::triangle_of(h)] += dot(gradient, by) / unit_;
         h = mesh_.twin(Triangulation::previous(h));
     }
 }

@@ -59,15 +59,18 @@ public:
     /// Moves every vertex once. O(vertices).
     void pass();
 
+    /// Measures what exact passes need: the true capacities, and what edges sweep. O(half-edges), and their length in
+    /// cells of the density.
+    /// @param stop  asked now and then; no exact pass must follow, then
+    void measure(const CapacityIntegral& capacity, const std::stop_token& stop = {});
+
     /// Moves every vertex once, to where the true capacities come closest to their targets rather than those that
     /// triangles would have if their mean density went with them: what a moving edge sweeps is the density along it.
-    /// Capacities and sweeps are measured before the pass, and within it carried on to first order.
+    /// Capacities are carried on to first order, from what was measured before this pass or some passes before.
     ///
-    /// Where the density is steep, next to white areas above all, pass() stalls and this one does not; it costs about
-    /// five times as much. O(vertices), and the edges' length in cells of the density.
-    /// @param stop  asked now and then; moves nothing, then
+    /// Where the density is steep, next to white areas above all, pass() stalls and this one does not. O(vertices).
     /// Source: Gauss and Newton's method; Reynolds' transport theorem.
-    void exact_pass(const CapacityIntegral& capacity, const std::stop_token& stop = {});
+    void exact_pass();
 
     /// Sum that the passes minimise; no pass makes it larger.
     double energy() const;
@@ -160,8 +163,8 @@ private:
     void move_few(const std::uint32_t* record);
     NormalEquations equations_of(const Fans& fans, const Fan& fan) const;
     void move_site(const Fans& fans, const Fan& fan);
-    void move_group_exactly(std::size_t level, std::size_t number, double unit);
-    void move_exactly(std::uint32_t site, double unit, ExactRing& ring);
+    void move_group_exactly(std::size_t level, std::size_t number);
+    void move_exactly(std::uint32_t site, ExactRing& ring);
     void slide(const Fans& fans, const Fan& fan);
     void move(std::uint32_t vertex, Point by, const Ring& ring, std::size_t triangles);
     Point fenced(std::uint32_t site, Point by) const {
@@ -185,8 +188,9 @@ private:
     /// little could be used by what comes after.
     std::vector<std::uint32_t> room_;
     Fans border_;
-    std::vector<double> capacities_;  ///< [triangles] in an exact pass
-    std::vector<double> sweeps_;      ///< [half-edges] in an exact pass
+    std::vector<double> capacities_;  ///< [triangles] in exact passes
+    std::vector<double> sweeps_;      ///< [half-edges] when they were measured
+    double unit_ = 0;                 ///< capacities' to those of the terms
 };
 
 }  // namespace ccdt
