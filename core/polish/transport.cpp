@@ -114,11 +114,20 @@ void Transport::add_octave() {
     const SplineGrid& grid = octave.grid;
     octave.factors.resize(grid.number(0, torus_ ? grid.rows() / 2 + 1 : grid.rows()));
     grid.for_frequencies([&](std::size_t, int i, int j) {
-        const Point f = grid.frequency(i, j);
-        const double cycles = length(f) * spacing;
-        if (j >= 0 && cycles > 0 && cycles < kShortest)
-            octave.factor(i, j) = static_cast<float>(share_undone(cycles, uniform_) / grid.window(i, j));
+        const double cycles = length(grid.frequency(i, j)) * spacing;
+        if (j >= 0 && cycles > 0 && cycles < kShortest) {
+            octave.factor(i, j) =
+                static_cast<float>(share_undone(cycles, uniform_) * potential_of(i, j) / grid.window(i, j));
+        }
     });
+}
+
+/// Coefficient of the potential of a wave of coefficient 1, over octave 0's window; not of the constant one. The unit
+/// of length is octave 0's spacing, by which it is neither too large nor too small for a float.
+double Transport::potential_of(int column, int row) const {
+    const SplineGrid& finest = octaves_[0].grid;
+    const Point f = octave_spacing(0) * finest.frequency(column, row);
+    return -1 / (4 * kPi * kPi * dot(f, f) * finest.window(column, row));
 }
 
 /// Sites that each cell of octave 0 wants.
@@ -193,7 +202,7 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
     for (float& level : levels_) level = std::min(level, last);
 }
 
-/// Computes the density's coefficients, as sites spread by it would have them.
+/// Computes the density's potential, as sites spread by it would have it.
 void Transport::set_targets(const std::vector<double>& masses, const std::stop_token& stop) {
     SplineGrid& grid = octaves_[0].grid;
     const Point cell = grid.cell();
@@ -211,13 +220,13 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
             auto& targets = std::get<std::vector<Coefficient>>(targets_);
             grid.for_frequencies([&](std::size_t number, int i, int j) {
                 const Point f = grid.frequency(i, j);
-                if (dot(f, f) >= highest) return;
+                if (number == 0 || dot(f, f) >= highest) return;
                 Coefficient coefficient = coefficients[number];
                 // Cells' middles lie half a cell beyond a torus' grid points.
                 if constexpr (!std::is_same_v<Coefficient, double>)
                     coefficient *= std::polar(1.0, -kPi * (f.x * cell.x + f.y * cell.y));
                 targets[number] +=
-                    coefficient * (share_undone(length(f) * octave_spacing(octave), uniform_) *
+                    coefficient * (share_undone(length(f) * octave_spacing(octave), uniform_) * potential_of(i, j) *
                                    across[static_cast<std::size_t>(i)] * up[static_cast<std::size_t>(std::abs(j))]);
             });
         });
@@ -245,12 +254,13 @@ void Transport::set_fine_targets(const Density& density, const CellBlock& block,
     }
     if (!transform(stop)) return;
     octaves_[0].grid.with_coefficients([&]<class Coefficient>(std::span<Coefficient> total) {
-        auto& targets = targets_.emplace<std::vector<Coefficient>>(octaves_[0].grid.coefficient_count());
-        join_octaves(total);
+        std::vector<Coefficient> targets(octaves_[0].grid.coefficient_count());
+        solve(total);
         octaves_[0].grid.for_frequencies([&](std::size_t number, int i, int j) {
             const Point f = octaves_[0].grid.frequency(i, j);
             targets[number] = total[number] * (sinc(f.x * piece.x) * sinc(f.y * piece.y));
         });
+        targets_ = std::move(targets);
     });
 }
 
@@ -345,17 +355,23 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
     return transform(stop);
 }
 
-/// Adds up the long waves of all octaves, each up to its own limit.
-/// @param total  coefficients of octave 0; from its sites' to those of all sites' long waves
+/// Solves Laplace phi = error: adds up the long waves of all octaves, each up to its own limit, but for those that the
+/// density alone has, once its own are known.
+/// @param total  coefficients of octave 0; from its sites' to the potential's
 template <class Coefficient>
-void Transport::join_octaves(std::span<Coefficient> total) {
+void Transport::solve(std::span<Coefficient> total) {
     const SplineGrid& finest = octaves_[0].grid;
+    const auto* const own = std::get_if<std::vector<Coefficient>>(&targets_);
+    const std::span<const Coefficient> targets = own ? *own : std::span<const Coefficient>();
     const std::size_t columns = finest.number(0, 1);
     for_ranges(team_, static_cast<std::size_t>(finest.rows()), kRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
-            const float* factors = &octaves_[0].factor(0, finest.signed_row(static_cast<int>(row)));
+            const float* const factors = &octaves_[0].factor(0, finest.signed_row(static_cast<int>(row)));
             const auto part = total.subspan(row * columns, columns);
             for (std::size_t i = 0; i < columns; ++i) part[i] *= static_cast<double>(factors[i]);
+            if (targets.empty()) continue;
+            const auto known = targets.subspan(row * columns, columns);
+            for (std::size_t i = 0; i < columns; ++i) part[i] -= known[i];
         }
     });
     for (std::size_t octave = 1; octave < octaves_.size(); ++octave) {
@@ -371,26 +387,6 @@ void Transport::join_octaves(std::span<Coefficient> total) {
     }
 }
 
-/// Solves Laplace phi = error.
-/// @param total  coefficients of octave 0; from its sites' to the potential's
-template <class Coefficient>
-void Transport::solve(std::span<Coefficient> total) {
-    join_octaves(total);
-    if (const auto* targets = std::get_if<std::vector<Coefficient>>(&targets_); targets != nullptr) {
-        for_ranges(team_, targets->size(), kCells, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t number = begin; number < end; ++number) total[number] -= (*targets)[number];
-        });
-    }
-    const SplineGrid& grid = octaves_[0].grid;
-    const double area = sides_.x * sides_.y;
-    grid.for_frequencies([&](std::size_t number, int i, int j) {
-        const Point f = grid.frequency(i, j);
-        if (number == 0) return;
-        total[number] *= -1 / (4 * kPi * kPi * dot(f, f) * grid.window(i, j) * grid.copies() * area);
-    });
-    total[0] = 0;
-}
-
 void Transport::rest() {
     for (Octave& octave : octaves_) octave.grid.rest();
 }
@@ -402,11 +398,13 @@ bool Transport::displacements(std::span<const Point> sites, std::span<Point> mov
     finest.with_coefficients([&](auto total) { solve(total); });
     if (stop.stop_requested()) return false;
     finest.transform_back();
+    const double unit = octave_spacing(0), area = sides_.x * sides_.y;
+    const double scale = unit * unit / (finest.copies() * area);
     for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
         if (stop.stop_requested()) return;
         for (std::size_t i = begin; i < end; ++i) {
             const double spacing = this->spacing(sites[i]);
-            const Point move = (spacing * spacing) * finest.gradient(in_box(sites[i]));
+            const Point move = (scale * spacing * spacing) * finest.gradient(in_box(sites[i]));
             const double longest = kLongestMove * spacing, distance = length(move);
             moves[i] = distance > longest ? (longest / distance) * move : move;
         }

@@ -64,13 +64,15 @@ private:
     /// Sites whose spacing is about 2^octave times the finest.
     struct Octave {
         SplineGrid grid;
-        std::vector<float> factors;  ///< share of a wave's error that a round undoes, over the window; see factor()
+        /// From coefficients to their share of the potential's; see factor().
+        std::vector<float> factors;
 
-        /// Of the coefficient (column, row), the same for (column, -row).
+        /// For the coefficient (column, row), the same for (column, -row).
         float& factor(int column, int row) { return factors[grid.number(column, std::abs(row))]; }
     };
 
     void add_octave();
+    double potential_of(int column, int row) const;
     double octave_spacing(std::size_t octave) const;
     std::vector<double> masses(const Density& density, const CellBlock& block) const;
     std::span<const double> smooth(const std::vector<double>& masses, double sigma);
@@ -85,8 +87,6 @@ private:
     bool transform(const std::stop_token& stop);
     bool spread(std::span<const Point> sites, std::span<const double> weights, const std::stop_token& stop);
     template <class Coefficient>
-    void join_octaves(std::span<Coefficient> total);
-    template <class Coefficient>
     void solve(std::span<Coefficient> total);
 
     Team& team_;
@@ -98,7 +98,7 @@ private:
     double finest_ = 0;   ///< spacing of octave 0
     double in_line_ = 0;  ///< the same, were all sites in a line along the longer side; grids are no finer
     std::vector<Octave> octaves_;
-    /// [coefficients of octave 0] of the density, if not uniform.
+    /// [coefficients of octave 0] of the potential that the density alone would have, if it is not uniform.
     std::variant<std::vector<double>, std::vector<std::complex<double>>> targets_;
     std::vector<float> levels_;           ///< [cells of octave 0] octave that sites there belong to
     std::vector<float> spacings_;         ///< [cells of octave 0]
