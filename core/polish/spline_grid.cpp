@@ -86,18 +86,27 @@ std::size_t SplineGrid::padded_size() const {
     return stride_ * (static_cast<std::size_t>(rows_) + 2 * kMargin);
 }
 
-/// Grid points are cells' corners on a torus, as Fourier's transform has them, and cells' middles in a box.
+/// Where a point lies along one side, in cells from the first grid point. Grid points are cells' corners on a torus, as
+/// Fourier's transform has them, and cells' middles in a box.
+inline double SplineGrid::along(double coordinate, double side, int cells) const {
+    const double share = coordinate / side;
+    return (torus_ ? share - whole(share) : std::clamp(share, 0.0, 1.0) - 0.5 / cells) * cells;
+}
+
+/// The last grid point at or before a place along one side, -1 for those before the first.
+inline double SplineGrid::point_before(double place, int cells) {
+    return std::min(whole(place), cells - 1.0);  // rounding may make a place on a torus its far end
+}
+
 inline SplineGrid::Place SplineGrid::place(Point p) const {
-    Point share{p.x / sides_.x, p.y / sides_.y};
-    if (torus_) {
-        share = {share.x - whole(share.x), share.y - whole(share.y)};
-    } else {
-        share = {std::clamp(share.x, 0.0, 1.0) - 0.5 / columns_, std::clamp(share.y, 0.0, 1.0) - 0.5 / rows_};
-    }
-    const double x = share.x * columns_, y = share.y * rows_;
-    // Rounding may make a share 1, which then counts to the last cell.
-    const double i = std::min(whole(x), columns_ - 1.0), j = std::min(whole(y), rows_ - 1.0);
+    const double x = along(p.x, sides_.x, columns_), y = along(p.y, sides_.y, rows_);
+    const double i = point_before(x, columns_), j = point_before(y, rows_);
     return {static_cast<std::size_t>(j + 1) * stride_ + static_cast<std::size_t>(i + 1), Pair{x - i, y - j}};
+}
+
+/// Row of the padded grid where the taps of a point begin.
+inline std::size_t SplineGrid::first_row(Point p) const {
+    return static_cast<std::size_t>(point_before(along(p.y, sides_.y, rows_), rows_) + 1);
 }
 
 void SplineGrid::rest() {
@@ -186,7 +195,7 @@ void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& a
     }
     const std::size_t bands = static_cast<std::size_t>(rows_) / kRows + 1;
     const std::size_t parts = (points.size() + kFew - 1) / kFew;
-    const auto band_of = [&](std::size_t i) { return place(points[i]).first / stride_ / kRows; };
+    const auto band_of = [&](std::size_t i) { return first_row(points[i]) / kRows; };
     std::vector<std::uint32_t> next(parts * bands, 0);  // place in the order for a part's next point of each band
     for_ranges(team_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
         std::uint32_t* const count = &next[begin / kFew * bands];

@@ -116,7 +116,10 @@ private:
         std::size_t first;
         Pair fraction;
     };
+    double along(double coordinate, double side, int cells) const;
+    static double point_before(double place, int cells);
     Place place(Point p) const;
+    std::size_t first_row(Point p) const;
     std::size_t padded_size() const;
     void take_room();
     template <class Visit>
