@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/geometry/pair.h"
+#include "core/geometry/lanes.h"
 #include "core/geometry/predicates.h"
 
 namespace ccdt {
@@ -21,12 +21,18 @@ constexpr double kSmall = 1e-2;       ///< doubled area over the mean one below 
 constexpr std::size_t kRange = 8192;  ///< triangles that a task takes
 constexpr double kSingular = 1e-12;   ///< least determinant over the product of the diagonal, above its rounding
 
-/// Step to the minimum of the quadratic with this half Hessian and half gradient; none where it is singular.
+/// Step along x and y to the minimum of the quadratic with this half Hessian and half gradient; none where it is
+/// singular. Of one, or of each of several.
+template <class Numbers>
+CCDT_INLINE inline std::array<Numbers, 2> minimum(Numbers xx, Numbers xy, Numbers yy, Numbers x, Numbers y) {
+    const Numbers det = xx * yy - xy * xy;
+    const Numbers inverse = det > kSingular * xx * yy ? 1 / det : Numbers{};
+    return {(xy * y - yy * x) * inverse, (xy * x - xx * y) * inverse};
+}
+
 Point minimum(double xx, double xy, double yy, Point gradient) {
-    const double det = xx * yy - xy * xy;
-    if (!(det > kSingular * xx * yy)) return {};
-    const double inverse = 1 / det;
-    return {(xy * gradient.y - yy * gradient.x) * inverse, (xy * gradient.x - xx * gradient.y) * inverse};
+    const auto [x, y] = minimum(xx, xy, yy, gradient.x, gradient.y);
+    return {x, y};
 }
 
 }  // namespace
@@ -317,7 +323,7 @@ void Relaxation::move_group(const Group& group) {
 }
 
 /// Moves the sites of a batch. Takes them from several places of the group in turn: neighbours in number are neighbours
-/// in the plane, and each would have to wait for the one before.
+/// in the plane, and each would have to wait for the one before. So most that follow each other can be moved at once.
 template <bool kPlain, std::size_t kPairs>
 void Relaxation::move_batch(const Group& group) {
     constexpr std::uint8_t kKind = kind_of(kPlain, kPairs);
@@ -327,35 +333,63 @@ void Relaxation::move_batch(const Group& group) {
     const std::uint32_t* const records = batch.data();
     const std::size_t count = batch.size() / kStride;
     const std::size_t length = (count + kStreams - 1) / kStreams;
+    const bool by_two = options_.by_two && !options_.fence && has_two_lanes();
     for (std::size_t i = 0; i < length; ++i) {
-        for (std::size_t at = i; at < count; at += length) move_few<kPlain, kPairs>(records + at * kStride);
+        for (std::size_t at = i; at < count; at += length) {
+            const std::uint32_t* const record = records + at * kStride;
+            const std::uint32_t* const next = by_two && at + length < count ? record + length * kStride : nullptr;
+            if (next != nullptr && !has_neighbour<kPairs>(record, next[0])) {
+                move_two<kPlain, kPairs>({record, next});
+                at += length;
+            } else {
+                move_few<kPlain, kPairs, OneLane>({record});
+            }
+        }
     }
 }
 
-/// Moves a site as move_site() does, two triangles at a time. A triangle between a neighbour and its repetition is flat
-/// and adds nothing. Plain: around a closed ring the sums of a and b vanish, and with them the common target.
-template <bool kPlain, std::size_t kPairs>
-void Relaxation::move_few(const std::uint32_t* record) {
-    const std::uint32_t vertex = record[0];
-    const std::uint32_t* around = record + 1;
-    const std::uint32_t* triangles = around + 2 * kPairs + 1;
-    Point* points = mesh_.points().data();
-    const Pair here = load(points[vertex]);
+/// Tells whether a record has a site among its neighbours.
+template <std::size_t kPairs>
+bool Relaxation::has_neighbour(const std::uint32_t* record, std::uint32_t site) {
+    bool found = false;
+    for (std::size_t i = 1; i <= 2 * kPairs; ++i) found |= record[i] == site;
+    return found;
+}
 
-    std::array<Pair, kPairs + 1> x, y;  // of the neighbours, seen from the vertex
+template <bool kPlain, std::size_t kPairs>
+CCDT_TWO_LANES void Relaxation::move_two(const std::array<const std::uint32_t*, 2>& records) {
+    move_few<kPlain, kPairs, TwoLanes>(records);
+}
+
+/// Moves a site as move_site() does, or several that are no neighbours, two triangles of each at a time. A triangle
+/// between a neighbour and its repetition is flat and adds nothing. Plain: around a closed ring the sums of a and b
+/// vanish, and with them the common target. Without a fence, unless there is one lane.
+template <bool kPlain, std::size_t kPairs, class Lanes>
+CCDT_INLINE inline void Relaxation::move_few(const std::array<const std::uint32_t*, Lanes::kCount>& records) {
+    using Pairs = typename Lanes::Pairs;
+    using Numbers = typename Lanes::Numbers;
+    constexpr std::size_t kLanes = Lanes::kCount, kAround = 2 * kPairs;
+    Point* const points = mesh_.points().data();
+    const auto place = [&](std::size_t i) CCDT_INLINE {
+        std::array<Pair, kLanes> places;
+        for (std::size_t lane = 0; lane < kLanes; ++lane) places[lane] = load(points[records[lane][i]]);
+        return Lanes::join(places);
+    };
+    const Pairs here = place(0);
+
+    std::array<Pairs, kPairs + 1> x, y;  // of the neighbours, seen from the vertex
     for (std::size_t i = 0; i < kPairs; ++i) {
-        const Pair p = load(points[around[2 * i]]) - here;
-        const Pair q = load(points[around[2 * i + 1]]) - here;
-        x[i] = firsts(p, q);
-        y[i] = seconds(p, q);
+        const Pairs p = place(1 + 2 * i) - here, q = place(2 + 2 * i) - here;
+        x[i] = Lanes::firsts(p, q);
+        y[i] = Lanes::seconds(p, q);
     }
     x[kPairs] = x[0];
     y[kPairs] = y[0];
 
-    Pair xx{}, xy{}, yy{}, gx{}, gy{}, spring_x{}, spring_y{}, springs{};
-    std::array<Pair, kPairs> area, a, b;
+    Pairs xx{}, xy{}, yy{}, gx{}, gy{}, spring_x{}, spring_y{}, springs{};
+    std::array<Pairs, kPairs> area, a, b;
     for (std::size_t i = 0; i < kPairs; ++i) {
-        const Pair to_x = shifted(x[i], x[i + 1]), to_y = shifted(y[i], y[i + 1]);
+        const Pairs to_x = Lanes::shifted(x[i], x[i + 1]), to_y = Lanes::shifted(y[i], y[i + 1]);
         area[i] = x[i] * to_y - y[i] * to_x;
         a[i] = y[i] - to_y;
         b[i] = to_x - x[i];
@@ -368,11 +402,17 @@ void Relaxation::move_few(const std::uint32_t* record) {
             spring_x += x[i];
             spring_y += y[i];
         } else {
-            const Term even = term(triangles[2 * i]), odd = term(triangles[2 * i + 1]);
-            const Pair weight{even.weight, odd.weight}, target{even.target, odd.target};
-            const Pair spring{even.spring, odd.spring};
-            const Pair wa = weight * a[i], wb = weight * b[i];
-            const Pair residual = weight * area[i] - target;
+            std::array<Pair, kLanes> weights, targets, strengths;
+            for (std::size_t lane = 0; lane < kLanes; ++lane) {
+                const std::uint32_t* const triangles = records[lane] + 2 + kAround;
+                const Term even = term(triangles[2 * i]), odd = term(triangles[2 * i + 1]);
+                weights[lane] = Pair{even.weight, odd.weight};
+                targets[lane] = Pair{even.target, odd.target};
+                strengths[lane] = Pair{even.spring, odd.spring};
+            }
+            const Pairs weight = Lanes::join(weights), spring = Lanes::join(strengths);
+            const Pairs wa = weight * a[i], wb = weight * b[i];
+            const Pairs residual = weight * area[i] - Lanes::join(targets);
             xx += wa * wa;
             xy += wa * wb;
             yy += wb * wb;
@@ -383,34 +423,45 @@ void Relaxation::move_few(const std::uint32_t* record) {
             springs += spring;
         }
     }
-    double stiffness = 0;  // of all springs together
-    Point pull;            // of all springs together
+    Numbers stiffness, pull_x, pull_y;  // of all springs together
     if constexpr (kPlain) {
         // All terms are over the squared weight. A repetition of the first neighbour must not pull.
         const double spring = options_.spring / plain_weight_;
-        const double repeated = around[2 * kPairs - 1] == around[0] ? 1 : 0;
-        stiffness = spring * (2 * kPairs - repeated);
-        pull = {spring * (sum(spring_x) - repeated * x[0][0]), spring * (sum(spring_y) - repeated * y[0][0])};
+        std::array<double, kLanes> repetitions;
+        for (std::size_t lane = 0; lane < kLanes; ++lane)
+            repetitions[lane] = records[lane][kAround] == records[lane][1] ? 1 : 0;
+        const Numbers repeated = Lanes::each(repetitions);
+        stiffness = spring * (static_cast<double>(kAround) - repeated);
+        pull_x = spring * (Lanes::sum(spring_x) - repeated * Lanes::first(x[0]));
+        pull_y = spring * (Lanes::sum(spring_y) - repeated * Lanes::first(y[0]));
     } else {
-        stiffness = options_.spring * sum(springs);
-        pull = {0.5 * options_.spring * sum(spring_x), 0.5 * options_.spring * sum(spring_y)};
+        stiffness = options_.spring * Lanes::sum(springs);
+        pull_x = 0.5 * options_.spring * Lanes::sum(spring_x);
+        pull_y = 0.5 * options_.spring * Lanes::sum(spring_y);
     }
-    const Point gradient{sum(gx) - pull.x, sum(gy) - pull.y};
-    const Point by =
-        fenced(vertex, options_.relaxation * minimum(sum(xx) + stiffness, sum(xy), sum(yy) + stiffness, gradient));
+    const auto [to_x, to_y] = minimum(Lanes::sum(xx) + stiffness, Lanes::sum(xy), Lanes::sum(yy) + stiffness,
+                                      Lanes::sum(gx) - pull_x, Lanes::sum(gy) - pull_y);
+    Numbers by_x = options_.relaxation * to_x, by_y = options_.relaxation * to_y;
+    if constexpr (kLanes == 1) {
+        const Point by = fenced(records[0][0], {by_x, by_y});
+        by_x = by.x;
+        by_y = by.y;
+    }
 
-    const Pair move_x{by.x, by.x}, move_y{by.y, by.y};
-    const Pair small{small_, small_};
-    using Mask = decltype(small < move_x);
-    Mask fits{-1, -1};
+    const Pairs move_x = Lanes::twice(by_x), move_y = Lanes::twice(by_y);
+    auto fits = move_x == move_x;
     for (std::size_t i = 0; i < kPairs; ++i) {
-        const Pair moved = area[i] + a[i] * move_x + b[i] * move_y;
-        fits &= (area[i] == Pair{}) | ((moved >= kKeptArea * area[i]) & (moved >= small));
+        const Pairs moved = area[i] + a[i] * move_x + b[i] * move_y;
+        fits &= (area[i] == Pairs{}) | ((moved >= kKeptArea * area[i]) & (moved >= small_ + Pairs{}));
     }
-    if ((fits[0] & fits[1]) != 0) {
-        points[vertex] = rounded(points[vertex] + by);
-    } else {
-        move(vertex, by, {{around, 2 * kPairs}, nullptr}, 2 * kPairs);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const std::uint32_t vertex = records[lane][0];
+        const Point by{Lanes::at(by_x, lane), Lanes::at(by_y, lane)};
+        if ((fits[2 * lane] & fits[2 * lane + 1]) != 0) {
+            points[vertex] = rounded(points[vertex] + by);
+        } else {
+            move(vertex, by, {{records[lane] + 1, kAround}, nullptr}, kAround);
+        }
     }
 }
 

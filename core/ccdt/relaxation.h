@@ -31,6 +31,7 @@ struct RelaxationOptions {
     std::optional<double> small_area;
     std::optional<double> site_share;  ///< of the capacity, that a site shall have; none: all have as much
     Fence fence;                       ///< of all sites; may be empty
+    bool by_two = true;                ///< moves two sites at once if the processor can, which gives the same
 };
 
 /// Moves vertices, one at a time, to where the capacities of the triangles around them come closest to their targets:
@@ -159,8 +160,12 @@ private:
     void move_group(const Group& group);
     template <bool kPlain, std::size_t kPairs>
     void move_batch(const Group& group);
+    template <std::size_t kPairs>
+    static bool has_neighbour(const std::uint32_t* record, std::uint32_t site);
     template <bool kPlain, std::size_t kPairs>
-    void move_few(const std::uint32_t* record);
+    void move_two(const std::array<const std::uint32_t*, 2>& records);
+    template <bool kPlain, std::size_t kPairs, class Lanes>
+    void move_few(const std::array<const std::uint32_t*, Lanes::kCount>& records);
     NormalEquations equations_of(const Fans& fans, const Fan& fan) const;
     void move_site(const Fans& fans, const Fan& fan);
     void move_group_exactly(std::size_t level, std::size_t number);

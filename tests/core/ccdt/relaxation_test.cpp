@@ -94,6 +94,31 @@ TEST(Relaxation, DescendsAroundATorus) {
     }
 }
 
+/// Where the vertices stand after some iterations, moved two at once or one after the other.
+std::vector<Point> relaxed(const Domain& domain, const Density& density, std::size_t sites, bool by_two) {
+    StartMesh start(domain, density, {.sites = sites, .seed = 4});
+    RelaxationOptions options;
+    options.by_two = by_two;
+    Relaxation relaxation(start.mesh, start.border.corner, density.is_uniform(), options);
+    for (int iteration = 0; iteration < 3; ++iteration) {
+        start.measure();
+        relaxation.prepare(start.goals);
+        for (int pass = 0; pass < 5; ++pass) relaxation.pass();
+        start.mesh.restore_delaunay();
+    }
+    return start.mesh.points();
+}
+
+TEST(Relaxation, MovesTwoSitesAtOnceAsOneAfterTheOther) {
+    for (const std::size_t sites : {1, 2, 5, 9, 64, 700, 6000}) {
+        SCOPED_TRACE(sites);
+        for (const Density& density : {Density::uniform(), spot_and_corner()}) {
+            for (const Domain& domain : {domain_of(kSquare), Domain::torus(1, 1).value()})
+                EXPECT_EQ(relaxed(domain, density, sites, true), relaxed(domain, density, sites, false));
+        }
+    }
+}
+
 /// The variation after 12 iterations, of which the last 8 are exact or, as all others, hold the triangles' mean
 /// densities fixed.
 double reached(const Domain& domain, const Density& density, bool exact) {

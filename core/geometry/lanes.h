@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "core/geometry/pair.h"
+
+// A function marked so is compiled for processors that handle two pairs as one, whatever the rest is compiled for. It
+// must be called only where has_two_lanes() is true, and all that takes or returns wider vectors must be inlined.
+#ifdef __x86_64__
+#define CCDT_TWO_LANES __attribute__((target("avx2")))
+#else
+#define CCDT_TWO_LANES
+#endif
+#define CCDT_INLINE __attribute__((always_inline))
+
+namespace ccdt {
+
+/// Tells whether the processor handles two pairs as one.
+inline bool has_two_lanes() {
+#ifdef __x86_64__
+    static const bool has = __builtin_cpu_supports("avx2") != 0;
+    return has;
+#else
+    return false;
+#endif
+}
+
+/// Arithmetic on pairs, as in pair.h, and on numbers that there are one of for each pair: of one thing at a time.
+struct OneLane {
+    static constexpr std::size_t kCount = 1;
+    using Pairs = Pair;
+    using Numbers = double;
+
+    static Pairs join(const std::array<Pair, kCount>& lanes) { return lanes[0]; }
+    static Pairs firsts(Pairs a, Pairs b) { return ccdt::firsts(a, b); }
+    static Pairs seconds(Pairs a, Pairs b) { return ccdt::seconds(a, b); }
+    static Pairs shifted(Pairs a, Pairs b) { return ccdt::shifted(a, b); }
+    static Pairs twice(Numbers a) { return Pairs{a, a}; }
+    static Numbers first(Pairs a) { return a[0]; }
+    static Numbers sum(Pairs a) { return ccdt::sum(a); }
+    static Numbers each(const std::array<double, kCount>& lanes) { return lanes[0]; }
+    static double at(Numbers a, std::size_t) { return a; }
+};
+
+/// The same on two things at once: what it computes of each is the same to the bit, as products are rounded before they
+/// are added, whatever the processor could do.
+struct TwoLanes {
+    static constexpr std::size_t kCount = 2;
+    using Pairs = double __attribute__((vector_size(2 * sizeof(Pair))));
+    using Numbers = Pair;
+
+    CCDT_INLINE static Pairs join(const std::array<Pair, kCount>& lanes) {
+        return __builtin_shufflevector(lanes[0], lanes[1], 0, 1, 2, 3);
+    }
+    CCDT_INLINE static Pairs firsts(Pairs a, Pairs b) { return __builtin_shufflevector(a, b, 0, 4, 2, 6); }
+    CCDT_INLINE static Pairs seconds(Pairs a, Pairs b) { return __builtin_shufflevector(a, b, 1, 5, 3, 7); }
+    CCDT_INLINE static Pairs shifted(Pairs a, Pairs b) { return __builtin_shufflevector(a, b, 1, 4, 3, 6); }
+    CCDT_INLINE static Pairs twice(Numbers a) { return __builtin_shufflevector(a, a, 0, 0, 1, 1); }
+    CCDT_INLINE static Numbers first(Pairs a) { return Numbers{a[0], a[2]}; }
+    CCDT_INLINE static Numbers sum(Pairs a) { return Numbers{a[0], a[2]} + Numbers{a[1], a[3]}; }
+    static Numbers each(const std::array<double, kCount>& lanes) { return Numbers{lanes[0], lanes[1]}; }
+    static double at(Numbers a, std::size_t lane) { return a[lane]; }
+};
+
+}  // namespace ccdt
