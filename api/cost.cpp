@@ -280,7 +280,7 @@ double drawn_pixels(const SampleRequest& request, const Box& box, const Limits& 
 
 /// Finds the order of points, unless it is the path of a drawing, which is a part of writing it.
 Estimate ordering(const SampleRequest& request) {
-    constexpr Estimate kPath{500, 3.5 * kMicrosecond}, kProgressive{260, 4.5 * kMicrosecond};
+    constexpr Estimate kPath{500, 3.5 * kMicrosecond}, kProgressive{290, 6 * kMicrosecond};
     const PointOrder order = request.order.value_or(PointOrder::None);
     if (order == PointOrder::None) return {};
     return (order == PointOrder::Path ? kPath : kProgressive) * static_cast<double>(request.run.sites);

@@ -1,13 +1,14 @@
 #include "core/order/progressive_order.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
-#include <functional>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <optional>
-#include <queue>
+#include <tuple>
 #include <utility>
 
 #include "core/geometry/hexagonal_spacing.h"
@@ -20,14 +21,30 @@ namespace {
 
 constexpr std::size_t kStopStride = 1'024;  ///< points between two looks at the stop token
 
-// Test ProgressiveOrder holds these to what they reach. A shorter reach keeps the
-// nearest further apart and leaves more power in low frequencies, a longer one does the opposite and takes longer.
+// Benchmarks ProgressivePattern and ProgressiveTone show what these reach, test ProgressiveOrder holds them to it. A
+// shorter reach keeps neighbours further apart and leaves more power in low frequencies, a longer one does the opposite
+// and takes longer.
 constexpr double kReach = 1.7;  ///< over the distance of neighbours in a hexagonal grid
 constexpr double kStep = 0.7;   ///< share of the points that is left when reaches grow
 
-/// Points that a region has yet, at the least. Fewer leave too little to choose from, and lose distance; of more, waves
-/// longer than a few of their spacings are no longer in balance.
-constexpr std::size_t kLeastCrowd = 16;
+/// Distance that no two points that stay have less of, over that of neighbours in a hexagonal grid. A third of a
+/// hexagonal grid, the most that are no neighbours in it, is followed by points at 0.577: a greater distance forces the
+/// choice of half the points there are around a third, and leaves more power.
+constexpr double kLeastDistance = 0.58;
+
+/// Weight of the surplus around a point beside its crowding. A greater one leaves less power in long waves, and more in
+/// those of two or three spacings.
+constexpr double kSurplusWeight = 0.2;
+
+/// Distance of the nodes between which surplus is blurred, over that of neighbours in a hexagonal grid.
+constexpr double kNodeDistance = 3;
+
+/// Points over those that are left whose density is still taken for that of all.
+constexpr std::size_t kManyTimes = 8;
+
+/// Points that a region has yet, at the least. Fewer leave too little to choose from, and lose distance; more take
+/// longer.
+constexpr std::size_t kLeastCrowd = 64;
 
 /// Neighbours whose distance tells how dense points are: enough for a measure that hardly wavers, few enough to be
 /// near.
@@ -39,8 +56,8 @@ double squared_length(Point p) {
 
 /// Crowding by a neighbour at a share of the reach.
 double crowding(double share) {
-    const double left = 1 - share, squared = left * left, fourth = squared * squared;
-    return fourth * fourth;
+    const double left = 1 - share, squared = left * left;
+    return squared * squared * left;
 }
 
 /// Reach of two points that have their own, over the shorter of them at the most.
@@ -116,18 +133,21 @@ public:
         return std::span(left_).subspan(count, count);
     }
 
-    /// Takes a point from the region of a depth whose turn it is: of each two the one that has more of its points yet.
-    std::size_t take(int depth) {
+    /// Region of a depth whose turn it is: of each two the one that has more of its points yet.
+    std::size_t turn(int depth) const {
         std::size_t region = 1;
-        --left_[region];
         for (int i = 0; i < depth; ++i) {
             const std::size_t first = 2 * region, second = first + 1;
             const std::uint64_t a = std::uint64_t{left_[first]} * sizes_[second];
             const std::uint64_t b = std::uint64_t{left_[second]} * sizes_[first];
             region = a > b || (a == b && is_first(region)) ? first : second;
-            --left_[region];
         }
         return region - (std::size_t{1} << depth);
+    }
+
+    /// Takes a point from a region of a depth, be it its turn or not.
+    void take(int depth, std::size_t region) {
+        for (region += std::size_t{1} << depth; region > 0; region /= 2) --left_[region];
     }
 
 private:
@@ -157,6 +177,138 @@ private:
     std::vector<std::uint32_t> left_;
 };
 
+/// Tells how many points there are around one beyond their share: what there are less what there should be, blurred by
+/// quadratic B-splines to nodes of a square grid and back. It holds long waves down, which neighbours do not tell of.
+class Surplus {
+public:
+    /// @param reference  points as dense everywhere as those that there are should be, over a common factor
+    /// @param points     that there are, numbered from 0
+    /// @param distance   of nodes
+    Surplus(const Domain& domain, std::span<const Point> reference, std::span<const Point> points, double distance)
+        : x_(domain.unit_bounds().width(), distance, domain.is_torus()),
+          y_(domain.unit_bounds().height(), distance, domain.is_torus()),
+          wanted_(x_.nodes * y_.nodes),
+          surplus_(wanted_.size()),
+          per_reference_(1 / static_cast<float>(reference.size())) {
+        for (const Point p : reference) add(around(p), per_reference_, wanted_);
+        around_.reserve(points.size());
+        for (const Point p : points) {
+            around_.push_back(around(p));
+            add(around_.back(), 1, surplus_);
+        }
+        join(wanted_);
+        join(surplus_);
+        want(static_cast<float>(points.size()));
+    }
+
+    float operator()(std::uint32_t point) const {
+        const Around& at = around_[point];
+        const Weights x = spline(at.x), y = spline(at.y);
+        float sum = 0;
+        for (std::size_t j = 0; j < 3; ++j) {
+            const float* nodes = surplus_.data() + at.node + j * x_.nodes;
+            sum += y[j] * (x[0] * nodes[0] + x[1] * nodes[1] + x[2] * nodes[2]);
+        }
+        return sum;
+    }
+
+    void remove(std::uint32_t point) {
+        const Around& at = around_[point];
+        const Weights x = spline(at.x), y = spline(at.y);
+        const std::size_t column = at.node % x_.nodes, row = at.node / x_.nodes;
+        for (std::size_t j = 0; j < 3; ++j) {
+            for (std::size_t i = 0; i < 3; ++i) lower(column + i, row + j, x[i] * y[j]);
+        }
+        if (++removed_ < surplus_.size() / kRemovalsPerNode) return;
+        want(-static_cast<float>(removed_));
+        removed_ = 0;
+    }
+
+private:
+    /// What should be is brought up to date when there are so many points less for each node: no more than a share of a
+    /// node's ten points.
+    static constexpr std::size_t kRemovalsPerNode = 8;
+
+    using Weights = std::array<float, 3>;
+
+    /// Nodes along one side, in the middles of its cells and of one cell beyond either end. Those a period apart are
+    /// the same one.
+    struct Axis {
+        Axis(double length, double distance, bool torus)
+            : cells(std::max(1.0, std::floor(length / distance))),
+              cells_per_length(cells / length),
+              nodes(static_cast<std::size_t>(cells) + 2),
+              period(torus ? nodes - 2 : nodes) {}
+
+        /// Cell of a place, counted in cells. @param place  length, changed to the share of the cell that is before it
+        std::size_t cell(double& place) const {
+            place = std::clamp(place * cells_per_length, 0.0, cells);
+            const double cell = std::min(std::floor(place), cells - 1);
+            place -= cell;
+            return static_cast<std::size_t>(cell);
+        }
+
+        double cells;
+        double cells_per_length;
+        std::size_t nodes, period;
+    };
+
+    /// Nine nodes around a place, by the lowest one, and the place within the cell of the middle one, in [0, 1].
+    struct Around {
+        std::uint32_t node;
+        float x, y;
+    };
+
+    Around around(Point p) const {
+        const std::size_t column = x_.cell(p.x), row = y_.cell(p.y);
+        return {static_cast<std::uint32_t>(row * x_.nodes + column), static_cast<float>(p.x), static_cast<float>(p.y)};
+    }
+
+    /// Weights of the cell's node and its two neighbours.
+    static Weights spline(float t) { return {(1 - t) * (1 - t) / 2, 0.5F + t * (1 - t), t * t / 2}; }
+
+    /// Adds a multiple of the weights to the nodes around.
+    void add(const Around& at, float factor, std::vector<float>& nodes) const {
+        const Weights x = spline(at.x), y = spline(at.y);
+        for (std::size_t j = 0; j < 3; ++j) {
+            for (std::size_t i = 0; i < 3; ++i) nodes[at.node + j * x_.nodes + i] += factor * y[j] * x[i];
+        }
+    }
+
+    /// Lowers a node and those that are the same one.
+    void lower(std::size_t column, std::size_t row, float weight) {
+        for (std::size_t y = row % y_.period; y < y_.nodes; y += y_.period) {
+            for (std::size_t x = column % x_.period; x < x_.nodes; x += x_.period) surplus_[y * x_.nodes + x] -= weight;
+        }
+    }
+
+    /// Sums nodes that are the same ones.
+    void join(std::vector<float>& nodes) const {
+        for (std::size_t y = 0; y < y_.nodes; ++y) {
+            for (std::size_t x = 0; x < x_.nodes; ++x) {
+                if (x < x_.period && y < y_.period) continue;
+                nodes[y % y_.period * x_.nodes + x % x_.period] += nodes[y * x_.nodes + x];
+            }
+        }
+        for (std::size_t y = 0; y < y_.nodes; ++y) {
+            for (std::size_t x = 0; x < x_.nodes; ++x)
+                nodes[y * x_.nodes + x] = nodes[y % y_.period * x_.nodes + x % x_.period];
+        }
+    }
+
+    /// Raises what should be by so many points in all.
+    void want(float points) {
+        for (std::size_t i = 0; i < surplus_.size(); ++i) surplus_[i] -= points * wanted_[i];
+    }
+
+    Axis x_, y_;
+    std::vector<float> wanted_;   ///< [nodes] of one point in all
+    std::vector<float> surplus_;  ///< [nodes]
+    float per_reference_;
+    std::size_t removed_ = 0;     ///< since what should be was brought up to date
+    std::vector<Around> around_;  ///< of points
+};
+
 /// Takes points away, a step after the other, in which reaches stay the same.
 class Elimination {
 public:
@@ -168,24 +320,24 @@ public:
           spacings_(std::move(spacings)),
           widest_(even ? 1 : kMostReach),
           regions_(std::move(regions)),
-          left_(places_.size()) {
+          left_(places_.size()),
+          reference_(places_) {
         std::iota(left_.begin(), left_.end(), 0U);
     }
 
     /// Takes a step. @returns the points that went, the first one first
     std::vector<std::uint32_t> step(const std::stop_token& stop) {
-        const std::size_t target = static_cast<std::size_t>(static_cast<double>(left_.size()) * kStep);
-        set_neighbours(target);
+        target_ = static_cast<std::size_t>(static_cast<double>(left_.size()) * kStep);
+        set_neighbours();
         crowd(stop);
-        const int depth = regions_.depth(left_.size());
-        std::vector<std::uint32_t> begins = {0};
-        for (const std::uint32_t count : regions_.left(depth)) begins.push_back(begins.back() + count);
+        depth_ = regions_.depth(left_.size());
+        begins_ = {0};
+        for (const std::uint32_t count : regions_.left(depth_)) begins_.push_back(begins_.back() + count);
         std::vector<std::uint32_t> gone;
-        gone.reserve(left_.size() - target);
-        while (gone.size() < left_.size() - target) {
+        gone.reserve(left_.size() - target_);
+        while (gone.size() < left_.size() - target_) {
             if (gone.size() % kStopStride == 0 && stop.stop_requested()) break;
-            const std::size_t region = regions_.take(depth);
-            const std::uint32_t i = most_crowded(begins[region], begins[region + 1]);
+            const std::uint32_t i = next(left_.size() - gone.size() - 1);
             remove(i);
             gone.push_back(left_[i]);
         }
@@ -196,8 +348,14 @@ public:
     const std::vector<std::uint32_t>& left() const { return left_; }
 
 private:
-    void set_neighbours(std::size_t target) {
-        const double share = std::max(static_cast<double>(target), 1.0) / static_cast<double>(places_.size());
+    /// Two points that are near each other.
+    struct Pair {
+        double share;  ///< of their distance, of the reach
+        std::uint32_t i, j;
+    };
+
+    void set_neighbours() {
+        const double share = std::max(static_cast<double>(target_), 1.0) / static_cast<double>(places_.size());
         const double reach = kReach * hexagonal_spacing(share);
         near_places_.clear();
         reaches_.clear();
@@ -208,37 +366,87 @@ private:
         near_.emplace(domain_, near_places_);
         crowding_.assign(left_.size(), 0);
         is_there_.assign(left_.size(), 1);
+        if (reference_.size() > kManyTimes * left_.size()) {
+            sparse_ = near_places_;
+            reference_ = sparse_;
+        }
+        surplus_.emplace(domain_, reference_, near_places_, node_distance());
     }
 
-    /// Calls function(j, crowding) with each neighbour j that is still there, of those left.
+    /// Of nodes that are no more than about as many as the points, whatever the domain's shape.
+    double node_distance() const {
+        const Box box = domain_.unit_bounds();
+        const double stay = std::max(static_cast<double>(target_), 1.0), left = static_cast<double>(left_.size());
+        return std::max({kNodeDistance * hexagonal_spacing(stay / domain_.unit_area()),
+                         std::sqrt(box.width() * box.height() / left), std::max(box.width(), box.height()) / left});
+    }
+
+    /// Calls function(j, share) with each neighbour j that is still there, of those left, and the share of the reach
+    /// that it is away.
+    /// @param first  the lowest j wanted
     template <class Function>
-    void for_neighbours(std::uint32_t i, Function&& function) const {
+    void for_neighbours(std::uint32_t i, Function&& function, std::uint32_t first = 0) const {
         const Point here = near_places_[i];
         near_->for_near(here, widest_ * reaches_[i], [&](Point place, std::uint32_t j) {
-            if (j == i || is_there_[j] == 0) return;
+            if (j < first || j == i || is_there_[j] == 0) return;
             const double square = squared_length(place - here), reach = common_reach(reaches_[i], reaches_[j]);
-            if (square < reach * reach) function(j, crowding(std::sqrt(square) / reach));
+            if (square < reach * reach) function(j, std::sqrt(square) / reach);
         });
     }
 
     void crowd(const std::stop_token& stop) {
+        pairs_.clear();
+        next_pair_ = 0;
+        // All that come too near in this step; where points coincide some of them will do.
+        const std::size_t most = 3 * left_.size();
         for (std::uint32_t i = 0; i < left_.size(); ++i) {
             if (i % kStopStride == 0 && stop.stop_requested()) break;
-            for_neighbours(i, [&](std::uint32_t, double crowding) { crowding_[i] += crowding; });
+            for_neighbours(
+                i,
+                [&](std::uint32_t j, double share) {
+                    const double each = crowding(share);
+                    crowding_[i] += each;
+                    crowding_[j] += each;
+                    if (share < kLeastDistance / kReach && pairs_.size() < most) pairs_.push_back({share, i, j});
+                },
+                i + 1);
         }
+        std::ranges::sort(pairs_, {}, [](const Pair& pair) { return std::tuple(pair.share, pair.i, pair.j); });
     }
+
+    /// Point to go next: one of two that would be too near each other among so many that stay, if there are such.
+    std::uint32_t next(std::size_t stay) {
+        const double grown = static_cast<double>(target_) / static_cast<double>(std::max<std::size_t>(stay, 1));
+        const double least = kLeastDistance / kReach * std::sqrt(grown);
+        for (; next_pair_ < pairs_.size() && pairs_[next_pair_].share < least; ++next_pair_) {
+            const auto [share, i, j] = pairs_[next_pair_];
+            if (is_there_[i] != 0 && is_there_[j] != 0) return excess(i) > excess(j) ? i : j;
+        }
+        const std::size_t region = regions_.turn(depth_);
+        return most_crowded(begins_[region], begins_[region + 1]);
+    }
+
+    double excess(std::uint32_t i) const { return crowding_[i] + kSurplusWeight * double{(*surplus_)(i)}; }
 
     std::uint32_t most_crowded(std::uint32_t begin, std::uint32_t end) const {
         std::uint32_t most = end;
+        double largest = -std::numeric_limits<double>::infinity();
         for (std::uint32_t i = begin; i < end; ++i) {
-            if (is_there_[i] != 0 && (most == end || crowding_[i] > crowding_[most])) most = i;
+            if (is_there_[i] == 0) continue;
+            const double own = excess(i);
+            if (own <= largest) continue;
+            largest = own;
+            most = i;
         }
         return most;
     }
 
     void remove(std::uint32_t i) {
         is_there_[i] = 0;
-        for_neighbours(i, [&](std::uint32_t j, double crowding) { crowding_[j] -= crowding; });
+        for_neighbours(i, [&](std::uint32_t j, double share) { crowding_[j] -= crowding(share); });
+        surplus_->remove(i);
+        const auto region = std::ranges::upper_bound(begins_, i) - begins_.begin() - 1;
+        regions_.take(depth_, static_cast<std::size_t>(region));
     }
 
     void keep_rest() {
@@ -255,13 +463,21 @@ private:
     double widest_;                 ///< reach of a point and another one, over its own
     Regions regions_;
     std::vector<std::uint32_t> left_;
+    std::span<const Point> reference_;  ///< points of all's density
+    std::vector<Point> sparse_;         ///< them, when they are no longer all
 
     // Of those left when the step began.
+    std::size_t target_ = 0;             ///< points left at its end
+    int depth_ = 0;                      ///< of regions
+    std::vector<std::uint32_t> begins_;  ///< of regions
     std::vector<Point> near_places_;
     std::vector<double> reaches_;
     std::optional<CellList> near_;
     std::vector<double> crowding_;
     std::vector<std::uint8_t> is_there_;
+    std::optional<Surplus> surplus_;
+    std::vector<Pair> pairs_;  ///< the nearest first
+    std::size_t next_pair_ = 0;
 };
 
 /// @param even  points are as dense everywhere

@@ -13,11 +13,12 @@ namespace ccdt {
 /// Orders points so that the first k of them, for any k, are spread as evenly as so many of them can be, and are
 /// denser in one place than in another as all of them are.
 ///
-/// From the last to the first, points go that their neighbours crowd most: the sum of (1 - d / r)^8 over those nearer
-/// than r is largest. r is about 1.7 times what neighbours would be apart if those that stay stood in a hexagonal grid,
-/// and where points are denser than elsewhere as much shorter. So that no part of the domain loses more than others,
-/// it is halved again and again into regions of equally many points, down to 16 to 31 that are left, which take turns:
-/// of two halves at any depth the number of points left differs by one from that of all.
+/// From the last to the first, points go that are most in excess: the sum of (1 - d / r)^5 over neighbours nearer than
+/// r, r being 1.7 to 2 times what neighbours would be apart if those that stay stood in a hexagonal grid, and where
+/// points are denser than elsewhere as much shorter; and a fifth of the number of points beyond their share, blurred by
+/// splines of cells three such distances wide. Of two that are nearer than 0.58 of that distance one goes at once. So
+/// that no part of the domain loses more than others, it is halved again and again into regions of equally many points,
+/// down to 64 to 127 that are left, which else take turns.
 ///
 /// @param domain  on a torus points are near across its sides, too; of any other only the bounding box counts
 /// @param points  [n], in the domain's bounding box; they may coincide
@@ -26,7 +27,7 @@ namespace ccdt {
 /// @returns       indices [n]: a permutation
 /// Same input, same bytes. O(n log n).
 /// Source: Yuksel 2015, "Sample elimination for generating Poisson disk sample sets". Departures: r grows while points
-/// go, rather than once an octave; regions; the density is told by the points.
+/// go, rather than once an octave; long waves; the least distance; regions; the density is told by the points.
 std::vector<std::uint32_t> progressive_order(const Domain& domain, std::span<const Point> points, bool even,
                                              const std::stop_token& stop = {});
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "core/baselines/odt.h"
 #include "core/ccdt/ccdt.h"
 #include "core/geometry/hexagonal_spacing.h"
+#include "core/order/progressive_order.h"
 #include "tests/support/evenness.h"
 #include "tests/support/pictures.h"
 #include "tests/support/shapes.h"
@@ -242,12 +245,83 @@ void CountryPattern(benchmark::State& state) {
     state.counters["mean"] = mean;
 }
 
+/// Numbers k of the first points of a progressive order, from n / 64 to n.
+std::vector<std::size_t> first_counts(std::size_t points) {
+    constexpr int kCounts = 61;
+    std::vector<std::size_t> counts;
+    for (int i = 0; i < kCounts; ++i) {
+        const double share = std::pow(64, static_cast<double>(i) / (kCounts - 1) - 1);
+        counts.push_back(static_cast<std::size_t>(std::llround(static_cast<double>(points) * share)));
+    }
+    return counts;
+}
+
+std::vector<Point> ordered(const Domain& domain, const std::vector<Point>& points, bool even) {
+    std::vector<Point> result;
+    for (const std::uint32_t i : progressive_order(domain, points, even)) result.push_back(points[i]);
+    return result;
+}
+
+/// Worst and mean figures of the first k of 16,384 points in a progressive order around a torus, over k from n / 64 on
+/// and 3 seeds: least and mean distance over that of a hexagonal grid, and power below half the principal frequency.
+void ProgressivePattern(benchmark::State& state) {
+    constexpr int kSets = 3;
+    const Domain domain = *Domain::torus(1, 1);
+    double least = 1, mean = 1, mean_sum = 0, power = 0, power_sum = 0, count = 0;
+    for (auto _ : state) {
+        for (int seed = 1; seed <= kSets; ++seed) {
+            const auto points = ordered(domain, points_of(domain, Density::uniform(), 16'384, seed, state), true);
+            for (const std::size_t k : first_counts(points.size())) {
+                const std::vector<std::vector<Point>> first{
+                    {points.begin(), points.begin() + static_cast<std::ptrdiff_t>(k)}};
+                const Analysis analysis = *analyse(first, domain, {.max_frequency = 1});
+                least = std::min(least, analysis.min_distance);
+                mean = std::min(mean, analysis.mean_distance);
+                mean_sum += analysis.mean_distance;
+                power = std::max(power, *analysis.low_frequency_power);
+                power_sum += *analysis.low_frequency_power;
+                ++count;
+            }
+        }
+    }
+    state.counters["least_distance"] = least;
+    state.counters["mean_distance"] = mean;
+    state.counters["mean_distance_over_k"] = mean_sum / count;
+    state.counters["low_power"] = power;
+    state.counters["low_power_over_k"] = power_sum / count;
+}
+
+/// Error of the tone of a shaded body on white ground by the first k of 16,384 dots in a progressive order, blurred by
+/// 2 of their spacings: the largest and the mean over k from n / 64 on and 3 seeds, in dB to that of k random dots.
+void ProgressiveTone(benchmark::State& state) {
+    constexpr int kSets = 3;
+    const Domain domain = *Domain::rectangle(1, 1);
+    const Density picture = test::pear();
+    const ToneError error(picture);
+    double most = -std::numeric_limits<double>::infinity(), sum = 0, count = 0;
+    for (auto _ : state) {
+        for (int seed = 1; seed <= kSets; ++seed) {
+            const auto points = ordered(domain, points_of(domain, picture, 16'384, seed, state), false);
+            for (const std::size_t k : first_counts(points.size())) {
+                const double each = error.of({points.begin(), points.begin() + static_cast<std::ptrdiff_t>(k)}, 2);
+                most = std::max(most, each);
+                sum += each;
+                ++count;
+            }
+        }
+    }
+    state.counters["2_spacings_db"] = most;
+    state.counters["2_spacings_db_over_k"] = sum / count;
+}
+
 BENCHMARK(TorusPattern)->DenseRange(0, 2)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(BorderPattern)->DenseRange(0, 2)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(OdtBorderPattern)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(PictureTone)->DenseRange(0, 2)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(CountryPattern)->ArgsProduct({{0, 1, 2}, {0, 1, 2, 3}})->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(InksPattern)->ArgsProduct({{0, 1, 2}, {0, 1}})->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(ProgressivePattern)->Arg(1)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(ProgressiveTone)->Arg(1)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace ccdt::bench

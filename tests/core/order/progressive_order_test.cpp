@@ -13,6 +13,7 @@
 #include "core/globe/chart.h"
 #include "core/order/reorder.h"
 #include "core/random.h"
+#include "tests/support/evenness.h"
 
 namespace ccdt {
 namespace {
@@ -47,10 +48,20 @@ TEST(ProgressiveOrder, SpreadsTheFirstPointsAnyNumberOfThem) {
         for (std::size_t k = 256; k < points.size(); k += k / 7) {
             const std::vector<std::vector<Point>> sets = {first_of(points, order, k)};
             const Analysis first = *analyse(sets, torus, {.max_frequency = 1});
-            EXPECT_GT(first.min_distance, 0.46) << seed << ' ' << k;
-            EXPECT_GT(first.mean_distance, 0.7) << seed << ' ' << k;
-            EXPECT_LT(*first.low_frequency_power, 0.14) << seed << ' ' << k;
+            EXPECT_GT(first.min_distance, 0.57) << seed << ' ' << k;
+            EXPECT_GT(first.mean_distance, 0.71) << seed << ' ' << k;
+            EXPECT_LT(*first.low_frequency_power, 0.13) << seed << ' ' << k;
         }
+    }
+}
+
+TEST(ProgressiveOrder, HoldsLongWavesDown) {
+    const Domain square = *Domain::rectangle(1, 1);
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        const auto points = distributed(square, Density::uniform(), 8'192, seed);
+        const auto order = progressive_order(square, points, false);
+        for (std::size_t k = 128; k < points.size(); k += k / 3)
+            EXPECT_LT(test::noise(square, first_of(points, order, k), 2), -11.5) << seed << ' ' << k;
     }
 }
 
