@@ -85,6 +85,7 @@ test("a shape is shared: drawn, with sides, or a map", async () => {
     "#sample?corners=" + encodeURIComponent('{"polygon":[[0,0],[2,0],[2,1],[0,1]]}') + "&sites=300&seed=4&iteration=3",
     "#sample?shape=torus&torus=2,1&method=odt&tiles=on",
     "#sample?shape=torus&sites=400&quality=stealthy",
+    "#sample?shape=mask&tile=32,16&format=mask16&seed=3",
     "#sample?shape=rectangle&sites=50&mesh=on&avoid=" + encodeURIComponent("[[[0.2,0.2],[0.6,0.2],[0.4,0.6]]]"),
     "#sample?shape=texas.geojson&counted=unemployed&per=5000",
   ]) {

@@ -47,6 +47,12 @@ for (const colorScheme of ["light", "dark"]) {
         if (panel !== "analyze") await looksAsKept(world, page, `page-${panel}-${colorScheme}-${size}`);
         await unfold(page, panel);
         await isAccessible(page, panel, viewport.width);
+        if (panel !== "sample") return;
+        await page.selectOption("#shape", "mask");
+        await settled(page, panel);
+        await isAccessible(page, "mask", viewport.width);
+        await page.selectOption("#shape", "polygon");
+        await settled(page, panel);
       });
     });
   }

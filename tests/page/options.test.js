@@ -22,7 +22,7 @@ async function open(address) {
 /** Options that are no fields: shapes, downloads, boxes and sliders beside the picture, the properties of a map's features. */
 const elsewhere = {
   halftone: ["format"],
-  sample: ["polygon", "holes", "geometry", "domain", "per", "classes", "iterations", "mesh", "format"],
+  sample: ["polygon", "holes", "geometry", "domain", "per", "classes", "iterations", "mesh"],
 };
 
 test("has a field for each option", async () => {

@@ -277,6 +277,47 @@ test("has a quality that is of a torus alone", async () => {
   assert.equal(await page.inputValue(quality), "standard");
 });
 
+/** The request that curl is told, as JSON, sent to the server. */
+const answerTo = async (asked) => fetch(`${world.url}/sample`, { method: "POST", body: JSON.stringify(asked) });
+
+test("makes a mask, shows what it does, and saves it", async () => {
+  await open();
+  const { page } = world;
+  await page.selectOption("#shape", "mask");
+  await settled(page, "sample");
+  assert.match(await page.textContent("#sample .status"), /^64 \u00d7 64 thresholds/);
+  assert.deepEqual(await request(), { format: "mask", domain: { type: "torus", width: 64, height: 64 } });
+  assert.deepEqual(await page.locator("#sample .downloads button:visible").allTextContents(), ["Mask, 8 bits", "Mask, 16 bits"]);
+  for (const without of ["#iteration", "#mesh", "#sample .more", "#sample .plotter", "#sample .trace", "#sample [data-name=sites]"])
+    assert.ok(await page.isHidden(without), without);
+  await looksAsKept(world, frame(), "sample-mask");
+
+  const sides = page.locator("#sample [data-name=tile] input");
+  await sides.nth(1).fill("16");
+  await sides.nth(1).blur();
+  await page.selectOption("#sample [data-name=format] select", "mask16");
+  await settled(page, "sample");
+  const asked = await request();
+  assert.deepEqual(asked, { format: "mask16", domain: { type: "torus", width: 64, height: 16 } });
+  const download = page.waitForEvent("download");
+  await page.click('#sample .downloads button:text-is("Mask, 16 bits")');
+  const saved = await download;
+  assert.equal(saved.suggestedFilename(), "mask.png");
+  const bytes = await readFile(await saved.path());
+  assert.deepEqual(bytes, Buffer.from(await (await answerTo(asked)).arrayBuffer()));
+  await page.click('#sample .kinds button:text-is("Node")');
+  const script = await page.textContent("#sample pre");
+  assert.equal(await run("node", ["--input-type=module", "--eval", script]), `image/png ${bytes.length}\n`);
+
+  await sides.nth(1).fill("7");
+  await sides.nth(1).blur();
+  await settled(page, "sample", "failed");
+  assert.match(await page.textContent("#shape-error"), /8 to 1024/);
+  await page.selectOption("#shape", "torus");
+  await settled(page, "sample");
+  assert.match(await page.textContent("#sample .status"), /^1,000 points/);
+});
+
 test("has the methods that CCDT is compared with", async () => {
   await open();
   for (const method of ["cvt", "odt", "ccvt", "random"]) {

@@ -61,7 +61,7 @@ export class Analyze extends Panel {
       return { points: points ?? inks.flatMap((ink) => ink.points), domain: { type: "rectangle", width, height }, note: notes.halftone };
     }
     const { shape } = this.sample;
-    if (!shape) throw new Error("there are no points yet: make some under Sample");
+    if (!shape || this.sample.isMask) throw new Error("there are no points yet: make some under Sample");
     const result = this.sample.result ?? (await this.sample.fetch(signal, { told: this.tell }));
     return { ...windowOf(result), note: notes[result.shape.domain?.type ?? "polygon"] };
   }

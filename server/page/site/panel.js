@@ -75,15 +75,16 @@ export class Panel {
     this.newest.wish(work, draft);
   }
 
-  /** Buttons that save what `ask(format, signal)` answers, for each of the server's formats. */
+  /** Adds buttons that save what `ask(format, signal)` answers, for each of the formats, and returns them. */
   addDownloads(formats, file, ask) {
     const place = this.find(".downloads");
-    for (const { name, title, extension } of formats) {
+    return formats.map(({ name, title, extension }) => {
       const button = make("button", { type: "button", textContent: title });
       button.addEventListener("click", () => this.wish(async (signal) => {
         save(await (await ask(name, signal)).blob(), `${file}.${extension}`);
       }));
       place.append(button);
-    }
+      return button;
+    });
   }
 }

@@ -6,9 +6,10 @@ import { Drawing } from "./drawing.js";
 import { explain, Fields } from "./fields.js";
 import { countsOf, isGeojson, mayBeDegrees, polygonsOf } from "./geojson.js";
 import { postPatiently } from "./jobs.js";
+import { showing } from "./mask.js";
 import { Panel } from "./panel.js";
 import { Plotter } from "./plotter.js";
-import { drawingFields, fields, formats, methodNamed, moreFields, shapeFields } from "./sample_options.js";
+import { drawingFields, fields, formats, masks, methodNamed, moreFields, shapeFields } from "./sample_options.js";
 import { areaOf, boundsOf, firstPolygon, outlineOf, polygonOf, rectangle, unitTorus } from "./shape.js";
 import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
@@ -23,6 +24,7 @@ const mostRepairs = 20;  // that are shown
 const mostParts = 30;  // that one may choose among
 const mostPast = 100;  // polygons
 const mostInAddress = 2000;  // characters of corners
+const leastScale = 4;  // from which on pixels of a mask have edges: they would differ in size below
 const map = { name: "texas.geojson", counted: ["employed", "unemployed"] };
 const ownShape = "own";  // in the address, which cannot hold it
 
@@ -66,13 +68,14 @@ function readCorners(text) {
 }
 
 export class Sample extends Panel {
-  #shapes = { polygon: structuredClone(firstPolygon), rectangle: { domain: rectangle }, torus: { domain: unitTorus } };
+  #shapes = { polygon: structuredClone(firstPolygon), rectangle: { domain: rectangle }, torus: { domain: unitTorus }, mask: { domain: { ...unitTorus, width: 64, height: 64 } } };
   #frames = new Map();
   #result = null;
   #kept = null;
   #past = [];
   #counts = [];
   #own = null;
+  #mask = null;
   #isStale = true;
 
   constructor(element) {
@@ -102,7 +105,8 @@ export class Sample extends Panel {
     });
     explain(this.find(".trace figcaption"), "How unequal the parts of the area are that points get: the standard deviation of the triangles' capacities over their mean. 0 would be all equal; independent random points have about 1.");
     this.snippets = new Snippets(this.find(".snippets"));
-    this.addDownloads(formats, "points", (format, signal) => this.#ask({ ...this.options(), ...this.#drawingOptions(format), format }, signal));
+    this.pointButtons = this.addDownloads(formats, "points", (format, signal) => this.#ask({ ...this.options(), ...this.#drawingOptions(format), format }, signal));
+    this.maskButtons = this.addDownloads(masks, "mask", (format, signal) => this.#ask({ ...this.options(), format }, signal));
     this.#listen();
     this.#shapeChosen();
   }
@@ -137,7 +141,7 @@ export class Sample extends Panel {
   async #restoreShape({ shape = "polygon", corners = "" }) {
     if (shape === map.name) return this.#takeMap();
     if (shape === ownShape && this.#own) return this.#takeFileShape(this.#own, []);
-    this.shapeChoice.value = ["rectangle", "torus"].includes(shape) ? shape : "polygon";
+    this.shapeChoice.value = ["rectangle", "torus", "mask"].includes(shape) ? shape : "polygon";
     this.#shapes.polygon = readCorners(corners) ?? structuredClone(firstPolygon);
     this.#shapeChosen();
   }
@@ -148,6 +152,11 @@ export class Sample extends Panel {
 
   get shape() {
     return this.#shapes[this.shapeChoice.value] ?? null;
+  }
+
+  /** What is made is a mask of thresholds, and no points. */
+  get isMask() {
+    return this.shapeChoice.value === "mask";
   }
 
   get #onGlobe() {
@@ -280,10 +289,10 @@ export class Sample extends Panel {
     this.refresh();
   }
 
-  /** A rectangle and a torus are as large as is said; other than positive sides are the server's to refuse. */
+  /** A rectangle, a torus and a mask are as large as is said; other than positive sides are the server's to refuse. */
   #takeSides() {
-    const { rectangle: sides = "1.5,1", torus = "1,1" } = this.shapeFields.state();
-    for (const [kind, text] of Object.entries({ rectangle: sides, torus })) {
+    const { rectangle: sides = "1.5,1", torus = "1,1", tile = "64,64" } = this.shapeFields.state();
+    for (const [kind, text] of Object.entries({ rectangle: sides, torus, mask: tile })) {
       const [width, height] = text.split(",").map(Number);
       this.#shapes[kind] = { domain: { ...this.#shapes[kind].domain, width, height } };
     }
@@ -327,11 +336,12 @@ export class Sample extends Panel {
     this.tiles.disabled = kind !== "torus";
     if (kind !== "torus") this.tiles.checked = false;
     this.corners.value = JSON.stringify(this.#shapes.polygon);
-    this.#result = null;
+    this.#result = this.#mask = null;
+    this.element.classList.toggle("of-mask", this.isMask);
     this.#tellOfAnswer({});
     this.find(".counts").hidden = kind !== "file";
     this.shapeFields.offer("coordinates", kind === "file" && this.shape?.mayBeDegrees);
-    for (const name of ["rectangle", "torus"]) this.shapeFields.offer(name, kind === name);
+    for (const [name, shape] of [["rectangle", "rectangle"], ["torus", "torus"], ["tile", "mask"], ["format", "mask"]]) this.shapeFields.offer(name, kind === shape);
     this.#stopDrawing();
     this.#tellOfShape(this.shape ? "" : "choose or drop a GeoJSON file");
     if (this.shape) this.#refit();
@@ -340,6 +350,7 @@ export class Sample extends Panel {
 
   /** What is shown: the shape, with the sheet's rest when one is drawn. */
   #refit() {
+    if (this.isMask) return;
     const bounds = boundsOf(this.#outline.rings);
     const [width, height] = [bounds.maxX - bounds.minX, bounds.maxY - bounds.minY];
     const around = this.tiles.checked ? 1 : 0;
@@ -435,7 +446,8 @@ export class Sample extends Panel {
 
   /** The options of what is shown. Only the last frame is polished: the others are steps on the way there. */
   options(iteration = Number(this.iteration.value)) {
-    const { coordinates } = this.shapeFields.values();
+    const { coordinates, format } = this.shapeFields.values();
+    if (this.isMask) return { format, ...this.fields.values() };
     const asked = { ...this.fields.values(), ...(coordinates && { coordinates }), ...this.moreFields.values() };
     const { options } = methodNamed(asked.method);
     if (!options.includes("quality")) delete asked.quality;
@@ -464,6 +476,7 @@ export class Sample extends Panel {
   /** How many points there will be, about. */
   #sites(options) {
     const { counted, per } = this.#counting();
+    if (this.isMask) return this.shape.domain.width * this.shape.domain.height;
     if (counted.length === 0) return options.sites;
     return this.#counts.reduce((sum, one) => sum + (counted.includes(one.name) ? one.sum / per : 0), 0);
   }
@@ -476,7 +489,10 @@ export class Sample extends Panel {
   /** What makes no sense with what is chosen is not there to be asked for. */
   #offerFields() {
     const isMap = this.#counting().counted.length > 0;
-    for (const name of ["sites", "method"]) this.fields.offer(name, !isMap);
+    for (const name of ["sites", "method"]) this.fields.offer(name, !isMap && !this.isMask);
+    this.fields.offer("quality", !this.isMask);
+    for (const button of this.pointButtons) button.hidden = this.isMask;
+    for (const button of this.maskButtons) button.hidden = !this.isMask;
     this.countFields?.offer("per", isMap);
     this.mesh.disabled = isMap;
     const { options, max_sites: most } = methodNamed(this.options().method);
@@ -529,7 +545,8 @@ export class Sample extends Panel {
     this.#offerFields();
     this.plotter.wait();
     if (!draft) this.note();
-    this.snippets.showSample(requestOf(this.shape, this.options()));
+    this.snippets.showSample(requestOf(this.shape, this.options()), this.isMask);
+    if (this.isMask) return this.#refreshMask(draft);
     this.wish(async (signal) => {
       const start = performance.now();
       const frame = await this.fetch(signal, { draft });
@@ -541,6 +558,19 @@ export class Sample extends Panel {
       if (!draft) this.status.textContent = `${count(frame.sites)} points, ${apart}variation ${frame.variation.toFixed(3)}, ${seconds(start)}`;
       if (!draft || this.#isKept(this.options(this.#lastIteration))) await this.#showTrace(signal);
       if (!draft) await this.#plot(signal);
+    }, draft);
+  }
+
+  /** Makes the mask that is asked for, and shows it at work. */
+  #refreshMask(draft) {
+    this.wish(async (signal) => {
+      const start = performance.now();
+      const response = await this.#ask(this.options(), signal);
+      const mask = await showing(await response.blob());
+      if (signal.aborted) return;
+      this.#mask = mask;
+      this.viewport.content = mask.canvas;
+      this.status.textContent = `${mask.width} \u00d7 ${mask.height} thresholds, ${seconds(start)}`;
     }, draft);
   }
 
@@ -587,7 +617,7 @@ export class Sample extends Panel {
 
   /** The outline is left. */
   forget() {
-    this.#result = null;
+    this.#result = this.#mask = null;
     this.#tellOfAnswer({});
     this.plotter.tell(null);
     this.find(".trace").hidden = true;
@@ -596,12 +626,25 @@ export class Sample extends Panel {
 
   #draw(context) {
     if (!this.shape) return;
+    if (this.isMask) return this.#drawMask(context);
     this.#drawOutline(context);
     const result = this.#result;
     if (result) {
       for (const offset of this.#tileOffsets()) this.#drawResult(context, result, offset);
     }
     if (this.shapeChoice.value === "polygon") this.#drawCorners(context);
+  }
+
+  #drawMask(context) {
+    if (!this.#mask) return;
+    const { canvas, width, height } = this.#mask;
+    const { scale, x, y } = this.viewport;
+    context.imageSmoothingEnabled = scale < leastScale;
+    context.drawImage(canvas, x, y, canvas.width * scale, canvas.height * scale);
+    context.strokeStyle = colour("--accent");
+    context.lineWidth = 2;
+    context.strokeRect(x, y, width * scale, height * scale);
+    context.lineWidth = 1;
   }
 
   #tileOffsets() {

@@ -2,7 +2,7 @@
 
 import { capabilities } from "./api.js";
 
-export const { formats, methods } = capabilities.sample;
+export const { formats, masks, methods } = capabilities.sample;
 const { max_sites: mostPoints } = capabilities.limits;
 const [standard] = methods;
 
@@ -24,6 +24,9 @@ export const shapeFields = [
   ...[["rectangle", 1.5], ["torus", 1]].map(([name, width]) => ({
     kind: "numbers", name, label: "Sides", numbers: [{ label: "width", value: width, min: 0, step: "any" }, { label: "height", value: 1, min: 0, step: "any" }],
   })),
+  { kind: "numbers", name: "tile", label: "Sides in pixels", numbers: ["width", "height"].map((label) => ({ label, value: 64, min: 8, max: 1024, step: 1 })),
+    help: "Shown are the mask, repeated, with one tile framed, and a picture and a ramp of greys that it dithers: what is lighter than the mask is white." },
+  { kind: "choice", name: "format", label: "Thresholds", choices: masks.map(({ name, title }) => [name, title]) },
 ];
 
 export const moreFields = [

@@ -39,24 +39,46 @@ function sourceOf({ name, path }, constant) {
   };
 }
 
+/**
+ * The request in each language.
+ *
+ * @param source  of its body, as `sourceOf` and `writtenOut` tell it
+ * @param body    {name, script}: its variable in Python, what it is in JavaScript
+ * @param result  {output, script, python, imports}: the file that curl writes, what is done with `answer`, what that takes
+ */
+function snippetsOf(url, source, body, { output, script, python, imports = "" }) {
+  const allow = (kind) => (hasKey() ? authorizations[kind] : "");
+  const inScript = (kind) => `${source[kind]}const answer = await fetch("${url}",
+  {method: "POST", body: ${body.script}${allow(kind)}});
+if (!answer.ok) throw new Error(await answer.text());
+${script}`;
+  return {
+    curl: `${source.before}curl${allow("curl")} ${source.curl}${shellQuoted(url)} -o ${output}${source.after ?? ""}`,
+    Browser: inScript("browser"), Node: inScript("node"),
+    Python: `${imports}${hasKey() ? "import os\n" : ""}from urllib.request import Request, urlopen
+
+${body.name} = ${source.python}
+request = Request("${url}", ${body.name}${allow("python")})
+with urlopen(request) as answer${python}`,
+  };
+}
+
+const toFile = (name, output) => ({
+  output,
+  script: `const ${name} = await answer.blob();\nconsole.log(${name}.type, ${name}.size);`,
+  python: `, open("${output}", "wb") as file:\n    file.write(answer.read())`,
+});
+
+const toPoints = {
+  output: "points.json",
+  script: "const {points, variation} = await answer.json();\nconsole.log(points.length, variation);",
+  python: ':\n    result = json.load(answer)\nprint(len(result["points"]), result["variation"])',
+  imports: "import json\n",
+};
+
 function halftoneSnippets({ picture, options }) {
   const url = `${location.origin}/halftone${query(options)}`;
-  const source = sourceOf(picture, "picture");
-  const allow = (kind) => (hasKey() ? authorizations[kind] : "");
-  const output = `dots.${options.format ?? "png"}`;
-  const curl = `${source.before}curl${allow("curl")} ${source.curl}${shellQuoted(url)} -o ${output}`;
-  const script = (kind) => `${source[kind]}const answer = await fetch("${url}",
-  {method: "POST", body: picture${allow(kind)}});
-if (!answer.ok) throw new Error(await answer.text());
-const dots = await answer.blob();
-console.log(dots.type, dots.size);`;
-  const python = `${hasKey() ? "import os\n" : ""}from urllib.request import Request, urlopen
-
-picture = ${source.python}
-request = Request("${url}", picture${allow("python")})
-with urlopen(request) as answer, open("${output}", "wb") as file:
-    file.write(answer.read())`;
-  return { curl, Browser: script("browser"), Node: script("node"), Python: python };
+  return snippetsOf(url, sourceOf(picture, "picture"), { name: "picture", script: "picture" }, toFile("dots", `dots.${options.format ?? "png"}`));
 }
 
 const mostArgument = 100_000;  // characters; Linux takes 128 KiB
@@ -69,25 +91,10 @@ const writtenOut = (body) => ({
   before: "", browser: "", node: "", python: `r'''${body}'''.encode()`,
 });
 
-function sampleSnippets({ path, body, file }) {
-  const url = location.origin + path;
+function sampleSnippets({ path, body, file }, isMask) {
   const source = file ? sourceOf(file, "shape") : writtenOut(body);
-  const allow = (kind) => (hasKey() ? authorizations[kind] : "");
-  const curl = `${source.before}curl${allow("curl")} ${source.curl}${shellQuoted(url)} -o points.json${source.after ?? ""}`;
-  const script = (kind) => `${source[kind]}const answer = await fetch("${url}",
-  {method: "POST", body: ${file ? "shape" : `JSON.stringify(${body})`}${allow(kind)}});
-if (!answer.ok) throw new Error(await answer.text());
-const {points, variation} = await answer.json();
-console.log(points.length, variation);`;
-  const python = `import json
-${hasKey() ? "import os\n" : ""}from urllib.request import Request, urlopen
-
-body = ${source.python}
-request = Request("${url}", body${allow("python")})
-with urlopen(request) as answer:
-    result = json.load(answer)
-print(len(result["points"]), result["variation"])`;
-  return { curl, Browser: script("browser"), Node: script("node"), Python: python };
+  const script = file ? "shape" : `JSON.stringify(${body})`;
+  return snippetsOf(location.origin + path, source, { name: "body", script }, isMask ? toFile("mask", "mask.png") : toPoints);
 }
 
 /** Shows one kind of snippet at a time, and copies it. */
@@ -128,8 +135,8 @@ export class Snippets {
     this.#refresh();
   }
 
-  showSample(request) {
-    this.#texts = sampleSnippets(request);
+  showSample(request, isMask) {
+    this.#texts = sampleSnippets(request, isMask);
     this.#refresh();
   }
 }

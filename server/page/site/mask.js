@@ -1,0 +1,46 @@
+// What a mask of thresholds is, and what it does: the tile, repeated, beside a picture and over a ramp of greys that are
+// dithered with it.
+
+const leastSide = 256;  // pixels of each square
+const gap = 8;  // between the parts, pixels
+const picture = "/assets/samples/camera.jpg";  // it has greys alone
+
+/** The greys of an image, row by row, stretched to a size. */
+function greysOf(image, width, height) {
+  const context = new OffscreenCanvas(width, height).getContext("2d");
+  context.drawImage(image, 0, 0, width, height);
+  const { data } = context.getImageData(0, 0, width, height);
+  return Uint8Array.from({ length: width * height }, (_, i) => data[4 * i]);
+}
+
+/**
+ * @param blob  a mask, as the server answers it
+ * @returns     {width, height, canvas}: the tile's size in pixels, and what is to be shown, the tile's first copy in its
+ *              upper left corner
+ */
+export async function showing(blob) {
+  const mask = await createImageBitmap(blob);
+  const light = await createImageBitmap(await (await fetch(picture)).blob());
+  const { width, height } = mask;
+  const side = Math.max(leastSide, width, height);
+  const whole = 2 * side + gap;
+  const band = Math.round(side / 8);
+  const thresholds = greysOf(mask, width, height);
+  const greys = greysOf(light, side, side);
+  const threshold = (x, y) => thresholds[(y % height) * width + (x % width)];
+  const dithered = (grey) => (x, y) => (grey(x, y) > threshold(x, y) ? 255 : 0);
+  const parts = [
+    { x: 0, y: 0, columns: side, rows: side, shade: threshold },
+    { x: side + gap, y: 0, columns: side, rows: side, shade: dithered((x, y) => greys[y * side + x]) },
+    { x: 0, y: side + gap, columns: whole, rows: band, shade: dithered((x) => (256 * x) / whole) },
+  ];
+  const canvas = new OffscreenCanvas(whole, side + gap + band);
+  const context = canvas.getContext("2d");
+  for (const { x, y, columns, rows, shade } of parts) {
+    const image = new ImageData(columns, rows);
+    const pixels = new Uint32Array(image.data.buffer);
+    for (let i = 0; i < pixels.length; ++i) pixels[i] = 0xff000000 | (0x010101 * shade(i % columns, Math.floor(i / columns)));
+    context.putImageData(image, x, y);
+  }
+  return { width, height, canvas };
+}
