@@ -86,6 +86,7 @@ test("a shape is shared: drawn, with sides, or a map", async () => {
     "#sample?shape=torus&torus=2,1&method=odt&tiles=on",
     "#sample?shape=torus&sites=400&quality=stealthy",
     "#sample?shape=mask&tile=32,16&format=mask16&seed=3",
+    "#sample?sites=400&order=progressive&first=120",
     "#sample?shape=rectangle&sites=50&mesh=on&avoid=" + encodeURIComponent("[[[0.2,0.2],[0.6,0.2],[0.4,0.6]]]"),
     "#sample?shape=texas.geojson&counted=unemployed&per=5000",
   ]) {

@@ -48,6 +48,9 @@ for (const colorScheme of ["light", "dark"]) {
         await unfold(page, panel);
         await isAccessible(page, panel, viewport.width);
         if (panel !== "sample") return;
+        await page.selectOption("#sample [data-name=order] select", "progressive");
+        await settled(page, panel);
+        await isAccessible(page, "progressive order", viewport.width);
         await page.selectOption("#shape", "mask");
         await settled(page, panel);
         await isAccessible(page, "mask", viewport.width);

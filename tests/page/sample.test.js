@@ -318,6 +318,22 @@ test("makes a mask, shows what it does, and saves it", async () => {
   assert.match(await page.textContent("#sample .status"), /^1,000 points/);
 });
 
+test("shows the first points of a progressive order", async () => {
+  await open();
+  const { page } = world;
+  assert.ok(await page.isHidden("#first"));
+  await page.click("#sample .more summary");
+  await page.selectOption("#sample [data-name=order] select", "progressive");
+  await settled(page, "sample");
+  assert.equal(await page.textContent("#sample output[for=first]"), "1,000");
+  await slide(page.locator("#first"), [100]);
+  assert.equal(await page.textContent("#sample output[for=first]"), "32");
+  await looksAsKept(world, frame(), "sample-first");
+  await page.selectOption("#sample [data-name=order] select", "none");
+  await settled(page, "sample");
+  assert.ok(await page.isHidden("#first"));
+});
+
 test("has the methods that CCDT is compared with", async () => {
   await open();
   for (const method of ["cvt", "odt", "ccvt", "random"]) {

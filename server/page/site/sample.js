@@ -84,6 +84,7 @@ export class Sample extends Panel {
     this.shapeChoice = this.find("#shape");
     this.corners = this.find("#corners");
     this.iteration = this.find("#iteration");
+    this.first = this.find("#first");
     this.mesh = this.find("#mesh");
     this.tiles = this.find("#tiles");
     this.viewport = new Viewport(this.canvas, this.find(".zoom"), (...args) => this.#draw(...args),
@@ -121,6 +122,7 @@ export class Sample extends Panel {
       ...(kind !== "polygon" && { shape }), ...(isDrawn && { corners }),
       ...Object.assign({}, ...parts.map((part) => part.state())),
       ...(this.iteration.value !== this.iteration.max && { iteration: this.iteration.value }),
+      ...(this.first.value !== this.first.max && { first: this.first.value }),
       ...(this.mesh.checked && { mesh: "on" }), ...(this.tiles.checked && { tiles: "on" }),
     };
   }
@@ -130,6 +132,7 @@ export class Sample extends Panel {
     this.element.dataset.state = "busy";
     for (const part of [this.shapeFields, this.fields, this.moreFields, this.drawingFields, this.plotter]) part.restore(state);
     this.iteration.value = state.iteration ?? this.iteration.max;
+    this.first.value = state.first ?? this.first.max;
     this.mesh.checked = state.mesh === "on";
     await this.#restoreShape(state);
     this.#takeSides();
@@ -194,6 +197,8 @@ export class Sample extends Panel {
     this.corners.addEventListener("change", () => this.#takeCorners());
     this.iteration.addEventListener("input", () => this.refresh(true));
     this.iteration.addEventListener("change", () => this.refresh());
+    this.first.addEventListener("input", () => this.#showFirst());
+    this.first.addEventListener("change", () => this.note());
     this.mesh.addEventListener("change", () => this.refresh());
     this.tiles.addEventListener("change", () => { this.#refit(); this.note(); });
     this.find(".file").addEventListener("change", ({ target }) => {
@@ -574,8 +579,24 @@ export class Sample extends Panel {
     }, draft);
   }
 
+  /** How many points are shown of those in progressive order; of a map's classes, of each. */
+  get #shownFirst() {
+    const most = 1 + this.#result.rank.reduce((a, b) => Math.max(a, b), 0);
+    return Math.round(most ** (this.first.value / this.first.max));
+  }
+
+  #showFirst() {
+    const hasRank = Boolean(this.#result?.rank);
+    this.first.parentElement.hidden = !hasRank;
+    const text = hasRank ? count(this.#shownFirst) : "";
+    this.find("output[for=first]").textContent = text;
+    this.first.setAttribute("aria-valuetext", `the first ${text} points`);
+    this.viewport.redraw();
+  }
+
   /** Shows what the server thought of the shape: warnings, and what it repaired. */
   #tellOfAnswer({ warnings = [], repaired = [], classes = [] }) {
+    this.#showFirst();
     this.find(".legend").replaceChildren(...classes.map(({ name, color, sites }) =>
       make("li", { textContent: `${name}: ${count(sites)}`, style: `--class: ${color}` })));
     this.find(".warnings").textContent = warnings.map(({ detail }) => detail).join("; ");
@@ -683,12 +704,14 @@ export class Sample extends Panel {
     const dot = this.plotter.isOn ? this.plotter.options().dot : (result.features ? mapShare : dotShare) * pitch;
     const radius = Math.max(dot * this.viewport.scale, leastRadius);
     if (result.triangles && this.mesh.checked) this.#drawMesh(context, result, [dx, dy]);
+    const shown = result.rank ? this.#shownFirst : Infinity;
     const classes = result.classes ?? [{ color: colour(dx === 0 && dy === 0 ? "--ink" : "--quiet") }];
     for (const [number, { color }] of classes.entries()) {
       context.fillStyle = color;
       context.beginPath();
       result.places.forEach(([px, py], i) => {
         if (result.class && result.class[i] !== number) return;
+        if (result.rank?.[i] >= shown) return;
         const { x, y } = this.#toScreen([px + dx, py + dy]);
         context.moveTo(x + radius, y);
         context.arc(x, y, radius, 0, 2 * Math.PI);
