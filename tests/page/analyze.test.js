@@ -38,6 +38,20 @@ test("analyzes the largest square inside a polygon", async () => {
   assert.match(await world.page.textContent("#analyze .note"), /largest square/);
 });
 
+test("analyzes more points than it shows the spectrum of", async () => {
+  await world.page.goto(`${world.url}/#sample?shape=torus&sites=140000&quality=draft&iteration=1`);
+  await settled(world.page, "sample");
+  await world.page.click("#tab-analyze");
+  await settled(world.page, "analyze");
+  const [made] = await rows();
+  assert.equal(made[1], "140,000");
+  assert.ok(Number(made[4]) < 0.1, made[4]);
+  const { methods } = (await (await fetch(`${world.url}/capabilities`)).json()).sample;
+  assert.equal(await world.page.locator("#analyze .spectra canvas").count(), methods.length);
+  assert.equal(await world.page.textContent("#analyze .spectra figure.curve-0"), "What was made");
+  assert.match(await world.page.textContent("#analyze .note"), /no picture of their spectrum/);
+});
+
 test("analyzes the dots of a picture", async () => {
   await world.page.goto(world.url);
   await settled(world.page, "halftone");

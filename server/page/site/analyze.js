@@ -3,11 +3,13 @@
 import { capabilities, postJson } from "./api.js";
 import { chart } from "./chart.js";
 import { count, make } from "./dom.js";
+import { postPatiently } from "./jobs.js";
 import { Panel } from "./panel.js";
 import { largestSquare, unitTorus } from "./shape.js";
 
 const methods = capabilities.sample.methods.toReversed();  // the one that this server is for comes last
-const mostToAnalyze = 131072;
+const mostInSpectrum = 131072;  // points; 8 million values
+const digits = 11;  // of coordinates, over the domain's side: two million points stay below 64 MiB
 const mostToCompare = 1024;  // CCVT takes a second for these
 const whitest = 2.5;  // power
 
@@ -72,9 +74,8 @@ export class Analyze extends Panel {
       this.results = [];
       this.#show();
       const { points, domain, note } = await this.#pointsMade(signal);
-      if (points.length > mostToAnalyze) throw new Error(`only up to ${count(mostToAnalyze)} points are analyzed here; these are ${count(points.length)}`);
       if (points.length < 2) throw new Error("there are too few points in the largest square inside the shape");
-      this.find(".note").textContent = note;
+      this.find(".note").textContent = points.length > mostInSpectrum ? `${note} So many points have no picture of their spectrum here.` : note;
       await this.#measure("What was made", points, domain, signal);
       const sites = Math.min(points.length, mostToCompare);
       for (const { name, title } of methods) {
@@ -86,8 +87,11 @@ export class Analyze extends Panel {
   }
 
   async #measure(name, points, domain, signal) {
-    const figures = await postJson("/analyze", { points, domain, spectrum: true }, signal);
-    this.results.push({ name, number: points.length, ...figures });
+    const places = Math.max(0, digits - Math.ceil(Math.log10(Math.max(domain.width, domain.height))));
+    const rounded = points.map(([x, y]) => [Number(x.toFixed(places)), Number(y.toFixed(places))]);
+    const body = JSON.stringify({ points: rounded, domain, spectrum: points.length <= mostInSpectrum });
+    const response = await postPatiently("/analyze", body, { sites: points.length }, { type: "application/json", signal, told: this.tell });
+    this.results.push({ name, number: points.length, ...await response.json() });
     this.#show();
   }
 
@@ -116,8 +120,10 @@ function row(result) {
   return make("tr", {}, make("th", { scope: "row", textContent: result.name }), ...cells.map((textContent) => make("td", { textContent })));
 }
 
-/** Black is no power, white `whitest`; frequency 0 is in the middle. */
+/** Black is no power, white `whitest`; frequency 0 is in the middle. Without a spectrum it is the key to the curve. */
 function spectrumFigure({ name, spectrum }, index) {
+  const caption = make("figcaption", { textContent: name });
+  if (!spectrum) return make("figure", { className: `curve-${index}` }, caption);
   const { width, height, values } = spectrum;
   const image = new ImageData(width, height);
   values.forEach((power, i) => {
@@ -126,5 +132,5 @@ function spectrumFigure({ name, spectrum }, index) {
   });
   const canvas = make("canvas", { width, height, attributes: { role: "img", "aria-label": `Spectrum: ${name}` } });
   canvas.getContext("2d").putImageData(image, 0, 0);
-  return make("figure", { className: `curve-${index}` }, canvas, make("figcaption", { textContent: name }));
+  return make("figure", { className: `curve-${index}` }, canvas, caption);
 }
