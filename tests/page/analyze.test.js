@@ -41,6 +41,7 @@ test("analyzes the largest square inside a polygon", async () => {
 test("analyzes more points than it shows the spectrum of", async () => {
   await world.page.goto(`${world.url}/#sample?shape=torus&sites=140000&quality=draft&iteration=1`);
   await settled(world.page, "sample");
+  assert.match(await world.page.textContent("#sample .status"), /^140,000 points/);
   await world.page.click("#tab-analyze");
   await settled(world.page, "analyze");
   const [made] = await rows();

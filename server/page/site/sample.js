@@ -560,8 +560,10 @@ export class Sample extends Panel {
       this.viewport.redraw();
       this.#tellOfAnswer(frame);
       const apart = frame.pitch_m && !frame.features ? `${metres(frame.pitch_m)} apart, ` : "";
-      if (!draft) this.status.textContent = `${count(frame.sites)} points, ${apart}variation ${frame.variation.toFixed(3)}, ${seconds(start)}`;
+      const told = `${count(frame.sites)} points, ${apart}variation ${frame.variation.toFixed(3)}, ${seconds(start)}`;
+      if (!draft) this.status.textContent = told;
       if (!draft || this.#isKept(this.options(this.#lastIteration))) await this.#showTrace(signal);
+      if (!draft) this.status.textContent = told;  // which a job for the trace may have taken away
       if (!draft) await this.#plot(signal);
     }, draft);
   }
