@@ -44,7 +44,7 @@ constexpr std::size_t kManyTimes = 8;
 
 /// Points that a region has yet, at the least. Fewer leave too little to choose from, and lose distance; more take
 /// longer.
-constexpr std::size_t kLeastCrowd = 64;
+constexpr std::size_t kLeastCrowd = 48;
 
 /// Neighbours whose distance tells how dense points are: enough for a measure that hardly wavers, few enough to be
 /// near.

@@ -18,7 +18,7 @@ namespace ccdt {
 /// points are denser than elsewhere as much shorter; and a fifth of the number of points beyond their share, blurred by
 /// splines of cells three such distances wide. Of two that are nearer than 0.58 of that distance one goes at once. So
 /// that no part of the domain loses more than others, it is halved again and again into regions of equally many points,
-/// down to 64 to 127 that are left, which else take turns.
+/// down to 48 to 95 that are left, which else take turns.
 ///
 /// @param domain  on a torus points are near across its sides, too; of any other only the bounding box counts
 /// @param points  [n], in the domain's bounding box; they may coincide
