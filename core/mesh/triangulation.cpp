@@ -28,6 +28,7 @@ void Triangulation::fix_last(std::size_t count) {
 Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& border) : sites_(sites) {
     fix_last(0);
     make_room(border.triangles.size());
+    points_.reserve(sites + border.points.size());
     points_.resize(sites);
     points_.insert(points_.end(), border.points.begin(), border.points.end());
     const std::uint32_t first = whole_.last = border_triangle();
