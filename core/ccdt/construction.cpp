@@ -143,13 +143,10 @@ double Construction::measure(const Triangulation& mesh) {
     const double total = fixed_.sites > 0 ? site_share() * static_cast<double>(mesh.site_count()) * capacity_.total()
                                           : capacity_.total();
     if (capacity_.is_uniform()) return set_even_goals(mesh, total, goals_);
-    std::vector<double> capacities;
+    std::vector<double> capacities = goals_.release_weights();
     capacity_.of_triangles(mesh, capacities, stop_);
     if (stopping()) return 0;
-    std::vector<TriangleGoal> goals = goals_.release();
-    const double variation = set_goals(mesh, total, capacity_.densest(), capacities, goals);
-    goals_ = std::move(goals);
-    return variation;
+    return set_goals(mesh, total, capacity_.densest(), std::move(capacities), goals_);
 }
 
 /// Tells whether an iteration's passes are exact. These cost more, and matter once the sites are near their places:

@@ -123,6 +123,84 @@ bool is_any_free(const Triangulation& mesh, std::uint32_t triangle) {
     return std::ranges::any_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_free(v); });
 }
 
+/// What is found of all triangles.
+struct Aims {
+    Reached reached;
+    std::vector<std::uint32_t> triangles;  ///< in ascending order, those that not only free sites are corners of
+    std::vector<TriangleGoal> goals;       ///< theirs; the others' have target and share 1
+};
+
+/// @param reached_by, weight_of  give what a triangle has, and its weight
+template <class ReachedBy, class WeightOf>
+Aims find_aims(const Triangulation& mesh, ReachedBy&& reached_by, WeightOf&& weight_of) {
+    const std::size_t count = mesh.triangle_count();
+    std::vector<Aims> parts((count + kRange - 1) / kRange);
+    for_ranges(mesh.team(), count, kRange, [&](std::size_t begin, std::size_t end) {
+        Aims own;
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
+            const double reached = reached_by(t);
+            if (std::ranges::all_of(mesh.corners(t), [&](std::uint32_t v) { return mesh.is_free(v); })) {
+                own.reached.add(reached, 1);
+                continue;
+            }
+            const bool moves = is_any_free(mesh, t);  // else nothing there can move it
+            const TriangleGoal goal = moves ? aim(mesh, t, weight_of) : TriangleGoal{weight_of(t), reached, 1};
+            if (moves && goal.target >= kLeastTarget) own.reached.add(reached, goal.target);
+            own.triangles.push_back(t);
+            own.goals.push_back(goal);
+        }
+        parts[begin / kRange] = std::move(own);
+    });
+    Aims all;
+    for (const Aims& part : parts) {
+        all.reached.add(part.reached);
+        all.triangles.insert(all.triangles.end(), part.triangles.begin(), part.triangles.end());
+        all.goals.insert(all.goals.end(), part.goals.begin(), part.goals.end());
+    }
+    return all;
+}
+
+/// Tells whether goals that few triangles have are to be looked up. Where one in so many has a goal of its own, that
+/// takes longer than all else of a pass.
+bool are_rare(const Aims& aims, std::size_t triangles) {
+    constexpr std::size_t kRims = 32;
+    return aims.triangles.size() * kRims < triangles;
+}
+
+/// Weights of triangles by their capacities.
+class Weights {
+public:
+    Weights(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities)
+        : mesh_(mesh), capacities_(capacities), unit_(unit_of(mesh, total)), largest_(unit_ * densest) {}
+
+    double reached_by(std::uint32_t t) const { return unit_ * std::max(0.0, capacities_[t]); }
+    double of(std::uint32_t t) const {
+        const double area = mesh_.doubled_area(t);
+        return area > 0 ? std::min(reached_by(t) / area, largest_) : largest_;
+    }
+
+    Aims aims() const {
+        return find_aims(
+            mesh_, [this](std::uint32_t t) { return reached_by(t); }, [this](std::uint32_t t) { return of(t); });
+    }
+
+private:
+    const Triangulation& mesh_;
+    const std::vector<double>& capacities_;
+    double unit_;
+    double largest_;
+};
+
+/// Sets a goal for each triangle, of this weight unless it has one of its own.
+template <class WeightOf>
+void set_each(const Triangulation& mesh, const Aims& aims, WeightOf&& weight_of, std::vector<TriangleGoal>& goals) {
+    goals.resize(mesh.triangle_count());
+    for_ranges(mesh.team(), goals.size(), kRange, [&](std::size_t begin, std::size_t end) {
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) goals[t] = {weight_of(t), 1, 1};
+    });
+    for (std::size_t i = 0; i < aims.goals.size(); ++i) goals[aims.triangles[i]] = aims.goals[i];
+}
+
 }  // namespace
 
 double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, const std::vector<double>& capacities,
@@ -132,80 +210,44 @@ double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, co
 
 double set_goals(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals) {
-    const double unit = unit_of(mesh, total);
-    const double largest_weight = unit * densest;
-    const auto reached_by = [&](std::uint32_t t) { return unit * std::max(0.0, capacities[t]); };
-    const auto weight_of = [&](std::uint32_t t) { return goals[t].weight; };
-    goals.resize(mesh.triangle_count());
-    for_ranges(mesh.team(), goals.size(), kRange, [&](std::size_t begin, std::size_t end) {
-        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
-            const double area = mesh.doubled_area(t);
-            goals[t].weight = area > 0 ? std::min(reached_by(t) / area, largest_weight) : largest_weight;
-        }
+    const Weights weights(mesh, total, densest, capacities);
+    const Aims aims = weights.aims();
+    set_each(
+        mesh, aims, [&](std::uint32_t t) { return weights.of(t); }, goals);
+    return aims.reached.variation();
+}
+
+double set_goals(const Triangulation& mesh, double total, double densest, std::vector<double> capacities,
+                 TriangleGoals& goals) {
+    const Weights weights(mesh, total, densest, capacities);
+    Aims aims = weights.aims();
+    if (!are_rare(aims, mesh.triangle_count())) {
+        std::vector<TriangleGoal> each = goals.release();
+        set_each(
+            mesh, aims, [&](std::uint32_t t) { return weights.of(t); }, each);
+        goals = std::move(each);
+        return aims.reached.variation();
+    }
+    for_ranges(mesh.team(), capacities.size(), kRange, [&](std::size_t begin, std::size_t end) {
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) capacities[t] = weights.of(t);
     });
-    std::vector<Reached> parts((goals.size() + kRange - 1) / kRange);
-    for_ranges(mesh.team(), goals.size(), kRange, [&](std::size_t begin, std::size_t end) {
-        Reached own;
-        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
-            const double reached = reached_by(t);
-            if (!is_any_free(mesh, t)) {
-                goals[t] = {goals[t].weight, reached, 1};  // nothing there can move it
-                continue;
-            }
-            const TriangleGoal goal = aim(mesh, t, weight_of);
-            goals[t].target = goal.target;
-            goals[t].share = goal.share;
-            if (goal.target >= kLeastTarget) own.add(reached, goal.target);
-        }
-        parts[begin / kRange] = own;
-    });
-    Reached all;
-    for (const Reached& part : parts) all.add(part);
-    return all.variation();
+    goals = {std::move(capacities), std::move(aims.triangles), std::move(aims.goals)};
+    return aims.reached.variation();
 }
 
 double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& goals) {
-    // Where one triangle in so many has a goal of its own, looking these up takes longer than all else of a pass.
-    constexpr std::size_t kRims = 32;
-    const double unit = unit_of(mesh, total), weight = unit / 2;
+    const double weight = unit_of(mesh, total) / 2;
     const auto weight_of = [&](std::uint32_t) { return weight; };
-    const std::size_t count = mesh.triangle_count(), ranges = (count + kRange - 1) / kRange;
-    std::vector<std::vector<std::uint32_t>> lists(ranges);
-    std::vector<std::vector<TriangleGoal>> goals_of(ranges);
-    std::vector<Reached> parts(ranges);
-    for_ranges(mesh.team(), count, kRange, [&](std::size_t begin, std::size_t end) {
-        Reached own;
-        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
-            const double reached = weight * std::max(0.0, mesh.doubled_area(t));
-            if (std::ranges::all_of(mesh.corners(t), [&](std::uint32_t v) { return mesh.is_free(v); })) {
-                own.add(reached, 1);
-                continue;
-            }
-            const bool moves = is_any_free(mesh, t);
-            const TriangleGoal goal = moves ? aim(mesh, t, weight_of) : TriangleGoal{weight, reached, 1};
-            if (moves && goal.target >= kLeastTarget) own.add(reached, goal.target);
-            lists[begin / kRange].push_back(t);
-            goals_of[begin / kRange].push_back(goal);
-        }
-        parts[begin / kRange] = own;
-    });
-    Reached all;
-    std::vector<std::uint32_t> triangles;
-    std::vector<TriangleGoal> own;
-    for (std::size_t range = 0; range < ranges; ++range) {
-        all.add(parts[range]);
-        triangles.insert(triangles.end(), lists[range].begin(), lists[range].end());
-        own.insert(own.end(), goals_of[range].begin(), goals_of[range].end());
-    }
-    const TriangleGoal common{weight, 1, 1};
-    if (triangles.size() * kRims < count) {
-        goals = {common, std::move(triangles), std::move(own)};
+    const auto reached_by = [&](std::uint32_t t) { return weight * std::max(0.0, mesh.doubled_area(t)); };
+    Aims aims = find_aims(mesh, reached_by, weight_of);
+    if (are_rare(aims, mesh.triangle_count())) {
+        goals = {TriangleGoal{weight, 1, 1}, std::move(aims.triangles), std::move(aims.goals)};
     } else {
-        std::vector<TriangleGoal> each(count, common);
-        for (std::size_t i = 0; i < own.size(); ++i) each[triangles[i]] = own[i];
+        std::vector<TriangleGoal> each;
+        set_each(mesh, aims, weight_of, each);
         goals = std::move(each);
     }
-    return all.variation();
+    return aims.reached.variation();
 }
 
 }  // namespace ccdt

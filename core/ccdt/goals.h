@@ -36,6 +36,10 @@ double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, co
 double set_goals(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals);
 
+/// The same for all triangles together, whose weights take the capacities' room where most have no goal of their own.
+double set_goals(const Triangulation& mesh, double total, double densest, std::vector<double> capacities,
+                 TriangleGoals& goals);
+
 /// The same where capacities are areas: all triangles between free sites have one goal.
 /// @param total  area of the unit frame that the sites are to share
 double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& goals);

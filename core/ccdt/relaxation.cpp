@@ -46,7 +46,7 @@ struct Relaxation::Term {
 };
 
 inline Relaxation::Term Relaxation::term(std::uint32_t triangle) const {
-    const TriangleGoal& goal = goals_.of(triangle);
+    const TriangleGoal goal = goals_.of(triangle);
     const double scale = goal.share == 1 ? 1 : 1 / std::sqrt(goal.share);
     return {scale * goal.weight, scale * goal.target, goal.share * goal.weight, scale};
 }

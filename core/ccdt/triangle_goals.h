@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -18,7 +19,8 @@ struct TriangleGoal {
     double share = 1;  ///< of a triangle of common size that it is, > 0: less than 1 for one of many in a narrow fan
 };
 
-/// The goals of all triangles: one for each, or, where most are the same, that one and the others.
+/// The goals of all triangles: one for each; or, where most are to have a whole site's half, the weights of all and the
+/// others' goals; or, where most are the same, that one and the others.
 class TriangleGoals {
 public:
     TriangleGoals() = default;
@@ -31,24 +33,35 @@ public:
     TriangleGoals(const TriangleGoal& common, std::vector<std::uint32_t> triangles, std::vector<TriangleGoal> goals)
         : common_(common), triangles_(std::move(triangles)), own_(std::move(goals)) {}
 
+    /// @param weights           [triangles] >= 0; targets and shares are 1
+    /// @param triangles, goals  as above
+    TriangleGoals(std::vector<double> weights, std::vector<std::uint32_t> triangles, std::vector<TriangleGoal> goals)
+        : weights_(std::move(weights)), triangles_(std::move(triangles)), own_(std::move(goals)) {
+        for (const std::uint32_t triangle : triangles_) weights_[triangle] = -weights_[triangle];
+    }
+
     /// Goal of a triangle; of kNone, one that adds nothing.
-    const TriangleGoal& of(std::uint32_t triangle) const {
+    TriangleGoal of(std::uint32_t triangle) const {
+        if (triangle < weights_.size() && !std::signbit(weights_[triangle])) return {weights_[triangle], 1, 1};
         return triangle < all_.size() ? all_[triangle] : rare(triangle);
     }
 
     /// Gives the room of one goal for each away.
     std::vector<TriangleGoal> release() { return std::exchange(all_, {}); }
 
+    /// Gives the room of the weights away.
+    std::vector<double> release_weights() { return std::exchange(weights_, {}); }
+
 private:
-    const TriangleGoal& rare(std::uint32_t triangle) const {
-        static constexpr TriangleGoal kNothing{0, 0, 1};
-        if (triangle == Triangulation::kNone) return kNothing;
+    TriangleGoal rare(std::uint32_t triangle) const {
+        if (triangle == Triangulation::kNone) return {0, 0, 1};
         const auto at = std::ranges::lower_bound(triangles_, triangle);
         if (at == triangles_.end() || *at != triangle) return common_;
         return own_[static_cast<std::size_t>(at - triangles_.begin())];
     }
 
     std::vector<TriangleGoal> all_;
+    std::vector<double> weights_;  ///< [triangles], negative or -0 of those that have goals of their own
     TriangleGoal common_;
     std::vector<std::uint32_t> triangles_;
     std::vector<TriangleGoal> own_;  ///< [those triangles]

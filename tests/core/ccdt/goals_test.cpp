@@ -31,7 +31,7 @@ TEST(EvenGoals, AreThoseOfEachTriangle) {
             TriangleGoals goals;
             EXPECT_NEAR(set_even_goals(start.mesh, start.capacity.total(), goals), variation, 1e-9) << name;
             for (std::uint32_t t = 0; t < start.mesh.triangle_count(); ++t) {
-                const TriangleGoal &goal = goals.of(t), &expected = start.goals[t];
+                const TriangleGoal goal = goals.of(t), &expected = start.goals[t];
                 ASSERT_NEAR(goal.weight / expected.weight, 1, 1e-9) << name;
                 ASSERT_NEAR(goal.target, expected.target, 1e-9) << name;
                 ASSERT_NEAR(goal.share, expected.share, 1e-9) << name;
@@ -41,12 +41,17 @@ TEST(EvenGoals, AreThoseOfEachTriangle) {
 }
 
 TEST(TriangleGoals, KnowNothingOfNone) {
-    const TriangleGoals each(std::vector<TriangleGoal>{{3, 1, 1}}), rare({2, 1, 1}, {4}, {{5, 0.5, 0.5}});
+    const TriangleGoals each(std::vector<TriangleGoal>{{3, 1, 1}}), rare(TriangleGoal{2, 1, 1}, {4}, {{5, 0.5, 0.5}});
+    const TriangleGoals weights(std::vector<double>{2, 0, 3}, {1}, {{5, 0.5, 0.5}});
     EXPECT_EQ(each.of(0).weight, 3);
     EXPECT_EQ(rare.of(3).weight, 2);
     EXPECT_EQ(rare.of(4).weight, 5);
     EXPECT_EQ(rare.of(5).weight, 2);
-    for (const TriangleGoals& goals : {each, rare}) {
+    EXPECT_EQ(weights.of(0).weight, 2);
+    EXPECT_EQ(weights.of(0).share, 1);
+    EXPECT_EQ(weights.of(1).weight, 5);
+    EXPECT_EQ(weights.of(2).target, 1);
+    for (const TriangleGoals& goals : {each, rare, weights}) {
         EXPECT_EQ(goals.of(Triangulation::kNone).weight, 0);
         EXPECT_EQ(goals.of(Triangulation::kNone).target, 0);
     }
