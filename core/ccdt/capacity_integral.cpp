@@ -135,19 +135,20 @@ void CapacityIntegral::add_flow(const Triangulation& mesh, std::uint32_t edge, d
 }
 
 /// Sums up the flows along the edges around each triangle.
-/// @param flow  called with each edge and whether it leaves a torus' box, several at the same time
-template <class Flow>
-void CapacityIntegral::sum_flows(const Triangulation& mesh, std::vector<double>& capacities,
-                                 const std::stop_token& stop, Flow&& flow) const {
+/// @param capacity  gives the sum of a triangle, which is 0
+/// @param flow      called with each edge and whether it leaves a torus' box, several at the same time
+template <class Capacity, class Flow>
+void CapacityIntegral::sum_flows(const Triangulation& mesh, const std::stop_token& stop, Capacity&& capacity,
+                                 Flow&& flow) const {
     constexpr std::size_t kRange = 8192;  // triangles that a task takes
-    capacities.assign(mesh.triangle_count(), 0);
+    const std::size_t triangles = mesh.triangle_count();
     // Of those that other tasks have.
-    std::vector<std::vector<std::pair<std::uint32_t, double>>> later((capacities.size() + kRange - 1) / kRange);
-    for_ranges(mesh.team(), capacities.size(), kRange, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::vector<std::pair<std::uint32_t, double>>> later((triangles + kRange - 1) / kRange);
+    for_ranges(mesh.team(), triangles, kRange, [&](std::size_t begin, std::size_t end) {
         if (stop.stop_requested()) return;
         const auto add = [&](std::uint32_t triangle, double part) {
             if (triangle - begin < end - begin) {
-                capacities[triangle] += part;
+                capacity(triangle) += part;
             } else {
                 later[begin / kRange].emplace_back(triangle, part);
             }
@@ -162,14 +163,16 @@ void CapacityIntegral::sum_flows(const Triangulation& mesh, std::vector<double>&
         }
     });
     for (const auto& list : later) {
-        for (const auto& [triangle, part] : list) capacities[triangle] += part;
+        for (const auto& [triangle, part] : list) capacity(triangle) += part;
     }
 }
 
 void CapacityIntegral::of_triangles(const Triangulation& mesh, std::vector<double>& capacities,
                                     const std::stop_token& stop) const {
     if (!is_uniform()) {
-        return sum_flows(mesh, capacities, stop, [&](std::uint32_t h, bool repeated) {
+        capacities.assign(mesh.triangle_count(), 0);
+        const auto capacity = [&](std::uint32_t triangle) -> double& { return capacities[triangle]; };
+        return sum_flows(mesh, stop, capacity, [&](std::uint32_t h, bool repeated) {
             const Point a = mesh.point(mesh.origin(h));
             return repeated ? sweep<true>(a, a + mesh.along(h)).flow : along(a, mesh.point(mesh.target(h)));
         });
@@ -180,14 +183,18 @@ void CapacityIntegral::of_triangles(const Triangulation& mesh, std::vector<doubl
     });
 }
 
-void CapacityIntegral::of_edges(const Triangulation& mesh, std::vector<double>& capacities, std::vector<double>& sweeps,
+void CapacityIntegral::of_edges(const Triangulation& mesh, std::vector<TriangleFlows>& flows,
                                 const std::stop_token& stop) const {
-    sweeps.resize(4 * mesh.triangle_count());
-    sum_flows(mesh, capacities, stop, [&](std::uint32_t h, bool repeated) {
+    flows.assign(mesh.triangle_count(), {});
+    const auto capacity = [&](std::uint32_t triangle) -> double& { return flows[triangle].capacity; };
+    const auto swept = [&](std::uint32_t h) -> double& {
+        return flows[Triangulation::triangle_of(h)].swept[Triangulation::number_of(h)];
+    };
+    sum_flows(mesh, stop, capacity, [&](std::uint32_t h, bool repeated) {
         const Point a = mesh.point(mesh.origin(h)), b = a + mesh.along(h);
         const Sweep found = repeated ? sweep<true>(a, b) : sweep<false>(a, b);
-        sweeps[h] = found.near;
-        if (mesh.twin(h) != Triangulation::kNone) sweeps[mesh.twin(h)] = found.far;
+        swept(h) = found.near;
+        if (mesh.twin(h) != Triangulation::kNone) swept(mesh.twin(h)) = found.far;
         return found.flow;
     });
 }

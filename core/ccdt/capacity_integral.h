@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <stop_token>
 #include <vector>
@@ -9,6 +10,14 @@
 #include "core/mesh/triangulation.h"
 
 namespace ccdt {
+
+/// What exact passes need of a triangle.
+struct TriangleFlows {
+    double capacity = 0;
+    /// For each of its half-edges what it sweeps when its near end moves to its right, over the length of the move and
+    /// its own: the density's integral over it, weighing 1 at the near end and 0 at the far one.
+    std::array<double, 3> swept{};
+};
 
 /// Integrates a density over triangles of a domain, exactly: it is constant on its cells, so by Green's theorem a
 /// triangle's capacity is the integral of F dy along its edges, F(x, y) the density's sum in the row up to x, and F
@@ -30,11 +39,10 @@ public:
     void of_triangles(const Triangulation& mesh, std::vector<double>& capacities,
                       const std::stop_token& stop = {}) const;
 
-    /// Capacity of each triangle [triangles], and of each half-edge [4 * triangles] what it sweeps when its near end
-    /// moves to its right, over the length of the move and its own: the density's integral over it, weighing 1 at the
-    /// near end and 0 at the far one. Not for uniform densities.
-    void of_edges(const Triangulation& mesh, std::vector<double>& capacities, std::vector<double>& sweeps,
-                  const std::stop_token& stop = {}) const;
+    /// Capacity of each triangle and what its edges sweep [triangles]. Not for uniform densities. O(half-edges), and
+    /// their length in cells.
+    /// @param stop  asked now and then; leaves flows of no use
+    void of_edges(const Triangulation& mesh, std::vector<TriangleFlows>& flows, const std::stop_token& stop = {}) const;
 
     /// Density at a point, in units of capacity per area of the unit frame; of one far outside that of the nearest
     /// cell.
@@ -62,9 +70,8 @@ private:
     double rows_below(double y) const;
     template <class Add>
     void add_flow(const Triangulation& mesh, std::uint32_t edge, double flow, bool repeated, Add&& add) const;
-    template <class Flow>
-    void sum_flows(const Triangulation& mesh, std::vector<double>& capacities, const std::stop_token& stop,
-                   Flow&& flow) const;
+    template <class Capacity, class Flow>
+    void sum_flows(const Triangulation& mesh, const std::stop_token& stop, Capacity&& capacity, Flow&& flow) const;
     Point to_grid(Point p) const { return {p.x * to_grid_.x, p.y * to_grid_.y}; }
 
     const Density& density_;

@@ -176,10 +176,11 @@ Relaxation& Construction::relaxation() {
 bool Construction::iterate() {
     Triangulation& mesh = placed_->mesh;
     Relaxation& relaxation = this->relaxation();
-    relaxation.prepare(std::move(goals_), stop_);
     if (is_exact(result_.iterations)) {
+        relaxation.prepare_exact(std::move(goals_), stop_);
         pass_exactly(relaxation);
     } else {
+        relaxation.prepare(std::move(goals_), stop_);
         for (int pass = 0; pass < options_.passes && !stopping(); ++pass) relaxation.pass();
     }
     goals_ = relaxation.take_goals();

@@ -102,7 +102,34 @@ void Relaxation::prepare(TriangleGoals goals, const std::stop_token& stop) {
     goals_ = std::move(goals);
     plain_weight_ = goals_.of(0).weight;
     if (kinds_.empty()) small_ = options_.small_area ? *options_.small_area : kSmall * mean_doubled_area();
+    make_groups();
     list_sites(stop);
+    list_border();
+}
+
+/// What lies around sites is not kept: groups are as sites' levels say.
+void Relaxation::prepare_exact(TriangleGoals goals, const std::stop_token& stop) {
+    goals_ = std::move(goals);
+    const bool first_time = levels_.empty();
+    make_groups();
+    kinds_ = std::vector<std::uint8_t>();
+    room_ = std::vector<std::uint32_t>();
+    levels_.resize(mesh_.blocks().sites());
+    mesh_.team().run(groups_[0].size(), [&](std::size_t number) {
+        if (!stop.stop_requested()) find_levels(number, first_time);
+    });
+    for (std::size_t level = 1; level < groups_.size(); ++level) {
+        mesh_.team().run(groups_[level].size(), [&](std::size_t number) { list_larger(level, number, true); });
+    }
+    list_border();
+}
+
+TriangleGoals Relaxation::take_goals() {
+    flows_ = std::vector<TriangleFlows>();
+    return std::move(goals_);
+}
+
+void Relaxation::list_border() {
     border_.clear();
     const auto sites = static_cast<std::uint32_t>(mesh_.site_count());
     for (std::uint32_t v = sites; v < mesh_.vertex_count(); ++v) {
@@ -110,12 +137,16 @@ void Relaxation::prepare(TriangleGoals goals, const std::stop_token& stop) {
     }
 }
 
-/// Sorts the free sites into groups that can be moved at the same time.
-void Relaxation::list_sites(const std::stop_token& stop) {
+void Relaxation::make_groups() {
     const SiteBlocks& blocks = mesh_.blocks();
     groups_.resize(static_cast<std::size_t>(blocks.levels()));
     for (int level = 0; level < blocks.levels(); ++level)
         groups_[static_cast<std::size_t>(level)].resize(blocks.count(level));
+}
+
+/// Sorts the free sites into groups that can be moved at the same time.
+void Relaxation::list_sites(const std::stop_token& stop) {
+    const SiteBlocks& blocks = mesh_.blocks();
     const bool first_time = kinds_.empty();
     room_.resize(room_of(blocks.sites()));
     kinds_.resize(blocks.sites(), kFanKind);
@@ -124,7 +155,7 @@ void Relaxation::list_sites(const std::stop_token& stop) {
         if (!stop.stop_requested()) list_block(number, first_time);
     });
     for (std::size_t level = 1; level < groups_.size(); ++level) {
-        mesh_.team().run(groups_[level].size(), [&](std::size_t number) { list_larger(level, number); });
+        mesh_.team().run(groups_[level].size(), [&](std::size_t number) { list_larger(level, number, false); });
     }
 }
 
@@ -199,8 +230,21 @@ void Relaxation::list_block(std::size_t number, bool first_time) {
     group.keep(batches, std::span(room_).subspan(room_of(begin), room_of(end) - room_of(begin)));
 }
 
+/// Finds the levels of a block's sites, but for those that have kept their neighbours, and takes down those that are
+/// not of level 0.
+void Relaxation::find_levels(std::size_t number, bool first_time) {
+    const SiteBlocks& blocks = mesh_.blocks();
+    Group& group = groups_[0][number];
+    group = {};
+    for (std::uint32_t v = blocks.begin(number); v < blocks.begin(number + 1); ++v) {
+        if (first_time || mesh_.has_changed(v)) levels_[v] = level_of(v);
+        if (levels_[v] > 0) group.others.push_back(v);
+    }
+}
+
 /// Lists the sites for which a block of a higher level is needed.
-void Relaxation::list_larger(std::size_t level, std::size_t number) {
+/// @param exact  only themselves
+void Relaxation::list_larger(std::size_t level, std::size_t number, bool exact) {
     Group& group = groups_[level][number];
     group.clear();
     Batches batches;
@@ -213,7 +257,7 @@ void Relaxation::list_larger(std::size_t level, std::size_t number) {
                 group.others.push_back(v);
             } else {
                 group.sites.push_back(v);
-                add_site(v, batches, group.fans, 0, Triangulation::kNone);
+                if (!exact) add_site(v, batches, group.fans, 0, Triangulation::kNone);
             }
         }
     }
@@ -533,7 +577,7 @@ void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::siz
 void Relaxation::measure(const CapacityIntegral& capacity, const std::stop_token& stop) {
     const double sites = options_.site_share ? 1 / *options_.site_share : static_cast<double>(mesh_.site_count());
     unit_ = 2 * sites / capacity.total();
-    capacity.of_edges(mesh_, capacities_, sweeps_, stop);
+    capacity.of_edges(mesh_, flows_, stop);
 }
 
 void Relaxation::exact_pass() {
@@ -566,10 +610,11 @@ void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
         const std::uint32_t triangle = Triangulation::triangle_of(h);
         const std::uint32_t after = mesh_.twin(Triangulation::previous(h));
         const Point from = mesh_.along(h), to = mesh_.along(after);
-        const Point gradient{unit_ * (sweeps_[h] * from.y - sweeps_[after] * to.y),
-                             unit_ * (sweeps_[after] * to.x - sweeps_[h] * from.x)};
+        const double first_swept = swept(h), last_swept = swept(after);
+        const Point gradient{unit_ * (first_swept * from.y - last_swept * to.y),
+                             unit_ * (last_swept * to.x - first_swept * from.x)};
         const Term term = this->term(triangle);
-        equations.add(term.scale * gradient, term.scale * unit_ * capacities_[triangle] - term.target);
+        equations.add(term.scale * gradient, term.scale * unit_ * flows_[triangle].capacity - term.target);
         equations.add_springs(from, to, options_.spring * term.spring);
         ring.vertices.push_back(mesh_.target(h));
         ring.lifts.push_back(mesh_.distance(mesh_.shift(h)));
@@ -581,7 +626,7 @@ void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
          {ring.vertices, ring.lifts.data()}, ring.vertices.size());
     const Point by = mesh_.point(site) - before;
     for (const Point gradient : ring.gradients) {
-        capacities_[Triangulation::triangle_of(h)] += dot(gradient, by) / unit_;
+        flows_[Triangulation::triangle_of(h)].capacity += dot(gradient, by) / unit_;
         h = mesh_.twin(Triangulation::previous(h));
     }
 }

@@ -54,8 +54,11 @@ public:
     /// @param stop  asked now and then; no pass must follow
     void prepare(TriangleGoals goals, const std::stop_token& stop = {});
 
-    /// Gives the goals back. No pass must follow until there are new ones.
-    TriangleGoals take_goals() { return std::move(goals_); }
+    /// The same before exact passes, the only ones that may follow: these need less of the mesh.
+    void prepare_exact(TriangleGoals goals, const std::stop_token& stop = {});
+
+    /// Gives the goals back, and the memory of what was measured. No pass must follow until there are new ones.
+    TriangleGoals take_goals();
 
     /// Moves every vertex once. O(vertices).
     void pass();
@@ -150,10 +153,13 @@ private:
     Ring ring_of(const Fans& fans, const Fan& fan) const;
     double mean_doubled_area() const;
     Term term(std::uint32_t triangle) const;
+    void make_groups();
     void list_sites(const std::stop_token& stop);
+    void list_border();
     std::size_t room_of(std::size_t sites) const;
     void list_block(std::size_t number, bool first_time);
-    void list_larger(std::size_t level, std::size_t number);
+    void find_levels(std::size_t number, bool first_time);
+    void list_larger(std::size_t level, std::size_t number, bool exact);
     std::uint8_t level_of(std::uint32_t site) const;
     bool add_site(std::uint32_t site, Batches& batches, Fans& fans, std::uint32_t first, std::uint32_t size);
     void add_fan(std::uint32_t vertex, Fans& fans) const;
@@ -169,6 +175,9 @@ private:
     NormalEquations equations_of(const Fans& fans, const Fan& fan) const;
     void move_site(const Fans& fans, const Fan& fan);
     void move_group_exactly(std::size_t level, std::size_t number);
+    double swept(std::uint32_t edge) const {
+        return flows_[Triangulation::triangle_of(edge)].swept[Triangulation::number_of(edge)];
+    }
     void move_exactly(std::uint32_t site, ExactRing& ring);
     void slide(const Fans& fans, const Fan& fan);
     void move(std::uint32_t vertex, Point by, const Ring& ring, std::size_t triangles);
@@ -186,16 +195,15 @@ private:
     double plain_weight_ = 0;  ///< of the triangles around plain sites
     TriangleGoals goals_;
 
-    std::vector<std::uint8_t> kinds_;         ///< [sites]
+    std::vector<std::uint8_t> kinds_;         ///< [sites] while there are records
     std::vector<std::uint8_t> levels_;        ///< [sites] of the groups that they belong to
     std::vector<std::vector<Group>> groups_;  ///< [levels][blocks]
     /// For the records of each block of level 0. In one piece, which goes back as such: of pieces the size of a block
     /// little could be used by what comes after.
     std::vector<std::uint32_t> room_;
     Fans border_;
-    std::vector<double> capacities_;  ///< [triangles] in exact passes
-    std::vector<double> sweeps_;      ///< [half-edges] when they were measured
-    double unit_ = 0;                 ///< capacities' to those of the terms
+    std::vector<TriangleFlows> flows_;  ///< [triangles] capacities in exact passes, sweeps when they were measured
+    double unit_ = 0;                   ///< capacities' to those of the terms
 };
 
 }  // namespace ccdt

@@ -76,6 +76,7 @@ public:
 
     static std::uint32_t edge(std::uint32_t triangle, std::uint32_t number) { return 4 * triangle + number; }
     static std::uint32_t triangle_of(std::uint32_t edge) { return edge / 4; }
+    static std::uint32_t number_of(std::uint32_t edge) { return edge % 4; }
     static std::uint32_t next(std::uint32_t edge) { return edge % 4 == 2 ? edge - 2 : edge + 1; }
     static std::uint32_t previous(std::uint32_t edge) { return edge % 4 == 0 ? edge + 2 : edge - 1; }
 

@@ -195,11 +195,15 @@ TEST(CapacityIntegral, ChangesByWhatEdgesSweep) {
     for (const Domain& domain : {Domain::rectangle(3, 2).value(), Domain::torus(3, 2).value()}) {
         StartMesh start(domain, density, {.sites = 40, .seed = 12});
         Triangulation& mesh = start.mesh;
-        std::vector<double> before, sweeps;
-        start.capacity.of_edges(mesh, before, sweeps);
+        std::vector<TriangleFlows> flows;
+        start.capacity.of_edges(mesh, flows);
+        const auto swept = [&](std::uint32_t h) {
+            return flows[Triangulation::triangle_of(h)].swept[Triangulation::number_of(h)];
+        };
         const auto measured = capacities_of(start.capacity, mesh);
-        ASSERT_EQ(before.size(), measured.size());
-        for (std::size_t t = 0; t < before.size(); ++t) EXPECT_NEAR(before[t], measured[t], 1e-12 * density.total());
+        ASSERT_EQ(flows.size(), measured.size());
+        for (std::size_t t = 0; t < flows.size(); ++t)
+            EXPECT_NEAR(flows[t].capacity, measured[t], 1e-12 * density.total());
         for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
             for (const Point by : {Point{0x1p-30, 0}, Point{0, 0x1p-30}}) {
                 const Point here = mesh.point(v);
@@ -214,7 +218,7 @@ TEST(CapacityIntegral, ChangesByWhatEdgesSweep) {
                     const std::uint32_t after = mesh.twin(Triangulation::previous(h));
                     // The first edge sweeps into the triangle, the second one out of it.
                     const double wanted =
-                        sweeps[h] * -cross(mesh.along(h), by) + sweeps[after] * cross(mesh.along(after), by);
+                        swept(h) * -cross(mesh.along(h), by) + swept(after) * cross(mesh.along(after), by);
                     EXPECT_NEAR((forth[t] - back[t]) / 2, wanted, 1e-4 * density.total() * 0x1p-30) << v;
                     h = after;
                 } while (h != mesh.edge_of(v));

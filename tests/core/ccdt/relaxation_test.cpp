@@ -126,10 +126,15 @@ double reached(const Domain& domain, const Density& density, bool exact) {
     Relaxation relaxation(start.mesh, start.border.corner, false, {});
     for (int iteration = 0; iteration < 12; ++iteration) {
         start.measure();
-        relaxation.prepare(start.goals);
+        const bool is_exact = exact && iteration >= 4;
+        if (is_exact) {
+            relaxation.prepare_exact(start.goals);
+            relaxation.measure(start.capacity);
+        } else {
+            relaxation.prepare(start.goals);
+        }
         for (int pass = 0; pass < 5; ++pass) {
-            if (exact && iteration >= 4) {
-                if (pass == 0) relaxation.measure(start.capacity);
+            if (is_exact) {
                 relaxation.exact_pass();
             } else {
                 relaxation.pass();
@@ -168,6 +173,7 @@ TEST(Relaxation, RestsWhereExactPassesHaveNothingToGain) {
     relaxation.prepare(start.goals);
     for (int pass = 0; pass < 20'000; ++pass) relaxation.pass();
     const auto rest = start.mesh.points();
+    relaxation.prepare_exact(start.goals);
     relaxation.measure(start.capacity);
     relaxation.exact_pass();
     for (std::size_t v = 0; v < rest.size(); ++v) {
