@@ -238,6 +238,7 @@ void Construction::equalise(int passes) {
 
 Result<void> Construction::finish() {
     if (stopping()) return {};
+    polish_->rest();
     Triangulation& mesh = placed_->mesh;
     mesh.restore_delaunay(stop_);
     if (auto cleared = clear_gaps(); !cleared) return cleared;

@@ -27,14 +27,7 @@ constexpr std::size_t kSites = 8192, kTriangles = 16384;
 
 MeshPolish::MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites,
                        FixedSites fixed, const std::stop_token& stop, Team& team)
-    : team_(team),
-      domain_(domain),
-      density_(density),
-      fixed_(std::move(fixed)),
-      support_(domain, density),
-      moves_(sites + fixed_.places.size()),
-      // In a polygon what keeps sites off the border reads them.
-      spacings_(density.is_uniform() && domain.is_box() ? 0 : moves_.size()) {
+    : team_(team), domain_(domain), density_(density), fixed_(std::move(fixed)), support_(domain, density) {
     if (!(fixed_.sites > 0)) fixed_.sites = static_cast<double>(sites);
     if (!fixed_.others.empty()) others_.emplace(domain, fixed_.others);
     if (domain.is_box()) {
@@ -83,6 +76,7 @@ void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& s
     constexpr int kRounds = 5, kFreeRounds = 3;
     constexpr double kMomentum = 0.5;
     if (density_.is_uniform() || !transport_) return;
+    moves_.resize(sites.size() + fixed_.places.size());
     std::vector<Point> last(sites.size()), all;
     for (int round = 0; round < kRounds; ++round) {
         if (!fixed_.places.empty()) {
@@ -106,6 +100,8 @@ void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& s
 
 void MeshPolish::rest() {
     if (transport_) transport_->rest();
+    moves_ = std::vector<Point>();
+    spacings_ = std::vector<double>();
 }
 
 bool MeshPolish::clear_gaps(std::span<Point> sites) const {
@@ -121,6 +117,9 @@ bool MeshPolish::clear_gaps(std::span<Point> sites) const {
 }
 
 void MeshPolish::begin(const Triangulation& mesh) {
+    moves_.resize(mesh.site_count());
+    // In a polygon what keeps sites off the border reads them.
+    if (!density_.is_uniform() || !domain_.is_box()) spacings_.resize(mesh.site_count());
     const SiteBlocks& blocks = mesh.blocks();
     std::vector<std::vector<std::uint32_t>> others(blocks.count(0));
     edges_.resize(static_cast<std::size_t>(blocks.levels()));
