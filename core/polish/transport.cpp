@@ -336,11 +336,13 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
         octaves_[0].grid.spread(sites, values);  // which has the whole box
         return transform(stop);
     }
-    std::vector<Point> places(sites.size());
+    std::vector<Point> moved;  // where the box begins elsewhere than the unit frame
+    if (!(origin_ == Point{})) moved.resize(sites.size());
+    const std::span<const Point> places = moved.empty() ? sites : moved;
     std::vector<float> levels(sites.size());
     for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            places[i] = in_box(sites[i]);
+            if (!moved.empty()) moved[i] = in_box(sites[i]);
             levels[i] = levels_[cell_of(places[i])];
         }
     });
