@@ -55,10 +55,9 @@ Result<void> Construction::start() {
         return failure(ErrorCode::Unusable, "the density is zero all over the domain", "density");
     }
     if (auto chosen = choose_fixed(); !chosen) return chosen;
-    const auto first = even_start();
+    auto first = even_start();
     if (stopping()) return stopped_at_start();
-    auto placed = triangulate_sites(first);
-    start_.reset();
+    auto placed = triangulate_sites(std::move(first));
     if (!placed) return tl::unexpected(placed.error());
     placed_ = *std::move(placed);
     result_.trace.push_back(measure(placed_->mesh));
@@ -94,7 +93,7 @@ Result<DomainMesh> Construction::mesh_for(std::size_t fixed) const {
 }
 
 /// @param first  [sites] or empty: where they stand
-Result<DomainMesh> Construction::triangulate_sites(const std::vector<Point>& first) {
+Result<DomainMesh> Construction::triangulate_sites(std::vector<Point> first) {
     auto placed = mesh_for(fixed_.places.size());
     if (!placed) return placed;
     placed->mesh.set_team(team_);
@@ -110,6 +109,8 @@ Result<DomainMesh> Construction::triangulate_sites(const std::vector<Point>& fir
         return tl::unexpected(*error);
     }
     if (stopping()) return stopped_at_start();
+    first = std::vector<Point>();
+    start_.reset();
     placed->mesh.trim();
     return placed;
 }
@@ -260,7 +261,7 @@ Result<void> Construction::clear_gaps() {
     }
     polish_.reset();
     if (!moved) return {};
-    auto again = triangulate_sites(sites);
+    auto again = triangulate_sites(std::move(sites));
     if (stopping()) return {};
     if (!again) return tl::unexpected(again.error());
     *placed_ = *std::move(again);

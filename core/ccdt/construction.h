@@ -66,7 +66,7 @@ private:
     bool stopping() const { return stop_.stop_requested(); }
     Result<void> choose_fixed();
     Result<DomainMesh> mesh_for(std::size_t fixed) const;
-    Result<DomainMesh> triangulate_sites(const std::vector<Point>& first);
+    Result<DomainMesh> triangulate_sites(std::vector<Point> first);
     double site_share() const;
     const StartSites& start_sites();
     std::vector<Point> even_start();
