@@ -233,11 +233,11 @@ void RealTransform::backward() {
 }
 
 struct CosineTransform::Plans {
-    Plans(int columns, int rows, Team& of_threads)
+    Plans(int columns, int rows, Team& of_threads, std::size_t spare)
         : team(of_threads),
           width(static_cast<std::size_t>(columns)),
           height(static_cast<std::size_t>(rows)),
-          grid(product(columns, rows)),
+          grid(std::max(width * height, spare)),
           rows_forward(rows, [&](int lines) { return plan(columns, lines, FFTW_REDFT10); }),
           rows_backward(rows, [&](int lines) { return plan(columns, lines, FFTW_REDFT01); }),
           columns_forward(columns, [&](int lines) { return plan(rows, lines, FFTW_REDFT10); }),
@@ -262,12 +262,12 @@ struct CosineTransform::Plans {
 
     Team& team;
     std::size_t width, height;
-    Buffer<double> grid;
+    Buffer<double> grid;  ///< [width * height], and what is spare
     Lines rows_forward, rows_backward, columns_forward, columns_backward;
 };
 
-CosineTransform::CosineTransform(int columns, int rows, Team& team)
-    : plans_(std::make_unique<Plans>(columns, rows, team)) {}
+CosineTransform::CosineTransform(int columns, int rows, Team& team, std::size_t spare)
+    : plans_(std::make_unique<Plans>(columns, rows, team, spare)) {}
 CosineTransform::CosineTransform(CosineTransform&&) noexcept = default;
 CosineTransform& CosineTransform::operator=(CosineTransform&&) noexcept = default;
 CosineTransform::~CosineTransform() = default;
@@ -277,6 +277,10 @@ void CosineTransform::rest() {
 }
 
 std::span<double> CosineTransform::grid() {
+    return spare().first(plans_->width * plans_->height);
+}
+
+std::span<double> CosineTransform::spare() {
     plans_->grid.restore();
     return plans_->grid.view();
 }

@@ -62,18 +62,22 @@ class CosineTransform {
 public:
     /// @param columns, rows  >= 1; see good_size()
     /// @param team           does it; must outlive this
+    /// @param spare          numbers that spare() is to hold; as many as cells at least, if any
     /// All cells are 0.
-    CosineTransform(int columns, int rows, Team& team = alone());
+    CosineTransform(int columns, int rows, Team& team = alone(), std::size_t spare = 0);
     CosineTransform(CosineTransform&&) noexcept;
     CosineTransform& operator=(CosineTransform&&) noexcept;
     ~CosineTransform();
 
-    /// Gives the memory back. The next grid() brings it again, all cells 0; nothing else may come before.
+    /// Gives the memory back. The next grid() or spare() brings it again, all cells 0; nothing else may come before.
     void rest();
 
     /// Cells of the grid [rows * columns], row by row: values before forward(), coefficients of frequency (x, y) after
     /// it.
     std::span<double> grid();
+
+    /// Memory that the grid is the beginning of: as many numbers as were asked for.
+    std::span<double> spare();
 
     /// DCT-II: the coefficient (x, y) is 4 sum over cells (i, j) of
     /// grid[j][i] cos(pi x (i + 1/2) / columns) cos(pi y (j + 1/2) / rows).

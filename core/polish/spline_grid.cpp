@@ -56,7 +56,7 @@ double sinc(double cycles) {
 std::variant<RealTransform, CosineTransform> make_transform(bool torus, int columns, int rows, Team& team,
                                                             std::size_t padded) {
     if (torus) return RealTransform(columns, rows, team, padded);
-    return CosineTransform(columns, rows, team);
+    return CosineTransform(columns, rows, team, padded);
 }
 
 }  // namespace
@@ -111,18 +111,11 @@ inline std::size_t SplineGrid::first_row(Point p) const {
 
 void SplineGrid::rest() {
     std::visit([](auto& transform) { transform.rest(); }, transform_);
-    own_ = std::vector<double>();
     padded_ = {};
 }
 
 void SplineGrid::take_room() {
-    if (!padded_.empty()) return;
-    if (auto* fourier = std::get_if<RealTransform>(&transform_)) {
-        padded_ = fourier->spare();
-    } else {
-        own_.resize(padded_size());
-        padded_ = own_;
-    }
+    if (padded_.empty()) padded_ = std::visit([](auto& transform) { return transform.spare(); }, transform_);
 }
 
 void SplineGrid::clear() {
@@ -236,8 +229,26 @@ void SplineGrid::spread_moves(std::span<const Point> points, std::span<const Poi
     add_all(points, each, [&](std::size_t i) { spread_move(points[i], moves[i]); });
 }
 
-/// Adds what was spread beyond the grid to where it belongs.
 void SplineGrid::transform() {
+    if (torus_) {
+        fold();
+    } else {
+        close_up();
+    }
+    forward();
+}
+
+void SplineGrid::transform_back() {
+    backward();
+    if (torus_) {
+        unfold();
+    } else {
+        open_up();
+    }
+}
+
+/// Adds up on the grid what was spread, that beyond it where it belongs.
+void SplineGrid::fold() {
     const std::span<double> cells = grid();
     const auto rows = static_cast<std::size_t>(rows_);
     const auto add = [&](double& padded, std::size_t cell) { cells[cell] += padded; };
@@ -250,16 +261,50 @@ void SplineGrid::transform() {
         for_padded(row, add);
         for_padded(kMargin + rows + row, add);
     }
-    forward();
 }
 
-void SplineGrid::transform_back() {
-    backward();
+/// Copies the grid's values, and around it those that are repeated there.
+void SplineGrid::unfold() {
     const std::span<double> cells = grid();
     for_ranges(team_, static_cast<std::size_t>(rows_) + 2 * kMargin, kRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row)
             for_padded(row, [&](double& padded, std::size_t cell) { padded = cells[cell]; });
     });
+}
+
+/// The same as fold() where both lie in one memory: the grid's rows move up to each other once all is added to them.
+void SplineGrid::close_up() {
+    const auto rows = static_cast<std::size_t>(rows_), columns = static_cast<std::size_t>(columns_);
+    for_ranges(team_, rows, kRows, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+            double* const own = padded_row(kMargin + row);
+            for_margins([&](std::size_t i, std::size_t inside) { own[inside] += own[i]; });
+        }
+    });
+    for_margin_rows([&](const double* row, double* inside) {
+        for_margins([&](std::size_t i, std::size_t to) { inside[to] += row[i]; });
+        for (std::size_t i = kMargin; i < kMargin + columns; ++i) inside[i] += row[i];
+    });
+    for (std::size_t row = 0; row < rows; ++row) {
+        const double* const from = padded_row(kMargin + row) + kMargin;
+        std::copy(from, from + columns, padded_.data() + row * columns);
+    }
+}
+
+/// The same as unfold() where both lie in one memory.
+void SplineGrid::open_up() {
+    const auto rows = static_cast<std::size_t>(rows_), columns = static_cast<std::size_t>(columns_);
+    for (std::size_t row = rows; row-- > 0;) {
+        const double* const from = padded_.data() + row * columns;
+        std::copy_backward(from, from + columns, padded_row(kMargin + row) + kMargin + columns);
+    }
+    for_ranges(team_, rows, kRows, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+            double* const own = padded_row(kMargin + row);
+            for_margins([&](std::size_t i, std::size_t inside) { own[i] = own[inside]; });
+        }
+    });
+    for_margin_rows([&](double* row, const double* inside) { std::copy(inside, inside + stride_, row); });
 }
 
 std::span<double> SplineGrid::grid() {
@@ -280,6 +325,25 @@ std::size_t SplineGrid::folded(std::size_t padded, int cells) const {
     const int period = torus_ ? cells : 2 * cells;
     const int k = ((i % period) + period) % period;
     return static_cast<std::size_t>(k < cells ? k : period - 1 - k);
+}
+
+/// Calls visit(place in a row with margins, place there that it repeats) for all margins of a row.
+template <class Visit>
+void SplineGrid::for_margins(Visit&& visit) const {
+    for (std::size_t i = 0; i < kMargin; ++i) {
+        const std::size_t last = kMargin + static_cast<std::size_t>(columns_) + i;
+        visit(i, kMargin + folded(i, columns_));
+        visit(last, kMargin + folded(last, columns_));
+    }
+}
+
+/// Calls visit(row, row that it repeats) for all rows beyond the grid.
+template <class Visit>
+void SplineGrid::for_margin_rows(Visit&& visit) {
+    for (std::size_t i = 0; i < kMargin; ++i) {
+        for (const std::size_t row : {i, kMargin + static_cast<std::size_t>(rows_) + i})
+            visit(padded_row(row), padded_row(kMargin + folded(row, rows_)));
+    }
 }
 
 /// Calls visit(value, number of the cell) for a row of the grid with margins.

@@ -122,6 +122,15 @@ private:
     std::size_t first_row(Point p) const;
     std::size_t padded_size() const;
     void take_room();
+    void fold();
+    void unfold();
+    void close_up();
+    void open_up();
+    double* padded_row(std::size_t number) { return &padded_[number * stride_]; }
+    template <class Visit>
+    void for_margins(Visit&& visit) const;
+    template <class Visit>
+    void for_margin_rows(Visit&& visit);
     template <class Visit>
     void for_padded(std::size_t number, Visit&& visit);
     template <class Counts, class Add>
@@ -139,8 +148,8 @@ private:
     std::size_t stride_;
     std::vector<double> column_windows_, row_windows_;
     std::variant<RealTransform, CosineTransform> transform_;
-    std::vector<double> own_;   ///< padded_ in a box
-    std::span<double> padded_;  ///< the grid, and around it the room that taps reach; on a torus the spectrum's memory
+    /// The grid, and around it the room that taps reach; on a torus the spectrum's memory, in a box the grid's own.
+    std::span<double> padded_;
 };
 
 }  // namespace ccdt
