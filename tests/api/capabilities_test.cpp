@@ -63,6 +63,8 @@ Json row_of(const Json& list, const std::string& name) {
 struct Endpoint {
     std::string name;
     std::string schema;
+
+    friend void PrintTo(const Endpoint& endpoint, std::ostream* out) { *out << endpoint.name; }
 };
 
 class Documented : public testing::TestWithParam<Endpoint> {};
