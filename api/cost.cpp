@@ -151,7 +151,7 @@ Estimate evening_out(const SampleRequest& request) {
     const Options& run = request.run;
     const bool is_polygon = std::holds_alternative<PolygonInput>(request.domain) && !request.counts;
     if (!is_polygon || run.quality == Quality::Draft || run.iterations == 0) return {};
-    constexpr double kBytes = 260;
+    constexpr double kBytes = 200;
     return {static_cast<double>(run.sites) * kBytes, 0};
 }
 

@@ -40,9 +40,10 @@ Estimate ccdt_cost(const Options& options, bool is_uniform) {
     if (polished && options.quality >= Quality::Best) microseconds += is_uniform ? 12.5 : 22;
     const bool silent = polished && options.quality == Quality::Stealthy;
     if (silent) microseconds += 5;
-    const double polishing = is_uniform ? 40 : 410;  // beyond what the passes take, which is free by then
+    // Of a density the polish' grids are as fine as where it is largest: those of a photograph take a third of this.
+    const double polishing = is_uniform ? 40 : 565;
     const double bytes =
-        (is_uniform ? 240 : 450) + (polished ? polishing : 0) + (silent ? 200 : 0) + (options.keep_mesh ? 150 : 0);
+        (is_uniform ? 240 : 330) + (polished ? polishing : 0) + (silent ? 200 : 0) + (options.keep_mesh ? 150 : 0);
     return Estimate{sites * bytes, sites * microseconds * kMicrosecond} + leaving_room(options);
 }
 

@@ -67,6 +67,8 @@ struct SampleCase {
     std::string name;
     std::string body;
     double most = 3;  ///< the estimate over what is taken
+
+    friend void PrintTo(const SampleCase& each, std::ostream* out) { *out << each.name; }
 };
 
 std::string circle(int corners) {
@@ -90,11 +92,21 @@ std::string scribble(int corners) {
     return text + ']';
 }
 
-std::string grid(int side) {
+template <class Value>
+std::string grid(int side, Value&& value) {
     std::string text =
         R"("density":{"width":)" + std::to_string(side) + R"(,"height":)" + std::to_string(side) + R"(,"values":[)";
-    for (int i = 0; i < side * side; ++i) text += (i > 0 ? "," : "") + std::to_string(1 + i % 7);
+    for (int i = 0; i < side * side; ++i) text += (i > 0 ? "," : "") + std::to_string(value(i));
     return text + "]}";
+}
+
+std::string grid(int side) {
+    return grid(side, [](int i) { return 1 + i % 7; });
+}
+
+/// A tenth of it black, the rest white: no density takes finer grids.
+std::string blots(int side) {
+    return grid(side, [](int i) { return i * 7919 % 10 == 0 ? 1 : 0; });
 }
 
 /// A map of so many features in each row and column, each with as many points of each class.
@@ -144,6 +156,10 @@ INSTANTIATE_TEST_SUITE_P(
                     SampleCase{"corners", R"("sites":1000,)" + circle(60'000), 6},
                     SampleCase{"crossings", R"("sites":1000,)" + scribble(301), 6},
                     SampleCase{"coarse", R"("sites":60000,)" + grid(64) + ',' + kSquare},
+                    SampleCase{"blots", R"("sites":60000,)" + blots(64) + ',' + kSquare},
+                    SampleCase{"blots_torus", R"("sites":60000,)" + blots(64) + ',' + kTorus},
+                    SampleCase{"blots_draft", R"("sites":60000,"quality":"draft",)" + blots(64) + ',' + kSquare},
+                    SampleCase{"weighed_polygon", R"("sites":60000,"quality":"draft",)" + grid(64) + ',' + circle(100)},
                     SampleCase{"fine", R"("sites":2000,)" + grid(1000) + ',' + kSquare},
                     SampleCase{"cvt", R"("sites":10000,"method":"cvt","iterations":3,)" + kTorus},
                     SampleCase{"odt", R"("sites":100000,"method":"odt","iterations":3,)" + kSquare},
@@ -168,6 +184,8 @@ struct HalftoneCase {
     std::vector<TextOption> options;
     double most = 4;
     std::string picture = "camera.png";
+
+    friend void PrintTo(const HalftoneCase& each, std::ostream* out) { *out << each.name; }
 };
 
 const std::string kColours = "astronaut.png";
@@ -202,7 +220,7 @@ INSTANTIATE_TEST_SUITE_P(
         HalftoneCase{"cmyk", {{"color", "cmyk"}, {"sites", "65536"}, {"scale", "1"}}, 4, kColours},
         HalftoneCase{"rgb", {{"color", "rgb"}, {"sites", "2000"}, {"scale", "12"}}, 4, kColours},
         HalftoneCase{
-            "palette", {{"palette", "#000,#f00,#0f0,#00f,#ff0,#0ff"}, {"sites", "2000"}, {"scale", "1"}}, 4, kColours},
+            "palette", {{"palette", "#000,#f00,#0f0,#00f,#ff0,#0ff"}, {"sites", "2000"}, {"scale", "1"}}, 6, kColours},
         HalftoneCase{
             "smooth_cmyk", {{"color", "cmyk"}, {"sites", "2000"}, {"scale", "12"}, {"antialias", "true"}}, 4, kColours},
         HalftoneCase{"clear_cmyk",
