@@ -77,6 +77,8 @@ struct Kind {
     const char* name;
     bool outlives_its_server;
     std::unique_ptr<Place> (*make)();
+
+    friend void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
 };
 
 const Kind kKinds[] = {
