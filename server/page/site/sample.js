@@ -581,10 +581,9 @@ export class Sample extends Panel {
     }, draft);
   }
 
-  /** How many points are shown of those in progressive order; of a map's classes, of each. */
+  /** How many points are shown of those in progressive order. */
   get #shownFirst() {
-    const most = 1 + this.#result.rank.reduce((a, b) => Math.max(a, b), 0);
-    return Math.round(most ** (this.first.value / this.first.max));
+    return Math.round(this.#result.places.length ** (this.first.value / this.first.max));
   }
 
   #showFirst() {
@@ -706,14 +705,15 @@ export class Sample extends Panel {
     const dot = this.plotter.isOn ? this.plotter.options().dot : (result.features ? mapShare : dotShare) * pitch;
     const radius = Math.max(dot * this.viewport.scale, leastRadius);
     if (result.triangles && this.mesh.checked) this.#drawMesh(context, result, [dx, dy]);
-    const shown = result.rank ? this.#shownFirst : Infinity;
-    const classes = result.classes ?? [{ color: colour(dx === 0 && dy === 0 ? "--ink" : "--quiet") }];
-    for (const [number, { color }] of classes.entries()) {
+    const all = result.places.length, shown = result.rank ? this.#shownFirst : all;
+    const classes = result.classes ?? [{ color: colour(dx === 0 && dy === 0 ? "--ink" : "--quiet"), sites: all }];
+    for (const [number, { color, sites }] of classes.entries()) {
+      const most = Math.round((shown / all) * sites);  // each class is in an order of its own
       context.fillStyle = color;
       context.beginPath();
       result.places.forEach(([px, py], i) => {
         if (result.class && result.class[i] !== number) return;
-        if (result.rank?.[i] >= shown) return;
+        if (result.rank?.[i] >= most) return;
         const { x, y } = this.#toScreen([px + dx, py + dy]);
         context.moveTo(x + radius, y);
         context.arc(x, y, radius, 0, 2 * Math.PI);
