@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/density/grid_walk.h"
+#include "core/mesh/edge_list.h"
 
 namespace ccdt {
 
@@ -59,24 +60,6 @@ bool leaves_box(const Triangulation& mesh, std::uint32_t edge) {
     return mesh.crosses_seam(Triangulation::triangle_of(edge)) ||
            mesh.crosses_seam(Triangulation::triangle_of(mesh.twin(edge))) ||
            !is_in(mesh.point(mesh.origin(edge)), mesh.period()) || !is_in(mesh.point(mesh.target(edge)), mesh.period());
-}
-
-constexpr std::size_t kFew = 128;  ///< triangles whose edges are listed at a time
-
-/// Lists one half of each edge of a few triangles, the one of the smaller number. Which of the two that is, is as good
-/// as random: branches would be mispredicted.
-/// @returns  how many there are
-std::size_t list_edges(const Triangulation& mesh, std::size_t begin, std::size_t end,
-                       std::array<std::uint32_t, 3 * kFew>& edges) {
-    std::size_t count = 0;
-    for (std::size_t t = begin; t < end; ++t) {
-        for (std::uint32_t i = 0; i < 3; ++i) {
-            const std::uint32_t h = Triangulation::edge(static_cast<std::uint32_t>(t), i);
-            edges[count] = h;
-            count += std::size_t{mesh.twin(h) >= h};  // kNone is the largest number
-        }
-    }
-    return count;
 }
 
 }  // namespace
@@ -153,9 +136,11 @@ void CapacityIntegral::sum_flows(const Triangulation& mesh, const std::stop_toke
                 later[begin / kRange].emplace_back(triangle, part);
             }
         };
+        constexpr std::size_t kFew = 128;  // triangles whose edges are listed at a time
+        const auto is_first = [](std::uint32_t h, std::uint32_t twin) { return twin >= h; };
         std::array<std::uint32_t, 3 * kFew> edges;
         for (std::size_t few = begin; few < end; few += kFew) {
-            const std::size_t count = list_edges(mesh, few, std::min(few + kFew, end), edges);
+            const std::size_t count = list_edges(mesh, few, std::min(few + kFew, end), edges, is_first);
             for (const std::uint32_t h : std::span(edges).first(count)) {
                 const bool repeated = mesh.is_torus() && leaves_box(mesh, h);
                 add_flow(mesh, h, flow(h, repeated), repeated, add);

@@ -7,6 +7,7 @@
 
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/predicates.h"
+#include "core/mesh/edge_list.h"
 
 namespace ccdt {
 
@@ -146,21 +147,14 @@ void MeshPolish::list_edges(const Triangulation& mesh, std::size_t block, std::v
     const SiteBlocks& blocks = mesh.blocks();
     const std::size_t count = blocks.count(0);
     const std::uint32_t first = blocks.begin(block), size = blocks.begin(block + 1) - first;
-    const std::size_t end = (block + 1) * mesh.triangle_count() / count;
-    std::vector<std::uint32_t> own(3 * (end - block * mesh.triangle_count() / count));
-    std::size_t listed = 0;
-    for (std::size_t t = block * mesh.triangle_count() / count; t < end; ++t) {
-        const auto corners = mesh.corners(static_cast<std::uint32_t>(t));
-        for (std::uint32_t i = 0; i < 3; ++i) {
-            // Of each edge one half is listed; which one is as good as random, so that branches would be mispredicted.
-            const std::uint32_t h = Triangulation::edge(static_cast<std::uint32_t>(t), i), twin = mesh.twin(h);
-            const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
-            own[listed] = h;
-            listed += std::size_t{twin != Triangulation::kNone} & std::size_t{twin > h} &
-                      std::size_t{mesh.is_site(std::max(a, b))} & std::size_t{mesh.is_free(std::min(a, b))};
-        }
-    }
-    own.resize(listed);
+    const std::size_t begin = block * mesh.triangle_count() / count, end = (block + 1) * mesh.triangle_count() / count;
+    const auto is_free_edge = [&](std::uint32_t h, std::uint32_t twin) {
+        const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
+        return std::size_t{twin != Triangulation::kNone} & std::size_t{twin > h} &
+               std::size_t{mesh.is_site(std::max(a, b))} & std::size_t{mesh.is_free(std::min(a, b))};
+    };
+    std::vector<std::uint32_t> own(3 * (end - begin));
+    own.resize(ccdt::list_edges(mesh, begin, end, own, is_free_edge));
     const auto is_within = [&](std::uint32_t h) {
         return mesh.origin(h) - first < size && mesh.target(h) - first < size;
     };

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/mesh/triangulation.h"
+
+namespace ccdt {
+
+/// Lists those half-edges of the triangles [begin, end) that count, in ascending order. Whether one does is often as
+/// good as random, as which half of an edge has the smaller number: there is no branch, which would be mispredicted.
+/// @param edges   out, at least [3 * (end - begin)]
+/// @param counts  called with each half-edge and its twin, or kNone, the largest number; returns 0 or 1, or a bool
+/// @returns       how many there are
+template <class Counts>
+std::size_t list_edges(const Triangulation& mesh, std::size_t begin, std::size_t end, std::span<std::uint32_t> edges,
+                       Counts&& counts) {
+    std::size_t listed = 0;
+    for (std::size_t t = begin; t < end; ++t) {
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t h = Triangulation::edge(static_cast<std::uint32_t>(t), i);
+            edges[listed] = h;
+            listed += counts(h, mesh.twin(h));
+        }
+    }
+    return listed;
+}
+
+}  // namespace ccdt
