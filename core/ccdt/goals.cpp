@@ -174,14 +174,14 @@ public:
         : mesh_(mesh), capacities_(capacities), unit_(unit_of(mesh, total)), largest_(unit_ * densest) {}
 
     double reached_by(std::uint32_t t) const { return unit_ * std::max(0.0, capacities_[t]); }
-    double of(std::uint32_t t) const {
+    double operator()(std::uint32_t t) const {
         const double area = mesh_.doubled_area(t);
         return area > 0 ? std::min(reached_by(t) / area, largest_) : largest_;
     }
 
     Aims aims() const {
         return find_aims(
-            mesh_, [this](std::uint32_t t) { return reached_by(t); }, [this](std::uint32_t t) { return of(t); });
+            mesh_, [this](std::uint32_t t) { return reached_by(t); }, *this);
     }
 
 private:
@@ -212,8 +212,7 @@ double set_goals(const Triangulation& mesh, double total, double densest, const 
                  std::vector<TriangleGoal>& goals) {
     const Weights weights(mesh, total, densest, capacities);
     const Aims aims = weights.aims();
-    set_each(
-        mesh, aims, [&](std::uint32_t t) { return weights.of(t); }, goals);
+    set_each(mesh, aims, weights, goals);
     return aims.reached.variation();
 }
 
@@ -223,13 +222,12 @@ double set_goals(const Triangulation& mesh, double total, double densest, std::v
     Aims aims = weights.aims();
     if (!are_rare(aims, mesh.triangle_count())) {
         std::vector<TriangleGoal> each = goals.release();
-        set_each(
-            mesh, aims, [&](std::uint32_t t) { return weights.of(t); }, each);
+        set_each(mesh, aims, weights, each);
         goals = std::move(each);
         return aims.reached.variation();
     }
     for_ranges(mesh.team(), capacities.size(), kRange, [&](std::size_t begin, std::size_t end) {
-        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) capacities[t] = weights.of(t);
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) capacities[t] = weights(t);
     });
     goals = {std::move(capacities), std::move(aims.triangles), std::move(aims.goals)};
     return aims.reached.variation();
