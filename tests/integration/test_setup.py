@@ -1,9 +1,12 @@
 """Scripts and image: one list of packages, read by all that set up a machine."""
 
+import ast
+import importlib.util
 import os
 import pathlib
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -23,6 +26,24 @@ def sections():
         elif line:
             current.append(line)
     return found
+
+
+def imports(path):
+    """Modules that a file of Python takes, without those inside of them."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield node.module.split(".")[0]
+
+
+def package_of(module):
+    """The package that brought a module of Python; none if no package did."""
+    found = importlib.util.find_spec(module)
+    if found is None:
+        return None
+    told = subprocess.run(["dpkg", "--search", found.origin], capture_output=True, text=True, check=False)
+    return told.stdout.split(":")[0] or None
 
 
 class Setup(unittest.TestCase):
@@ -57,6 +78,15 @@ class Setup(unittest.TestCase):
             text = (ROOT / name).read_text()
             with self.subTest(name=name):
                 self.assertEqual([package for package in packages if package in text], [])
+
+    def test_modules_come_from_listed_packages(self):
+        files = list((ROOT / "tests").rglob("*.py"))
+        taken = {module for path in files for module in imports(path)}
+        modules = taken - {path.stem for path in files} - set(sys.stdlib_module_names)
+        self.assertIn("numpy", modules)
+        packages = {module: package_of(module) for module in modules}
+        self.assertEqual({module: package for module, package in packages.items()
+                          if package not in sections()["test"]}, {})
 
     def test_the_image_installs_from_the_list(self):
         text = (ROOT / "docker" / "Dockerfile").read_text()
