@@ -107,6 +107,13 @@ private:
     std::optional<Plan> some_, rest_;
 };
 
+/// From a column to the next one, apart from where they lie in a grid: where rows are a power of two in number, all
+/// columns at once would else meet in few places of the cache.
+std::size_t column_stride(std::size_t rows) {
+    constexpr std::size_t kLine = 8;  // values
+    return rows + kLine;
+}
+
 /// Transforms columns where they lie next to each other: in a large grid their steps from row to row would meet in few
 /// places of the cache.
 /// @param grid     row by row
@@ -114,14 +121,15 @@ private:
 template <class Value, class Execute>
 void run_columns(Team& team, const Lines& lines, Value* grid, std::size_t width, std::size_t rows, Execute execute) {
     lines.run(team, [&](fftw_plan plan, std::size_t begin, std::size_t end) {
-        const Buffer<Value> columns((end - begin) * rows);
+        const std::size_t stride = column_stride(rows);
+        const Buffer<Value> columns((end - begin) * stride);
         Value* const data = columns.data();
         for (std::size_t row = 0; row < rows; ++row) {
-            for (std::size_t i = begin; i < end; ++i) data[(i - begin) * rows + row] = grid[row * width + i];
+            for (std::size_t i = begin; i < end; ++i) data[(i - begin) * stride + row] = grid[row * width + i];
         }
         execute(plan, data);
         for (std::size_t row = 0; row < rows; ++row) {
-            for (std::size_t i = begin; i < end; ++i) grid[row * width + i] = data[(i - begin) * rows + row];
+            for (std::size_t i = begin; i < end; ++i) grid[row * width + i] = data[(i - begin) * stride + row];
         }
     });
 }
@@ -164,9 +172,10 @@ struct RealTransform::Plans {
           columns_backward(columns / 2 + 1, [&](int lines) { return plan_columns(rows, lines, FFTW_BACKWARD); }) {}
 
     static fftw_plan plan_columns(int rows, int lines, int sign) {
-        const Buffer<std::complex<double>> buffer(product(rows, lines));
+        const auto stride = static_cast<int>(column_stride(static_cast<std::size_t>(rows)));
+        const Buffer<std::complex<double>> buffer(product(stride, lines));
         fftw_complex* const data = pairs(buffer.data());
-        return fftw_plan_many_dft(1, &rows, lines, data, nullptr, 1, rows, data, nullptr, 1, rows, sign, kFlags);
+        return fftw_plan_many_dft(1, &rows, lines, data, nullptr, 1, stride, data, nullptr, 1, stride, sign, kFlags);
     }
 
     void restore() {
@@ -238,14 +247,16 @@ struct CosineTransform::Plans {
           width(static_cast<std::size_t>(columns)),
           height(static_cast<std::size_t>(rows)),
           grid(std::max(width * height, spare)),
-          rows_forward(rows, [&](int lines) { return plan(columns, lines, FFTW_REDFT10); }),
-          rows_backward(rows, [&](int lines) { return plan(columns, lines, FFTW_REDFT01); }),
-          columns_forward(columns, [&](int lines) { return plan(rows, lines, FFTW_REDFT10); }),
-          columns_backward(columns, [&](int lines) { return plan(rows, lines, FFTW_REDFT01); }) {}
+          rows_forward(rows, [&](int lines) { return plan(columns, lines, width, FFTW_REDFT10); }),
+          rows_backward(rows, [&](int lines) { return plan(columns, lines, width, FFTW_REDFT01); }),
+          columns_forward(columns, [&](int lines) { return plan(rows, lines, column_stride(height), FFTW_REDFT10); }),
+          columns_backward(columns, [&](int lines) { return plan(rows, lines, column_stride(height), FFTW_REDFT01); }) {
+    }
 
-    static fftw_plan plan(int size, int lines, fftw_r2r_kind kind) {
-        const Buffer<double> buffer(product(size, lines));
-        return fftw_plan_many_r2r(1, &size, lines, buffer.data(), nullptr, 1, size, buffer.data(), nullptr, 1, size,
+    static fftw_plan plan(int size, int lines, std::size_t from_line_to_line, fftw_r2r_kind kind) {
+        const auto stride = static_cast<int>(from_line_to_line);
+        const Buffer<double> buffer(product(stride, lines));
+        return fftw_plan_many_r2r(1, &size, lines, buffer.data(), nullptr, 1, stride, buffer.data(), nullptr, 1, stride,
                                   &kind, kFlags);
     }
 
