@@ -167,8 +167,13 @@ Relaxation& Construction::relaxation() {
     // Rounder triangles, whose areas may vary a little more: after the polish there is less power in long waves than
     // with softer or stiffer springs, benchmark TorusPattern.
     constexpr double kPolishedSpring = 0.03;
+    // Longer moves, which where the density varies lose tone, give more equal triangles and less power in long waves.
+    constexpr double kSmoothRelaxation = 1.3;
     RelaxationOptions settings;
-    if (has_polish(options_) && density_.is_smooth()) settings.spring = kPolishedSpring;
+    if (density_.is_smooth()) {
+        settings.relaxation = kSmoothRelaxation;
+        if (has_polish(options_)) settings.spring = kPolishedSpring;
+    }
     if (fixed_.sites > 0) settings.site_share = site_share();
     settings.least_height = std::max(settings.least_height, domain_.resolution());
     return relaxation_.emplace(placed_->mesh, placed_->border.corner, capacity_.is_uniform(), settings);
@@ -182,7 +187,7 @@ bool Construction::iterate() {
         pass_exactly(relaxation);
     } else {
         relaxation.prepare(std::move(goals_), stop_);
-        for (int pass = 0; pass < options_.passes && !stopping(); ++pass) relaxation.pass();
+        relaxation.pass(options_.passes, stop_);
     }
     goals_ = relaxation.take_goals();
     if (!stopping()) mesh.restore_delaunay(stop_);
@@ -203,10 +208,10 @@ bool Construction::iterate() {
 void Construction::pass_exactly(Relaxation& relaxation) {
     // Capacities that are measured before each pass leave the same variation and tone: benchmark PictureTone.
     constexpr int kMeasured = 3;  // passes from one measurement to the next
-    for (int pass = 0; pass < options_.passes; ++pass) {
-        if (pass % kMeasured == 0) relaxation.measure(capacity_, stop_);
+    for (int pass = 0; pass < options_.passes; pass += kMeasured) {
+        relaxation.measure(capacity_, stop_);
         if (stopping()) return;
-        relaxation.exact_pass();
+        relaxation.exact_pass(std::min(kMeasured, options_.passes - pass), stop_);
     }
 }
 
@@ -233,7 +238,7 @@ void Construction::equalise(int passes) {
     measure(mesh);
     if (stopping()) return;
     relaxation().prepare(std::move(goals_), stop_);
-    for (int pass = 0; pass < passes && !stopping(); ++pass) relaxation().pass();
+    relaxation().pass(passes, stop_);
     relaxation_.reset();
 }
 

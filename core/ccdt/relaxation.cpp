@@ -348,11 +348,29 @@ void Relaxation::add_fan(std::uint32_t vertex, Fans& fans) const {
     fans.all.push_back(fan);
 }
 
-void Relaxation::pass() {
-    for (const auto& groups : groups_) {
-        mesh_.team().run(groups.size(), [&](std::size_t number) { move_group(groups[number]); });
+void Relaxation::pass(int times, const std::stop_token& stop) {
+    for_groups(times, stop, [&](std::size_t level, std::size_t number) { move_group(groups_[level][number]); });
+}
+
+/// Calls move(level, number) so many times with each group and slides the border's vertices as often: a few times in
+/// turn, level by level.
+template <class Move>
+void Relaxation::for_groups(int times, const std::stop_token& stop, Move&& move) {
+    // More would leave longer waves in drafts: benchmark CountryPattern.
+    constexpr int kInTurn = 3;
+    for (; times > 0; times -= kInTurn) {
+        const int in_turn = std::min(times, kInTurn);
+        const auto repeat = [&](auto&& step) {
+            for (int time = 0; time < in_turn && !stop.stop_requested(); ++time) step();
+        };
+        for (std::size_t level = 0; level < groups_.size(); ++level) {
+            mesh_.team().run(groups_[level].size(),
+                             [&](std::size_t number) { repeat([&] { move(level, number); }); });
+        }
+        repeat([&] {
+            for (const Fan& fan : border_.all) slide(border_, fan);
+        });
     }
-    for (const Fan& fan : border_.all) slide(border_, fan);
 }
 
 /// Moves a group's sites, kind by kind: what they need stays in the cache.
@@ -580,11 +598,8 @@ void Relaxation::measure(const CapacityIntegral& capacity, const std::stop_token
     capacity.of_edges(mesh_, flows_, stop);
 }
 
-void Relaxation::exact_pass() {
-    for (std::size_t level = 0; level < groups_.size(); ++level) {
-        mesh_.team().run(groups_[level].size(), [&](std::size_t number) { move_group_exactly(level, number); });
-    }
-    for (const Fan& fan : border_.all) slide(border_, fan);
+void Relaxation::exact_pass(int times, const std::stop_token& stop) {
+    for_groups(times, stop, [&](std::size_t level, std::size_t number) { move_group_exactly(level, number); });
 }
 
 void Relaxation::move_group_exactly(std::size_t level, std::size_t number) {

@@ -60,21 +60,24 @@ public:
     /// Gives the goals back, and the memory of what was measured. No pass must follow until there are new ones.
     TriangleGoals take_goals();
 
-    /// Moves every vertex once. O(vertices).
-    void pass();
+    /// Moves every vertex so many times: the sites of a block as often as that while all about them is in the cache,
+    /// then those between blocks, and the border's vertices last. O(vertices) a time.
+    /// @param stop  asked now and then; leaves vertices as they stand
+    void pass(int times = 1, const std::stop_token& stop = {});
 
     /// Measures what exact passes need: the true capacities, and what edges sweep. O(half-edges), and their length in
     /// cells of the density.
     /// @param stop  asked now and then; no exact pass must follow, then
     void measure(const CapacityIntegral& capacity, const std::stop_token& stop = {});
 
-    /// Moves every vertex once, to where the true capacities come closest to their targets rather than those that
-    /// triangles would have if their mean density went with them: what a moving edge sweeps is the density along it.
+    /// Moves every vertex, in the order of pass(), to where the true capacities come closest to their targets rather
+    /// than those that triangles would have if their mean density went with them: what a moving edge sweeps is the
+    /// density along it.
     /// Capacities are carried on to first order, from what was measured before this pass or some passes before.
     ///
     /// Where the density is steep, next to white areas above all, pass() stalls and this one does not. O(vertices).
     /// Source: Gauss and Newton's method; Reynolds' transport theorem.
-    void exact_pass();
+    void exact_pass(int times = 1, const std::stop_token& stop = {});
 
     /// Sum that the passes minimise; no pass makes it larger.
     double energy() const;
@@ -163,6 +166,8 @@ private:
     std::uint8_t level_of(std::uint32_t site) const;
     bool add_site(std::uint32_t site, Batches& batches, Fans& fans, std::uint32_t first, std::uint32_t size);
     void add_fan(std::uint32_t vertex, Fans& fans) const;
+    template <class Move>
+    void for_groups(int times, const std::stop_token& stop, Move&& move);
     void move_group(const Group& group);
     template <bool kPlain, std::size_t kPairs>
     void move_batch(const Group& group);

@@ -244,7 +244,7 @@ Relaxation& DotLayer::relaxation() {
 
 void DotLayer::relax(int passes) {
     relaxation().prepare(std::move(goals_), stop_);
-    for (int pass = 0; pass < passes && !stopping(); ++pass) relaxation().pass();
+    relaxation().pass(passes, stop_);
     goals_ = relaxation().take_goals().release();
 }
 

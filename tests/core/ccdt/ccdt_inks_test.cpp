@@ -168,11 +168,16 @@ double tone_error(const Density& density, const std::vector<Point>& points) {
 TEST(DistributeInks, KeepsTheToneOfEachInk) {
     const std::vector<Density> densities = ramps();
     const std::vector<std::size_t> counts{1200, 900, 600};
-    const auto inks = distribute_inks(kSquare, densities, counts, {.seed = 2}).value();
-    for (std::size_t i = 0; i < counts.size(); ++i) {
-        EXPECT_LT(tone_error(densities[i], inks[i].points), 1.5e-5) << i;
-        EXPECT_LT(inks[i].variation(), 0.25) << i;
+    constexpr int kSeeds = 4;
+    double error = 0;  // the mean one
+    for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+        const auto inks = distribute_inks(kSquare, densities, counts, {.seed = seed}).value();
+        for (std::size_t i = 0; i < counts.size(); ++i) {
+            error += tone_error(densities[i], inks[i].points) / (3 * kSeeds);
+            EXPECT_LT(inks[i].variation(), 0.25) << i;
+        }
     }
+    EXPECT_LT(error, 1.3e-5);
 }
 
 TEST(DistributeInks, KnowsAllKindsOfDomains) {

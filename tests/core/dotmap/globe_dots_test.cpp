@@ -82,7 +82,7 @@ TEST(DistributeDotsOnGlobe, KeepsOffTheBorderOfAll) {
         nearest = std::min(nearest, std::abs(p.x - 2));
     }
     EXPECT_GT(least, 50 / 111.4);
-    EXPECT_LT(least, 0.48);
+    EXPECT_LT(least, 0.5);
     EXPECT_LT(nearest, 0.1);
     EXPECT_EQ(distribute({given[2]}, 50'000).error().field, "buffer");
 }
