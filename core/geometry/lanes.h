@@ -33,10 +33,12 @@ struct OneLane {
     using Numbers = double;
 
     static Pairs join(const std::array<Pair, kCount>& lanes) { return lanes[0]; }
+    static Pair pair(Pairs a, std::size_t) { return a; }
     static Pairs firsts(Pairs a, Pairs b) { return ccdt::firsts(a, b); }
     static Pairs seconds(Pairs a, Pairs b) { return ccdt::seconds(a, b); }
     static Pairs shifted(Pairs a, Pairs b) { return ccdt::shifted(a, b); }
     static Pairs twice(Numbers a) { return Pairs{a, a}; }
+    static Pairs whole(Pairs a) { return Pair{ccdt::whole(a[0]), ccdt::whole(a[1])}; }
     static Numbers first(Pairs a) { return a[0]; }
     static Numbers sum(Pairs a) { return ccdt::sum(a); }
     static Numbers each(const std::array<double, kCount>& lanes) { return lanes[0]; }
@@ -53,10 +55,16 @@ struct TwoLanes {
     CCDT_INLINE static Pairs join(const std::array<Pair, kCount>& lanes) {
         return __builtin_shufflevector(lanes[0], lanes[1], 0, 1, 2, 3);
     }
+    CCDT_INLINE static Pair pair(Pairs a, std::size_t lane) { return Pair{a[2 * lane], a[2 * lane + 1]}; }
     CCDT_INLINE static Pairs firsts(Pairs a, Pairs b) { return __builtin_shufflevector(a, b, 0, 4, 2, 6); }
     CCDT_INLINE static Pairs seconds(Pairs a, Pairs b) { return __builtin_shufflevector(a, b, 1, 5, 3, 7); }
     CCDT_INLINE static Pairs shifted(Pairs a, Pairs b) { return __builtin_shufflevector(a, b, 1, 4, 3, 6); }
     CCDT_INLINE static Pairs twice(Numbers a) { return __builtin_shufflevector(a, a, 0, 0, 1, 1); }
+    CCDT_INLINE static Pairs whole(Pairs a) {
+        using Integers = int __attribute__((vector_size(4 * sizeof(int))));
+        const Pairs truncated = __builtin_convertvector(__builtin_convertvector(a, Integers), Pairs);
+        return truncated > a ? truncated - 1.0 : truncated;
+    }
     CCDT_INLINE static Numbers first(Pairs a) { return Numbers{a[0], a[2]}; }
     CCDT_INLINE static Numbers sum(Pairs a) { return Numbers{a[0], a[2]} + Numbers{a[1], a[3]}; }
     static Numbers each(const std::array<double, kCount>& lanes) { return Numbers{lanes[0], lanes[1]}; }

@@ -4,7 +4,10 @@
 #include <cassert>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <utility>
+
+#include "core/geometry/lanes.h"
 
 namespace ccdt {
 
@@ -13,39 +16,85 @@ namespace {
 constexpr std::size_t kTaps = 6;
 constexpr std::size_t kMargin = 3;  ///< cells that taps reach beyond the grid
 
-using Taps = std::array<Pair, kTaps>;
+/// Of each of the numbers in a vector the values at the six grid points around.
+template <class Pairs>
+using Taps = std::array<Pairs, kTaps>;
 
-/// The quintic B-spline at the six grid points around, for x and y together.
-inline Taps weights_at(Pair f) {
-    const auto outer = [](Pair d) {  // at distance 2 + d
-        const Pair g = 1.0 - d, g2 = g * g;
+/// The quintic B-spline at the six grid points around.
+template <class Pairs>
+CCDT_INLINE inline Taps<Pairs> weights_at(Pairs f) {
+    const auto outer = [](Pairs d) CCDT_INLINE {  // at distance 2 + d
+        const Pairs g = 1.0 - d, g2 = g * g;
         return g2 * g2 * g * (1.0 / 120);
     };
-    const auto inner = [](Pair d) {  // at distance 1 + d
-        const Pair x = 1.0 + d;
+    const auto inner = [](Pairs d) CCDT_INLINE {  // at distance 1 + d
+        const Pairs x = 1.0 + d;
         return 17.0 / 40 + x * (5.0 / 8 + x * (-7.0 / 4 + x * (5.0 / 4 + x * (-3.0 / 8 + x * (1.0 / 24)))));
     };
-    const auto middle = [](Pair d) {  // at distance d
-        const Pair d2 = d * d;
+    const auto middle = [](Pairs d) CCDT_INLINE {  // at distance d
+        const Pairs d2 = d * d;
         return 11.0 / 20 + d2 * (-0.5 + d2 * (0.25 - d * (1.0 / 12)));
     };
-    const Pair g = 1.0 - f;
+    const Pairs g = 1.0 - f;
     return {outer(f), inner(f), middle(f), middle(g), inner(g), outer(g)};
 }
 
 /// Slopes of the six weights.
-inline Taps slopes_at(Pair f) {
-    const auto outer = [](Pair d) {
-        const Pair g = 1.0 - d, g2 = g * g;
+template <class Pairs>
+CCDT_INLINE inline Taps<Pairs> slopes_at(Pairs f) {
+    const auto outer = [](Pairs d) CCDT_INLINE {
+        const Pairs g = 1.0 - d, g2 = g * g;
         return g2 * g2 * (-1.0 / 24);
     };
-    const auto inner = [](Pair d) {
-        const Pair x = 1.0 + d;
+    const auto inner = [](Pairs d) CCDT_INLINE {
+        const Pairs x = 1.0 + d;
         return 5.0 / 8 + x * (-7.0 / 2 + x * (15.0 / 4 + x * (-3.0 / 2 + x * (5.0 / 24))));
     };
-    const auto middle = [](Pair d) { return d * (-1.0 + d * d * (1.0 - d * (5.0 / 12))); };
-    const Pair g = 1.0 - f;
+    const auto middle = [](Pairs d) CCDT_INLINE { return d * (-1.0 + d * d * (1.0 - d * (5.0 / 12))); };
+    const Pairs g = 1.0 - f;
     return {outer(f), inner(f), middle(f), -middle(g), -inner(g), -outer(g)};
+}
+
+/// The six neighbouring values of a row that taps of a point reach.
+template <class Lanes>
+struct Row {
+    typename Lanes::Pairs low{};
+    std::array<Pair, kTaps / 2 - Lanes::kCount> high{};
+
+    CCDT_INLINE static Row of(const std::array<Pair, kTaps / 2>& pairs) {
+        Row row;
+        std::array<Pair, Lanes::kCount> low;
+        std::copy_n(pairs.begin(), low.size(), low.begin());
+        row.low = Lanes::join(low);
+        std::copy_n(pairs.begin() + low.size(), row.high.size(), row.high.begin());
+        return row;
+    }
+    CCDT_INLINE std::array<Pair, kTaps / 2> pairs() const {
+        std::array<Pair, kTaps / 2> pairs;
+        for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) pairs[lane] = Lanes::pair(low, lane);
+        std::copy_n(high.begin(), high.size(), pairs.begin() + Lanes::kCount);
+        return pairs;
+    }
+    CCDT_INLINE static Row load(const double* values) {
+        Row row;
+        std::memcpy(&row.low, values, sizeof row.low);
+        std::memcpy(row.high.data(), values + 2 * Lanes::kCount, sizeof row.high);
+        return row;
+    }
+    CCDT_INLINE void store(double* values) const {
+        std::memcpy(values, &low, sizeof low);
+        std::memcpy(values + 2 * Lanes::kCount, high.data(), sizeof high);
+    }
+    CCDT_INLINE void add(double factor, const Row& row) {
+        low += factor * row.low;
+        for (std::size_t i = 0; i < high.size(); ++i) high[i] += factor * row.high[i];
+    }
+};
+
+/// What taps have for x, of each point two successive ones.
+template <class Lanes>
+CCDT_INLINE inline std::array<typename Lanes::Pairs, kTaps / 2> across(const Taps<typename Lanes::Pairs>& taps) {
+    return {Lanes::firsts(taps[0], taps[1]), Lanes::firsts(taps[2], taps[3]), Lanes::firsts(taps[4], taps[5])};
 }
 
 double sinc(double cycles) {
@@ -68,6 +117,7 @@ SplineGrid::SplineGrid(bool torus, Point sides, int columns, int rows, Team& tea
       columns_(columns),
       rows_(rows),
       kept_(torus ? columns / 2 + 1 : columns),
+      half_cell_{0.5 / columns, 0.5 / rows},
       stride_(static_cast<std::size_t>(columns) + 2 * kMargin),
       transform_(make_transform(torus, columns, rows, team, padded_size())) {
     assert(sides.x > 0 && sides.y > 0);
@@ -98,10 +148,30 @@ inline double SplineGrid::point_before(double place, int cells) {
     return std::min(whole(place), cells - 1.0);  // rounding may make a place on a torus its far end
 }
 
-inline SplineGrid::Place SplineGrid::place(Point p) const {
-    const double x = along(p.x, sides_.x, columns_), y = along(p.y, sides_.y, rows_);
-    const double i = point_before(x, columns_), j = point_before(y, rows_);
-    return {static_cast<std::size_t>(j + 1) * stride_ + static_cast<std::size_t>(i + 1), Pair{x - i, y - j}};
+/// As along() and point_before() have it, of all coordinates at once.
+template <class Lanes>
+CCDT_INLINE inline SplineGrid::Places<Lanes> SplineGrid::places(const std::array<Point, Lanes::kCount>& points) const {
+    using Pairs = typename Lanes::Pairs;
+    const auto of_each = [](Pair pair) CCDT_INLINE {
+        std::array<Pair, Lanes::kCount> same;
+        same.fill(pair);
+        return Lanes::join(same);
+    };
+    std::array<Pair, Lanes::kCount> coordinates;
+    for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) coordinates[lane] = load(points[lane]);
+    const Pairs share = Lanes::join(coordinates) / of_each(load(sides_));
+    const Pairs cells = of_each(Pair{static_cast<double>(columns_), static_cast<double>(rows_)});
+    const Pairs none{}, all = none + 1.0;
+    const Pairs clamped = share < none ? none : all < share ? all : share;
+    const Pairs at = (torus_ ? share - Lanes::whole(share) : clamped - of_each(half_cell_)) * cells;
+    const Pairs last = cells - 1.0, below = Lanes::whole(at), before = last < below ? last : below;
+    Places<Lanes> places;
+    places.fractions = at - before;
+    for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
+        const Pair point = Lanes::pair(before, lane) + 1.0;
+        places.first[lane] = static_cast<std::size_t>(point[1]) * stride_ + static_cast<std::size_t>(point[0]);
+    }
+    return places;
 }
 
 /// Row of the padded grid where the taps of a point begin.
@@ -126,21 +196,36 @@ void SplineGrid::clear() {
     });
 }
 
-void SplineGrid::spread(Point p, double value) {
-    const auto [first, fraction] = place(p);
-    const Taps weights = weights_at(fraction);
-    std::array<double, kTaps> across;
-    for (std::size_t i = 0; i < kTaps; ++i) across[i] = value * weights[i][0];
-    for (std::size_t j = 0; j < kTaps; ++j) {
-        double* row = &padded_[first + j * stride_];
-        const double weight = weights[j][1];
-        for (std::size_t i = 0; i < kTaps; ++i) row[i] += weight * across[i];
+template <class Lanes>
+CCDT_INLINE inline void SplineGrid::spread_few(const std::array<Point, Lanes::kCount>& points,
+                                               const std::array<double, Lanes::kCount>& values) {
+    const auto [first, fractions] = places<Lanes>(points);
+    const auto weights = weights_at(fractions);
+    const auto columns = across<Lanes>(weights);
+    for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
+        std::array<Pair, kTaps / 2> shares;
+        for (std::size_t i = 0; i < shares.size(); ++i) shares[i] = values[lane] * Lanes::pair(columns[i], lane);
+        const auto share = Row<Lanes>::of(shares);
+        double* values_there = padded_.data() + first[lane];
+        for (std::size_t j = 0; j < kTaps; ++j, values_there += stride_) {
+            auto row = Row<Lanes>::load(values_there);
+            row.add(weights[j][2 * lane + 1], share);
+            row.store(values_there);
+        }
     }
 }
 
+CCDT_TWO_LANES void SplineGrid::spread_two(const std::array<Point, 2>& points, const std::array<double, 2>& values) {
+    spread_few<TwoLanes>(points, values);
+}
+
+void SplineGrid::spread(Point p, double value) {
+    spread_few<OneLane>({p}, {value});
+}
+
 void SplineGrid::spread_move(Point p, Point move) {
-    const auto [first, fraction] = place(p);
-    const Taps weights = weights_at(fraction), slopes = slopes_at(fraction);
+    const auto [first, fraction] = places<OneLane>({p});
+    const Taps<Pair> weights = weights_at(fraction), slopes = slopes_at(fraction);
     const Point cell = this->cell();
     std::array<double, kTaps> along_x, across;
     for (std::size_t i = 0; i < kTaps; ++i) {
@@ -148,43 +233,76 @@ void SplineGrid::spread_move(Point p, Point move) {
         across[i] = move.y / cell.y * weights[i][0];
     }
     for (std::size_t j = 0; j < kTaps; ++j) {
-        double* row = &padded_[first + j * stride_];
+        double* row = &padded_[first[0] + j * stride_];
         const double weight = weights[j][1], slope = slopes[j][1];
         for (std::size_t i = 0; i < kTaps; ++i) row[i] += weight * along_x[i] + slope * across[i];
     }
 }
 
-Point SplineGrid::gradient(Point p) const {
-    const auto [first, fraction] = place(p);
-    const Taps weights = weights_at(fraction), slopes = slopes_at(fraction);
-    std::array<double, kTaps> along_y{}, slope_y{};  // the columns, summed
-    for (std::size_t j = 0; j < kTaps; ++j) {
-        const double* row = &padded_[first + j * stride_];
-        const double weight = weights[j][1], slope = slopes[j][1];
-        for (std::size_t i = 0; i < kTaps; ++i) {
-            along_y[i] += weight * row[i];
-            slope_y[i] += slope * row[i];
+template <class Lanes>
+CCDT_INLINE inline std::array<Point, Lanes::kCount> SplineGrid::gradients_of(
+    const std::array<Point, Lanes::kCount>& points) const {
+    using Pairs = typename Lanes::Pairs;
+    const auto [first, fractions] = places<Lanes>(points);
+    const auto weights = weights_at(fractions), slopes = slopes_at(fractions);
+    // The columns, summed; of each point two successive ones.
+    std::array<std::array<Pair, Lanes::kCount>, kTaps / 2> weighted, sloping;
+    for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
+        Row<Lanes> along_y, slope_y;
+        const double* values = padded_.data() + first[lane];
+        for (std::size_t j = 0; j < kTaps; ++j, values += stride_) {
+            const auto row = Row<Lanes>::load(values);
+            along_y.add(weights[j][2 * lane + 1], row);
+            slope_y.add(slopes[j][2 * lane + 1], row);
+        }
+        const auto along_pairs = along_y.pairs(), slope_pairs = slope_y.pairs();
+        for (std::size_t i = 0; i < kTaps / 2; ++i) {
+            weighted[i][lane] = along_pairs[i];
+            sloping[i][lane] = slope_pairs[i];
         }
     }
-    Point sum;
-    for (std::size_t i = 0; i < kTaps; ++i) {
-        sum.x += along_y[i] * slopes[i][0];
-        sum.y += slope_y[i] * weights[i][0];
+    Pairs sum{};
+    for (std::size_t i = 0; i < kTaps; i += 2) {
+        const Pairs along = Lanes::join(weighted[i / 2]), slope = Lanes::join(sloping[i / 2]);
+        sum += Lanes::firsts(along, slope) * Lanes::firsts(slopes[i], weights[i]);
+        sum += Lanes::seconds(along, slope) * Lanes::firsts(slopes[i + 1], weights[i + 1]);
     }
     const Point cell = this->cell();
-    return {sum.x / cell.x, sum.y / cell.y};
+    std::array<Point, Lanes::kCount> gradients;
+    for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
+        const Pair gradient = Lanes::pair(sum, lane);
+        gradients[lane] = {gradient[0] / cell.x, gradient[1] / cell.y};
+    }
+    return gradients;
 }
 
-/// Calls add(number) for each point that counts. The rows of the grid are divided into bands: points of one band follow
-/// each other, and are added at the same time as those of the bands beyond the next, which their taps do not reach.
+CCDT_TWO_LANES std::array<Point, 2> SplineGrid::two_gradients(const std::array<Point, 2>& points) const {
+    return gradients_of<TwoLanes>(points);
+}
+
+Point SplineGrid::gradient(Point p) const {
+    return gradients_of<OneLane>({p})[0];
+}
+
+void SplineGrid::gradients(std::span<const Point> points, std::span<Point> gradients) const {
+    std::size_t done = 0;
+    for (; has_two_lanes() && done + 2 <= points.size(); done += 2)
+        std::ranges::copy(two_gradients({points[done], points[done + 1]}), &gradients[done]);
+    for (; done < points.size(); ++done) gradients[done] = gradient(points[done]);
+}
+
+/// Calls add(numbers) with the points that count, some at a time. The rows of the grid are divided into bands: points of
+/// one band follow each other, and are added at the same time as those of the bands beyond the next, which their taps do
+/// not reach.
 template <class Counts, class Add>
 void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& add) {
     constexpr std::size_t kFew = 8192;  // of which the lists below take longer than they are worth; also of a task
+    std::vector<std::uint32_t> order;
     if (points.size() <= kFew) {
         for (std::size_t i = 0; i < points.size(); ++i) {
-            if (counts(i)) add(i);
+            if (counts(i)) order.push_back(static_cast<std::uint32_t>(i));
         }
-        return;
+        return add(order);
     }
     const std::size_t bands = static_cast<std::size_t>(rows_) / kRows + 1;
     const std::size_t parts = (points.size() + kFew - 1) / kFew;
@@ -202,7 +320,7 @@ void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& a
         for (std::size_t part = 0; part < parts; ++part) begin += std::exchange(next[part * bands + band], begin);
         begins.push_back(begin);
     }
-    std::vector<std::uint32_t> order(begins.back());
+    order.resize(begins.back());
     for_ranges(team_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
         std::uint32_t* const next_of = &next[begin / kFew * bands];
         for (std::size_t i = begin; i < end; ++i) {
@@ -212,21 +330,29 @@ void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& a
     for (std::size_t odd = 0; odd < 2; ++odd) {
         team_.run((bands + 1 - odd) / 2, [&](std::size_t number) {
             const std::size_t band = 2 * number + odd;
-            for (std::uint32_t i = begins[band]; i < begins[band + 1]; ++i) add(order[i]);
+            add(std::span(order).subspan(begins[band], begins[band + 1] - begins[band]));
         });
     }
 }
 
 void SplineGrid::spread(std::span<const Point> points, std::span<const double> values) {
-    const auto each = [](std::size_t) { return true; };
-    if (values.empty()) return add_all(points, each, [&](std::size_t i) { spread(points[i], 1); });
-    const auto counts = [&](std::size_t i) { return values[i] != 0; };
-    add_all(points, counts, [&](std::size_t i) { spread(points[i], values[i]); });
+    const auto value = [&](std::size_t i) { return values.empty() ? 1 : values[i]; };
+    const auto counts = [&](std::size_t i) { return value(i) != 0; };
+    add_all(points, counts, [&](std::span<const std::uint32_t> numbers) {
+        std::size_t done = 0;
+        for (; has_two_lanes() && done + 2 <= numbers.size(); done += 2) {
+            const std::uint32_t i = numbers[done], k = numbers[done + 1];
+            spread_two({points[i], points[k]}, {value(i), value(k)});
+        }
+        for (; done < numbers.size(); ++done) spread(points[numbers[done]], value(numbers[done]));
+    });
 }
 
 void SplineGrid::spread_moves(std::span<const Point> points, std::span<const Point> moves) {
     const auto each = [](std::size_t) { return true; };
-    add_all(points, each, [&](std::size_t i) { spread_move(points[i], moves[i]); });
+    add_all(points, each, [&](std::span<const std::uint32_t> numbers) {
+        for (const std::uint32_t i : numbers) spread_move(points[i], moves[i]);
+    });
 }
 
 void SplineGrid::transform() {

@@ -122,7 +122,7 @@ void Stealth::find_moves(const Coefficients& potential, std::span<const Point> s
     });
     grid_.transform_back();
     for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) moves[i] = grid_.gradient(sites[i]);
+        grid_.gradients(sites.subspan(begin, end - begin), moves.subspan(begin, end - begin));
     });
 }
 

@@ -404,9 +404,11 @@ bool Transport::displacements(std::span<const Point> sites, std::span<Point> mov
     const double scale = unit * unit / (finest.copies() * area);
     for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
         if (stop.stop_requested()) return;
+        for (std::size_t i = begin; i < end; ++i) moves[i] = in_box(sites[i]);
+        finest.gradients(moves.subspan(begin, end - begin), moves.subspan(begin, end - begin));
         for (std::size_t i = begin; i < end; ++i) {
             const double spacing = this->spacing(sites[i]);
-            const Point move = (scale * spacing * spacing) * finest.gradient(in_box(sites[i]));
+            const Point move = (scale * spacing * spacing) * moves[i];
             const double longest = kLongestMove * spacing, distance = length(move);
             moves[i] = distance > longest ? (longest / distance) * move : move;
         }

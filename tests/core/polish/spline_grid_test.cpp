@@ -1,8 +1,10 @@
 #include "core/polish/spline_grid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -162,6 +164,39 @@ TEST(SplineGrid, SpreadsMoves) {
         for (const auto& [place, value] : points) grid.spread_move(place, {value, 1 - value});
         grid.transform();
         EXPECT_NEAR(grid.grid()[7] + 2 * grid.grid()[333], slope, 1e-4 * std::abs(slope)) << torus;
+    }
+}
+
+/// Two are handled at once where the processor can.
+TEST(SplineGrid, GivesTheSameBytesForManyAsForEach) {
+    const Point sides{2, 0.7};
+    auto points = random_points(sides, 301);
+    for (const Point p : {Point{0, 0}, Point{2, 0.7}, Point{0, 0.7}, Point{2, 0}, Point{-0.0, 0.35}, Point{1e-308, 0.1}})
+        points.push_back({p, 1});
+    std::vector<Point> places;
+    std::vector<double> values;
+    for (const auto& [place, value] : points) {
+        places.push_back(place);
+        values.push_back(value);
+    }
+    for (const bool torus : {false, true}) {
+        SplineGrid each(torus, sides, 36, 16), many(torus, sides, 36, 16);
+        each.clear();
+        many.clear();
+        for (const auto& [place, value] : points) each.spread(place, value);
+        many.spread(places, values);
+        for (SplineGrid* const grid : {&each, &many}) grid->transform();
+        each.with_coefficients([&](auto coefficients) {
+            many.with_coefficients([&](auto others) {
+                if constexpr (std::is_same_v<decltype(coefficients), decltype(others)>) {
+                    EXPECT_TRUE(std::ranges::equal(coefficients, others)) << torus;
+                }
+            });
+        });
+        each.transform_back();
+        std::vector<Point> gradients(places.size());
+        each.gradients(places, gradients);
+        for (std::size_t i = 0; i < places.size(); ++i) EXPECT_EQ(gradients[i], each.gradient(places[i])) << torus;
     }
 }
 
