@@ -395,7 +395,7 @@ void Triangulation::flip(std::uint32_t edge) {
     if (!changed_.empty()) {
         for (const std::uint32_t vertex : {origin(edge), origin(twin), c, d}) changed_[vertex] = 1;
     }
-    if (is_torus()) flip_shifts(edge);
+    if (crosses_seam(triangle_of(edge)) || crosses_seam(triangle_of(twin))) flip_shifts(edge);
     if (this->twin(twin_next) == edge_next) {
         join(edge, twin);  // a parallelogram whose sides are joined, around the torus
     } else {
