@@ -39,14 +39,12 @@ Result<void> check_mask(const SampleRequest& request) {
     const auto* torus = std::get_if<Rectangle>(&request.domain);
     if (torus == nullptr || !torus->periodic)
         return refused("needs a domain of the type torus, whose sides are its pixels", request.field_of("format"));
-    if (!is_side(torus->width) || !is_side(torus->height)) {
+    for (const auto& [side, field] : {std::pair{torus->width, "/domain/width"}, {torus->height, "/domain/height"}}) {
+        if (is_side(side)) continue;
         return refused("has " + std::to_string(kLeastMaskSide) + " to " + std::to_string(kMostMaskSide) +
                            " pixels a side: whole numbers, which those of the domain are to be",
-                       "/domain");
+                       field);
     }
-    if (request.run.sites > 0) return refused("has no sites, but pixels", request.field_of("sites"));
-    if (!std::holds_alternative<std::monostate>(request.density)) return refused("has no density", "/density");
-    if (!request.run.fixed.empty()) return refused("has no fixed points", "/fixed");
     return {};
 }
 

@@ -27,7 +27,7 @@ std::span<const MaskFormat* const> mask_formats();
 inline constexpr int kLeastMaskSide = 8;
 inline constexpr int kMostMaskSide = 1'024;
 
-/// Checks that a request for a mask has a torus of so many pixels, and nothing that would need points.
+/// Checks that a request for a mask has a torus of so many pixels.
 /// Errors: Malformed, with a JSON Pointer.
 Result<void> check_mask(const SampleRequest& request);
 

@@ -240,11 +240,23 @@ Result<void> not_one_shape() {
     return failure(ErrorCode::Malformed, "exactly one of polygon, geometry and domain must be given");
 }
 
+/// Checks that a request for a mask has no members that only points have.
+Result<void> check_members_of_mask(std::span<const Input> inputs, const SampleRequest& request) {
+    constexpr std::string_view kMembers[] = {"domain", "seed", "format"};
+    for (const Input& input : inputs) {
+        if (std::ranges::find(kMembers, input.name) != std::end(kMembers)) continue;
+        return failure(ErrorCode::Malformed,
+                       "a mask is made of domain, seed and format alone, not of " + excerpt(input.name),
+                       request.field_of(input.name));
+    }
+    return {};
+}
+
 /// Reads options and shapes. Where some are wrong, those that are missing are told with them; else once all is read.
 Result<void> read_inputs(std::span<const OptionRule<Draft>> rules, std::span<const Input> inputs, const Limits& limits,
                          Draft& draft) {
     const auto read = read_options<Draft>(rules, inputs, limits, draft);
-    if (read) return read;
+    if (read) return draft.request.mask_format != nullptr ? check_members_of_mask(inputs, draft.request) : read;
     const auto has_any = [&](std::initializer_list<std::string_view> names) {
         return std::ranges::find_first_of(inputs, names, {}, &Input::name) != inputs.end();
     };

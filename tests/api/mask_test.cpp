@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 
 #include "api/cost.h"
 #include "api/sample.h"
@@ -39,16 +40,25 @@ TEST(Mask, IsAPicture) {
 }
 
 TEST(Mask, TakesATorusOfPixels) {
-    for (const auto& [width, height] : {std::pair{"7", "64"}, {"64", "1025"}, {"64.5", "64"}, {"1e300", "64"}}) {
-        const auto request = parse(torus(width, height));
-        ASSERT_FALSE(request) << width << ' ' << height;
-        EXPECT_EQ(request.error().field, "/domain");
+    for (const std::string side : {"7", "1025", "64.5", "1e300"}) {
+        EXPECT_EQ(parse(torus(side, "64")).error().field, "/domain/width") << side;
+        EXPECT_EQ(parse(torus("64", side)).error().field, "/domain/height") << side;
     }
     EXPECT_FALSE(parse(R"("polygon":[[0,0],[64,0],[64,64]])"));
     EXPECT_FALSE(parse(R"("domain":{"type":"rectangle","width":64,"height":64})"));
-    EXPECT_EQ(parse(torus("64", "64") + R"(,"sites":10)").error().field, "/sites");
-    EXPECT_EQ(parse(torus("64", "64") + R"(,"fixed":[[1,1]])").error().field, "/fixed");
-    EXPECT_EQ(parse(torus("64", "64") + R"(,"density":{"width":1,"height":1,"values":[1]})").error().field, "/density");
+}
+
+TEST(Mask, TakesNothingThatOnlyPointsHave) {
+    for (const auto& [name, value] :
+         {std::pair<std::string, std::string>{"sites", "10"}, {"fixed", "[[1,1]]"}, {"order", R"("progressive")"},
+          {"density", R"({"width":1,"height":1,"values":[1]})"}, {"quality", R"("best")"}, {"passes", "5"},
+          {"method", R"("lloyd")"}, {"mesh", "false"}, {"dot", "1"}, {"coordinates", R"("plane")"}}) {
+        const auto request = parse(torus("64", "64") + ",\"" + name + "\":" + value);
+        ASSERT_FALSE(request) << name;
+        EXPECT_EQ(request.error().code, ErrorCode::Malformed);
+        EXPECT_EQ(request.error().field, "/" + name);
+    }
+    EXPECT_TRUE(parse(torus("64", "64") + R"(,"seed":7)"));
 }
 
 TEST(Mask, EndsWhenItIsStopped) {
