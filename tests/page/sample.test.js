@@ -334,6 +334,31 @@ test("shows the first points of a progressive order", async () => {
   assert.ok(await page.isHidden("#first"));
 });
 
+test("shows of each class of a map its share of the first points", async () => {
+  await open();
+  const { page } = world;
+  await page.click("#sample .map");
+  await settled(page, "sample");
+  await page.click("#sample .more summary");
+  await page.selectOption("#sample [data-name=order] select", "progressive");
+  await settled(page, "sample");
+  await page.evaluate(() => {
+    const { arc } = CanvasRenderingContext2D.prototype;
+    window.drawn = {};
+    CanvasRenderingContext2D.prototype.arc = function (...to) {
+      window.drawn[this.fillStyle] = (window.drawn[this.fillStyle] ?? 0) + 1;
+      arc.apply(this, to);
+    };
+  });
+  await slide(page.locator("#first"), [170]);
+  const first = Number((await page.textContent("#sample output[for=first]")).replace(",", ""));
+  assert.ok(first > 500 && first < 3000, first);
+  await looksAsKept(world, frame(), "sample-map-first");
+  const [employed, unemployed] = Object.values(await page.evaluate(() => window.drawn));
+  const share = (sites) => Math.round((first / 6035) * sites);
+  assert.deepEqual([employed % share(5537), unemployed % share(498), employed / share(5537)], [0, 0, unemployed / share(498)]);
+});
+
 test("has the methods that CCDT is compared with", async () => {
   await open();
   for (const method of ["cvt", "odt", "ccvt", "random"]) {
