@@ -60,8 +60,8 @@ public:
     /// Gives the goals back, and the memory of what was measured. No pass must follow until there are new ones.
     TriangleGoals take_goals();
 
-    /// Moves every vertex so many times: the sites of a block as often as that while all about them is in the cache,
-    /// then those between blocks, and the border's vertices last. O(vertices) a time.
+    /// Moves every vertex so many times. The sites of a block move a few times in turn, while all about them is in the
+    /// cache; then those between blocks do as often, and then the border's vertices. O(vertices) a time.
     /// @param stop  asked now and then; leaves vertices as they stand
     void pass(int times = 1, const std::stop_token& stop = {});
 
