@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -42,6 +43,26 @@ double share_undone(double frequency, bool uniform) {
     return std::exp(uniform ? -squared * squared * squared : -squared * squared);
 }
 
+constexpr double kLevels = 8192;  ///< of an octave
+
+constexpr auto kFirst = std::bit_cast<std::uint32_t>(0x1p-8f);
+constexpr unsigned kDropped = 11;  ///< bits of a number's fraction
+
+/// A number in 16 bits, off by at most 1/8192 of itself; one that is not within a factor of 256 of 1, the nearest that
+/// is.
+std::uint16_t shortened(double number) {
+    const float bounded = std::clamp(static_cast<float>(number), 0x1p-8f, 0x1.ffep7f);
+    return static_cast<std::uint16_t>((std::bit_cast<std::uint32_t>(bounded) - kFirst + (1u << (kDropped - 1))) >>
+                                      kDropped);
+}
+double lengthened(std::uint16_t bits) {
+    return static_cast<double>(std::bit_cast<float>((static_cast<std::uint32_t>(bits) << kDropped) + kFirst));
+}
+
+/// What is kept of a coefficient.
+template <class Coefficient>
+using Kept = std::conditional_t<std::is_same_v<Coefficient, double>, float, std::complex<float>>;
+
 double length(Point p) {
     return std::sqrt(dot(p, p));
 }
@@ -79,6 +100,7 @@ Transport::Transport(const Domain& domain, const Density& density, std::size_t s
         origin_ = {block.left * cell.x, block.low * cell.y};
         sides_ = {block.columns() * cell.x, block.rows() * cell.y};
     }
+    over_sides_ = {1 / sides_.x, 1 / sides_.y};
     const double area = sides_.x * sides_.y;
     const double contrast = uniform_ ? 1 : contrast_of(density, block);
     const double denser = std::min(contrast, kMostContrast);
@@ -182,7 +204,7 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
     spacings_.resize(masses.size());
     const auto fine = smooth(masses, kSmoothing * finest_);
     for_ranges(team_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t cell = begin; cell < end; ++cell) spacings_[cell] = static_cast<float>(spacing_at(fine[cell]));
+        for (std::size_t cell = begin; cell < end; ++cell) spacings_[cell] = shortened(spacing_at(fine[cell]) / finest_);
     });
     const auto coarse = smooth(masses, kLevelSmoothing * finest_);
     std::vector<double> highest((masses.size() + kCells - 1) / kCells, 0);
@@ -190,16 +212,17 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
         double& own = highest[begin / kCells];
         for (std::size_t cell = begin; cell < end; ++cell) {
             const double level = std::log2(spacing_at(coarse[cell]) / finest_) + kCaution;
-            levels_[cell] = static_cast<float>(std::clamp(level, 0.0, static_cast<double>(kMostOctaves - 1)));
-            if (masses[cell] > 0) own = std::max(own, static_cast<double>(levels_[cell]));
+            const double bounded = std::clamp(level, 0.0, static_cast<double>(kMostOctaves - 1));
+            levels_[cell] = static_cast<std::uint16_t>(kLevels * bounded);
+            if (masses[cell] > 0) own = std::max(own, levels_[cell] / kLevels);
         }
     });
     const double largest = std::max(sides_.x, sides_.y);
     while (static_cast<double>(octaves_.size()) < std::ranges::max(highest) + 1 &&
            octave_spacing(octaves_.size()) < largest)
         add_octave();
-    const auto last = static_cast<float>(octaves_.size() - 1);
-    for (float& level : levels_) level = std::min(level, last);
+    const auto last = static_cast<std::uint16_t>(kLevels * static_cast<double>(octaves_.size() - 1));
+    for (std::uint16_t& level : levels_) level = std::min(level, last);
 }
 
 /// Computes the density's potential, as sites spread by it would have it.
@@ -208,7 +231,7 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
     const Point cell = grid.cell();
     const auto [across, up] = along_axes(grid, [](double f, double side) { return 1 / sinc(f * side); });
     grid.with_coefficients([&]<class Coefficient>(std::span<Coefficient>) {
-        targets_.emplace<std::vector<Coefficient>>(grid.coefficient_count());
+        targets_.emplace<std::vector<Kept<Coefficient>>>(grid.coefficient_count());
     });
     for (std::size_t octave = 0; octave < octaves_.size() && !stop.stop_requested(); ++octave) {
         for_ranges(team_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
@@ -217,7 +240,7 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
         grid.forward();
         const double highest = std::pow(kShortest / octave_spacing(octave), 2);
         grid.with_coefficients([&, &across = across, &up = up]<class Coefficient>(std::span<Coefficient> coefficients) {
-            auto& targets = std::get<std::vector<Coefficient>>(targets_);
+            auto& targets = std::get<std::vector<Kept<Coefficient>>>(targets_);
             grid.for_frequencies([&](std::size_t number, int i, int j) {
                 const Point f = grid.frequency(i, j);
                 if (number == 0 || dot(f, f) >= highest) return;
@@ -225,9 +248,9 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
                 // Cells' middles lie half a cell beyond a torus' grid points.
                 if constexpr (!std::is_same_v<Coefficient, double>)
                     coefficient *= std::polar(1.0, -kPi * (f.x * cell.x + f.y * cell.y));
-                targets[number] +=
+                targets[number] += static_cast<Kept<Coefficient>>(
                     coefficient * (share_undone(length(f) * octave_spacing(octave), uniform_) * potential_of(i, j) *
-                                   across[static_cast<std::size_t>(i)] * up[static_cast<std::size_t>(std::abs(j))]);
+                                   across[static_cast<std::size_t>(i)] * up[static_cast<std::size_t>(std::abs(j))]));
             });
         });
     }
@@ -254,43 +277,44 @@ void Transport::set_fine_targets(const Density& density, const CellBlock& block,
     }
     if (!transform(stop)) return;
     octaves_[0].grid.with_coefficients([&]<class Coefficient>(std::span<Coefficient> total) {
-        std::vector<Coefficient> targets(octaves_[0].grid.coefficient_count());
+        std::vector<Kept<Coefficient>> targets(octaves_[0].grid.coefficient_count());
         solve(total);
         octaves_[0].grid.for_frequencies([&](std::size_t number, int i, int j) {
             const Point f = octaves_[0].grid.frequency(i, j);
-            targets[number] = total[number] * (sinc(f.x * piece.x) * sinc(f.y * piece.y));
+            targets[number] =
+                static_cast<Kept<Coefficient>>(total[number] * (sinc(f.x * piece.x) * sinc(f.y * piece.y)));
         });
         targets_ = std::move(targets);
     });
 }
 
 /// The nearest place in the grids' box, from its corner.
-Point Transport::in_box(Point p) const {
+inline Point Transport::in_box(Point p) const {
     if (torus_) return p;
     return {std::clamp(p.x - origin_.x, 0.0, sides_.x), std::clamp(p.y - origin_.y, 0.0, sides_.y)};
 }
 
 /// Number of the cell of octave 0 that a place lies in.
 /// @param p  in the grids' box
-std::size_t Transport::cell_of(Point p) const {
+inline std::size_t Transport::cell_of(Point p) const {
     const SplineGrid& grid = octaves_[0].grid;
     const auto index = [&](double share, int cells) {
         share = torus_ ? share - whole(share) : std::clamp(share, 0.0, 1.0);
         return static_cast<std::size_t>(std::min(static_cast<int>(share * cells), cells - 1));
     };
-    return index(p.y / sides_.y, grid.rows()) * static_cast<std::size_t>(grid.columns()) +
-           index(p.x / sides_.x, grid.columns());
+    return index(p.y * over_sides_.y, grid.rows()) * static_cast<std::size_t>(grid.columns()) +
+           index(p.x * over_sides_.x, grid.columns());
 }
 
 /// Share of an octave in what belongs to another one.
-double Transport::part(float level, std::size_t octave) {
-    const double distance = std::abs(static_cast<double>(level) - static_cast<double>(octave));
+double Transport::part(std::uint16_t level, std::size_t octave) {
+    const double distance = std::abs(level / kLevels - static_cast<double>(octave));
     return std::max(0.0, 1 - distance);
 }
 
 double Transport::spacing(Point p) const {
     if (spacings_.empty()) return finest_;
-    const auto smooth = static_cast<double>(spacings_[cell_of(in_box(p))]);
+    const double smooth = finest_ * lengthened(spacings_[cell_of(in_box(p))]);
     if (!denser_) return smooth;
     const double local = denser_->at(torus_ ? wrapped(p, sides_) : p);
     return local < finest_ ? local : smooth;
@@ -305,7 +329,7 @@ void Transport::clear() {
 void Transport::spread(Point p, double weight) {
     if (levels_.empty()) return octaves_[0].grid.spread(p, weight);
     const std::size_t cell = cell_of(p);
-    const auto lower = static_cast<std::size_t>(levels_[cell]);
+    const auto lower = static_cast<std::size_t>(levels_[cell] / kLevels);
     for (std::size_t octave = lower; octave < std::min(lower + 2, octaves_.size()); ++octave) {
         const double share = part(levels_[cell], octave);
         if (share > 0) octaves_[octave].grid.spread(p, weight * share);
@@ -339,7 +363,7 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
     std::vector<Point> moved;  // where the box begins elsewhere than the unit frame
     if (!(origin_ == Point{})) moved.resize(sites.size());
     const std::span<const Point> places = moved.empty() ? sites : moved;
-    std::vector<float> levels(sites.size());
+    std::vector<std::uint16_t> levels(sites.size());
     for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (!moved.empty()) moved[i] = in_box(sites[i]);
@@ -363,8 +387,8 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
 template <class Coefficient>
 void Transport::solve(std::span<Coefficient> total) {
     const SplineGrid& finest = octaves_[0].grid;
-    const auto* const own = std::get_if<std::vector<Coefficient>>(&targets_);
-    const std::span<const Coefficient> targets = own ? *own : std::span<const Coefficient>();
+    const auto* const own = std::get_if<std::vector<Kept<Coefficient>>>(&targets_);
+    const std::span<const Kept<Coefficient>> targets = own ? *own : std::span<const Kept<Coefficient>>();
     const std::size_t columns = finest.number(0, 1);
     for_ranges(team_, static_cast<std::size_t>(finest.rows()), kRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {

@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <optional>
 #include <span>
@@ -81,7 +82,7 @@ private:
     void set_fine_targets(const Density& density, const CellBlock& block, const std::stop_token& stop);
     Point in_box(Point p) const;
     std::size_t cell_of(Point p) const;
-    static double part(float level, std::size_t octave);
+    static double part(std::uint16_t level, std::size_t octave);
     void clear();
     void spread(Point p, double weight);
     bool transform(const std::stop_token& stop);
@@ -94,14 +95,15 @@ private:
     bool uniform_;
     Point origin_;  ///< of the box that holds all of the density, and its sides
     Point sides_;
+    Point over_sides_;  ///< 1 over these
     double sites_;
     double finest_ = 0;   ///< spacing of octave 0
     double in_line_ = 0;  ///< the same, were all sites in a line along the longer side; grids are no finer
     std::vector<Octave> octaves_;
     /// [coefficients of octave 0] of the potential that the density alone would have, if it is not uniform.
-    std::variant<std::vector<double>, std::vector<std::complex<double>>> targets_;
-    std::vector<float> levels_;           ///< [cells of octave 0] octave that sites there belong to
-    std::vector<float> spacings_;         ///< [cells of octave 0]
+    std::variant<std::vector<float>, std::vector<std::complex<float>>> targets_;
+    std::vector<std::uint16_t> levels_;    ///< [cells of octave 0] octave that sites there belong to, in kLevels
+    std::vector<std::uint16_t> spacings_;  ///< [cells of octave 0] over octave 0's, shortened()
     std::optional<LocalSpacing> denser_;  ///< if sites are closer somewhere than octave 0 resolves
 };
 
