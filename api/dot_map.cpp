@@ -224,7 +224,7 @@ Result<PlacedDots> place(const SampleRequest& request, const Areas& areas, const
     if (!placed) return tl::unexpected(located(request, areas, placed.error()));
     for (ClassDots& each : placed->classes) {
         if (auto going = check_whole(each.dots, request.on_deadline); !going) return tl::unexpected(going.error());
-        if (auto ordered = order_dots(request, whole, each, control.stop); !ordered)
+        if (auto ordered = order_dots(request, whole, each, control); !ordered)
             return tl::unexpected(ordered.error());
         for (std::uint32_t& feature : each.feature_of) feature = areas.numbers[feature];
     }

@@ -30,9 +30,10 @@ bool is_even(const SampleRequest& request, const Domain& domain) {
 }
 
 std::vector<std::uint32_t> progressive(const SampleRequest& request, const Domain& domain,
-                                       std::span<const Point> points, const std::stop_token& stop) {
-    if (request.coordinates == Coordinates::LonLat) return progressive_order_on_globe(points, stop);
-    return progressive_order(domain, points, is_even(request, domain), stop);
+                                       std::span<const Point> points, const Control& control) {
+    if (request.coordinates == Coordinates::LonLat)
+        return progressive_order_on_globe(points, control.stop, *control.team);
+    return progressive_order(domain, points, is_even(request, domain), control.stop, *control.team);
 }
 
 /// Checks that an order was found in time.
@@ -70,37 +71,36 @@ std::vector<std::uint32_t> inverse(std::span<const std::uint32_t> order) {
 }  // namespace
 
 Result<void> order_points(const SampleRequest& request, const Domain& domain, Distribution& points,
-                          const std::stop_token& stop) {
+                          const Control& control) {
     switch (order_of(request)) {
         case PointOrder::None:
             return {};
         case PointOrder::Path:
-            reorder(points, short_path(points.points, stop));
+            reorder(points, short_path(points.points, control.stop));
             return {};
         case PointOrder::Progressive:
-            reorder(points, progressive(request, domain, points.points, stop));
+            reorder(points, progressive(request, domain, points.points, control));
             points.ranks.resize(points.points.size());
             std::iota(points.ranks.begin(), points.ranks.end(), 0U);
-            return check_order(request, points, stop);
+            return check_order(request, points, control.stop);
     }
     return {};
 }
 
-Result<void> order_dots(const SampleRequest& request, const Domain& whole, ClassDots& dots,
-                        const std::stop_token& stop) {
+Result<void> order_dots(const SampleRequest& request, const Domain& whole, ClassDots& dots, const Control& control) {
     switch (order_of(request)) {
         case PointOrder::None:
             return {};
         case PointOrder::Path:
-            reorder(dots.dots, along_paths(dots, stop));
+            reorder(dots.dots, along_paths(dots, control.stop));
             return {};
         case PointOrder::Progressive: {
-            const auto ranks = inverse(progressive(request, whole, dots.dots.points, stop));
+            const auto ranks = inverse(progressive(request, whole, dots.dots.points, control));
             const auto order = by_features(dots, ranks);
             reorder(dots.dots, order);
             dots.dots.ranks.clear();
             for (const std::uint32_t i : order) dots.dots.ranks.push_back(ranks[i]);
-            return check_order(request, dots.dots, stop);
+            return check_order(request, dots.dots, control.stop);
         }
     }
     return {};

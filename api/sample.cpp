@@ -636,7 +636,7 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
 
     auto placed =
         place_points(request, domain, *density, control).and_then([&, &domain = domain](PlacedPoints&& points) {
-            return order_points(request, domain, points.distribution, control.stop).map([&] {
+            return order_points(request, domain, points.distribution, control).map([&] {
                 return std::move(points);
             });
         });

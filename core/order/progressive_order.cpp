@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/geometry/hexagonal_spacing.h"
+#include "core/geometry/lanes.h"
 #include "core/globe/chart.h"
 #include "core/polish/cell_list.h"
 
@@ -34,7 +35,7 @@ constexpr double kLeastDistance = 0.58;
 
 /// Weight of the surplus around a point beside its crowding. A greater one leaves less power in long waves, and more in
 /// those of two or three spacings.
-constexpr double kSurplusWeight = 0.2;
+constexpr float kSurplusWeight = 0.5F;
 
 /// Distance of the nodes between which surplus is blurred, over that of neighbours in a hexagonal grid.
 constexpr double kNodeDistance = 3;
@@ -42,9 +43,8 @@ constexpr double kNodeDistance = 3;
 /// Points over those that are left whose density is still taken for that of all.
 constexpr std::size_t kManyTimes = 8;
 
-/// Points that a region has yet, at the least. Fewer leave too little to choose from, and lose distance; more take
-/// longer.
-constexpr std::size_t kLeastCrowd = 48;
+/// Points that a region has yet, at the least. Fewer leave too little to choose from, and more noise; more take longer.
+constexpr std::size_t kLeastCrowd = 256;
 
 /// Neighbours whose distance tells how dense points are: enough for a measure that hardly wavers, few enough to be
 /// near.
@@ -54,27 +54,22 @@ double squared_length(Point p) {
     return dot(p, p);
 }
 
-/// Crowding by a neighbour at a share of the reach.
-double crowding(double share) {
-    const double left = 1 - share, squared = left * left;
-    return squared * squared * left;
-}
+/// Crowding by a neighbour at a share of the reach, (1 - share)^5, is (1 - share^2)^5 times a polynomial of 1 -
+/// share^2: within 7 % from a third to nine tenths of it.
+constexpr std::array<float, 5> kCrowding = {0.12919328F, -0.9645656F, 3.58161193F, -5.21164568F, 2.87339624F};
 
-/// Reach of two points that have their own, over the shorter of them at the most.
+/// Reach of two points that have their own, over the shorter of them at the most. It is their geometric mean, lest
+/// where two densities meet the denser or the sparser side lose more than its share.
 constexpr double kMostReach = 1.3;
-
-/// A mean, lest where two densities meet the denser or the sparser side lose more than its share.
-double common_reach(double a, double b) {
-    return a == b ? a : std::min(std::sqrt(a * b), kMostReach * std::min(a, b));
-}
+constexpr float kMostSquare = static_cast<float>(1 / (kMostReach * kMostReach));
 
 /// Spacing of points around each, 1 / sqrt(density), by the distance of its nearest ones.
 class SpacingMeter {
 public:
     /// @param usual  spacing, were points as dense everywhere
-    SpacingMeter(const Domain& domain, std::span<const Point> places, double usual)
+    SpacingMeter(const Domain& domain, std::span<const Point> places, const CellList& near, double usual)
         : places_(places),
-          near_(domain, places),
+          near_(near),
           usual_(usual),
           widest_(2 * (domain.unit_bounds().width() + domain.unit_bounds().height())) {}
 
@@ -102,7 +97,7 @@ private:
     }
 
     std::span<const Point> places_;
-    CellList near_;
+    const CellList& near_;
     double usual_;
     double widest_;  ///< reach from which on all there are have been found
     std::vector<double> squares_;
@@ -188,47 +183,35 @@ public:
         : x_(domain.unit_bounds().width(), distance, domain.is_torus()),
           y_(domain.unit_bounds().height(), distance, domain.is_torus()),
           wanted_(x_.nodes * y_.nodes),
-          surplus_(wanted_.size()),
-          per_reference_(1 / static_cast<float>(reference.size())) {
-        for (const Point p : reference) add(around(p), per_reference_, wanted_);
+          there_(wanted_.size()) {
+        const float per_reference = 1 / static_cast<float>(reference.size());
+        for (const Point p : reference) add(around(p), per_reference, wanted_);
         around_.reserve(points.size());
         for (const Point p : points) {
             around_.push_back(around(p));
-            add(around_.back(), 1, surplus_);
+            add(around_.back(), 1, there_);
         }
         join(wanted_);
-        join(surplus_);
-        want(static_cast<float>(points.size()));
+        join(there_);
     }
 
-    float operator()(std::uint32_t point) const {
-        const Around& at = around_[point];
-        const Weights x = spline(at.x), y = spline(at.y);
-        float sum = 0;
-        for (std::size_t j = 0; j < 3; ++j) {
-            const float* nodes = surplus_.data() + at.node + j * x_.nodes;
-            sum += y[j] * (x[0] * nodes[0] + x[1] * nodes[1] + x[2] * nodes[2]);
-        }
-        return sum;
-    }
+    /// Points around one that there should be, of one in all.
+    float wanted(std::uint32_t point) const { return read(around_[point], wanted_); }
+
+    /// Points around one that there are.
+    float there(std::uint32_t point) const { return read(around_[point], there_); }
 
     void remove(std::uint32_t point) {
         const Around& at = around_[point];
+        const bool repeats = at.column < 2 || at.column + 2 >= x_.period || at.row < 2 || at.row + 2 >= y_.period;
+        if (!repeats) return add(at, -1, there_);
         const Weights x = spline(at.x), y = spline(at.y);
-        const std::size_t column = at.node % x_.nodes, row = at.node / x_.nodes;
         for (std::size_t j = 0; j < 3; ++j) {
-            for (std::size_t i = 0; i < 3; ++i) lower(column + i, row + j, x[i] * y[j]);
+            for (std::size_t i = 0; i < 3; ++i) lower(at.column + i, at.row + j, x[i] * y[j]);
         }
-        if (++removed_ < surplus_.size() / kRemovalsPerNode) return;
-        want(-static_cast<float>(removed_));
-        removed_ = 0;
     }
 
 private:
-    /// What should be is brought up to date when there are so many points less for each node: no more than a share of a
-    /// node's ten points.
-    static constexpr std::size_t kRemovalsPerNode = 8;
-
     using Weights = std::array<float, 3>;
 
     /// Nodes along one side, in the middles of its cells and of one cell beyond either end. Those a period apart are
@@ -255,13 +238,26 @@ private:
 
     /// Nine nodes around a place, by the lowest one, and the place within the cell of the middle one, in [0, 1].
     struct Around {
-        std::uint32_t node;
+        std::uint32_t column, row;
         float x, y;
     };
 
     Around around(Point p) const {
         const std::size_t column = x_.cell(p.x), row = y_.cell(p.y);
-        return {static_cast<std::uint32_t>(row * x_.nodes + column), static_cast<float>(p.x), static_cast<float>(p.y)};
+        return {static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row), static_cast<float>(p.x),
+                static_cast<float>(p.y)};
+    }
+
+    std::size_t node(const Around& at) const { return at.row * x_.nodes + at.column; }
+
+    float read(const Around& at, const std::vector<float>& nodes) const {
+        const Weights x = spline(at.x), y = spline(at.y);
+        float sum = 0;
+        for (std::size_t j = 0; j < 3; ++j) {
+            const float* row = nodes.data() + node(at) + j * x_.nodes;
+            sum += y[j] * (x[0] * row[0] + x[1] * row[1] + x[2] * row[2]);
+        }
+        return sum;
     }
 
     /// Weights of the cell's node and its two neighbours.
@@ -271,14 +267,14 @@ private:
     void add(const Around& at, float factor, std::vector<float>& nodes) const {
         const Weights x = spline(at.x), y = spline(at.y);
         for (std::size_t j = 0; j < 3; ++j) {
-            for (std::size_t i = 0; i < 3; ++i) nodes[at.node + j * x_.nodes + i] += factor * y[j] * x[i];
+            for (std::size_t i = 0; i < 3; ++i) nodes[node(at) + j * x_.nodes + i] += factor * y[j] * x[i];
         }
     }
 
     /// Lowers a node and those that are the same one.
     void lower(std::size_t column, std::size_t row, float weight) {
         for (std::size_t y = row % y_.period; y < y_.nodes; y += y_.period) {
-            for (std::size_t x = column % x_.period; x < x_.nodes; x += x_.period) surplus_[y * x_.nodes + x] -= weight;
+            for (std::size_t x = column % x_.period; x < x_.nodes; x += x_.period) there_[y * x_.nodes + x] -= weight;
         }
     }
 
@@ -296,17 +292,179 @@ private:
         }
     }
 
-    /// Raises what should be by so many points in all.
-    void want(float points) {
-        for (std::size_t i = 0; i < surplus_.size(); ++i) surplus_[i] -= points * wanted_[i];
-    }
-
     Axis x_, y_;
     std::vector<float> wanted_;   ///< [nodes] of one point in all
-    std::vector<float> surplus_;  ///< [nodes]
-    float per_reference_;
-    std::size_t removed_ = 0;     ///< since what should be was brought up to date
+    std::vector<float> there_;    ///< [nodes]
     std::vector<Around> around_;  ///< of points
+};
+
+/// Eight numbers that the processor handles as one, or in parts, by the same operations.
+constexpr std::uint32_t kLanes = 8;
+using Floats = float __attribute__((vector_size(kLanes * sizeof(float)), aligned(alignof(float)), may_alias));
+using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(float)), aligned(alignof(float)), may_alias));
+using Places = std::uint32_t __attribute__((vector_size(kLanes * sizeof(float)), aligned(alignof(float)), may_alias));
+constexpr Ints kLane = {0, 1, 2, 3, 4, 5, 6, 7};
+constexpr float kNone = -std::numeric_limits<float>::infinity();
+
+template <class Wide, class Number>
+Wide& lanes(Number& first) {
+    return reinterpret_cast<Wide&>(first);
+}
+
+/// Points that crowd each other, listed by cells: neighbours stand next to each other and are handled eight at a time.
+class Crowd {
+public:
+    /// Two points that are near each other.
+    struct Pair {
+        float square;  ///< of the share that their distance has of the reach
+        std::uint32_t i, j;
+    };
+
+    /// @param reaches  [n] within which points crowd each other
+    Crowd(const Domain& domain, std::span<const Point> places, std::span<const double> reaches, double widest,
+          Team& team, const std::stop_token& stop)
+        : cells_(domain, places),
+          numbers_(cells_.numbers()),
+          places_(places),
+          reaches_(reaches),
+          widest_(widest),
+          slots_(places.size()),
+          x_(places.size() + kLanes),
+          y_(places.size() + kLanes),
+          nearness_(places.size() + kLanes),
+          crowding_(places.size() + kLanes) {
+        // Integers wrap around as a torus does: their difference is that to the nearest copy.
+        const double range = domain.is_torus() ? 0x1p32 : 0x1p31, usual = reaches[0];
+        const Point sides = domain.unit_bounds().max;
+        for (std::uint32_t k = 0; k < numbers_.size(); ++k) {
+            const std::uint32_t i = numbers_[k];
+            slots_[i] = k;
+            x_[k] = static_cast<std::uint32_t>(static_cast<std::int64_t>(places[i].x / sides.x * range));
+            y_[k] = static_cast<std::uint32_t>(static_cast<std::int64_t>(places[i].y / sides.y * range));
+            nearness_[k] = static_cast<float>(usual / reaches[i]);
+        }
+        x_unit_ = static_cast<float>(sides.x / range / usual);
+        y_unit_ = static_cast<float>(sides.y / range / usual);
+        std::vector<std::vector<Pair>> pairs((places.size() + kRange - 1) / kRange);
+        for_ranges(team, places.size(), kRange, [&](std::size_t begin, std::size_t end) {
+            std::vector<CellList::Run> runs;
+            for (auto k = static_cast<std::uint32_t>(begin); k < end && !stop.stop_requested(); ++k) {
+                find_near(k, 1, runs);
+                const float nearest = is_wide_ ? add_wide(k, runs) : add_narrow(k, runs);
+                if (nearest < kLeastSquare) find_pairs(k, pairs[begin / kRange]);
+            }
+        });
+        for (const auto& each : pairs) pairs_.insert(pairs_.end(), each.begin(), each.end());
+        std::ranges::sort(pairs_, {}, [](const Pair& pair) { return std::tuple(pair.square, pair.i, pair.j); });
+    }
+
+    /// Those that come too near in a step, the nearest first; where points coincide some of them.
+    std::span<const Pair> pairs() const { return pairs_; }
+
+    float operator()(std::uint32_t point) const { return crowding_[slots_[point]]; }
+
+    void remove(std::uint32_t point) {
+        const std::uint32_t k = slots_[point];
+        find_near(k, 1, runs_);
+        is_wide_ ? subtract_wide(k) : subtract_narrow(k);
+        crowding_[k] = kNone;
+    }
+
+private:
+    static constexpr std::size_t kRange = 4'096;  ///< points of a task
+    static constexpr float kLeastSquare = static_cast<float>((kLeastDistance / kReach) * (kLeastDistance / kReach));
+
+    void find_near(std::uint32_t k, double share, std::vector<CellList::Run>& runs) const {
+        const std::uint32_t i = numbers_[k];
+        cells_.find_near(places_[i], share * widest_ * reaches_[i], runs);
+    }
+
+    /// Squared shares that the distances to a point have of the reach; 1 of what is behind the end, and of itself.
+    CCDT_INLINE void get_squares(std::uint32_t k, std::uint32_t begin, std::uint32_t end, Floats& squares) const {
+        const Floats x = __builtin_convertvector(Ints(lanes<const Places>(x_[begin]) - x_[k]), Floats) * x_unit_;
+        const Floats y = __builtin_convertvector(Ints(lanes<const Places>(y_[begin]) - y_[k]), Floats) * y_unit_;
+        const Floats other = lanes<const Floats>(nearness_[begin]);
+        const Floats own = Floats{} + nearness_[k];
+        const Floats nearer = other > own ? other : own, capped = nearer * nearer * kMostSquare, both = other * own;
+        const Floats square = (x * x + y * y) * (both > capped ? both : capped);
+        const Ints left = kLane + static_cast<std::int32_t>(begin);
+        const Ints counts = (left < static_cast<std::int32_t>(end)) & (left != static_cast<std::int32_t>(k));
+        squares = counts ? square : Floats{} + 1;
+    }
+
+    CCDT_INLINE static void get_crowding(const Floats& squares, Floats& crowding) {
+        const Floats left = squares < 1 ? 1 - squares : Floats{}, square = left * left;
+        const Floats factor =
+            kCrowding[0] + left * (kCrowding[1] + left * (kCrowding[2] + left * (kCrowding[3] + left * kCrowding[4])));
+        crowding = square * square * left * factor;
+    }
+
+    /// Sums the crowding of a point. @returns the square of the nearest one
+    CCDT_INLINE float add(std::uint32_t k, const std::vector<CellList::Run>& runs) {
+        Floats sum{}, nearest = Floats{} + 1;
+        for (const auto [begin, end] : runs) {
+            for (std::uint32_t each = begin; each < end; each += kLanes) {
+                Floats squares, crowding;
+                get_squares(k, each, end, squares);
+                get_crowding(squares, crowding);
+                sum += crowding;
+                nearest = squares < nearest ? squares : nearest;
+            }
+        }
+        float all = 0, least = 1;
+        for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+            all += sum[lane];
+            least = std::min(least, nearest[lane]);
+        }
+        crowding_[k] = all;
+        return least;
+    }
+    CCDT_TWO_LANES float add_wide(std::uint32_t k, const std::vector<CellList::Run>& runs) { return add(k, runs); }
+    float add_narrow(std::uint32_t k, const std::vector<CellList::Run>& runs) { return add(k, runs); }
+
+    CCDT_INLINE void subtract(std::uint32_t k) {
+        for (const auto [begin, end] : runs_) {
+            for (std::uint32_t each = begin; each < end; each += kLanes) {
+                Floats squares, crowding;
+                get_squares(k, each, end, squares);
+                get_crowding(squares, crowding);
+                lanes<Floats>(crowding_[each]) -= crowding;
+            }
+        }
+    }
+    CCDT_TWO_LANES void subtract_wide(std::uint32_t k) { subtract(k); }
+    void subtract_narrow(std::uint32_t k) { subtract(k); }
+
+    void find_pairs(std::uint32_t k, std::vector<Pair>& pairs) const {
+        std::vector<CellList::Run> runs;
+        find_near(k, kLeastDistance / kReach, runs);
+        for (const auto [begin, end] : runs) {
+            for (std::uint32_t each = begin; each < end; each += kLanes) {
+                Floats squares;
+                get_squares(k, each, end, squares);
+                for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+                    if (squares[lane] < kLeastSquare && each + lane > k && pairs.size() < 3 * kRange)
+                        pairs.push_back({squares[lane], numbers_[k], numbers_[each + lane]});
+                }
+            }
+        }
+    }
+
+    const bool is_wide_ = has_two_lanes();
+    CellList cells_;
+    std::vector<std::uint32_t> numbers_;  ///< of points, as they are listed
+    std::span<const Point> places_;
+    std::span<const double> reaches_;
+    double widest_;
+    std::vector<std::uint32_t> slots_;  ///< of points in the list
+    std::vector<Pair> pairs_;
+    std::vector<CellList::Run> runs_;  ///< of the point that is removed
+    float x_unit_, y_unit_;            ///< of coordinates, over the first point's reach
+
+    // As listed, and eight behind the end.
+    std::vector<std::uint32_t> x_, y_;
+    std::vector<float> nearness_;  ///< the first point's reach over the own one
+    std::vector<float> crowding_;
 };
 
 /// Takes points away, a step after the other, in which reaches stay the same.
@@ -314,22 +472,22 @@ class Elimination {
 public:
     /// @param even  all spacings are the same
     Elimination(const Domain& domain, std::vector<Point> places, std::vector<double> spacings, bool even,
-                Regions regions)
+                Regions regions, Team& team)
         : domain_(domain),
           places_(std::move(places)),
           spacings_(std::move(spacings)),
           widest_(even ? 1 : kMostReach),
           regions_(std::move(regions)),
           left_(places_.size()),
-          reference_(places_) {
+          reference_(places_),
+          team_(team) {
         std::iota(left_.begin(), left_.end(), 0U);
     }
 
     /// Takes a step. @returns the points that went, the first one first
     std::vector<std::uint32_t> step(const std::stop_token& stop) {
         target_ = static_cast<std::size_t>(static_cast<double>(left_.size()) * kStep);
-        set_neighbours();
-        crowd(stop);
+        set_neighbours(stop);
         depth_ = regions_.depth(left_.size());
         begins_ = {0};
         for (const std::uint32_t count : regions_.left(depth_)) begins_.push_back(begins_.back() + count);
@@ -348,13 +506,7 @@ public:
     const std::vector<std::uint32_t>& left() const { return left_; }
 
 private:
-    /// Two points that are near each other.
-    struct Pair {
-        double share;  ///< of their distance, of the reach
-        std::uint32_t i, j;
-    };
-
-    void set_neighbours() {
+    void set_neighbours(const std::stop_token& stop) {
         const double share = std::max(static_cast<double>(target_), 1.0) / static_cast<double>(places_.size());
         const double reach = kReach * hexagonal_spacing(share);
         near_places_.clear();
@@ -363,14 +515,22 @@ private:
             near_places_.push_back(places_[i]);
             reaches_.push_back(reach * spacings_[i]);
         }
-        near_.emplace(domain_, near_places_);
-        crowding_.assign(left_.size(), 0);
+        crowd_.emplace(domain_, near_places_, reaches_, widest_, team_, stop);
+        next_pair_ = 0;
         is_there_.assign(left_.size(), 1);
         if (reference_.size() > kManyTimes * left_.size()) {
             sparse_ = near_places_;
             reference_ = sparse_;
         }
         surplus_.emplace(domain_, reference_, near_places_, node_distance());
+        bounds_.resize(left_.size() + kLanes);
+        wanted_.resize(left_.size() + kLanes);
+        for_ranges(team_, left_.size(), kStopStride, [&](std::size_t begin, std::size_t end) {
+            for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+                wanted_[i] = kSurplusWeight * surplus_->wanted(i);
+                bounds_[i] = without_wanted(i);
+            }
+        });
     }
 
     /// Of nodes that are no more than about as many as the points, whatever the domain's shape.
@@ -381,69 +541,67 @@ private:
                          std::sqrt(box.width() * box.height() / left), std::max(box.width(), box.height()) / left});
     }
 
-    /// Calls function(j, share) with each neighbour j that is still there, of those left, and the share of the reach
-    /// that it is away.
-    /// @param first  the lowest j wanted
-    template <class Function>
-    void for_neighbours(std::uint32_t i, Function&& function, std::uint32_t first = 0) const {
-        const Point here = near_places_[i];
-        near_->for_near(here, widest_ * reaches_[i], [&](Point place, std::uint32_t j) {
-            if (j < first || j == i || is_there_[j] == 0) return;
-            const double square = squared_length(place - here), reach = common_reach(reaches_[i], reaches_[j]);
-            if (square < reach * reach) function(j, std::sqrt(square) / reach);
-        });
-    }
-
-    void crowd(const std::stop_token& stop) {
-        pairs_.clear();
-        next_pair_ = 0;
-        // All that come too near in this step; where points coincide some of them will do.
-        const std::size_t most = 3 * left_.size();
-        for (std::uint32_t i = 0; i < left_.size(); ++i) {
-            if (i % kStopStride == 0 && stop.stop_requested()) break;
-            for_neighbours(
-                i,
-                [&](std::uint32_t j, double share) {
-                    const double each = crowding(share);
-                    crowding_[i] += each;
-                    crowding_[j] += each;
-                    if (share < kLeastDistance / kReach && pairs_.size() < most) pairs_.push_back({share, i, j});
-                },
-                i + 1);
-        }
-        std::ranges::sort(pairs_, {}, [](const Pair& pair) { return std::tuple(pair.share, pair.i, pair.j); });
-    }
-
     /// Point to go next: one of two that would be too near each other among so many that stay, if there are such.
     std::uint32_t next(std::size_t stay) {
         const double grown = static_cast<double>(target_) / static_cast<double>(std::max<std::size_t>(stay, 1));
         const double least = kLeastDistance / kReach * std::sqrt(grown);
-        for (; next_pair_ < pairs_.size() && pairs_[next_pair_].share < least; ++next_pair_) {
-            const auto [share, i, j] = pairs_[next_pair_];
-            if (is_there_[i] != 0 && is_there_[j] != 0) return excess(i) > excess(j) ? i : j;
+        const auto left = static_cast<float>(stay + 1);
+        const std::span<const Crowd::Pair> pairs = crowd_->pairs();
+        for (; next_pair_ < pairs.size() && pairs[next_pair_].square < least * least; ++next_pair_) {
+            const auto [square, i, j] = pairs[next_pair_];
+            if (is_there_[i] != 0 && is_there_[j] != 0) return excess(i, left) > excess(j, left) ? i : j;
         }
         const std::size_t region = regions_.turn(depth_);
-        return most_crowded(begins_[region], begins_[region + 1]);
+        return most_crowded(begins_[region], begins_[region + 1], left);
     }
 
-    double excess(std::uint32_t i) const { return crowding_[i] + kSurplusWeight * double{(*surplus_)(i)}; }
+    float without_wanted(std::uint32_t i) const { return (*crowd_)(i) + kSurplusWeight * surplus_->there(i); }
+    float excess(std::uint32_t i, float left) const { return without_wanted(i) - left * wanted_[i]; }
 
-    std::uint32_t most_crowded(std::uint32_t begin, std::uint32_t end) const {
-        std::uint32_t most = end;
-        double largest = -std::numeric_limits<double>::infinity();
-        for (std::uint32_t i = begin; i < end; ++i) {
-            if (is_there_[i] == 0) continue;
-            const double own = excess(i);
-            if (own <= largest) continue;
+    /// Finds the point of the largest excess. Both of its parts that are not known beforehand only fall in a step, so
+    /// that what they were is a bound of what they are.
+    std::uint32_t most_crowded(std::uint32_t begin, std::uint32_t end, float left) {
+        Ints found;
+        is_wide_ ? find_largest_wide(begin, end, left, found) : find_largest_narrow(begin, end, left, found);
+        std::uint32_t most = begin;
+        float largest = kNone;
+        const auto look_at = [&](std::uint32_t i) {
+            bounds_[i] = without_wanted(i);
+            const float own = bounds_[i] - left * wanted_[i];
+            if (own < largest || (own == largest && i > most)) return;
             largest = own;
             most = i;
+        };
+        for (std::uint32_t lane = 0; lane < kLanes; ++lane) look_at(static_cast<std::uint32_t>(found[lane]));
+        for (std::uint32_t i = begin; i < end; ++i) {
+            if (bounds_[i] - left * wanted_[i] > largest) look_at(i);
         }
         return most;
     }
 
+    /// Finds a point of a large bound, of every eighth one the largest.
+    CCDT_INLINE void find_largest(std::uint32_t begin, std::uint32_t end, float left, Ints& found) const {
+        Floats most = Floats{} + kNone;
+        found = Ints{} + static_cast<std::int32_t>(begin);
+        for (std::uint32_t i = begin; i < end; i += kLanes) {
+            const Ints each = kLane + static_cast<std::int32_t>(i);
+            const Floats bound = lanes<const Floats>(bounds_[i]) - left * lanes<const Floats>(wanted_[i]);
+            const Ints more = (bound > most) & (each < static_cast<std::int32_t>(end));
+            most = more ? bound : most;
+            found = more ? each : found;
+        }
+    }
+    CCDT_TWO_LANES void find_largest_wide(std::uint32_t begin, std::uint32_t end, float left, Ints& found) const {
+        find_largest(begin, end, left, found);
+    }
+    void find_largest_narrow(std::uint32_t begin, std::uint32_t end, float left, Ints& found) const {
+        find_largest(begin, end, left, found);
+    }
+
     void remove(std::uint32_t i) {
         is_there_[i] = 0;
-        for_neighbours(i, [&](std::uint32_t j, double share) { crowding_[j] -= crowding(share); });
+        bounds_[i] = kNone;
+        crowd_->remove(i);
         surplus_->remove(i);
         const auto region = std::ranges::upper_bound(begins_, i) - begins_.begin() - 1;
         regions_.take(depth_, static_cast<std::size_t>(region));
@@ -458,6 +616,7 @@ private:
     }
 
     const Domain& domain_;
+    const bool is_wide_ = has_two_lanes();
     std::vector<Point> places_;     ///< [n] in the unit frame
     std::vector<double> spacings_;  ///< [n]
     double widest_;                 ///< reach of a point and another one, over its own
@@ -465,6 +624,7 @@ private:
     std::vector<std::uint32_t> left_;
     std::span<const Point> reference_;  ///< points of all's density
     std::vector<Point> sparse_;         ///< them, when they are no longer all
+    Team& team_;
 
     // Of those left when the step began.
     std::size_t target_ = 0;             ///< points left at its end
@@ -472,26 +632,27 @@ private:
     std::vector<std::uint32_t> begins_;  ///< of regions
     std::vector<Point> near_places_;
     std::vector<double> reaches_;
-    std::optional<CellList> near_;
-    std::vector<double> crowding_;
+    std::optional<Crowd> crowd_;
     std::vector<std::uint8_t> is_there_;
     std::optional<Surplus> surplus_;
-    std::vector<Pair> pairs_;  ///< the nearest first
+    std::vector<float> wanted_;  ///< of the surplus' weighted part, for one point that is left
+    std::vector<float> bounds_;  ///< of excess without what is wanted
     std::size_t next_pair_ = 0;
 };
 
 /// @param even  points are as dense everywhere
 /// @returns     spacing around each
-std::vector<double> spacings_of(const Domain& domain, std::span<const Point> places, bool even,
+std::vector<double> spacings_of(const Domain& domain, std::span<const Point> places, bool even, Team& team,
                                 const std::stop_token& stop) {
     const double usual = std::sqrt(domain.unit_area() / static_cast<double>(places.size()));
     std::vector<double> spacings(places.size(), usual);
     if (even) return spacings;
-    SpacingMeter meter(domain, places, usual);
-    for (std::uint32_t i = 0; i < places.size(); ++i) {
-        if (i % kStopStride == 0 && stop.stop_requested()) break;
-        spacings[i] = meter(i);
-    }
+    const CellList near(domain, places);
+    for_ranges(team, places.size(), kStopStride, [&](std::size_t begin, std::size_t end) {
+        if (stop.stop_requested()) return;
+        SpacingMeter meter(domain, places, near, usual);
+        for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) spacings[i] = meter(i);
+    });
     return spacings;
 }
 
@@ -508,7 +669,7 @@ constexpr double kLeastSide = 1e-9;  ///< of a chart's square, should all points
 
 /// Orders points of the unit frame.
 std::vector<std::uint32_t> order_places(const Domain& domain, std::span<const Point> unsorted, bool even,
-                                        const std::stop_token& stop) {
+                                        const std::stop_token& stop, Team& team) {
     std::vector<std::uint32_t> order;
     if (unsorted.empty()) return order;
     std::vector<std::uint32_t> numbers(unsorted.size());
@@ -517,9 +678,9 @@ std::vector<std::uint32_t> order_places(const Domain& domain, std::span<const Po
     std::vector<Point> places;
     places.reserve(unsorted.size());
     for (const std::uint32_t i : numbers) places.push_back(unsorted[i]);
-    std::vector<double> spacings = spacings_of(domain, places, even, stop);
+    std::vector<double> spacings = spacings_of(domain, places, even, team, stop);
 
-    Elimination elimination(domain, std::move(places), std::move(spacings), even, std::move(regions));
+    Elimination elimination(domain, std::move(places), std::move(spacings), even, std::move(regions), team);
     while (elimination.left().size() > 1 && !stop.stop_requested()) {
         const std::vector<std::uint32_t> gone = elimination.step(stop);
         order.insert(order.end(), gone.begin(), gone.end());
@@ -533,14 +694,15 @@ std::vector<std::uint32_t> order_places(const Domain& domain, std::span<const Po
 }  // namespace
 
 std::vector<std::uint32_t> progressive_order(const Domain& domain, std::span<const Point> points, bool even,
-                                             const std::stop_token& stop) {
+                                             const std::stop_token& stop, Team& team) {
     std::vector<Point> places;
     places.reserve(points.size());
     for (const Point p : points) places.push_back(domain.to_unit(p));
-    return order_places(domain, places, even, stop);
+    return order_places(domain, places, even, stop, team);
 }
 
-std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> points, const std::stop_token& stop) {
+std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> points, const std::stop_token& stop,
+                                                      Team& team) {
     if (points.empty()) return {};
     std::vector<Direction> directions;
     directions.reserve(points.size());
@@ -561,7 +723,7 @@ std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> poi
     const double side = std::max({box.width(), box.height(), kLeastSide});
     const Domain square = Domain::rectangle(side, side).value();
     for (Point& p : places) p = square.to_unit(p - box.min);
-    return order_places(square, places, false, stop);
+    return order_places(square, places, false, stop, team);
 }
 
 }  // namespace ccdt

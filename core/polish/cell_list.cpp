@@ -23,6 +23,47 @@ CellList::CellList(const Domain& domain, std::span<const Point> places)
     divide(domain.unit_bounds(), 0, static_cast<std::uint32_t>(sorted_.size()), 0);
 }
 
+void CellList::find_near(Point p, double reach, std::vector<Run>& runs) const {
+    runs.clear();
+    const Grid& grid = grids_.front();
+    const Range x = around(p.x, reach, grid.x), y = around(p.y, reach, grid.y);
+    for (int j = y.first; j <= y.last; ++j) {
+        const int row = wrapped(j, grid.y.cells);
+        const Point from{p.x, p.y - (j - row) / grid.y.cells * sides_.y};
+        // On a torus the cells before the first one, and those behind the last one, are at the other end.
+        const auto add = [&](int first, int last, int period) {
+            const int shift = period * grid.x.cells;
+            const Range part{std::max(first, x.first) - shift, std::min(last, x.last) - shift};
+            if (part.first <= part.last) add_row(grid, row, part, {p.x - period * sides_.x, from.y}, reach, runs);
+        };
+        add(-grid.x.cells, -1, -1);
+        add(0, grid.x.cells - 1, 0);
+        add(grid.x.cells, 2 * grid.x.cells - 1, 1);
+    }
+}
+
+void CellList::add_row(const Grid& grid, int row, Range columns, Point p, double reach, std::vector<Run>& runs) const {
+    const std::size_t last = grid.cell(columns.last, row);
+    std::size_t k = grid.cell(columns.first, row);
+    while (k <= last) {
+        const std::uint32_t begin = cells_[k].begin;
+        while (k <= last && cells_[k].grid == 0) ++k;
+        if (cells_[k].begin > begin) runs.push_back({begin, cells_[k].begin});
+        if (k > last) return;
+        const Grid& inner = grids_[cells_[k++].grid];
+        const Range inside{inner.x.cell(p.x - reach), inner.x.cell(p.x + reach)};
+        for (int j = inner.y.cell(p.y - reach); j <= inner.y.cell(p.y + reach); ++j)
+            add_row(inner, j, inside, p, reach, runs);
+    }
+}
+
+std::vector<std::uint32_t> CellList::numbers() const {
+    std::vector<std::uint32_t> numbers;
+    numbers.reserve(sorted_.size());
+    for (const Listed& listed : sorted_) numbers.push_back(listed.number);
+    return numbers;
+}
+
 /// Sorts places into the cells of a grid over the box, and those of crowded cells into grids of theirs.
 void CellList::divide(const Box& box, std::uint32_t begin, std::uint32_t end, int depth) {
     const double count = end - begin;

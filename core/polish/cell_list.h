@@ -35,6 +35,17 @@ public:
         }
     }
 
+    /// Places that follow each other in the list.
+    struct Run {
+        std::uint32_t begin, end;
+    };
+
+    /// Finds the places that for_near() calls with, as runs. @param runs  cleared before
+    void find_near(Point p, double reach, std::vector<Run>& runs) const;
+
+    /// Numbers of the places, as they are listed.
+    std::vector<std::uint32_t> numbers() const;
+
 private:
     struct Axis {
         double origin = 0;
@@ -97,6 +108,9 @@ private:
                 look_into(grid.cell(i, j), p, reach, shift, function);
         }
     }
+
+    /// Adds the places of a row's cells.
+    void add_row(const Grid& grid, int row, Range columns, Point p, double reach, std::vector<Run>& runs) const;
 
     void divide(const Box& box, std::uint32_t begin, std::uint32_t end, int depth);
 
