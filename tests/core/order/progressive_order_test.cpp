@@ -12,6 +12,7 @@
 #include "core/ccdt/ccdt.h"
 #include "core/globe/chart.h"
 #include "core/order/reorder.h"
+#include "core/parallel/thread_team.h"
 #include "core/random.h"
 #include "tests/support/evenness.h"
 
@@ -51,6 +52,22 @@ TEST(ProgressiveOrder, SpreadsTheFirstPointsAnyNumberOfThem) {
             EXPECT_GT(first.min_distance, 0.57) << seed << ' ' << k;
             EXPECT_GT(first.mean_distance, 0.71) << seed << ' ' << k;
             EXPECT_LT(*first.low_frequency_power, 0.13) << seed << ' ' << k;
+        }
+    }
+}
+
+TEST(ProgressiveOrder, IsTheSameByAnyTeam) {
+    constexpr std::size_t kPoints = 20'000;  // enough for several tasks
+    Random random(4, 0);
+    std::vector<Point> points(kPoints);
+    for (Point& p : points) p = {random.uniform() * random.uniform(), random.uniform()};
+    for (const Domain& domain : {Domain::torus(1, 1).value(), Domain::rectangle(1, 1).value()}) {
+        for (const bool even : {true, false}) {
+            const auto order = progressive_order(domain, points, even);
+            for (const std::size_t size : {2, 16}) {
+                ThreadTeam team(size);
+                EXPECT_EQ(progressive_order(domain, points, even, {}, team), order);
+            }
         }
     }
 }
