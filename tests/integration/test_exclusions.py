@@ -145,7 +145,8 @@ class Avoided(ServerCase):
             answer = self.sample(sites=2000, geometry=geometry, buffer=metres, coordinates="lonlat")
             least = self.least_metres(numpy.array(answer["points"]), shapely.geometry.shape(geometry), metres)
             self.assertGreaterEqual(least, 0.999 * metres)
-            self.assertLess(least, 1.04 * metres + 0.3 * answer["pitch_m"])
+            # Rows of sites that follow a border stand half of their distance, sqrt(3) / 4 pitches, from it.
+            self.assertLess(least, 1.04 * metres + 0.44 * answer["pitch_m"])
 
     def test_the_globe_without_an_island_keeps_off_that_alone(self):
         globe = [[-180, -90], [180, -90], [180, 90], [-180, 90]]
