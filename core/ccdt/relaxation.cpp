@@ -615,9 +615,7 @@ void Relaxation::move_group_exactly(std::size_t level, std::size_t number) {
 /// Moves a site by the true capacities. A triangle (v, from, to) gains what its edge v-from sweeps on its right, and
 /// loses what v-to sweeps.
 void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
-    ring.vertices.clear();
-    ring.lifts.clear();
-    ring.gradients.clear();
+    ring.triangles.clear();
     NormalEquations equations;
     const std::uint32_t first = mesh_.edge_of(site);
     std::uint32_t h = first;
@@ -631,19 +629,47 @@ void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
         const Term term = this->term(triangle);
         equations.add(term.scale * gradient, term.scale * unit_ * flows_[triangle].capacity - term.target);
         equations.add_springs(from, to, options_.spring * term.spring);
-        ring.vertices.push_back(mesh_.target(h));
-        ring.lifts.push_back(mesh_.distance(mesh_.shift(h)));
-        ring.gradients.push_back(gradient);
+        ring.triangles.push_back({triangle, mesh_.target(h), from, gradient});
         h = after;
     } while (h != first);
     const Point before = mesh_.point(site);
-    move(site, fenced(site, minimum(equations.xx, equations.xy, equations.yy, equations.gradient)),
-         {ring.vertices, ring.lifts.data()}, ring.vertices.size());
-    const Point by = mesh_.point(site) - before;
-    for (const Point gradient : ring.gradients) {
-        flows_[Triangulation::triangle_of(h)].capacity += dot(gradient, by) / unit_;
-        h = mesh_.twin(Triangulation::previous(h));
+    const Point by = fenced(site, minimum(equations.xx, equations.xy, equations.yy, equations.gradient));
+    if (surely_fits(site, by, ring)) {
+        mesh_.points()[site] = rounded(before + by);
+    } else {
+        move_carefully(site, by, ring);
     }
+    const Point moved = mesh_.point(site) - before;
+    for (const ExactTriangle& t : ring.triangles) flows_[t.triangle].capacity += dot(t.gradient, moved) / unit_;
+}
+
+/// Tells that move() would neither shorten a move nor refuse it, in a fraction of its time; if unsure, that it might.
+inline bool Relaxation::surely_fits(std::uint32_t site, Point by, const ExactRing& ring) const {
+    const std::size_t count = ring.triangles.size();
+    const double flattest = options_.least_height * options_.least_height;
+    bool fits = true;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Point from = ring.triangles[i].from, to = ring.triangles[i + 1 < count ? i + 1 : 0].from;
+        const double area = cross(from, to);
+        const double moved = area + ((from.y - to.y) * by.x + (to.x - from.x) * by.y);
+        const double longest = 2 * (dot(from, from) + dot(to, to));  // at least
+        fits &= moved >= kKeptArea * area && moved >= kLeastShape * longest && moved * moved >= flattest * longest &&
+                ring.triangles[i].vertex != site;
+    }
+    return fits;
+}
+
+void Relaxation::move_carefully(std::uint32_t site, Point by, ExactRing& ring) {
+    ring.vertices.clear();
+    ring.lifts.clear();
+    const std::uint32_t first = mesh_.edge_of(site);
+    std::uint32_t h = first;
+    do {
+        ring.vertices.push_back(mesh_.target(h));
+        ring.lifts.push_back(mesh_.distance(mesh_.shift(h)));
+        h = mesh_.twin(Triangulation::previous(h));
+    } while (h != first);
+    move(site, by, {ring.vertices, ring.lifts.data()}, ring.vertices.size());
 }
 
 double Relaxation::energy() const {

@@ -140,11 +140,19 @@ private:
         void keep(const Batches& batches, std::span<std::uint32_t> room);
     };
 
-    /// Room for what lies around a site in an exact pass.
+    /// Of a triangle (site, from, to) in an exact pass.
+    struct ExactTriangle {
+        std::uint32_t triangle;
+        std::uint32_t vertex;  ///< from
+        Point from;            ///< seen from the site
+        Point gradient;        ///< of its capacity
+    };
+
+    /// Room for what lies around a site in an exact pass, counter-clockwise.
     struct ExactRing {
-        std::vector<std::uint32_t> vertices;
+        std::vector<ExactTriangle> triangles;
+        std::vector<std::uint32_t> vertices;  ///< these and lifts for the general path
         std::vector<Point> lifts;
-        std::vector<Point> gradients;  ///< of the triangles' capacities
     };
 
     /// Neighbours of a vertex on the general path, counter-clockwise; the one after the last is the first.
@@ -184,6 +192,8 @@ private:
         return flows_[Triangulation::triangle_of(edge)].swept[Triangulation::number_of(edge)];
     }
     void move_exactly(std::uint32_t site, ExactRing& ring);
+    bool surely_fits(std::uint32_t site, Point by, const ExactRing& ring) const;
+    void move_carefully(std::uint32_t site, Point by, ExactRing& ring);
     void slide(const Fans& fans, const Fan& fan);
     void move(std::uint32_t vertex, Point by, const Ring& ring, std::size_t triangles);
     Point fenced(std::uint32_t site, Point by) const {
