@@ -7,11 +7,14 @@
 #include <utility>
 
 #include "core/density/grid_walk.h"
+#include "core/density/pieces_walk.h"
+#include "core/geometry/lanes.h"
 #include "core/mesh/edge_list.h"
 
 namespace ccdt {
 
-CapacityIntegral::CapacityIntegral(const Domain& domain, const Density& density) : density_(density) {
+CapacityIntegral::CapacityIntegral(const Domain& domain, const Density& density, bool by_four)
+    : density_(density), by_four_(by_four) {
     constexpr double kRounding = 1e-12;  // of the sums along the border, over the density's total
     if (density.is_uniform()) {
         total_ = domain.unit_area();
@@ -62,6 +65,14 @@ bool leaves_box(const Triangulation& mesh, std::uint32_t edge) {
            !is_in(mesh.point(mesh.origin(edge)), mesh.period()) || !is_in(mesh.point(mesh.target(edge)), mesh.period());
 }
 
+/// Numbers of the lanes, each by its place among them.
+template <class Lanes, class Number>
+CCDT_INLINE inline typename Lanes::Pairs each(Number&& number) {
+    std::array<Pair, Lanes::kCount> pairs;
+    for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) pairs[lane] = Pair{number(2 * lane), number(2 * lane + 1)};
+    return Lanes::join(pairs);
+}
+
 }  // namespace
 
 /// Integral of the rows' totals up to y.
@@ -75,30 +86,72 @@ double CapacityIntegral::rows_below(double y) const {
     return copy * rows_below_.back() + rows_below_[row] + (inside - static_cast<double>(row)) * part;
 }
 
-template <bool kRepeated>
-CapacityIntegral::Sweep CapacityIntegral::sweep(Point a, Point b) const {
-    const int columns = density_.width(), rows = density_.height();
+/// Follows as many segments at once as there are numbers in the lanes; where there are fewer, the last one again.
+template <bool kRepeated, class Lanes>
+CCDT_INLINE inline void CapacityIntegral::sweep_by(std::span<const Segment> segments, std::span<Sweep> sweeps) const {
+    using Pairs = typename Lanes::Pairs;
+    constexpr std::size_t kCount = Segments<Lanes>::kCount;
     constexpr int kCopies = kRepeated ? 2 * kRepeats : 1;
-    const Point offset{kRepeated ? static_cast<double>(kRepeats) * columns : 0.0,
-                       kRepeated ? static_cast<double>(kRepeats) * rows : 0.0};
-    const Point from = to_grid(a) + offset, to = to_grid(b) + offset;
-    const double* all_sums = density_.row_sums(0).data();
-    const auto stride = static_cast<std::ptrdiff_t>(columns) + 1;
-    Sweep sum;
-    walk_pieces(from, to, kCopies * columns, kCopies * rows, [&](int column, int row, double t0, double t1) {
-        const double* sums = all_sums + (kRepeated ? row % rows : row) * stride;
-        const int i = kRepeated ? column % columns : column;
-        const double value = sums[i + 1] - sums[i];
-        const double length = t1 - t0, middle = (t0 + t1) / 2;
-        const double x = from.x + middle * (to.x - from.x);
-        double below = sums[i] + (x - column) * value;
-        if (kRepeated) below += (column / columns - kRepeats) * sums[columns];
-        sum.flow += below * length;
-        sum.near += value * length;
-        sum.far += value * length * middle;
-    });
+    const int columns = density_.width(), rows = density_.height();
+    const double width = columns, height = rows, stride = width + 1;
+    const Point offset{kRepeated ? kRepeats * width : 0, kRepeated ? kRepeats * height : 0};
+    const double* const all_sums = density_.row_sums(0).data();
     const double scale = to_grid_.x * to_grid_.y;
-    return {sum.flow * (to.y - from.y), (sum.near - sum.far) * scale, sum.far * scale};
+    for (std::size_t first = 0; first < segments.size(); first += kCount) {
+        const auto segment = [&](std::size_t k) -> const Segment& {
+            return segments[std::min(first + k, segments.size() - 1)];
+        };
+        const Segments<Lanes> few{
+            each<Lanes>([&](std::size_t k) CCDT_INLINE { return segment(k).a.x * to_grid_.x + offset.x; }),
+            each<Lanes>([&](std::size_t k) CCDT_INLINE { return segment(k).a.y * to_grid_.y + offset.y; }),
+            each<Lanes>([&](std::size_t k) CCDT_INLINE { return segment(k).b.x * to_grid_.x + offset.x; }),
+            each<Lanes>([&](std::size_t k) CCDT_INLINE { return segment(k).b.y * to_grid_.y + offset.y; })};
+        const Pairs along_x = few.bx - few.ax;
+        Pairs flow{}, near{}, far{};
+        const auto add = [&](Pairs column, Pairs row, Pairs from, Pairs to) CCDT_INLINE {
+            Pairs i = column, j = row, copies{};  // of the grid before this one, but for the offset
+            if constexpr (kRepeated) {
+                copies = Lanes::whole(column / width);
+                i -= copies * width;
+                j -= Lanes::whole(row / height) * height;
+            }
+            const Pairs at = j * stride + i;
+            const auto sums = [&](std::size_t k) CCDT_INLINE { return all_sums + static_cast<std::size_t>(at[k]); };
+            const Pairs before = each<Lanes>([&](std::size_t k) CCDT_INLINE { return sums(k)[0]; });
+            const Pairs after = each<Lanes>([&](std::size_t k) CCDT_INLINE { return sums(k)[1]; });
+            const Pairs value = after - before, length = to - from, middle = (from + to) * 0.5;
+            const Pairs x = few.ax + middle * along_x;
+            Pairs below = before + (x - column) * value;
+            if constexpr (kRepeated) {
+                const Pairs end = j * stride + width;
+                const Pairs row_sum = each<Lanes>(
+                    [&](std::size_t k) CCDT_INLINE { return all_sums[static_cast<std::size_t>(end[k])]; });
+                below += (copies - static_cast<double>(kRepeats)) * row_sum;
+            }
+            flow += below * length;
+            near += value * length;
+            far += value * length * middle;
+        };
+        walk_pieces(few, kCopies * columns, kCopies * rows, add);
+        const Pairs flows = flow * (few.by - few.ay), nears = (near - far) * scale, fars = far * scale;
+        for (std::size_t k = 0; k < std::min(kCount, segments.size() - first); ++k)
+            sweeps[first + k] = {flows[k], nears[k], fars[k]};
+    }
+}
+
+template <bool kRepeated>
+CCDT_TWO_LANES void CapacityIntegral::sweep_by_four(std::span<const Segment> segments, std::span<Sweep> sweeps) const {
+    sweep_by<kRepeated, TwoLanes>(segments, sweeps);
+}
+
+/// @param kRepeated  whether the segments may lie beyond a torus' box
+template <bool kRepeated>
+void CapacityIntegral::sweep(std::span<const Segment> segments, std::span<Sweep> sweeps) const {
+    if (by_four_ && has_two_lanes()) {
+        sweep_by_four<kRepeated>(segments, sweeps);
+    } else {
+        sweep_by<kRepeated, OneLane>(segments, sweeps);
+    }
 }
 
 /// Adds an edge's flow to the capacities of its two triangles, which around a torus may see it in different places.
@@ -119,10 +172,10 @@ void CapacityIntegral::add_flow(const Triangulation& mesh, std::uint32_t edge, d
 
 /// Sums up the flows along the edges around each triangle.
 /// @param capacity  gives the sum of a triangle, which is 0
-/// @param flow      called with each edge and whether it leaves a torus' box, several at the same time
-template <class Capacity, class Flow>
+/// @param take      called with each edge and what was found along it, several at the same time
+template <class Capacity, class Take>
 void CapacityIntegral::sum_flows(const Triangulation& mesh, const std::stop_token& stop, Capacity&& capacity,
-                                 Flow&& flow) const {
+                                 Take&& take) const {
     constexpr std::size_t kRange = 8192;  // triangles that a task takes
     const std::size_t triangles = mesh.triangle_count();
     // Of those that other tasks have.
@@ -136,14 +189,26 @@ void CapacityIntegral::sum_flows(const Triangulation& mesh, const std::stop_toke
                 later[begin / kRange].emplace_back(triangle, part);
             }
         };
-        constexpr std::size_t kFew = 128;  // triangles whose edges are listed at a time
+        constexpr std::size_t kFew = 64;  // triangles whose edges are listed at a time
         const auto is_first = [](std::uint32_t h, std::uint32_t twin) { return twin >= h; };
+        const auto stays = [&](std::uint32_t h) { return !leaves_box(mesh, h); };
         std::array<std::uint32_t, 3 * kFew> edges;
+        std::array<Segment, 3 * kFew> segments;
+        std::array<Sweep, 3 * kFew> sweeps;
         for (std::size_t few = begin; few < end; few += kFew) {
             const std::size_t count = list_edges(mesh, few, std::min(few + kFew, end), edges, is_first);
-            for (const std::uint32_t h : std::span(edges).first(count)) {
-                const bool repeated = mesh.is_torus() && leaves_box(mesh, h);
-                add_flow(mesh, h, flow(h, repeated), repeated, add);
+            const auto last = edges.begin() + static_cast<std::ptrdiff_t>(count);
+            const auto middle = mesh.is_torus() ? std::partition(edges.begin(), last, stays) : last;
+            const auto inside = static_cast<std::size_t>(middle - edges.begin());
+            for (std::size_t i = 0; i < count; ++i) {
+                const Point a = mesh.point(mesh.origin(edges[i]));
+                segments[i] = {a, i < inside ? mesh.point(mesh.target(edges[i])) : a + mesh.along(edges[i])};
+            }
+            sweep<false>(std::span(segments).first(inside), sweeps);
+            sweep<true>(std::span(segments).first(count).subspan(inside), std::span(sweeps).subspan(inside));
+            for (std::size_t i = 0; i < count; ++i) {
+                take(edges[i], sweeps[i]);
+                add_flow(mesh, edges[i], sweeps[i].flow, i >= inside, add);
             }
         }
     });
@@ -157,10 +222,7 @@ void CapacityIntegral::of_triangles(const Triangulation& mesh, std::vector<doubl
     if (!is_uniform()) {
         capacities.assign(mesh.triangle_count(), 0);
         const auto capacity = [&](std::uint32_t triangle) -> double& { return capacities[triangle]; };
-        return sum_flows(mesh, stop, capacity, [&](std::uint32_t h, bool repeated) {
-            const Point a = mesh.point(mesh.origin(h));
-            return repeated ? sweep<true>(a, a + mesh.along(h)).flow : along(a, mesh.point(mesh.target(h)));
-        });
+        return sum_flows(mesh, stop, capacity, [](std::uint32_t, const Sweep&) {});
     }
     capacities.resize(mesh.triangle_count());
     for_ranges(mesh.team(), capacities.size(), kAreas, [&](std::size_t begin, std::size_t end) {
@@ -175,12 +237,9 @@ void CapacityIntegral::of_edges(const Triangulation& mesh, std::vector<TriangleF
     const auto swept = [&](std::uint32_t h) -> double& {
         return flows[Triangulation::triangle_of(h)].swept[Triangulation::number_of(h)];
     };
-    sum_flows(mesh, stop, capacity, [&](std::uint32_t h, bool repeated) {
-        const Point a = mesh.point(mesh.origin(h)), b = a + mesh.along(h);
-        const Sweep found = repeated ? sweep<true>(a, b) : sweep<false>(a, b);
+    sum_flows(mesh, stop, capacity, [&](std::uint32_t h, const Sweep& found) {
         swept(h) = found.near;
         if (mesh.twin(h) != Triangulation::kNone) swept(mesh.twin(h)) = found.far;
-        return found.flow;
     });
 }
 

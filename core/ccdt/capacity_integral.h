@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -26,7 +27,8 @@ struct TriangleFlows {
 class CapacityIntegral {
 public:
     /// @param domain, density  must outlive this
-    CapacityIntegral(const Domain& domain, const Density& density);
+    /// @param by_four          follows four edges at once if the processor can, which gives the same
+    CapacityIntegral(const Domain& domain, const Density& density, bool by_four = true);
 
     bool is_uniform() const { return density_.is_uniform(); }
 
@@ -59,22 +61,31 @@ public:
     int cells_along(Point a, Point b) const;
 
 private:
+    struct Segment {
+        Point a, b;
+    };
+
     /// Integrals along a segment.
     struct Sweep {
         double flow = 0;  ///< of F dy
         double near = 0;  ///< of the density per unit frame's area, over the segment, weighing 1 at a and 0 at b
         double far = 0;   ///< the other way round
     };
+    template <bool kRepeated, class Lanes>
+    void sweep_by(std::span<const Segment> segments, std::span<Sweep> sweeps) const;
     template <bool kRepeated>
-    Sweep sweep(Point a, Point b) const;
+    void sweep_by_four(std::span<const Segment> segments, std::span<Sweep> sweeps) const;
+    template <bool kRepeated>
+    void sweep(std::span<const Segment> segments, std::span<Sweep> sweeps) const;
     double rows_below(double y) const;
     template <class Add>
     void add_flow(const Triangulation& mesh, std::uint32_t edge, double flow, bool repeated, Add&& add) const;
-    template <class Capacity, class Flow>
-    void sum_flows(const Triangulation& mesh, const std::stop_token& stop, Capacity&& capacity, Flow&& flow) const;
+    template <class Capacity, class Take>
+    void sum_flows(const Triangulation& mesh, const std::stop_token& stop, Capacity&& capacity, Take&& take) const;
     Point to_grid(Point p) const { return {p.x * to_grid_.x, p.y * to_grid_.y}; }
 
     const Density& density_;
+    bool by_four_;
     Point to_grid_{1, 1};  ///< cells per unit
     double total_ = 0;
     std::vector<double> rows_below_;  ///< on a torus: total of the rows below each [height + 1]

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/geometry/point.h"
 
@@ -43,36 +42,6 @@ inline void walk_cells(Point a, Point b, int columns, int rows, Visit&& visit) {
         if (ends) return;
         x0 = x1;
         y0 = y1;
-    }
-}
-
-/// Cuts the segment ab as walk_cells() does, horizontal ones too, and calls `visit(column, row, from, to)` with where
-/// on the segment each piece lies: 0 at a, 1 at b.
-///
-/// @param columns, rows  cells of the grid; the segment lies within it, but for rounding
-template <class Visit>
-inline void walk_pieces(Point a, Point b, int columns, int rows, Visit&& visit) {
-    constexpr double kNever = 2;
-    const Point along = b - a;
-    int column = std::clamp(static_cast<int>(a.x), 0, columns - 1),
-        row = std::clamp(static_cast<int>(a.y), 0, rows - 1);
-    const int right = along.x > 0 ? 1 : 0, up = along.y > 0 ? 1 : 0;
-    const double per_column = along.x != 0 ? 1 / along.x : 0, per_row = along.y != 0 ? 1 / along.y : 0;
-    const double column_step = std::abs(per_column), row_step = std::abs(per_row);
-    double next_column = along.x != 0 ? (column + right - a.x) * per_column : kNever;
-    double next_row = along.y != 0 ? (row + up - a.y) * per_row : kNever;
-    for (double from = 0;;) {
-        const double to = std::min({next_column, next_row, 1.0});
-        if (to > from) visit(column, row, from, to);
-        if (to >= 1) return;
-        from = std::max(from, to);
-        if (next_column <= next_row) {
-            column = std::clamp(column + 2 * right - 1, 0, columns - 1);
-            next_column += column_step;
-        } else {
-            row = std::clamp(row + 2 * up - 1, 0, rows - 1);
-            next_row += row_step;
-        }
     }
 }
 

@@ -43,6 +43,8 @@ struct OneLane {
     static Numbers sum(Pairs a) { return ccdt::sum(a); }
     static Numbers each(const std::array<double, kCount>& lanes) { return lanes[0]; }
     static double at(Numbers a, std::size_t) { return a; }
+    /// Tells whether any comparison of pairs holds.
+    static bool any(decltype(Pairs{} < Pairs{}) found) { return (found[0] | found[1]) != 0; }
 };
 
 /// The same on two things at once: what it computes of each is the same to the bit, as products are rounded before they
@@ -69,6 +71,10 @@ struct TwoLanes {
     CCDT_INLINE static Numbers sum(Pairs a) { return Numbers{a[0], a[2]} + Numbers{a[1], a[3]}; }
     static Numbers each(const std::array<double, kCount>& lanes) { return Numbers{lanes[0], lanes[1]}; }
     static double at(Numbers a, std::size_t lane) { return a[lane]; }
+    CCDT_INLINE static bool any(decltype(Pairs{} < Pairs{}) found) {
+        const auto either = __builtin_shufflevector(found, found, 0, 1) | __builtin_shufflevector(found, found, 2, 3);
+        return (either[0] | either[1]) != 0;
+    }
 };
 
 }  // namespace ccdt
