@@ -13,10 +13,9 @@ namespace ccdt {
 /// @param least  at most 1e9
 int good_size(double least);
 
-/// Fourier transform of a real grid, and back. By FFTW (Frigo, Johnson 2005).
+/// Fourier transform of a real grid, and back.
 ///
-/// Plans are chosen by rule, never by timing, and use no vector instructions: the same input gives the same bits
-/// in every run, on every processor of one architecture and by any team. Making one is safe from any thread, using one
+/// The same input gives the same bits in every run, on every processor of one architecture and by any team. Using one
 /// is for one thread at a time. Throws std::bad_alloc. O(n log n) for n cells, 16 bytes a cell.
 class RealTransform {
 public:
@@ -52,8 +51,8 @@ public:
     void backward();
 
 private:
-    struct Plans;
-    std::unique_ptr<Plans> plans_;
+    struct Grids;
+    std::unique_ptr<Grids> grids_;
 };
 
 /// Cosine transform of a real grid, and back, in place: the Fourier transform of the grid mirrored at its border.
@@ -87,8 +86,8 @@ public:
     void backward();
 
 private:
-    struct Plans;
-    std::unique_ptr<Plans> plans_;
+    struct Grids;
+    std::unique_ptr<Grids> grids_;
 };
 
 }  // namespace ccdt

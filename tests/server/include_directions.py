@@ -19,7 +19,7 @@ RULES = (
     (re.compile(r"^server/"), ("server/",)),
     (re.compile(r"^api/"), ("api/", "server/")),
     (re.compile(r"^CGAL/"), ("core/geometry/delaunay.cpp",)),
-    (re.compile(r"^fftw3\.h$"), ("core/fourier/fft.cpp",)),
+    (re.compile(r"^gemmi/"), ("core/fourier/pocketfft_lines.h",)),
     (re.compile(r"^OpenImageIO/"), ("api/image/library_reader.cpp",)),
     (re.compile(r"^lcms2"), ("api/image/colour_profile.cpp",)),
     (re.compile(r"^jpeglib\.h$"), ("api/image/ink_jpeg.cpp",)),
@@ -80,7 +80,7 @@ def self_check():
         "core/f.cpp": "spdlog/spdlog.h",
         "core/g.cpp": "png.h",
         "core/mesh/h.cpp": "CGAL/Polygon_2.h",
-        "core/fourier/r.h": "fftw3.h",
+        "core/fourier/fft.h": "gemmi/third_party/pocketfft_hdronly.h",
         "api/i.cpp": "server/http/http.h",
         "api/j.h": "httplib.h",
         "api/k.cpp": "spdlog/logger.h",
@@ -97,7 +97,7 @@ def self_check():
     }
     harmless = {
         "core/geometry/delaunay.cpp": "CGAL/Polygon_2.h",
-        "core/fourier/fft.cpp": "fftw3.h",
+        "core/fourier/pocketfft_lines.h": "gemmi/third_party/pocketfft_hdronly.h",
         "api/image/library_reader.cpp": "OpenImageIO/imageio.h",
         "api/image/colour_profile.cpp": "lcms2.h",
         "api/image/ink_jpeg.cpp": "jpeglib.h",

@@ -1,0 +1,57 @@
+#pragma once
+
+// What line_transforms.h describes, for the processors that the file which includes this compiles pocketfft for.
+
+#define POCKETFFT_NO_MULTITHREADING
+#include <gemmi/third_party/pocketfft_hdronly.h>  // Debian has pocketfft in gemmi's package
+
+#include "core/fourier/line_transforms.h"
+
+namespace ccdt {
+namespace {
+
+constexpr std::size_t kAlong = 1;  ///< of the two axes, the one along lines
+
+pocketfft::shape_t shape_of(const LineSet& lines) {
+    return {lines.count, lines.size};
+}
+
+template <class Number>
+pocketfft::stride_t strides(std::size_t apart, std::size_t step) {
+    return {static_cast<std::ptrdiff_t>(apart * sizeof(Number)), static_cast<std::ptrdiff_t>(step * sizeof(Number))};
+}
+
+template <int kType>
+void transform_cosine(const LineSet& lines, double* values) {
+    const auto places = strides<double>(lines.apart, lines.step);
+    pocketfft::dct(shape_of(lines), places, places, {kAlong}, kType, values, values, 1.0, false);
+}
+
+void transform_real(const LineSet& lines, const double* values, std::size_t apart, std::complex<double>* coefficients) {
+    pocketfft::r2c(shape_of(lines), strides<double>(lines.apart, lines.step), strides<std::complex<double>>(apart, 1),
+                   kAlong, pocketfft::FORWARD, values, coefficients, 1.0);
+}
+
+void transform_real_back(const LineSet& lines, double* values, std::size_t apart,
+                         const std::complex<double>* coefficients) {
+    pocketfft::c2r(shape_of(lines), strides<std::complex<double>>(apart, 1), strides<double>(lines.apart, lines.step),
+                   kAlong, pocketfft::BACKWARD, coefficients, values, 1.0);
+}
+
+template <bool kForward>
+void transform_complex(const LineSet& lines, std::complex<double>* values) {
+    const auto places = strides<std::complex<double>>(lines.apart, lines.step);
+    pocketfft::c2c(shape_of(lines), places, places, {kAlong}, kForward, values, values, 1.0);
+}
+
+constexpr LineTransforms kLineTransforms{
+    .cosine = transform_cosine<2>,
+    .cosine_back = transform_cosine<3>,
+    .real = transform_real,
+    .real_back = transform_real_back,
+    .complex = transform_complex<true>,
+    .complex_back = transform_complex<false>,
+};
+
+}  // namespace
+}  // namespace ccdt

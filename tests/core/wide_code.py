@@ -1,0 +1,36 @@
+"""Checks that what is compiled for some processors alone is called on these alone: no function that other files may
+share, as all of the standard library's are, has instructions that not every processor knows.
+
+Usage: wide_code.py OBJECT...
+"""
+
+import re
+import subprocess
+import sys
+
+FUNCTION = re.compile(r"^[0-9a-f]+ <(.*)>:$")
+WIDE = re.compile(r"^\s+[0-9a-f]+:\s+v[a-z]")  # mnemonics of AVX and what came after
+SHARED = re.compile(r"^(?:[^(]* )?(?:std|__gnu_cxx)::")
+KEPT_APART = re.compile(r"pocketfft_by_avx2")
+
+
+def functions_with_wide_code(path):
+    listing = subprocess.run(["objdump", "-d", "-C", "--no-show-raw-insn", path], capture_output=True, text=True, check=True)
+    name = None
+    for line in listing.stdout.splitlines():
+        if found := FUNCTION.match(line):
+            name = found[1]
+        elif name and WIDE.match(line):
+            yield name
+            name = None  # once is enough
+
+
+def main(paths):
+    wide = [(path, name) for path in paths for name in functions_with_wide_code(path)]
+    shared = [f"{path}: {name}" for path, name in wide if SHARED.match(name) and not KEPT_APART.search(name)]
+    print("\n".join(shared) or f"{len(wide)} functions of their own")
+    return 1 if shared or not wide else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
