@@ -1,9 +1,10 @@
 #pragma once
 
-#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -28,16 +29,19 @@ public:
     /// @param all  [triangles]
     TriangleGoals(std::vector<TriangleGoal> all) : all_(std::move(all)) {}
 
-    /// @param triangles  those that have goals of their own, in ascending order
+    /// @param triangles  those that have goals of their own
     /// @param goals      [as many]
     TriangleGoals(const TriangleGoal& common, std::vector<std::uint32_t> triangles, std::vector<TriangleGoal> goals)
-        : common_(common), triangles_(std::move(triangles)), own_(std::move(goals)) {}
+        : common_(common), triangles_(std::move(triangles)), own_(std::move(goals)) {
+        list_slots();
+    }
 
     /// @param weights           [triangles] >= 0; targets and shares are 1
     /// @param triangles, goals  as above
     TriangleGoals(std::vector<double> weights, std::vector<std::uint32_t> triangles, std::vector<TriangleGoal> goals)
         : weights_(std::move(weights)), triangles_(std::move(triangles)), own_(std::move(goals)) {
         for (const std::uint32_t triangle : triangles_) weights_[triangle] = -weights_[triangle];
+        list_slots();
     }
 
     /// Goal of a triangle; of kNone, one that adds nothing.
@@ -55,16 +59,31 @@ public:
 private:
     TriangleGoal rare(std::uint32_t triangle) const {
         if (triangle == Triangulation::kNone) return {0, 0, 1};
-        const auto at = std::ranges::lower_bound(triangles_, triangle);
-        if (at == triangles_.end() || *at != triangle) return common_;
-        return own_[static_cast<std::size_t>(at - triangles_.begin())];
+        const std::uint32_t at = slots_.empty() ? kNoGoal : slots_[slot_of(triangle)];
+        return at == kNoGoal ? common_ : own_[at];
     }
+
+    void list_slots() {
+        slots_.assign(std::bit_ceil(2 * triangles_.size()), kNoGoal);
+        for (std::uint32_t i = 0; i < triangles_.size(); ++i) slots_[slot_of(triangles_[i])] = i;
+    }
+
+    /// Slot of a triangle, or the first empty one after those where it could be.
+    std::size_t slot_of(std::uint32_t triangle) const {
+        const std::size_t mask = slots_.size() - 1;
+        std::size_t slot = (triangle * 0x9e3779b97f4a7c15 >> 32) & mask;
+        while (slots_[slot] != kNoGoal && triangles_[slots_[slot]] != triangle) slot = (slot + 1) & mask;
+        return slot;
+    }
+
+    static constexpr auto kNoGoal = std::numeric_limits<std::uint32_t>::max();
 
     std::vector<TriangleGoal> all_;
     std::vector<double> weights_;  ///< [triangles], negative or -0 of those that have goals of their own
     TriangleGoal common_;
     std::vector<std::uint32_t> triangles_;
-    std::vector<TriangleGoal> own_;  ///< [those triangles]
+    std::vector<TriangleGoal> own_;     ///< [those triangles]
+    std::vector<std::uint32_t> slots_;  ///< by triangles' hashes: their number among those, or kNoGoal
 };
 
 }  // namespace ccdt
