@@ -3,6 +3,8 @@
 // What line_transforms.h describes, for the processors that the file which includes this compiles pocketfft for.
 
 #define POCKETFFT_NO_MULTITHREADING
+// Otherwise it asks aligned_alloc() for sizes that are no multiple of the alignment, as C wants them to be.
+#define _LIBCPP_HAS_NO_ALIGNED_ALLOCATION
 #include <gemmi/third_party/pocketfft_hdronly.h>  // Debian has pocketfft in gemmi's package
 
 #include "core/fourier/line_transforms.h"
