@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -300,15 +301,16 @@ private:
 
 /// Eight numbers that the processor handles as one, or in parts, by the same operations.
 constexpr std::uint32_t kLanes = 8;
-using Floats = float __attribute__((vector_size(kLanes * sizeof(float)), aligned(alignof(float)), may_alias));
-using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(float)), aligned(alignof(float)), may_alias));
-using Places = std::uint32_t __attribute__((vector_size(kLanes * sizeof(float)), aligned(alignof(float)), may_alias));
+using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
+using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(float))));
+using Places = std::uint32_t __attribute__((vector_size(kLanes * sizeof(float))));
 constexpr Ints kLane = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr float kNone = -std::numeric_limits<float>::infinity();
 
+/// Eight numbers that need not be aligned.
 template <class Wide, class Number>
-Wide& lanes(Number& first) {
-    return reinterpret_cast<Wide&>(first);
+CCDT_INLINE inline void load(const Number& first, Wide& numbers) {
+    std::memcpy(&numbers, &first, sizeof numbers);
 }
 
 /// Points that crowd each other, listed by cells: neighbours stand next to each other and are handled eight at a time.
@@ -381,9 +383,13 @@ private:
 
     /// Squared shares that the distances to a point have of the reach; 1 of what is behind the end, and of itself.
     CCDT_INLINE void get_squares(std::uint32_t k, std::uint32_t begin, std::uint32_t end, Floats& squares) const {
-        const Floats x = __builtin_convertvector(Ints(lanes<const Places>(x_[begin]) - x_[k]), Floats) * x_unit_;
-        const Floats y = __builtin_convertvector(Ints(lanes<const Places>(y_[begin]) - y_[k]), Floats) * y_unit_;
-        const Floats other = lanes<const Floats>(nearness_[begin]);
+        Places columns, rows;
+        Floats other;
+        load(x_[begin], columns);
+        load(y_[begin], rows);
+        load(nearness_[begin], other);
+        const Floats x = __builtin_convertvector(Ints(columns - x_[k]), Floats) * x_unit_;
+        const Floats y = __builtin_convertvector(Ints(rows - y_[k]), Floats) * y_unit_;
         const Floats own = Floats{} + nearness_[k];
         const Floats nearer = other > own ? other : own, capped = nearer * nearer * kMostSquare, both = other * own;
         const Floats square = (x * x + y * y) * (both > capped ? both : capped);
@@ -428,7 +434,10 @@ private:
                 Floats squares, crowding;
                 get_squares(k, each, end, squares);
                 get_crowding(squares, crowding);
-                lanes<Floats>(crowding_[each]) -= crowding;
+                Floats crowded;
+                load(crowding_[each], crowded);
+                crowded -= crowding;
+                std::memcpy(&crowding_[each], &crowded, sizeof crowded);
             }
         }
     }
@@ -585,7 +594,10 @@ private:
         found = Ints{} + static_cast<std::int32_t>(begin);
         for (std::uint32_t i = begin; i < end; i += kLanes) {
             const Ints each = kLane + static_cast<std::int32_t>(i);
-            const Floats bound = lanes<const Floats>(bounds_[i]) - left * lanes<const Floats>(wanted_[i]);
+            Floats bounds, wanted;
+            load(bounds_[i], bounds);
+            load(wanted_[i], wanted);
+            const Floats bound = bounds - left * wanted;
             const Ints more = (bound > most) & (each < static_cast<std::int32_t>(end));
             most = more ? bound : most;
             found = more ? each : found;
