@@ -65,7 +65,8 @@ void Circumcentres::weigh() {
     weights_.assign(mesh_.triangle_count(), 1);
     for (std::uint32_t t = 0; t < weights_.size(); ++t) {
         if (!capacity.is_uniform()) {
-            const double mean = std::max(0.0, capacities_[t]) / (0.5 * mesh_.doubled_area(t) * capacity.densest());
+            const double most = 0.5 * mesh_.doubled_area(t) * capacity.densest();
+            const double mean = most > 0 ? std::max(0.0, capacities_[t]) / most : 1;  // of a flat one nothing comes
             weights_[t] = mean * std::sqrt(mean);
         }
         if (touches_border(t)) weights_[t] *= kBorderWeight;
