@@ -637,7 +637,10 @@ void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
     if (surely_fits(site, by, ring)) {
         mesh_.points()[site] = rounded(before + by);
     } else {
-        move_carefully(site, by, ring);
+        ring.fans.clear();
+        add_fan(site, ring.fans);
+        const Fan& fan = ring.fans.all.front();
+        move(site, by, ring_of(ring.fans, fan), fan.triangles);
     }
     const Point moved = mesh_.point(site) - before;
     for (const ExactTriangle& t : ring.triangles) flows_[t.triangle].capacity += dot(t.gradient, moved) / unit_;
@@ -652,24 +655,11 @@ inline bool Relaxation::surely_fits(std::uint32_t site, Point by, const ExactRin
         const Point from = ring.triangles[i].from, to = ring.triangles[i + 1 < count ? i + 1 : 0].from;
         const double area = cross(from, to);
         const double moved = area + ((from.y - to.y) * by.x + (to.x - from.x) * by.y);
-        const double longest = 2 * (dot(from, from) + dot(to, to));  // at least
+        const double longest = 2 * (dot(from, from) + dot(to, to));  // squared; no edge is longer
         fits &= moved >= kKeptArea * area && moved >= kLeastShape * longest && moved * moved >= flattest * longest &&
                 ring.triangles[i].vertex != site;
     }
     return fits;
-}
-
-void Relaxation::move_carefully(std::uint32_t site, Point by, ExactRing& ring) {
-    ring.vertices.clear();
-    ring.lifts.clear();
-    const std::uint32_t first = mesh_.edge_of(site);
-    std::uint32_t h = first;
-    do {
-        ring.vertices.push_back(mesh_.target(h));
-        ring.lifts.push_back(mesh_.distance(mesh_.shift(h)));
-        h = mesh_.twin(Triangulation::previous(h));
-    } while (h != first);
-    move(site, by, {ring.vertices, ring.lifts.data()}, ring.vertices.size());
 }
 
 double Relaxation::energy() const {

@@ -151,8 +151,7 @@ private:
     /// Room for what lies around a site in an exact pass, counter-clockwise.
     struct ExactRing {
         std::vector<ExactTriangle> triangles;
-        std::vector<std::uint32_t> vertices;  ///< these and lifts for the general path
-        std::vector<Point> lifts;
+        Fans fans;  ///< the site's, where the general path is taken
     };
 
     /// Neighbours of a vertex on the general path, counter-clockwise; the one after the last is the first.
@@ -193,7 +192,6 @@ private:
     }
     void move_exactly(std::uint32_t site, ExactRing& ring);
     bool surely_fits(std::uint32_t site, Point by, const ExactRing& ring) const;
-    void move_carefully(std::uint32_t site, Point by, ExactRing& ring);
     void slide(const Fans& fans, const Fan& fan);
     void move(std::uint32_t vertex, Point by, const Ring& ring, std::size_t triangles);
     Point fenced(std::uint32_t site, Point by) const {

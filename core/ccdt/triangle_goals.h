@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -59,12 +58,12 @@ public:
 private:
     TriangleGoal rare(std::uint32_t triangle) const {
         if (triangle == Triangulation::kNone) return {0, 0, 1};
-        const std::uint32_t at = slots_.empty() ? kNoGoal : slots_[slot_of(triangle)];
-        return at == kNoGoal ? common_ : own_[at];
+        const std::uint32_t at = slots_.empty() ? Triangulation::kNone : slots_[slot_of(triangle)];
+        return at == Triangulation::kNone ? common_ : own_[at];
     }
 
     void list_slots() {
-        slots_.assign(std::bit_ceil(2 * triangles_.size()), kNoGoal);
+        slots_.assign(std::bit_ceil(2 * triangles_.size()), Triangulation::kNone);
         for (std::uint32_t i = 0; i < triangles_.size(); ++i) slots_[slot_of(triangles_[i])] = i;
     }
 
@@ -72,18 +71,16 @@ private:
     std::size_t slot_of(std::uint32_t triangle) const {
         const std::size_t mask = slots_.size() - 1;
         std::size_t slot = (triangle * 0x9e3779b97f4a7c15 >> 32) & mask;
-        while (slots_[slot] != kNoGoal && triangles_[slots_[slot]] != triangle) slot = (slot + 1) & mask;
+        while (slots_[slot] != Triangulation::kNone && triangles_[slots_[slot]] != triangle) slot = (slot + 1) & mask;
         return slot;
     }
-
-    static constexpr auto kNoGoal = std::numeric_limits<std::uint32_t>::max();
 
     std::vector<TriangleGoal> all_;
     std::vector<double> weights_;  ///< [triangles], negative or -0 of those that have goals of their own
     TriangleGoal common_;
     std::vector<std::uint32_t> triangles_;
     std::vector<TriangleGoal> own_;     ///< [those triangles]
-    std::vector<std::uint32_t> slots_;  ///< by triangles' hashes: their number among those, or kNoGoal
+    std::vector<std::uint32_t> slots_;  ///< by triangles' hashes: their number among those, or kNone
 };
 
 }  // namespace ccdt
