@@ -46,7 +46,7 @@ bool serve_until_signal(Service& service, const EndSignals& signals, const Confi
     const ShutdownDeadline deadline(
         config.drain_timeout, [&] { service.abandon(); }, log);
     service.drain();
-    log.info("shutting down: no new requests, those accepted are answered");
+    log.info("shutting down: nobody connects any more, whoever has is answered");
     acceptor.join();
     service.finish();
     log.info("stopped");

@@ -89,6 +89,7 @@ HttpResult<void> Connection::read_proxy_header() {
 }
 
 HttpResult<Request> Connection::read_head() {
+    ++heads_;
     between_requests_ = false;
     client_ = peer_;
     const Fill fill_up = fill_head();

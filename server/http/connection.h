@@ -53,6 +53,9 @@ public:
     /// bytes than the limit, at once if the head says so, 503 the clients' bodies take too much memory.
     HttpResult<std::string> read_body(const Request& request, std::size_t limit);
 
+    /// Whether the current request is the connection's first: whoever connected had it to ask.
+    bool is_on_first_request() const { return heads_ <= 1; }
+
     /// Whether all of the last request was read: the next byte begins another.
     bool between_requests() const { return between_requests_; }
 
@@ -148,6 +151,7 @@ private:
     std::string key_;
     Unread unread_;
     Transfer body_;  ///< that of the current request
+    std::uint64_t heads_ = 0;  ///< that were asked for
     bool between_requests_ = true;
     bool too_slow_ = false;  ///< the client, for its answer
     bool resets_ = false;

@@ -2,7 +2,6 @@
 
 #include <netinet/in.h>
 #include <netinet/tcp.h>
-#include <poll.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -14,6 +13,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 #include "server/http/answer_writer.h"
@@ -36,6 +36,10 @@ constexpr std::size_t kMostReading = 256;
 
 /// Pause after accepting failed for want of files or memory.
 constexpr milliseconds kRecovery{10};
+
+/// Time that those who are about to connect have for it when nobody else may any more: a balancer's network is near.
+constexpr milliseconds kHandshake{2};
+constexpr milliseconds kHandshakeStep{1};
 
 using Clock = std::chrono::steady_clock;
 
@@ -140,31 +144,42 @@ bool HttpServer::serve() {
     ConnectionThreads threads(patience_.idle);
     RefusedClients refused;
     while (!draining_) {
-        wait_for_client(refused);
-        sockaddr_storage address{};
-        socklen_t size = sizeof(address);
-        UniqueFd socket(accept4(listener_.descriptor(), reinterpret_cast<sockaddr*>(&address), &size, SOCK_CLOEXEC));
-        if (socket)
-            contain([&] { receive(std::move(socket), describe_peer(address), threads, refused); });
-        else if (is_fatal(errno))
-            return draining_;
-        else if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED)
-            poll(nullptr, 0, kRecovery.count());
+        listener_.wait(refused.empty() ? std::nullopt : std::optional(kTimeToRead));
+        refused.close_old();
+        if (accept_next(threads, refused) == Next::Failed) return false;
     }
+    accept_last(threads, refused);
+    listener_.shut_down();
     return true;
 }
 
 void HttpServer::drain() {
     draining_ = true;
     capacity_.close();
-    // Makes accept fail, now and later.
-    ::shutdown(listener_.descriptor(), SHUT_RDWR);
+    listener_.refuse_newcomers();
 }
 
-void HttpServer::wait_for_client(RefusedClients& refused) const {
-    pollfd entry{listener_.descriptor(), POLLIN, 0};
-    poll(&entry, 1, refused.empty() ? -1 : static_cast<int>(kTimeToRead.count()));
-    refused.close_old();
+HttpServer::Next HttpServer::accept_next(ConnectionThreads& threads, RefusedClients& refused) {
+    sockaddr_storage address{};
+    socklen_t size = sizeof(address);
+    UniqueFd socket(accept4(listener_.descriptor(), reinterpret_cast<sockaddr*>(&address), &size, SOCK_CLOEXEC));
+    if (socket) {
+        contain([&] { receive(std::move(socket), describe_peer(address), threads, refused); });
+        return Next::Accepted;
+    }
+    if (is_fatal(errno)) return Next::Failed;
+    if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) std::this_thread::sleep_for(kRecovery);
+    return Next::Nobody;
+}
+
+/// Accepts those who had connected, or nearly so, when newcomers began to be refused.
+void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused) {
+    const auto end = Clock::now() + kHandshake;
+    for (int left = ListeningSocket::kBacklog; left > 0; --left) {
+        if (accept_next(threads, refused) == Next::Accepted) continue;
+        if (Clock::now() >= end) return;
+        std::this_thread::sleep_for(kHandshakeStep);
+    }
 }
 
 /// Gives a new connection its thread, or tells it that there is none.

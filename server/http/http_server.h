@@ -53,18 +53,21 @@ public:
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
 
-    /// Serves until `drain`; returns once every request that was accepted is answered.
+    /// Serves until `drain`; returns once everybody who had connected by then has left, with an answer to each request.
     /// @returns  false if accepting failed for any other reason
     bool serve();
 
-    /// Makes `serve` accept no more. From any thread, at any time.
+    /// Makes `serve` end: nobody connects any more. From any thread, at any time.
     void drain();
 
     /// Connections, open and refused.
     Capacity::Counts connections() const { return capacity_.counts(); }
 
 private:
-    void wait_for_client(RefusedClients& refused) const;
+    enum class Next { Accepted, Nobody, Failed };
+
+    Next accept_next(ConnectionThreads& threads, RefusedClients& refused);
+    void accept_last(ConnectionThreads& threads, RefusedClients& refused);
     void receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused);
     void serve_socket(const UniqueFd& socket, Place& place);
     void serve_connection(Connection& connection, Place& place);

@@ -1,8 +1,12 @@
 #include "server/http/sockets.h"
 
 #include <arpa/inet.h>
+#include <linux/filter.h>
 #include <netdb.h>
 #include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/eventfd.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -18,7 +22,6 @@
 namespace ccdt::server {
 namespace {
 
-constexpr int kBacklog = 1024;
 constexpr int kKind = SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK;
 constexpr std::string_view kPathPrefix = "unix:";
 
@@ -66,17 +69,19 @@ const sockaddr* generic(const void* address) {
     return static_cast<const sockaddr*>(address);
 }
 
-int listen_on(int family, const sockaddr* address, socklen_t size) {
-    const int descriptor = socket(family, kKind, 0);
-    if (descriptor < 0) return -1;
+/// @returns  none if it failed: errno tells why
+UniqueFd listen_on(int family, const sockaddr* address, socklen_t size) {
+    UniqueFd descriptor(socket(family, kKind, 0));
+    if (!descriptor) return {};
     const int yes = 1;
     // Not SO_REUSEPORT, with which a second instance starts and takes half of the clients.
-    if (family != AF_UNIX) setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
-    if (bind(descriptor, address, size) == 0 && listen(descriptor, kBacklog) == 0) return descriptor;
+    if (family != AF_UNIX) setsockopt(descriptor.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+    if (bind(descriptor.get(), address, size) == 0 && listen(descriptor.get(), ListeningSocket::kBacklog) == 0)
+        return descriptor;
     const int reason = errno;
-    close(descriptor);
+    descriptor.reset();
     errno = reason;
-    return -1;
+    return {};
 }
 
 bool has_listener(const sockaddr_un& address) {
@@ -127,16 +132,20 @@ Peer peer_of(int socket) {
 }
 
 Result<ListeningSocket> ListeningSocket::open(const std::string& bind, int port) {
-    if (bind.starts_with(kPathPrefix)) return open_path(bind.substr(kPathPrefix.size()));
-    return open_port(bind, port);
+    UniqueFd refusing(eventfd(0, EFD_CLOEXEC));
+    if (!refusing) return cannot_listen(bind, std::strerror(errno));
+    auto opened = bind.starts_with(kPathPrefix) ? open_path(bind.substr(kPathPrefix.size())) : open_port(bind, port);
+    if (opened) opened->refusing_ = std::move(refusing);
+    return opened;
 }
 
 Result<ListeningSocket> ListeningSocket::open_path(const std::string& path) {
     const auto address = address_of_path(path);
     if (!address) return tl::unexpected(address.error());
     remove_stale(*address);
-    ListeningSocket opened(listen_on(AF_UNIX, generic(&*address), sizeof(*address)));
-    if (opened.descriptor_ < 0) return cannot_listen(path, std::strerror(errno));
+    UniqueFd descriptor = listen_on(AF_UNIX, generic(&*address), sizeof(*address));
+    if (!descriptor) return cannot_listen(path, std::strerror(errno));
+    ListeningSocket opened(std::move(descriptor));
     struct stat ours {};
     if (lstat(path.c_str(), &ours) == 0) {
         opened.path_ = path;
@@ -149,14 +158,15 @@ Result<ListeningSocket> ListeningSocket::open_path(const std::string& path) {
 Result<ListeningSocket> ListeningSocket::open_port(const std::string& host, int port) {
     const auto addresses = look_up(host, port);
     if (!addresses) return tl::unexpected(addresses.error());
-    ListeningSocket opened(-1);
-    for (const addrinfo* each = addresses->get(); each != nullptr && opened.descriptor_ < 0; each = each->ai_next)
-        opened.descriptor_ = listen_on(each->ai_family, each->ai_addr, each->ai_addrlen);
-    if (opened.descriptor_ < 0) return cannot_listen(name_of(host, port), std::strerror(errno));
+    UniqueFd descriptor;
+    for (const addrinfo* each = addresses->get(); each != nullptr && !descriptor; each = each->ai_next)
+        descriptor = listen_on(each->ai_family, each->ai_addr, each->ai_addrlen);
+    if (!descriptor) return cannot_listen(name_of(host, port), std::strerror(errno));
+    ListeningSocket opened(std::move(descriptor));
 
     sockaddr_storage bound{};
     socklen_t size = sizeof(bound);
-    getsockname(opened.descriptor_, reinterpret_cast<sockaddr*>(&bound), &size);
+    getsockname(opened.descriptor(), reinterpret_cast<sockaddr*>(&bound), &size);
     // The port lies at the same place in the addresses of both families.
     sockaddr_in of{};
     std::memcpy(&of, &bound, sizeof(of));
@@ -165,7 +175,8 @@ Result<ListeningSocket> ListeningSocket::open_port(const std::string& host, int 
 }
 
 ListeningSocket::ListeningSocket(ListeningSocket&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)),
+    : descriptor_(std::move(other.descriptor_)),
+      refusing_(std::move(other.refusing_)),
       port_(other.port_),
       path_(std::exchange(other.path_, {})),
       device_(other.device_),
@@ -176,7 +187,27 @@ ListeningSocket::~ListeningSocket() {
     struct stat now {};
     if (!path_.empty() && lstat(path_.c_str(), &now) == 0 && now.st_dev == device_ && now.st_ino == inode_)
         unlink(path_.c_str());
-    if (descriptor_ >= 0) close(descriptor_);
+}
+
+void ListeningSocket::wait(std::optional<std::chrono::milliseconds> longest) const {
+    std::array<pollfd, 2> entries{{{descriptor_.get(), POLLIN, 0}, {refusing_.get(), POLLIN, 0}}};
+    poll(entries.data(), entries.size(), longest ? static_cast<int>(longest->count()) : -1);
+}
+
+void ListeningSocket::refuse_newcomers() const {
+    // What is sent to a socket that listens begins with the header of TCP: none that asks to connect is let through.
+    constexpr std::uint32_t kFlags = 13;
+    constexpr std::uint32_t kWhole = 0xffff'ffff;
+    std::array<sock_filter, 4> program{{BPF_STMT(BPF_LD | BPF_B | BPF_ABS, kFlags),
+                                        BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, TH_SYN, 0, 1),
+                                        BPF_STMT(BPF_RET | BPF_K, 0), BPF_STMT(BPF_RET | BPF_K, kWhole)}};
+    const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
+    setsockopt(descriptor_.get(), SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof(filter));
+    eventfd_write(refusing_.get(), 1);
+}
+
+void ListeningSocket::shut_down() const {
+    shutdown(descriptor_.get(), SHUT_RDWR);
 }
 
 Result<UniqueFd> connect_to(const std::string& bind, int port, std::chrono::milliseconds patience) {

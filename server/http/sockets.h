@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "core/result.h"
 #include "server/http/ip_address.h"
@@ -37,19 +38,37 @@ public:
     /// Errors (Unusable): the address is unknown, it is taken, the path is something other than a socket nobody uses.
     static Result<ListeningSocket> open(const std::string& bind, int port);
 
+    /// Most who wait for being accepted.
+    static constexpr int kBacklog = 1024;
+
     ListeningSocket(ListeningSocket&& other) noexcept;
     ListeningSocket& operator=(ListeningSocket&&) = delete;
     ~ListeningSocket();
 
-    int descriptor() const { return descriptor_; }  ///< does not block
-    int port() const { return port_; }              ///< 0 for a path
+    /// Waits until somebody may have connected, `refuse_newcomers` was called, or the time is over.
+    /// @param longest  none: however long it takes
+    void wait(std::optional<std::chrono::milliseconds> longest) const;
+
+    /// Lets nobody connect any more; who has connected waits on for being accepted. From any thread.
+    ///
+    /// To shut the socket down instead would reset those who wait, whose requests may be there already: a balancer
+    /// could not know that nobody has seen them. TCP alone: elsewhere newcomers wait too, until `shut_down`. Whoever
+    /// wants to connect meanwhile asks again after a second, and so soon finds that nobody listens.
+    void refuse_newcomers() const;
+
+    /// Resets who still waits, and tells newcomers that nobody listens.
+    void shut_down() const;
+
+    int descriptor() const { return descriptor_.get(); }  ///< does not block
+    int port() const { return port_; }                    ///< 0 for a path
 
 private:
-    explicit ListeningSocket(int descriptor) : descriptor_(descriptor) {}
+    explicit ListeningSocket(UniqueFd descriptor) : descriptor_(std::move(descriptor)) {}
     static Result<ListeningSocket> open_path(const std::string& path);
     static Result<ListeningSocket> open_port(const std::string& host, int port);
 
-    int descriptor_ = -1;
+    UniqueFd descriptor_;
+    UniqueFd refusing_;  ///< an event, once newcomers are refused
     int port_ = 0;
     std::string path_;
     dev_t device_ = 0;  ///< with the inode: whether the path is still ours

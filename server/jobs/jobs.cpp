@@ -201,7 +201,7 @@ bool Jobs::is_full(std::string_view client) const {
 }
 
 HttpResult<Job> Jobs::accept(Job job, const ComputeRequest& request) {
-    if (is_draining()) return busy(503, "the server is shutting down", pool_.backlog());
+    if (is_draining() && !survives_) return busy(503, "the server is shutting down", pool_.backlog());
     job.id = new_id();
     if (auto added = add(job, request); !added) return tl::unexpected(std::move(added.error()));
     if (is_draining() && !survives_) fail_all();

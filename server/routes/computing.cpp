@@ -270,7 +270,8 @@ HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool defe
     const auto encoding = request.header("Content-Encoding");
     if (!encoding.empty() && !equals_ignoring_case(encoding, "identity"))
         return problem(415, "a Content-Encoding is not understood; send the body as it is");
-    if (draining_) return busy(503, "the server is shutting down");
+    // Whoever connected before the end began is served; by a connection that was kept, others know to ask once more.
+    if (draining_ && !connection.is_on_first_request()) return busy(503, "the server is shutting down");
     const bool may_be_short = request.content_length.value_or(kLongBody) < kLongBody;
     const auto& client = connection.client_name();
     if (deferred && jobs_.is_full(client)) return busy(429, "too many jobs are waiting (job-queue)");

@@ -37,7 +37,7 @@ public:
 
     const ResultCache& cache() const { return cache_; }
 
-    /// Refuses to compute anything new from now on.
+    /// From now on refuses to compute but for the first request of a connection.
     void drain() { draining_ = true; }
 
     /// Stops waiting: whoever waits for a result is told that the server shuts down, from now on.

@@ -166,6 +166,18 @@ class Stopping(unittest.TestCase):
                     self.assertEqual(len(answer.json()["points"]), 20_000)
                 self.assertEqual(server.wait(), 0)
 
+    def test_whoever_had_connected_is_served(self):
+        with Server("--max-connections-per-address=0") as server, contextlib.ExitStack() as stack:
+            server.wait_for_log("pictures are decoded")
+            server.signal(signal.SIGSTOP)
+            clients = [stack.enter_context(Raw(server)) for _ in range(400)]
+            for client in clients:
+                client.send(b"GET /capabilities HTTP/1.1\r\nHost: h\r\n\r\n")
+            server.signal()
+            server.signal(signal.SIGCONT)
+            self.assertEqual([client.socket.recv(12) for client in clients], [b"HTTP/1.1 200"] * len(clients))
+            self.assertEqual(server.wait(), 0)
+
     def test_nothing_new_is_accepted_meanwhile(self):
         with Server("--workers=1", "--queue=0", "--timeout=300") as server:
             open_connections = [http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE)

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <deque>
 #include <future>
 #include <stdexcept>
 #include <thread>
@@ -38,6 +39,19 @@ TEST(HttpServer, AnswersThoughItsLoggerThrows) {
     server.stop();
     EXPECT_EQ(logged, 3);
     EXPECT_EQ(server.connections().open, 0u);
+}
+
+TEST(HttpServer, ServesWhoeverHadConnectedWhenItIsToEnd) {
+    auto listener = ListeningSocket::open("127.0.0.1", 0).value();
+    const int port = listener.port();
+    std::atomic<int> logged = 0;
+    HttpServer server(std::move(listener), {}, {}, {}, greet, [&](const Exchange&) { ++logged; });
+    std::deque<Client> clients;
+    for (int i = 0; i < 20; ++i) EXPECT_TRUE(clients.emplace_back(port).say(kRequest));
+    server.drain();
+    EXPECT_TRUE(server.serve());
+    for (const auto& client : clients) EXPECT_TRUE(client.ask("").starts_with("HTTP/1.1 200"));
+    EXPECT_EQ(logged, 20);
 }
 
 TEST(HttpServer, RefusesThoughItsLoggerThrows) {

@@ -321,8 +321,9 @@ TEST_F(JobsTest, AreTakenUpByTheNextServer) {
     const std::string waiting = submit(kShort);
     wait_until_running(running);
     jobs_->drain();
+    const std::string late = submit(kShort);
     jobs_.reset();
-    for (const auto& id : {running, waiting}) {
+    for (const auto& id : {running, waiting, late}) {
         const Job job = **store_->find(id);
         EXPECT_EQ(job.status, JobStatus::Queued);
         EXPECT_EQ(job.starts, 0);

@@ -29,6 +29,13 @@ protected:
         return routes_.answer(*parse_head(head + "\r\n\r\n"), received, connection);
     }
 
+    /// Asks by a connection that stays, for which the request is read.
+    Response ask(const std::string& head, Connection& connection) {
+        const std::string sent = head + "\r\n\r\n";
+        EXPECT_EQ(write(sockets_[1], sent.data(), sent.size()), static_cast<ssize_t>(sent.size()));
+        return routes_.answer(*connection.read_head(), {}, connection);
+    }
+
     static std::string header(const Response& response, std::string_view name) {
         const auto found = std::ranges::find(response.headers, name, &Header::name);
         return found == response.headers.end() ? "" : found->value;
@@ -104,7 +111,10 @@ TEST_F(RoutesTest, RefusesNewWorkWhileDraining) {
     routes_.drain();
     EXPECT_EQ(ask("GET /health/ready HTTP/1.1").status, 503);
     EXPECT_EQ(ask("GET /health/live HTTP/1.1").status, 200);
-    const Response refused = ask("POST /halftone HTTP/1.1\r\nContent-Length: 0");
+    Connection connection(socket());
+    EXPECT_EQ(ask("POST /halftone HTTP/1.1\r\nContent-Length: 0", connection).status, 400)
+        << "whoever had connected is served";
+    const Response refused = ask("POST /halftone HTTP/1.1\r\nContent-Length: 0", connection);
     EXPECT_EQ(refused.status, 503);
     EXPECT_FALSE(header(refused, "Retry-After").empty());
 }
