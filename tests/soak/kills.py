@@ -12,6 +12,7 @@ import json
 import pathlib
 import random
 import signal
+import sqlite3
 import sys
 import tempfile
 import threading
@@ -23,8 +24,9 @@ from load import LONGEST
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "integration"))
 from harness import Server  # pylint: disable=wrong-import-position
 
-LONGEST_LIFE = 1.0  # seconds from a server's first answer to its kill, at most
-PATIENCE = 600      # seconds for the last server to do what is left
+LONGEST_LIFE = 0.5  # seconds in which a server takes jobs until its kill, at most
+MOST_STARTS = 3     # of a job that never ends: then it has failed
+PATIENCE = 600      # seconds for a server to do what is left
 LATER = {"Prefer": "respond-async"}
 LAST = cases.sample("longer than a life", sites=60_000, iterations=300, domain=cases.RECTANGLE)
 
@@ -111,6 +113,13 @@ def wait_for_all(server, jobs):
     return left
 
 
+def on_their_last_start(folder):
+    """Jobs that can be started once more only, by what the server that was killed has left."""
+    with contextlib.closing(sqlite3.connect(f"{folder}/jobs/jobs.sqlite")) as store:
+        rows = store.execute("SELECT id FROM jobs WHERE finished IS NULL AND starts >= ?", (MOST_STARTS - 1,))
+        return ["/jobs/" + job for job, in rows]
+
+
 def check(server, accepted, known):
     """What is wrong, in words."""
     wrong = [f"{job} ({accepted.jobs[job].name}) is {status}"
@@ -135,11 +144,14 @@ def main():
         flags = ("--workers=2", "--timeout=300", "--job-ttl=3600", f"--data-dir={folder}/jobs")
         known = learn(flags)
         accepted = Accepted(arguments.jobs)
+        last_chances = []
         for left in range(arguments.kills, 0, -1):
-            if left == 2:  # a job that is started a third time and does not end has failed
+            if left == MOST_STARTS - 1:
                 accepted.prefer(LAST)
             with Server(*flags) as server:
+                wait_for_all(server, last_chances)
                 live_and_die(server, chance.uniform(0, LONGEST_LIFE), accepted)
+            last_chances = on_their_last_start(folder)
         with Server(*flags) as server:
             unfinished = sum(status_of(server, job) in ("queued", "running") for job in accepted.jobs)
             while accepted.submit_next(server):
