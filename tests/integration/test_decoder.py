@@ -272,10 +272,14 @@ class Ending(unittest.TestCase):
 
     def test_leaves_no_process_however_it_comes(self):
         with Server() as server:
-            everyone = Family(server).everyone()
+            family = Family(server)
+            everyone = family.everyone()
+            worker = everyone[-1]
+            worker.kill(signal.SIGSTOP)  # so that it is still at work when there is another spare
             call = Call(server.url("/halftone"), data=file_of(flat(99, 7900, 7900)))
-            wait_for(lambda: len(Family(server).helper().children()) == 2)
-            everyone += Family(server).helper().children()
+            wait_for(lambda: len(family.helper().children()) == 2)
+            everyone += family.helper().children()
+            worker.kill(signal.SIGCONT)
             server.signal(signal.SIGKILL)
             call.abandon()
             self.assertEqual(server.wait(), -signal.SIGKILL)
