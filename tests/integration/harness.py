@@ -176,6 +176,14 @@ def post_json(server, path, body, *arguments):
     return ask(server, path, "--header", "Content-Type: application/json", *arguments, data=data)
 
 
+def figures_at_rest(server):
+    """What /metrics tells once all answers are counted, which they are after they were sent."""
+    told = ask(server, "/metrics").body.decode()
+    while "\nccdt_connections_open 1\n" not in told:
+        told = ask(server, "/metrics").body.decode()
+    return told
+
+
 class ServerCase(unittest.TestCase):
     """Tests that share a server."""
 

@@ -6,7 +6,7 @@ import re
 import tempfile
 import unittest
 
-from harness import Server, ServerCase, ask, file_of, flat, post_json
+from harness import Server, ServerCase, ask, figures_at_rest, file_of, flat, post_json
 
 PICTURE = file_of(flat(100))
 SAMPLE = {"sites": 100, "domain": {"type": "torus", "width": 1, "height": 1}}
@@ -16,7 +16,7 @@ QUESTIONS = (("/halftone?sites=50", PICTURE), ("/sample", SAMPLE), ("/analyze", 
 
 
 def figure(server, name):
-    found = re.search(rf"^{name} (\S+)$", ask(server, "/metrics").body.decode(), re.MULTILINE)
+    found = re.search(rf"^{name} (\S+)$", figures_at_rest(server), re.MULTILINE)
     return float(found[1])
 
 

@@ -9,7 +9,7 @@ import tempfile
 import time
 import unittest
 
-from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, post_json
+from harness import PATIENCE, Call, Server, ServerCase, ask, figures_at_rest, file_of, post_json
 
 TORUS = {"type": "torus", "width": 1, "height": 1}
 JSON = ("--header", "Content-Type: application/json")
@@ -77,7 +77,7 @@ class Crashes(ServerCase):
         for call in calls:
             answer = call.answer()
             self.assertEqual((answer.status, answer.body), (200, expected))
-        self.assertIn("the process that computed it ", self.server.log())
+        self.server.wait_for_log("the process that computed it ")
         self.assertEqual(figure(self.server, "ccdt_computation_crashes_total"), crashes + 3)
         self.assertEqual(self.ask("/health/ready").status, 200)
 
@@ -147,6 +147,7 @@ class Threads(unittest.TestCase):
         with Server(*self.flags) as server:
             self.assertEqual(self.threads_of(server), 4)
             for busy, left in ((1, 2), (2, 1)):
+                wait_until(lambda busy=busy: figure(server, "ccdt_workers_busy") == busy - 1)
                 call = Call(server.url("/sample"), *JSON, data=sample(100_000, iterations=1000))
                 self.addCleanup(call.abandon)
                 wait_until(lambda busy=busy: figure(server, "ccdt_workers_busy") == busy)
@@ -155,7 +156,7 @@ class Threads(unittest.TestCase):
             self.doCleanups()
             wait_until(lambda: figure(server, "ccdt_workers_busy") == 0)
             self.assertEqual(self.threads_of(server), 4)
-            self.assertEqual(figure(server, "ccdt_computation_threads_sum"), 4 + 2 + 1 + 4)
+            self.assertIn(f"\nccdt_computation_threads_sum {4 + 2 + 1 + 4}\n", figures_at_rest(server))
             self.assertGreater(figure(server, "ccdt_computation_cpu_seconds_total"), 0)
             self.assertEqual(server.stop(), 0)
 
@@ -204,8 +205,8 @@ class Kills(unittest.TestCase):
                 self.assertEqual(post_json(server, "/sample", sample()).body, expected)
                 self.assertEqual(running.answer().status, 200)
                 self.assertNotIn("Z", children(server.process.pid).values())
-            self.assertIn("the worker was killed by signal 9 (Killed), and is started again", server.log())
             self.assertEqual(server.stop(), 0)
+            self.assertIn("the worker was killed by signal 9 (Killed), and is started again", server.log())
 
     def test_of_the_server_leave_nothing_behind(self):
         with Server("--workers=1") as server:

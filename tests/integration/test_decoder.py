@@ -207,8 +207,8 @@ class Restarts(unittest.TestCase):
             self.assertGreater(len(statuses), 10)
             self.assertEqual(set(statuses), {200})
             self.assertEqual(len(family.keepers()), 1, "no zombies")
-            self.assertEqual(server.log().count("was killed by signal 9 (Killed), and is started again"), 10)
             self.assertEqual(server.stop(), 0)
+            self.assertEqual(server.log().count("was killed by signal 9 (Killed), and is started again"), 10)
 
     def test_are_waited_for_and_told(self):
         with Server() as server:

@@ -133,6 +133,7 @@ class Haproxy(unittest.TestCase):
                 for source, status in (("127.0.0.9", 429), ("127.0.0.8", 404)):
                     self.assertEqual(ask(balancer, "/nothing", "--interface", source).status, status)
                 self.assertEqual(ask(balancer, "/metrics").status, 404)
+            self.assertEqual(server.stop(), 0)
             self.assertEqual(server.log().count(" 127.0.0.9 GET /nothing "), 4)
             self.assertNotIn("1.2.3.4", server.log())
 

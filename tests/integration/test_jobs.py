@@ -368,7 +368,7 @@ class Keys(unittest.TestCase):
                 self.assertEqual(ask(server, job, *alice).status, 200)
                 self.assertEqual(ask(server, job, *alice, "--request", "DELETE").status, 204)
                 server.wait_for_log(" cancelled ")
-                self.assertIn("key=alice", server.log())
+                server.wait_for_log("key=alice")
 
 
 class Lasting(unittest.TestCase):

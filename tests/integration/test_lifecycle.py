@@ -257,6 +257,7 @@ class Stopping(unittest.TestCase):
             for client in deaf:
                 client.send(asked + large)
                 self.assertEqual(client.socket.recv(12), b"HTTP/1.1 200")
+            wait_until_accepted(server, 0)
             calls = start(server, SHORT, 4)
             wait_until_accepted(server, 4)
             server.signal()

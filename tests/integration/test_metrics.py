@@ -7,17 +7,21 @@ import unittest
 
 from prometheus_client.parser import text_string_to_metric_families
 
-from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, flat, post_json
+from harness import PATIENCE, Call, Server, ServerCase, ask, figures_at_rest, file_of, flat, post_json
 
 ENDLESS = json.dumps({"sites": 100_000, "iterations": 1000, "domain": {"type": "rectangle", "width": 2, "height": 1}})
 
 
+def samples(told):
+    """By name and labels."""
+    return {(sample.name, *sorted(sample.labels.items())): sample.value
+            for family in text_string_to_metric_families(told) for sample in family.samples}
+
+
 def figures(server):
-    """Samples by name and labels."""
     answer = ask(server, "/metrics")
     assert answer.status == 200, answer
-    return {(sample.name, *sorted(sample.labels.items())): sample.value
-            for family in text_string_to_metric_families(answer.body.decode()) for sample in family.samples}
+    return samples(answer.body.decode())
 
 
 def wait_for(server, name, value):
@@ -28,12 +32,12 @@ def wait_for(server, name, value):
 
 class Metrics(ServerCase):
     def test_follow_what_is_done(self):
-        before = figures(self.server)
+        before = samples(figures_at_rest(self.server))
         self.halftone(file_of(flat(100, 40, 30)), "?sites=50")
         self.sample(sites=70, domain={"type": "torus", "width": 1, "height": 1})
         self.assertEqual(post_json(self.server, "/sample", {"sites": 0}).status, 400)
         self.assertEqual(self.ask("/no/such/path").status, 404)
-        after = figures(self.server)
+        after = samples(figures_at_rest(self.server))
 
         def grown(name, **labels):
             key = (name, *sorted(labels.items()))
@@ -47,7 +51,7 @@ class Metrics(ServerCase):
         self.assertGreater(grown("ccdt_stage_duration_seconds_sum", stage="optimise"), 0)
         self.assertEqual(grown("ccdt_sites_total"), 120)
         self.assertEqual(grown("ccdt_pixels_total"), 1200)
-        self.assertEqual(after[("ccdt_workers_busy",)], 0)
+        wait_for(self.server, "ccdt_workers_busy", 0)
 
     def test_keep_to_prometheus_rules(self):
         answer = self.ask("/metrics")

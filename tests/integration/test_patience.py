@@ -230,7 +230,7 @@ class UnixSocket(unittest.TestCase):
             calls = [Call("http://h/halftone?sites=5&scale=1", "--unix-socket", str(self.path), data=GREY)
                      for _ in range(3)]
             self.assertEqual([call.answer().status for call in calls], [200] * 3)
-            self.assertIn(" unix POST ", server.log())
+            server.wait_for_log(" unix POST ")
             second = self.start_another()
             self.assertEqual(second.returncode, 1)
             self.assertIn("in use", second.stderr)

@@ -13,7 +13,7 @@ import unittest
 
 import test_jobs
 from engine import Redis, SlowWay
-from harness import PATIENCE, Call, Server, ServerCase, ask
+from harness import PATIENCE, Call, Server, ServerCase, ask, figures_at_rest
 from test_jobs import ENDLESS, LATER, LONG, SMALL, events, status, submit, wait_for, wait_for_end, without_time
 
 TORUS = {"type": "torus", "width": 1, "height": 1}
@@ -133,9 +133,10 @@ class Replicas(unittest.TestCase):
         for job, request in zip(jobs, requests):
             now = ask(second, "/sample", data=json.dumps(request))
             self.assertEqual(without_time(ask(third, job + "/result")), without_time(now))
+        self.assertEqual(self.redis.cli("ZCARD", "ccdt:1:leases"), "0")
+        self.assertEqual((second.stop(), third.stop()), (0, 0))
         told = ends_told(first.log() + second.log() + third.log())
         self.assertEqual(set(told.values()), {1}, "nothing is done twice")
-        self.assertEqual(self.redis.cli("ZCARD", "ccdt:1:leases"), "0")
 
     def test_a_replica_that_shuts_down_gives_back_what_it_runs(self):
         first = self.start()
@@ -157,9 +158,10 @@ class Replicas(unittest.TestCase):
         first.signal(signal.SIGCONT)
         until(lambda: figure(first, "ccdt_job_leases_lost_total") == 1)
         self.assertEqual(wait_for_end(first, job)["status"], "succeeded")
-        self.assertEqual(ends_told(first.log() + second.log()), {job.removeprefix("/jobs/"): 1})
         now = ask(second, "/sample", data=json.dumps(LONG))
         self.assertEqual(without_time(ask(first, job + "/result")), without_time(now))
+        self.assertEqual((first.stop(), second.stop()), (0, 0))
+        self.assertEqual(ends_told(first.log() + second.log()), {job.removeprefix("/jobs/"): 1})
 
     def test_without_redis_only_jobs_have_to_wait(self):
         for stop, go_on in ((self.redis.kill, self.redis.start), (self.redis.pause, self.redis.resume)):
@@ -278,13 +280,14 @@ class Shared(unittest.TestCase):
             answers = [ask(server, "/sample", data=json.dumps(SMALL)) for server in (first, second)]
             self.assertEqual(answers[0].body, answers[1].body)
             self.assertEqual(answers[0].headers["etag"], answers[1].headers["etag"])
-            self.assertEqual(figure(second, "ccdt_cache_hits_total"), 1)
-            self.assertEqual(figure(second, "ccdt_sites_total"), 0)
+            told = figures_at_rest(second)
+            self.assertIn("\nccdt_cache_hits_total 1\n", told)
+            self.assertIn("\nccdt_sites_total 0\n", told)
             for stop in (redis.pause, redis.kill):
                 stop()
                 again = ask(second, "/sample", data=json.dumps(SMALL))
                 self.assertEqual(without_time(again), without_time(answers[0]))
-            self.assertEqual(figure(second, "ccdt_sites_total"), 2 * SMALL["sites"])
+            self.assertIn(f"\nccdt_sites_total {2 * SMALL['sites']}\n", figures_at_rest(second))
             self.assertEqual(ask(second, "/health/ready").status, 200)
             redis.start()
             until(lambda: ask(second, "/sample", data=json.dumps({**SMALL, "seed": 5})).status == 200
@@ -314,9 +317,11 @@ class Settings(unittest.TestCase):
             with Server(environment={"CCDT_REDIS": f"redis://:secret-word@{place}"}) as server:
                 job = submit(server, SMALL)
                 self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
+                self.assertEqual(server.stop(), 0)
                 self.assertNotIn("secret-word", server.log())
             with Server(f"--redis=redis://:wrong-word@{place}") as server:
                 self.assertIn("WRONGPASS", server.wait_for_log("jobs have to wait"))
+                self.assertEqual(server.stop(), 0)
                 self.assertNotIn("wrong-word", server.log())
 
     def test_tls_is_verified(self):
