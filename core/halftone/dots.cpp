@@ -26,6 +26,26 @@ struct Band {
     int clip(double y) const { return static_cast<int>(std::clamp<double>(y, top, bottom)); }
 };
 
+/// Radii of dots in canvas pixels: one for all, or one for each.
+class Radii {
+public:
+    explicit Radii(double all) : all_(all), largest_(all) {}
+
+    /// @param each   not empty
+    /// @param scale  canvas pixels per unit of the radii
+    Radii(std::span<const float> each, double scale)
+        : each_(each), scale_(scale), largest_(scale * static_cast<double>(*std::ranges::max_element(each))) {}
+
+    double operator[](std::size_t dot) const { return each_.empty() ? all_ : scale_ * static_cast<double>(each_[dot]); }
+    double largest() const { return largest_; }
+
+private:
+    std::span<const float> each_;
+    double scale_ = 1;
+    double all_ = 0;
+    double largest_;
+};
+
 /// Rows that a reach around a point may touch, as far as they belong to a band.
 Band rows_within(double y, double reach, const Band& band) {
     return {band.clip(std::floor(y - reach)), band.clip(std::ceil(y + reach))};
@@ -86,8 +106,7 @@ public:
         Values values{std::make_unique_for_overwrite<float[]>(columns * static_cast<std::size_t>(height_)),
                       columns * static_cast<std::size_t>(height_)};
         team.run(dots_.size(), [&](std::size_t number) {
-            const int top = static_cast<int>(number) * rows_;
-            const Band band{top, std::min(top + rows_, height_)};
+            const Band band = band_of(number);
             const auto row = [&](int y) { return values.begin() + static_cast<std::size_t>(y) * columns; };
             std::fill(row(band.top), row(band.bottom), bare);
             for (const std::uint32_t dot : dots_[number]) {
@@ -98,7 +117,23 @@ public:
         return values;
     }
 
+    /// Calls visit(band, dot) for each band and the dots that reach into it.
+    template <class Visit>
+    void visit(Team& team, const std::stop_token& stop, const Visit& visit) const {
+        team.run(dots_.size(), [&](std::size_t number) {
+            for (const std::uint32_t dot : dots_[number]) {
+                if (stop.stop_requested()) return;
+                visit(band_of(number), dot);
+            }
+        });
+    }
+
 private:
+    Band band_of(std::size_t number) const {
+        const int top = static_cast<int>(number) * rows_;
+        return {top, std::min(top + rows_, height_)};
+    }
+
     /// As many as make it seldom that a dot reaches into several, as long as there are bands for many.
     static int rows_of_band(const Canvas& canvas, double reach) {
         constexpr int kBands = 16;
@@ -215,14 +250,14 @@ Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOp
 /// Rims that face each other in a pixel cover what each does, added up; rims that cross, what the one leaves bare of
 /// the other's share. Measured on flat greys: with seven parts of the first and three of the second, all together cover
 /// what discs do to 0.002 at a radius of 3 pixels, and to 0.005 at 1.5.
-Raster draw_soft(std::span<const Point> dots, const Canvas& canvas, double radius, const std::stop_token& stop,
+Raster draw_soft(std::span<const Point> dots, const Canvas& canvas, const Radii& radii, const std::stop_token& stop,
                  Team& team) {
     constexpr float kFacing = 0.7f;
-    // A rim a pixel wide adds pi / 12 to the area of a disc.
-    const double middle = std::sqrt(std::max(0.0, radius * radius - 1.0 / 12));
-    const auto core = static_cast<float>(middle > 0.5 ? (middle - 0.5) * (middle - 0.5) : -1);
-    const Bands bands(dots, canvas, middle + 0.5);
+    const Bands bands(dots, canvas, radii.largest() + 0.5);
     const Values bare = bands.draw(1, team, stop, [&](float* to, const Band& band, std::size_t dot) {
+        // A rim a pixel wide adds pi / 12 to the area of a disc.
+        const double middle = std::sqrt(std::max(0.0, radii[dot] * radii[dot] - 1.0 / 12));
+        const auto core = static_cast<float>(middle > 0.5 ? (middle - 0.5) * (middle - 0.5) : -1);
         const auto cover = [core, middle, to](std::size_t pixel, float squared) {
             float& left = to[pixel];
             if (squared <= core) {
@@ -234,11 +269,26 @@ Raster draw_soft(std::span<const Point> dots, const Canvas& canvas, double radiu
         };
         for_pixels_within(canvas.scale * dots[dot], canvas, band, middle + 0.5, cover);
     });
-    Raster raster{canvas.width, canvas.height, radius, {}};
+    Raster raster{canvas.width, canvas.height, radii.largest(), {}};
     raster.coverage.resize(bare.count);
     for_ranges(team, bare.count, kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
         std::transform(bare.begin() + begin, bare.begin() + end, raster.coverage.data() + begin,
                        [](float left) { return static_cast<std::uint8_t>(std::lrint(255 * (1 - left))); });
+    });
+    return raster;
+}
+
+/// Draws discs of pixels whose centres they cover.
+Raster draw_hard(std::span<const Point> dots, const Canvas& canvas, const Radii& radii, const std::stop_token& stop,
+                 Team& team) {
+    Raster raster{canvas.width, canvas.height, radii.largest(), {}};
+    raster.coverage.resize(static_cast<std::size_t>(canvas.width) * static_cast<std::size_t>(canvas.height));
+    Bands(dots, canvas, radii.largest()).visit(team, stop, [&](const Band& band, std::size_t dot) {
+        const auto limit = static_cast<float>(radii[dot] * radii[dot]);
+        const auto cover = [&](std::size_t pixel, float squared) {
+            if (squared <= limit) raster.coverage[pixel] = 255;
+        };
+        for_pixels_within(canvas.scale * dots[dot], canvas, band, radii[dot], cover);
     });
     return raster;
 }
@@ -258,20 +308,20 @@ void append_reduced(const Raster& fine, int samples, std::vector<std::uint8_t>& 
 }
 
 /// Draws band by band, so that not all samples are there at once.
-Raster draw_samples(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
+/// @param radii  in samples
+Raster draw_samples(std::span<const Point> dots, const Canvas& canvas, const Radii& radii, int samples,
                     const std::stop_token& stop, Team& team) {
     constexpr int kBand = 1 << 20;  // samples, about
-    const int samples = options.samples, a_row = canvas.width * samples * samples;
-    Raster raster{canvas.width, canvas.height, options.radius.value(), {}};
+    const int a_row = canvas.width * samples * samples;
+    Raster raster{canvas.width, canvas.height, radii.largest() / samples, {}};
     std::vector<Point> shifted(dots.begin(), dots.end());
     for (int top = 0; top < canvas.height;) {
         const int rows = std::min(canvas.height - top, std::max(1, kBand / a_row));
         const Canvas band{samples * canvas.width, samples * rows, samples * canvas.scale};
-        append_reduced(draw_soft(shifted, band, samples * *options.radius, stop, team), samples, raster.coverage);
+        append_reduced(draw_soft(shifted, band, radii, stop, team), samples, raster.coverage);
         for (Point& dot : shifted) dot.y -= rows / canvas.scale;
         top += rows;
     }
-    if (!options.antialias) diffuse(raster.coverage, raster.width, raster.height);
     return raster;
 }
 
@@ -294,8 +344,15 @@ Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOpt
                 std::vector<std::uint8_t>(static_cast<std::size_t>(canvas.width) *
                                           static_cast<std::size_t>(canvas.height))};
     }
-    if (options.samples == 1 && options.antialias) return draw_soft(dots, canvas, options.radius.value(), stop, team);
-    if (options.samples > 1) return draw_samples(dots, canvas, options, stop, team);
+    if (options.samples == 1 && options.antialias)
+        return draw_soft(dots, canvas, Radii(options.radius.value()), stop, team);
+    if (options.samples > 1) {
+        const Radii radii(options.samples * options.radius.value());
+        Raster raster = draw_samples(dots, canvas, radii, options.samples, stop, team);
+        raster.radius = *options.radius;
+        if (!options.antialias) diffuse(raster.coverage, raster.width, raster.height);
+        return raster;
+    }
     const Fitted fitted = options.radius
                               ? Fitted{DistanceMap(dots, canvas, *options.radius + 1, stop, team), *options.radius}
                               : fit_radius(dots, canvas, options, stop, team);
@@ -314,6 +371,15 @@ Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOpt
         options.antialias ? std::transform(from, last, to, covered) : std::transform(from, last, to, is_covered);
     });
     return raster;
+}
+
+Raster draw_dots(std::span<const Point> dots, std::span<const float> radii, const Canvas& canvas, bool antialias,
+                 int samples, const std::stop_token& stop, Team& team) {
+    assert(dots.size() == radii.size() && samples >= 1);
+    if (dots.empty()) return draw_dots({}, canvas, {}, stop, team);
+    if (samples > 1) return draw_samples(dots, canvas, Radii(radii, samples * canvas.scale), samples, stop, team);
+    const Radii scaled(radii, canvas.scale);
+    return antialias ? draw_soft(dots, canvas, scaled, stop, team) : draw_hard(dots, canvas, scaled, stop, team);
 }
 
 }  // namespace ccdt

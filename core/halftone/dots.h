@@ -55,4 +55,15 @@ int samples_for(double radius, const Canvas& canvas, bool antialias);
 Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
                  const std::stop_token& stop = {}, Team& team = alone());
 
+/// Draws discs each with a radius of its own, overlaps counted once.
+///
+/// @param dots       finite; may lie beyond the canvas
+/// @param radii      [dots] in units of the dots' coordinates, >= 0
+/// @param antialias  false: a pixel is covered if its centre is
+/// @param samples    a side, of whose mean each pixel is made; if more than 1 the raster is antialiased in any case
+/// @param stop       asked at each dot; a stop ends it early, with nothing of use
+/// Same input, same bytes, on any executor. O(pixels + dots), and the area of all dots.
+Raster draw_dots(std::span<const Point> dots, std::span<const float> radii, const Canvas& canvas, bool antialias,
+                 int samples, const std::stop_token& stop = {}, Team& team = alone());
+
 }  // namespace ccdt

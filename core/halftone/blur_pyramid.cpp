@@ -1,0 +1,108 @@
+#include "core/halftone/blur_pyramid.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "core/halftone/bilinear.h"
+#include "core/halftone/pixel_ranges.h"
+
+namespace ccdt {
+
+namespace {
+
+using Kernel = std::array<float, 5>;
+
+/// Binomial weights: a variance of 1 pixel.
+constexpr Kernel kWide = {1 / 16.0f, 4 / 16.0f, 6 / 16.0f, 4 / 16.0f, 1 / 16.0f};
+
+/// Variance of 2/3: with 1/4 from the finer level and 1/16 from averaging 2 x 2 pixels it makes about 1.
+constexpr Kernel kNext = {1 / 36.0f, 8 / 36.0f, 18 / 36.0f, 8 / 36.0f, 1 / 36.0f};
+
+/// Filters along the columns, then along the rows. Pixels beyond the border equal those at it.
+void filter(std::vector<float>& values, int width, int height, const Kernel& kernel, std::vector<float>& scratch,
+            Team& team) {
+    const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
+    scratch.resize(values.size());
+    for_ranges(team, rows, rows_of_task(width), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) {
+            std::array<const float*, 5> from;
+            for (std::size_t k = 0; k < 5; ++k) {
+                const std::size_t row = std::min(y + k < 2 ? 0 : y + k - 2, rows - 1);
+                from[k] = values.data() + row * columns;
+            }
+            float* to = scratch.data() + y * columns;
+            for (std::size_t x = 0; x < columns; ++x)
+                to[x] = kernel[2] * from[2][x] + kernel[1] * (from[1][x] + from[3][x]) +
+                        kernel[0] * (from[0][x] + from[4][x]);
+        }
+    });
+    for_ranges(team, rows, rows_of_task(width), [&](std::size_t begin, std::size_t end) {
+        std::vector<float> padded(columns + 4);
+        for (std::size_t y = begin; y < end; ++y) {
+            const float* from = scratch.data() + y * columns;
+            std::copy_n(from, columns, padded.begin() + 2);
+            padded[0] = padded[1] = from[0];
+            padded[columns + 2] = padded[columns + 3] = from[columns - 1];
+            float* to = values.data() + y * columns;
+            for (std::size_t x = 0; x < columns; ++x)
+                to[x] = kernel[2] * padded[x + 2] + kernel[1] * (padded[x + 1] + padded[x + 3]) +
+                        kernel[0] * (padded[x] + padded[x + 4]);
+        }
+    });
+}
+
+/// Averages blocks of 2 x 2 pixels; the last row or column stands for a missing one.
+std::vector<float> halved(const std::vector<float>& values, int width, int height) {
+    const int columns = (width + 1) / 2, rows = (height + 1) / 2;
+    std::vector<float> result;
+    result.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    const auto row = [&](int y) {
+        return values.data() + static_cast<std::size_t>(std::min(y, height - 1)) * static_cast<std::size_t>(width);
+    };
+    for (int y = 0; y < rows; ++y) {
+        const float *upper = row(2 * y), *lower = row(2 * y + 1);
+        for (int x = 0; x < columns; ++x) {
+            const int left = 2 * x, right = std::min(left + 1, width - 1);
+            result.push_back((upper[left] + upper[right] + lower[left] + lower[right]) / 4);
+        }
+    }
+    return result;
+}
+
+}  // namespace
+
+BlurPyramid::BlurPyramid(std::vector<float> values, int width, int height, double widest, Team& team) {
+    assert(values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    constexpr int kSmallest = 4;  // pixels a side
+    std::vector<float> scratch;
+    filter(values, width, height, kWide, scratch, team);
+    levels_.push_back({width, height, std::move(values)});
+    for (double reached = 1; reached < widest; reached *= 2) {
+        const Level& finer = levels_.back();
+        if (std::min(finer.width, finer.height) < 2 * kSmallest) break;
+        Level next{(finer.width + 1) / 2, (finer.height + 1) / 2, halved(finer.values, finer.width, finer.height)};
+        filter(next.values, next.width, next.height, kNext, scratch, team);
+        levels_.push_back(std::move(next));
+    }
+}
+
+float BlurPyramid::Level::at(Point place) const {
+    return interpolated(values, width, height, place);
+}
+
+float BlurPyramid::at(Point place, double sigma) const {
+    const auto last = static_cast<double>(levels_.size() - 1);
+    const double level = std::clamp(std::log2(std::max(sigma, 1.0)), 0.0, last);
+    const auto lower = static_cast<std::size_t>(level);
+    const auto share = static_cast<float>(level - static_cast<double>(lower));
+    const auto mean = [&](std::size_t k) {
+        return levels_[k].at(1 / static_cast<double>(std::size_t{1} << k) * place);
+    };
+    return share > 0 ? (1 - share) * mean(lower) + share * mean(lower + 1) : mean(lower);
+}
+
+}  // namespace ccdt
