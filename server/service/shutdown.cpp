@@ -9,6 +9,8 @@
 
 #include <unistd.h>
 
+#include "server/processes/signals.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -26,20 +28,20 @@ bool ended_within(std::chrono::milliseconds time, const std::stop_token& ended) 
 
 }  // namespace
 
-EndSignals::EndSignals(bool reload) : signals_{} {
+ServerSignals::ServerSignals() : signals_{} {
+    ignore_signals(kSignalsWithoutMeaning);
     sigemptyset(&signals_);
-    sigaddset(&signals_, SIGINT);
-    sigaddset(&signals_, SIGTERM);
-    if (reload) sigaddset(&signals_, SIGHUP);
+    for (const int number : kEndSignals) sigaddset(&signals_, number);
+    sigaddset(&signals_, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
 }
 
-void EndSignals::wait(const std::function<void()>& reload) const {
+void ServerSignals::wait_for_end(const std::function<void()>& reload) const {
     int number = 0;
     while (sigwait(&signals_, &number) == 0 && number == SIGHUP) reload();
     std::signal(SIGHUP, SIG_IGN);
-    // That takes a handler: without one, the first process of a container is not ended by them.
-    for (const int other : {SIGINT, SIGTERM}) std::signal(other, [](int again) { _exit(128 + again); });
+    // Handlers, since the default action does not end the first process of a container.
+    for (const int other : kEndSignals) std::signal(other, [](int again) { _exit(128 + again); });
     pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
 }
 

@@ -9,15 +9,16 @@
 
 namespace ccdt::server {
 
-/// Signals that end the server, and SIGHUP where it has something to read again: elsewhere that ends the program, as it
-/// does when a terminal is closed.
-class EndSignals {
+/// The signals that a server acts on: SIGINT, SIGTERM and SIGQUIT end it, SIGHUP reloads.
+class ServerSignals {
 public:
-    /// Blocks them; to be made before any thread: they inherit the mask, and only the one that waits takes the signals.
-    explicit EndSignals(bool reload);
+    /// Blocks these signals, and ignores those that would end the program and mean nothing to it. To be made before any
+    /// thread: threads inherit the mask, and only the thread that waits takes the signals.
+    ServerSignals();
 
-    /// Reloads on SIGHUP, and returns on any other signal. From then on another signal ends the program at once.
-    void wait(const std::function<void()>& reload) const;
+    /// Reloads on each SIGHUP, and returns on the first other signal. From then on a further one ends the program at
+    /// once, and SIGHUP is ignored.
+    void wait_for_end(const std::function<void()>& reload) const;
 
 private:
     sigset_t signals_;

@@ -39,6 +39,15 @@ def probe(server):
     return ask(server, "/halftone?nonsense=1", data=b"x" * 70_000)
 
 
+def descendants(process):
+    """Ids of a process' children, of their children, and so on."""
+    found = []
+    for task in pathlib.Path(f"/proc/{process}/task").iterdir():
+        for child in (task / "children").read_text().split():
+            found += [int(child), *descendants(child)]
+    return found
+
+
 def wait_until(server, status):
     answer = probe(server)
     while answer.status != status:
@@ -155,7 +164,7 @@ class Fairness(unittest.TestCase):
 
 class Stopping(unittest.TestCase):
     def test_everything_accepted_is_answered(self):
-        for number in (signal.SIGTERM, signal.SIGINT):
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGQUIT):
             with self.subTest(number=number), Server("--workers=2", "--queue=2", "--timeout=300") as server:
                 calls = start(server, SHORT, 4)
                 wait_until(server, 429)
@@ -224,14 +233,15 @@ class Stopping(unittest.TestCase):
             silent.close()
 
     def test_a_second_signal_ends_it_at_once(self):
-        with Server("--workers=1", "--queue=0", "--timeout=300") as server:
-            calls = start(server, ENDLESS, 1)
-            wait_until(server, 429)
-            server.signal()
-            server.wait_for_log("shutting down")
-            server.signal()
-            self.assertEqual(server.wait(), 128 + signal.SIGTERM)
-            calls[0].abandon()
+        for number in (signal.SIGTERM, signal.SIGQUIT):
+            with self.subTest(number=number), Server("--workers=1", "--queue=0", "--timeout=300") as server:
+                calls = start(server, ENDLESS, 1)
+                wait_until(server, 429)
+                server.signal(number)
+                server.wait_for_log("shutting down")
+                server.signal(number)
+                self.assertEqual(server.wait(), 128 + number)
+                calls[0].abandon()
 
     def test_it_ends_in_time_whatever_is_not_done(self):
         with Server("--workers=1", "--queue=1", "--timeout=300", "--drain-timeout=3") as server:
@@ -273,6 +283,38 @@ class Stopping(unittest.TestCase):
             self.assertEqual(client.recv(12), b"HTTP/1.1 200")
             server.signal()
             self.assertEqual(server.wait(), 0)
+
+
+class Signals(unittest.TestCase):
+    """Signals that do not ask the server to end."""
+
+    # SIGHUP is not among them: the fork server and the decoder ignore it, the server reports it.
+    meaningless = (signal.SIGUSR1, signal.SIGUSR2, signal.SIGALRM, signal.SIGVTALRM, signal.SIGPROF, signal.SIGIO,
+                   signal.SIGPIPE)
+
+    def test_sighup_without_a_key_file_is_ignored(self):
+        with Server("--workers=1", "--queue=0", "--timeout=300") as server:
+            (call,) = start(server, SHORT, 1)
+            wait_until(server, 429)
+            server.signal(signal.SIGHUP)
+            server.wait_for_log("SIGHUP is ignored")
+            self.assertEqual(call.answer().status, 200)
+            self.assertEqual(server.stop(), 0)
+
+    def test_meaningless_ones_end_no_process(self):
+        with Server() as server:
+            server.wait_for_log("pictures are decoded")
+            family = [server.process.pid, *descendants(server.process.pid)]
+            self.assertGreaterEqual(len(family), 4, "the server, the fork server, the keeper and the helper")
+            for process in family:
+                for number in self.meaningless + (() if process == server.process.pid else (signal.SIGHUP,)):
+                    os.kill(process, number)
+            self.assertEqual(post_json(server, "/sample", {"sites": 6, "domain": RECTANGLE}).status, 200)
+            self.assertEqual(ask(server, "/halftone?sites=5&scale=1", data=file_of(flat(9))).status, 200)
+            for process in family:
+                os.kill(process, 0)
+            self.assertNotIn("started again", server.log())
+            self.assertEqual(server.stop(), 0)
 
 
 class Starting(unittest.TestCase):
