@@ -14,6 +14,11 @@ constexpr std::string_view kLineEnd = "\r\n";
 constexpr std::string_view kAuthority = "://";  ///< what it stands behind
 constexpr std::size_t kLongestTarget = 8'192;
 
+/// Fields that the server reads and that have one value, which is no list. A proxy may act on another of several values
+/// than the server does. Content-Length and Transfer-Encoding are checked where they are read.
+constexpr std::array<std::string_view, 6> kSingleFields{
+    "Access-Control-Request-Method", "Authorization", "Content-Type", "Host", "Origin", "X-Request-ID"};
+
 char to_lower(char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
@@ -246,8 +251,12 @@ HttpResult<void> check_request(const Request& request) {
     const auto has_name = [](std::string_view name) {
         return [name](const Header& header) { return equals_ignoring_case(header.name, name); };
     };
-    const auto hosts = std::ranges::count_if(request.headers, has_name("Host"));
-    if (hosts > 1 || (hosts == 0 && !request.is_http_1_0)) return problem(400, "there must be one Host header");
+    for (const auto& name : kSingleFields) {
+        if (std::ranges::count_if(request.headers, has_name(name)) > 1)
+            return problem(400, "there must be only one " + std::string(name) + " header");
+    }
+    if (!request.is_http_1_0 && std::ranges::none_of(request.headers, has_name("Host")))
+        return problem(400, "there must be a Host header");
     if (!std::ranges::all_of(request.header("Host"), is_host_character))
         return problem(400, "the Host header is malformed");
     const bool expects = std::ranges::any_of(request.headers, has_name("Expect"));

@@ -27,7 +27,8 @@ HttpResult<std::uint64_t> parse_chunk_size(std::string_view line);
 HttpResult<void> check_trailer(std::string_view line);
 
 /// Checks a request whose head can be read.
-/// Problems: no Host or several (400), an expectation that is not understood (417).
+/// Problems: no Host, several values of a field that has one, such as Authorization (400), an expectation that is not
+/// understood (417).
 HttpResult<void> check_request(const Request& request);
 
 /// Whether a Prefer header (RFC 7240) names a preference, whatever its value.

@@ -53,6 +53,13 @@ class Keys(unittest.TestCase):
             for key in (ALICE, BOB):
                 self.assertNotIn(key, server.log())
 
+    def test_of_several_none_counts(self):
+        with Server(f"--api-key-file={self.file}") as server:
+            for first, second in ((ALICE, BOB), (ALICE, ALICE), ("unknown", ALICE)):
+                answer = ask(server, HALFTONE, *bearer(first), *bearer(second), data=GREY)
+                self.assertEqual((answer.status, answer.type), (400, "application/problem+json"))
+                self.assertIn("Authorization", answer.json()["detail"])
+
     def test_do_not_reach_the_log_by_the_url(self):
         names = ("key", "api_key", "apikey", "token", "access_token", "Authorization", "kye")
         for form in ("text", "json"):

@@ -92,6 +92,25 @@ TEST(CheckRequest, WantsOneHost) {
     EXPECT_TRUE(check_request(*parse_with("", "GET / HTTP/1.0")));
 }
 
+TEST(CheckRequest, RejectsRepeatedSingleFields) {
+    for (const char* name :
+         {"Access-Control-Request-Method", "Authorization", "Content-Type", "host", "Origin", "X-Request-ID"}) {
+        const std::string line = std::string(name) + ": a\r\n";
+        const std::string host = name == std::string("host") ? "" : "Host: h\r\n";
+        EXPECT_TRUE(check_request(*parse_with(host + line))) << name;
+        const auto checked = check_request(*parse_with(host + line + line));
+        ASSERT_FALSE(checked) << name;
+        EXPECT_EQ(checked.error().status, 400) << name;
+        EXPECT_FALSE(check_request(*parse_with(host + line + line, "GET / HTTP/1.0"))) << name;
+    }
+}
+
+TEST(CheckRequest, AcceptsRepeatedLists) {
+    for (const std::string name : {"Accept", "Accept-Encoding", "Cache-Control", "Connection", "Forwarded",
+                                   "If-None-Match", "Prefer", "Via", "X-Forwarded-For"})
+        EXPECT_TRUE(check_request(*parse_with("Host: h\r\n" + name + ": a\r\n" + name + ": b\r\n"))) << name;
+}
+
 TEST(CheckRequest, KnowsOneExpectation) {
     EXPECT_TRUE(check_request(*parse_with("Host: h\r\nExpect: 100-Continue\r\n")));
     EXPECT_EQ(check_request(*parse_with("Host: h\r\nExpect: tea\r\n")).error().status, 417);
