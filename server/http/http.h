@@ -48,6 +48,8 @@ std::string header_parameter(std::string_view value, std::string_view name);
 
 bool equals_ignoring_case(std::string_view a, std::string_view b);
 
+std::string in_small_letters(std::string_view text);
+
 /// The phrase that belongs to a status.
 std::string_view status_phrase(int status);
 

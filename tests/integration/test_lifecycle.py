@@ -181,7 +181,7 @@ class Stopping(unittest.TestCase):
             server.signal(signal.SIGSTOP)
             clients = [stack.enter_context(Raw(server)) for _ in range(400)]
             for client in clients:
-                client.send(b"GET /capabilities HTTP/1.1\r\nHost: h\r\n\r\n")
+                client.send(b"GET /capabilities HTTP/1.1\r\nHost: localhost\r\n\r\n")
             server.signal()
             server.signal(signal.SIGCONT)
             self.assertEqual([client.socket.recv(12) for client in clients], [b"HTTP/1.1 200"] * len(clients))
@@ -255,7 +255,7 @@ class Stopping(unittest.TestCase):
 
     def test_it_ends_soon_after_the_last_answer_whatever_slow_clients_do(self):
         large = json.dumps({"sites": 1_000_000, "iterations": 0, "domain": RECTANGLE}).encode()
-        post = b"POST /sample HTTP/1.1\r\nHost: h\r\n"
+        post = b"POST /sample HTTP/1.1\r\nHost: localhost\r\n"
         asked = post + b"Content-Length: %d\r\n\r\n" % len(large)
         beginnings = (b"", b"GET /health HT", post + b"X: ", post + b"Content-Length: 1000\r\n\r\n{",
                       post + b"Transfer-Encoding: chunked\r\n\r\n5\r\n{", asked + large[:-1])
@@ -279,7 +279,7 @@ class Stopping(unittest.TestCase):
     def test_it_ends_in_time_though_an_answer_is_not_taken(self):
         body = json.dumps({"sites": 1_000_000, "iterations": 0, "domain": RECTANGLE}).encode()
         with Server("--drain-timeout=3") as server, socket.create_connection(("127.0.0.1", server.port)) as client:
-            client.sendall(b"POST /sample HTTP/1.1\r\nHost: h\r\nContent-Length: %d\r\n\r\n%s" % (len(body), body))
+            client.sendall(b"POST /sample HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\n%s" % (len(body), body))
             self.assertEqual(client.recv(12), b"HTTP/1.1 200")
             server.signal()
             self.assertEqual(server.wait(), 0)

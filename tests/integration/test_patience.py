@@ -15,12 +15,12 @@ from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, flat
 from raw import AT_ONCE, MOST_MEMORY, Memory, Raw, crowd, ping, sources, statuses
 
 GREY = file_of(flat(128))
-HEALTH = b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n"
+HEALTH = b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
 RECTANGLE = {"type": "rectangle", "width": 2, "height": 1}
 
 
 def post(path, body):
-    return b"POST %s HTTP/1.1\r\nHost: h\r\nContent-Length: %d\r\n\r\n%s" % (path, len(body), body)
+    return b"POST %s HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\n%s" % (path, len(body), body)
 
 
 def shrink(raw):
@@ -82,7 +82,7 @@ class Caps(unittest.TestCase):
                 for _ in range(20):
                     start = time.monotonic()
                     with Raw(server) as raw:
-                        raw.send(b"GET /openapi.json HTTP/1.1\r\nHost: h\r\n\r\n")
+                        raw.send(b"GET /openapi.json HTTP/1.1\r\nHost: localhost\r\n\r\n")
                         self.assert_refused(raw)
                     self.assertLess(time.monotonic() - start, AT_ONCE)
                 server.wait_for_log(" 503 ")
@@ -124,7 +124,7 @@ class Caps(unittest.TestCase):
 
     def test_bodies_share_their_memory(self):
         # The least that they may take is 256 MiB: eight clients that sent 40 MiB each and stopped.
-        head = b"POST /halftone HTTP/1.1\r\nHost: h\r\nContent-Length: 60000000\r\n\r\n"
+        head = b"POST /halftone HTTP/1.1\r\nHost: localhost\r\nContent-Length: 60000000\r\n\r\n"
         with Server("--body-timeout=300") as server, Memory(server) as memory:
             with crowd(server, 8, head) as clients:
                 for client in clients:
@@ -134,7 +134,7 @@ class Caps(unittest.TestCase):
         self.assertLess(memory.rise, 256 + 2 * MOST_MEMORY)
 
     def test_many_slow_clients_starve_nobody(self):
-        slow = b"POST /sample HTTP/1.1\r\nHost: h\r\nContent-Length: 1000\r\n\r\n{"
+        slow = b"POST /sample HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000\r\n\r\n{"
         with Server("--workers=1", "--queue=1") as server, crowd(server, 200, slow), crowd(server, 150, b"GET /"):
             self.assertLess(ping(server), AT_ONCE)
             self.assertEqual(ask(server, "/halftone?sites=10&scale=1", data=GREY).status, 200)
@@ -152,7 +152,7 @@ class Rooms(unittest.TestCase):
     def test_listeners_take_nobodys_place(self):
         with Server("--max-connections=8", "--max-streams=100") as server:
             job = self.begin_job(server)
-            listen = b"GET %s/events HTTP/1.1\r\nHost: h\r\n\r\n" % job.encode()
+            listen = b"GET %s/events HTTP/1.1\r\nHost: localhost\r\n\r\n" % job.encode()
             with contextlib.ExitStack() as stack:
                 for _, source in zip(range(100), sources()):
                     listener = stack.enter_context(Raw(server, source))
@@ -187,7 +187,7 @@ class Rooms(unittest.TestCase):
                         self.assertEqual((answer.status, answer.headers["connection"]), (200, "close"))
                     self.assertEqual(ask(server, job).status, 503)
                 with Raw(server) as listener:
-                    listener.send(b"GET %s/events HTTP/1.1\r\nHost: h\r\n\r\n" % job.encode())
+                    listener.send(b"GET %s/events HTTP/1.1\r\nHost: localhost\r\n\r\n" % job.encode())
                     self.assertTrue(listener.socket.recv(12).endswith(b" 200"), "streams are not crowded")
             while ask(server, job).status != 200:
                 pass
@@ -227,7 +227,7 @@ class UnixSocket(unittest.TestCase):
 
     def test_answers_and_is_removed_at_the_end(self):
         with Server(self.bind, "--max-connections-per-address=1") as server:
-            calls = [Call("http://h/halftone?sites=5&scale=1", "--unix-socket", str(self.path), data=GREY)
+            calls = [Call("http://localhost/halftone?sites=5&scale=1", "--unix-socket", str(self.path), data=GREY)
                      for _ in range(3)]
             self.assertEqual([call.answer().status for call in calls], [200] * 3)
             server.wait_for_log(" unix POST ")
@@ -246,7 +246,7 @@ class UnixSocket(unittest.TestCase):
             server.wait()
         self.assertTrue(self.path.is_socket())
         with Server(self.bind) as server:
-            self.assertEqual(Call("http://h/health", "--unix-socket", str(self.path)).answer().status, 200)
+            self.assertEqual(Call("http://localhost/health", "--unix-socket", str(self.path)).answer().status, 200)
             self.assertEqual(server.stop(), 0)
 
     def test_nothing_else_is_replaced(self):

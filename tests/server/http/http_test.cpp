@@ -84,6 +84,13 @@ TEST(ParseHead, RefusesALongTarget) {
     EXPECT_EQ(parse_with("", "GET /" + std::string(8192, 'x') + " HTTP/1.1").error().status, 414);
 }
 
+TEST(ParseHead, TakesTheAuthorityOfAWholeUrlBeforeHost) {
+    EXPECT_EQ(parse_with("Host: a:80\r\n")->authority, "a:80");
+    EXPECT_EQ(parse_with("")->authority, "");
+    EXPECT_EQ(parse_with("Host: a\r\n", "GET http://b:81/health HTTP/1.1")->authority, "b:81");
+    EXPECT_EQ(parse_with("Host: a\r\n", "OPTIONS * HTTP/1.1")->authority, "a");
+}
+
 TEST(CheckRequest, WantsOneHost) {
     for (const char* host : {"h", "example.org:80", "[::1]:8080", "192.0.2.1", ""})
         EXPECT_TRUE(check_request(*parse_with("Host: " + std::string(host) + "\r\n"))) << host;
