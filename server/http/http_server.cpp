@@ -189,6 +189,7 @@ void HttpServer::receive(UniqueFd socket, const Peer& peer, ConnectionThreads& t
     const auto place = std::make_shared<Place>(capacity_, counted_address(peer));
     auto entry = place->entry();
     if (entry == Place::Entry::Admitted) {
+        place->begin_idle(socket.get());
         if (threads.run([this, socket = socket.get(), place] { serve_socket(UniqueFd(socket), *place); })) {
             socket.release();
             return;
@@ -210,6 +211,7 @@ void HttpServer::serve_socket(const UniqueFd& socket, Place& place) {
         contain([&] { serve_connection(connection, place); });
         connection.close_gently();
     });
+    place.end_idle();  // while the socket is open
 }
 
 void HttpServer::serve_connection(Connection& connection, Place& place) {

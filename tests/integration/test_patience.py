@@ -8,6 +8,7 @@ import re
 import socket
 import subprocess
 import tempfile
+import threading
 import time
 import unittest
 
@@ -192,6 +193,42 @@ class Rooms(unittest.TestCase):
             while ask(server, job).status != 200:
                 pass
             ask(server, job, "--request", "DELETE")
+
+
+class Idle(unittest.TestCase):
+    """Connections that send nothing keep nobody out."""
+
+    def test_health_checks_pass_during_a_flood_of_them(self):
+        # Far more than places, again and again; the limit by address does not count.
+        over = threading.Event()
+
+        def flood(server):
+            while not over.is_set():
+                with crowd(server, 300):
+                    pass
+
+        with Server("--max-connections=100", "--max-connections-per-address=0") as server:
+            thread = threading.Thread(target=flood, args=(server,))
+            thread.start()
+            try:
+                answers = [ask(server, "/health").status for _ in range(30)]
+                answers += [ask(server, "/capabilities").status for _ in range(10)]
+            finally:
+                over.set()
+                thread.join()
+            self.assertEqual(answers, [200] * len(answers))
+
+    def test_the_one_idle_longest_is_closed_first(self):
+        with Server("--max-connections=4", "--max-connections-per-address=0", "--idle-timeout=300") as server:
+            with contextlib.ExitStack() as stack:
+                kept = [stack.enter_context(Raw(server)) for _ in range(4)]
+                for client in kept:
+                    client.send(HEALTH)
+                    self.assertEqual(client.answer()[0], 200)
+                with Raw(server) as newcomer:
+                    newcomer.send(HEALTH)
+                    self.assertEqual(newcomer.answer()[0], 200)
+                    self.assertEqual(kept[0].rest(), b"")
 
 
 class Rest(unittest.TestCase):
