@@ -33,6 +33,7 @@ public:
         std::size_t connections = 512;               ///< common places
         std::size_t reserve = 128;                   ///< further ones
         std::size_t streams = 1024;                  ///< and those of streams
+        std::size_t refused = 256;                   ///< refused clients who are given time to read why
         std::size_t per_address = 64;                ///< connections of one address, wherever; 0: no limit
         std::size_t bytes = std::size_t{256} << 20;  ///< of bodies that are being read and answers being written
     };
@@ -46,6 +47,8 @@ public:
     };
 
     explicit Capacity(const Limits& limits) : limits_(limits) {}
+
+    const Limits& limits() const { return limits_; }
 
     void hold(std::size_t bytes) { bytes_ += bytes; }
     void release(std::size_t bytes) { bytes_ -= bytes; }

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <deque>
 #include <exception>
 #include <memory>
@@ -30,9 +31,8 @@ constexpr std::size_t kRequestsPerConnection = 10'000;
 /// Time after which a connection without a request makes room if there is little left or the server drains.
 constexpr milliseconds kIdleUnderPressure{500};
 
-/// Time that refused clients have to read why, and how many of them at once.
+/// Time that refused clients have to read why.
 constexpr milliseconds kTimeToRead{500};
-constexpr std::size_t kMostReading = 256;
 
 /// Pause after accepting failed for want of files or memory.
 constexpr milliseconds kRecovery{10};
@@ -111,11 +111,14 @@ bool is_fatal(int accept_error) {
 /// might lose the answer. Nothing is read from them.
 class RefusedClients {
 public:
+    /// @param most  of them at once
+    explicit RefusedClients(std::size_t most) : most_(most) {}
+
     bool empty() const { return sockets_.empty(); }
 
     void add(UniqueFd socket) {
         sockets_.push_back({std::move(socket), Clock::now()});
-        if (sockets_.size() > kMostReading) sockets_.pop_front();
+        if (sockets_.size() > most_) sockets_.pop_front();
     }
 
     void close_old() {
@@ -128,21 +131,23 @@ private:
         Clock::time_point since;
     };
 
+    const std::size_t most_;
     std::deque<Entry> sockets_;
 };
 
 HttpServer::HttpServer(ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits,
-                       TrustedProxies proxies, Handler handler, Logger logger)
+                       TrustedProxies proxies, Handler handler, Logger logger, Warn warn)
     : listener_(std::move(listener)),
       patience_(patience),
       capacity_(limits),
       proxies_(std::move(proxies)),
       handler_(std::move(handler)),
-      logger_(std::move(logger)) {}
+      logger_(std::move(logger)),
+      warn_(std::move(warn)) {}
 
 bool HttpServer::serve() {
     ConnectionThreads threads(patience_.idle);
-    RefusedClients refused;
+    RefusedClients refused(capacity_.limits().refused);
     while (!draining_) {
         listener_.wait(refused.empty() ? std::nullopt : std::optional(kTimeToRead));
         refused.close_old();
@@ -168,8 +173,17 @@ HttpServer::Next HttpServer::accept_next(ConnectionThreads& threads, RefusedClie
         return Next::Accepted;
     }
     if (is_fatal(errno)) return Next::Failed;
-    if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) std::this_thread::sleep_for(kRecovery);
+    if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) contain([&, error = errno] { recover(error); });
     return Next::Nobody;
+}
+
+/// Has somebody who is idle leave, as files or memory are missing for newcomers.
+void HttpServer::recover(int accept_error) {
+    capacity_.close_longest_idle();
+    std::this_thread::sleep_for(kRecovery);
+    if (std::exchange(warned_, true)) return;
+    warn_(std::string("a connection could not be accepted: ") + std::strerror(accept_error) +
+          "; idle ones are closed for it. Nothing more is told of such failures");
 }
 
 /// Accepts those who had connected, or nearly so, when newcomers began to be refused.

@@ -44,11 +44,13 @@ public:
     /// says why. Called on many threads at once; must not throw.
     using Handler = std::function<Response(const Request&, const HttpResult<void>& received, Connection&)>;
     using Logger = std::function<void(const Exchange&)>;
+    using Warn = std::function<void(const std::string&)>;
 
     /// @param listener  where clients wait until `serve` is called
     /// @param proxies   their clients count, not they
+    /// @param warn      tells whoever runs the server, once, that connections cannot be accepted
     HttpServer(ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits,
-               TrustedProxies proxies, Handler handler, Logger logger);
+               TrustedProxies proxies, Handler handler, Logger logger, Warn warn = [](const std::string&) {});
 
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
@@ -67,6 +69,7 @@ private:
     enum class Next { Accepted, Nobody, Failed };
 
     Next accept_next(ConnectionThreads& threads, RefusedClients& refused);
+    void recover(int accept_error);
     void accept_last(ConnectionThreads& threads, RefusedClients& refused);
     void receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused);
     void serve_socket(const UniqueFd& socket, Place& place);
@@ -85,6 +88,8 @@ private:
     const TrustedProxies proxies_;
     const Handler handler_;
     const Logger logger_;
+    const Warn warn_;
+    bool warned_ = false;
     std::atomic<bool> draining_ = false;
     std::atomic<int> busy_ = 0;  ///< connections with a request
 };

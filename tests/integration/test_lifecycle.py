@@ -357,6 +357,12 @@ class Starting(unittest.TestCase):
         self.assertIn("--max-body", told.stdout)
         self.assertRegex(self.run_program("--version").stdout, r"^ccdt-server \d+\.\d+\.\d+\n$")
 
+    def test_few_open_files_are_told(self):
+        result = subprocess.run(["prlimit", "--nofile=64", os.environ["CCDT_SERVER"], "--port=0", "--workers=2"],
+                                capture_output=True, text=True, timeout=PATIENCE, check=False)
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stderr, r"open files \(ulimit -n\) is 64: at least \d+ are needed")
+
     def test_environment_counts(self):
         with Server(environment={"CCDT_MAX_SITES": "5"}) as server:
             answer = post_json(server, "/sample", {"sites": 6, "domain": RECTANGLE})

@@ -231,6 +231,32 @@ class Idle(unittest.TestCase):
                     self.assertEqual(kept[0].rest(), b"")
 
 
+class FewFiles(unittest.TestCase):
+    """Where few files may be open, as many connections fit as there are files for."""
+
+    def test_idle_connections_delay_nobody(self):
+        with Server("--workers=2", "--max-connections-per-address=0", most_files=90) as server:
+            server.wait_for_log("(ulimit -n) is 90")
+            with crowd(server, 120), crowd(server, 120, HEALTH):
+                for _ in range(5):
+                    self.assertLess(ping(server), AT_ONCE)
+                self.assertEqual(ask(server, "/halftone?sites=10&scale=1", data=GREY).status, 200)
+                self.assertEqual(ask(server, "/sample", data=json.dumps({"sites": 9, "domain": RECTANGLE})).status, 200)
+            self.assertEqual(server.log().count("ulimit"), 1)
+            self.assertNotIn("could not be accepted", server.log())
+            self.assertEqual(server.stop(), 0)
+
+    def test_running_out_of_them_is_told_once(self):
+        with Server("--max-connections-per-address=0", "--idle-timeout=300") as server:
+            server.wait_for_log("pictures are decoded")
+            subprocess.run(["prlimit", f"--pid={server.process.pid}", "--nofile=30"], check=True)
+            with crowd(server, 60):
+                self.assertLess(ping(server), AT_ONCE)
+                server.wait_for_log("could not be accepted")
+            self.assertEqual(server.log().count("could not be accepted"), 1)
+            self.assertEqual(server.stop(), 0)
+
+
 class Rest(unittest.TestCase):
     def test_threads_of_a_busy_moment_end(self):
         with Server("--idle-timeout=0.5") as server:
