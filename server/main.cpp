@@ -33,6 +33,8 @@ void reload_keys(Service& service, const Config& config, const Log& log) {
 /// Serves until a signal comes, accepting fails, or the programs beside this one do not start.
 /// @returns  false if one of these failed
 bool serve_until_signal(Service& service, const ServerSignals& signals, const Config& config, const Log& log) {
+    ShutdownDeadline deadline(
+        config.drain_timeout, [&] { service.abandon(); }, log);
     bool served = false;
     std::jthread acceptor([&] {
         served = service.serve();
@@ -45,8 +47,7 @@ bool serve_until_signal(Service& service, const ServerSignals& signals, const Co
         signals.wait_for_end([&] { reload_keys(service, config, log); });
     else
         log.error(ready.error().message);
-    const ShutdownDeadline deadline(
-        config.drain_timeout, [&] { service.abandon(); }, log);
+    deadline.start();
     service.drain();
     log.info("shutting down: nobody connects any more, whoever has is answered");
     acceptor.join();

@@ -37,6 +37,9 @@ constexpr milliseconds kTimeToRead{500};
 /// Pause after accepting failed for want of files or memory.
 constexpr milliseconds kRecovery{10};
 
+/// Time in which idle connections leave their threads to a newcomer.
+constexpr milliseconds kTimeToMakeRoom{500};
+
 /// Time that those who are about to connect have for it when nobody else may any more: a balancer's network is near.
 constexpr milliseconds kHandshake{2};
 constexpr milliseconds kHandshakeStep{1};
@@ -196,6 +199,19 @@ void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused
     }
 }
 
+/// Gives a connection its thread, which owns the socket from then on. Where the system has no more threads, that of an
+/// idle connection is taken.
+bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared_ptr<Place>& place) {
+    const auto end = Clock::now() + kTimeToMakeRoom;
+    while (true) {
+        place->begin_idle(socket);
+        if (threads.run([this, socket, place] { serve_socket(UniqueFd(socket), *place); })) return true;
+        place->end_idle();
+        if (Clock::now() >= end || !capacity_.close_longest_idle()) return false;
+        std::this_thread::sleep_for(kRecovery);
+    }
+}
+
 /// Gives a new connection its thread, or tells it that there is none.
 void HttpServer::receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused) {
     const int yes = 1;
@@ -203,8 +219,7 @@ void HttpServer::receive(UniqueFd socket, const Peer& peer, ConnectionThreads& t
     const auto place = std::make_shared<Place>(capacity_, counted_address(peer));
     auto entry = place->entry();
     if (entry == Place::Entry::Admitted) {
-        place->begin_idle(socket.get());
-        if (threads.run([this, socket = socket.get(), place] { serve_socket(UniqueFd(socket), *place); })) {
+        if (start(threads, socket.get(), place)) {
             socket.release();
             return;
         }

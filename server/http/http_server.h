@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -49,8 +50,9 @@ public:
     /// @param listener  where clients wait until `serve` is called
     /// @param proxies   their clients count, not they
     /// @param warn      tells whoever runs the server, once, that connections cannot be accepted
-    HttpServer(ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits,
-               TrustedProxies proxies, Handler handler, Logger logger, Warn warn = [](const std::string&) {});
+    HttpServer(
+        ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits, TrustedProxies proxies,
+        Handler handler, Logger logger, Warn warn = [](const std::string&) {});
 
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
@@ -71,6 +73,7 @@ private:
     Next accept_next(ConnectionThreads& threads, RefusedClients& refused);
     void recover(int accept_error);
     void accept_last(ConnectionThreads& threads, RefusedClients& refused);
+    bool start(ConnectionThreads& threads, int socket, const std::shared_ptr<Place>& place);
     void receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused);
     void serve_socket(const UniqueFd& socket, Place& place);
     void serve_connection(Connection& connection, Place& place);

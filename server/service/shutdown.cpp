@@ -1,10 +1,7 @@
 #include "server/service/shutdown.h"
 
 #include <algorithm>
-#include <condition_variable>
 #include <cstdlib>
-#include <mutex>
-#include <stop_token>
 #include <utility>
 
 #include <unistd.h>
@@ -46,14 +43,29 @@ void ServerSignals::wait_for_end(const std::function<void()>& reload) const {
 }
 
 ShutdownDeadline::ShutdownDeadline(std::chrono::milliseconds timeout, std::function<void()> abandon, const Log& log)
-    : thread_([timeout, abandon = std::move(abandon), &log](const std::stop_token& ended) {
-          const auto last_words = std::min(kLastWords, timeout / 2);
-          if (ended_within(timeout - last_words, ended)) return;
-          log.info("the time to shut down is nearly over: requests that are not done are given up");
-          abandon();
-          if (ended_within(last_words, ended)) return;
-          log.error("the time to shut down is over: answers that clients do not take are dropped");
-          std::_Exit(EXIT_SUCCESS);
+    : timeout_(timeout), abandon_(std::move(abandon)), log_(log), thread_([this](const std::stop_token& ended) {
+          if (wait_for_start(ended)) keep(ended);
       }) {}
+
+void ShutdownDeadline::start() {
+    const std::lock_guard lock(mutex_);
+    started_ = true;
+    changed_.notify_all();
+}
+
+bool ShutdownDeadline::wait_for_start(const std::stop_token& ended) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait(lock, ended, [this] { return started_; });
+}
+
+void ShutdownDeadline::keep(const std::stop_token& ended) {
+    const auto last_words = std::min(kLastWords, timeout_ / 2);
+    if (ended_within(timeout_ - last_words, ended)) return;
+    log_.info("the time to shut down is nearly over: requests that are not done are given up");
+    abandon_();
+    if (ended_within(last_words, ended)) return;
+    log_.error("the time to shut down is over: answers that clients do not take are dropped");
+    std::_Exit(EXIT_SUCCESS);
+}
 
 }  // namespace ccdt::server

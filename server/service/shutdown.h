@@ -1,8 +1,11 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <csignal>
 #include <functional>
+#include <mutex>
+#include <stop_token>
 #include <thread>
 
 #include "server/monitoring/log.h"
@@ -27,11 +30,24 @@ private:
 /// Ends the program in time even if a request does not: first nothing is waited for any more, then it is over.
 class ShutdownDeadline {
 public:
+    /// Makes the thread that keeps the time, which there may be no memory for when the end begins.
     /// @param abandon  is called shortly before the end
     ShutdownDeadline(std::chrono::milliseconds timeout, std::function<void()> abandon, const Log& log);
 
+    /// Begins to count.
+    void start();
+
 private:
-    std::jthread thread_;
+    void keep(const std::stop_token& ended);
+    bool wait_for_start(const std::stop_token& ended);
+
+    const std::chrono::milliseconds timeout_;
+    const std::function<void()> abandon_;
+    const Log& log_;
+    std::mutex mutex_;
+    std::condition_variable_any changed_;
+    bool started_ = false;  ///< guarded by the mutex
+    std::jthread thread_;   ///< last: it uses the others
 };
 
 }  // namespace ccdt::server

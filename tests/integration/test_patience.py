@@ -13,7 +13,7 @@ import time
 import unittest
 
 from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, flat
-from raw import AT_ONCE, MOST_MEMORY, Memory, Raw, crowd, ping, sources, statuses
+from raw import AT_ONCE, MOST_MEMORY, SANITIZED, Memory, Raw, crowd, ping, sources, statuses
 
 GREY = file_of(flat(128))
 HEALTH = b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
@@ -235,7 +235,7 @@ class FewFiles(unittest.TestCase):
     """Where few files may be open, as many connections fit as there are files for."""
 
     def test_idle_connections_delay_nobody(self):
-        with Server("--workers=2", "--max-connections-per-address=0", most_files=90) as server:
+        with Server("--workers=2", "--max-connections-per-address=0", limit="--nofile=90") as server:
             server.wait_for_log("(ulimit -n) is 90")
             with crowd(server, 120), crowd(server, 120, HEALTH):
                 for _ in range(5):
@@ -255,6 +255,21 @@ class FewFiles(unittest.TestCase):
                 server.wait_for_log("could not be accepted")
             self.assertEqual(server.log().count("could not be accepted"), 1)
             self.assertEqual(server.stop(), 0)
+
+
+class LittleAddressSpace(unittest.TestCase):
+    """Where there is room for the stacks of few threads."""
+
+    @unittest.skipIf(SANITIZED, "sanitizers need more")
+    def test_idle_connections_delay_neither_others_nor_the_end(self):
+        with Server("--workers=2", "--memory=700MiB", "--max-connections-per-address=0", "--idle-timeout=300",
+                    limit=f"--as={800 << 20}") as server:
+            with crowd(server, 200):
+                for _ in range(5):
+                    ping(server)
+                server.signal()
+                server.wait_for_log("shutting down")
+            self.assertEqual(server.wait(), 0)
 
 
 class Rest(unittest.TestCase):
