@@ -255,7 +255,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGINS",
      "whose pages may call, by commas; *: all, loopback: this machine's (if --bind is), none", set_cors_origins},
     {"--allowed-host", "CCDT_ALLOWED_HOST", "HOSTS",
-     "that may be asked for besides loopback's, by commas; * for any (any, but none if --bind is loopback)",
+     "hosts that requests may name besides loopback's, by commas; * for any (none if --bind is loopback, else any)",
      set_allowed_hosts},
     {"--api-key-file", "CCDT_API_KEY_FILE", "FILE", "lines of name:key; whoever asks needs one, SIGHUP reads it again",
      [](Draft& draft, std::string_view text) {
