@@ -21,8 +21,10 @@ namespace {
 constexpr int kFailed = 1;
 constexpr int kWrongUsage = 2;
 
-void reload_keys(Service& service, const Log& log) {
-    if (const auto read = service.read_keys(); read)
+void reload_keys(Service& service, const Config& config, const Log& log) {
+    if (config.api_key_file.empty())
+        log.info("SIGHUP is ignored: there is no file of API keys to read again");
+    else if (const auto read = service.read_keys(); read)
         log.info("the API keys were read again");
     else
         log.error("the API keys stay as they were: " + read.error().message);
@@ -30,7 +32,9 @@ void reload_keys(Service& service, const Log& log) {
 
 /// Serves until a signal comes, accepting fails, or the programs beside this one do not start.
 /// @returns  false if one of these failed
-bool serve_until_signal(Service& service, const EndSignals& signals, const Config& config, const Log& log) {
+bool serve_until_signal(Service& service, const ServerSignals& signals, const Config& config, const Log& log) {
+    ShutdownDeadline deadline(
+        config.drain_timeout, [&] { service.abandon(); }, log);
     bool served = false;
     std::jthread acceptor([&] {
         served = service.serve();
@@ -40,11 +44,10 @@ bool serve_until_signal(Service& service, const EndSignals& signals, const Confi
     });
     const auto ready = service.wait_until_ready();
     if (ready)
-        signals.wait([&] { reload_keys(service, log); });
+        signals.wait_for_end([&] { reload_keys(service, config, log); });
     else
         log.error(ready.error().message);
-    const ShutdownDeadline deadline(
-        config.drain_timeout, [&] { service.abandon(); }, log);
+    deadline.start();
     service.drain();
     log.info("shutting down: nobody connects any more, whoever has is answered");
     acceptor.join();
@@ -55,7 +58,7 @@ bool serve_until_signal(Service& service, const EndSignals& signals, const Confi
 
 int serve(const Config& config) {
     give_back_freed_memory();
-    const EndSignals signals(!config.api_key_file.empty());
+    const ServerSignals signals;
     const Log log(config.log_format);
     const auto service = Service::start(config, log);
     if (!service) {

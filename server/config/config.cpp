@@ -10,7 +10,7 @@
 
 #include "api/text/text.h"
 #include "server/config/memory_plan.h"
-#include "server/http/cors.h"
+#include "server/http/hosts.h"
 #include "server/processes/process.h"
 
 namespace ccdt::server {
@@ -38,6 +38,7 @@ struct Draft {
     std::optional<std::size_t> job_bytes;
     std::optional<std::size_t> cache;
     std::optional<std::vector<std::string>> cors_origins;
+    std::optional<std::vector<std::string>> allowed_hosts;
     std::map<std::string_view, ChosenValue> given;  ///< by flag
 };
 
@@ -109,6 +110,27 @@ std::string set_cors_origins(Draft& draft, std::string_view text) {
     }
 }
 
+/// @returns  the host as `allows_host` takes it; none if the text has a port, or is no name or address
+std::optional<std::string> parse_host(std::string_view text) {
+    const bool has_brackets = text.starts_with('[') && text.ends_with(']');
+    if (has_brackets) text = text.substr(1, text.size() - 2);
+    if (const auto address = IpAddress::parse(text)) return address->text();
+    const auto is_of_name = [](char c) { return c > ' ' && c < 0x7f && c != ':' && c != '/'; };
+    if (text.empty() || has_brackets || !std::ranges::all_of(text, is_of_name)) return std::nullopt;
+    return in_small_letters(text);
+}
+
+std::string set_allowed_hosts(Draft& draft, std::string_view text) {
+    auto& hosts = draft.allowed_hosts.emplace();
+    for (bool more = true; more;) {
+        more = text.find(',') != std::string_view::npos;
+        auto host = parse_host(api::take_until(text, ","));
+        if (!host) return "names such as dots.example or addresses, without ports, separated by commas, or *";
+        hosts.push_back(*std::move(host));
+    }
+    return {};
+}
+
 std::string set_trusted_proxies(Draft& draft, std::string_view text) {
     TrustedProxies proxies;
     for (bool more = true; more;) {
@@ -155,7 +177,15 @@ std::string set_bind(Draft& draft, std::string_view text) {
 /// Pages of this machine may call what nobody else can reach.
 std::vector<std::string> default_cors_origins(std::string_view bind) {
     if (!is_loopback(bind)) return {};
-    return {std::string(kLoopbackOrigins)};
+    return {std::string(kLoopback)};
+}
+
+/// Names of this machine are always good, as no stranger can have them lead here.
+std::vector<std::string> all_allowed_hosts(const Draft& draft) {
+    if (!draft.allowed_hosts && !is_loopback(draft.config.bind)) return {std::string(kAny)};
+    auto hosts = draft.allowed_hosts.value_or(std::vector<std::string>());
+    hosts.emplace_back(kLoopback);
+    return hosts;
 }
 
 constexpr auto kSettings = std::to_array<Setting>({
@@ -224,6 +254,9 @@ constexpr auto kSettings = std::to_array<Setting>({
      [](Draft& draft, std::string_view text) { return set_redis(draft.config.cache_redis, text); }, true},
     {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGINS",
      "whose pages may call, by commas; *: all, loopback: this machine's (if --bind is), none", set_cors_origins},
+    {"--allowed-host", "CCDT_ALLOWED_HOST", "HOSTS",
+     "hosts that requests may name besides loopback's, by commas; * for any (none if --bind is loopback, else any)",
+     set_allowed_hosts},
     {"--api-key-file", "CCDT_API_KEY_FILE", "FILE", "lines of name:key; whoever asks needs one, SIGHUP reads it again",
      [](Draft& draft, std::string_view text) {
          draft.config.api_key_file = text;
@@ -344,6 +377,7 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     if (auto read = read_environment(environment, draft); !read) return tl::unexpected(read.error());
     if (auto read = read_flags(arguments, draft); !read) return tl::unexpected(read.error());
     draft.config.cors_origins = draft.cors_origins.value_or(default_cors_origins(draft.config.bind));
+    draft.config.allowed_hosts = all_allowed_hosts(draft);
     if (draft.config.redis && !draft.config.data_dir.empty())
         return failure(ErrorCode::Malformed, "--data-dir and --redis: jobs are kept in one place");
     draft.config.threads_per_request = draft.threads_per_request.value_or(std::min(draft.config.workers, cores));

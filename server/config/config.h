@@ -14,6 +14,7 @@
 #include "server/access/rate_limiter.h"
 #include "server/http/capacity.h"
 #include "server/http/connection.h"
+#include "server/http/hosts.h"
 #include "server/http/proxies.h"
 #include "server/jobs/job_limits.h"
 #include "server/redis/redis_address.h"
@@ -44,8 +45,9 @@ struct Config {
     std::string data_dir;                     ///< where jobs are kept; empty: in memory, or in Redis
     std::optional<RedisAddress> redis;        ///< where jobs are kept that servers share
     std::vector<std::string> cors_origins;    ///< whose pages may call, as cors_headers takes them; empty: none
-    std::string api_key_file;                 ///< empty: whoever asks is answered
-    RateLimiter::Rate rate;                   ///< of requests, for each key or address
+    std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< that may be asked for, as allows_host takes them
+    std::string api_key_file;                                   ///< empty: whoever asks is answered
+    RateLimiter::Rate rate;                                     ///< of requests, for each key or address
     LogFormat log_format = LogFormat::Text;
 };
 

@@ -1,8 +1,28 @@
 #include "server/http/capacity.h"
 
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+
+#include <algorithm>
 #include <utility>
 
 namespace ccdt::server {
+namespace {
+
+/// Time that whoever connects has to send something before it counts as idle: newcomers wait as long for its place.
+constexpr std::chrono::milliseconds kLeastIdle{50};
+
+/// Time that newcomers wait for idle connections to leave, and after which another of these is closed: only a busy
+/// machine takes so long.
+constexpr std::chrono::milliseconds kTimeToLeave{1'000};
+constexpr std::chrono::milliseconds kTimeForAnother{100};
+
+bool has_unread_bytes(int socket) {
+    int bytes = 0;
+    return ioctl(socket, FIONREAD, &bytes) == 0 && bytes > 0;
+}
+
+}  // namespace
 
 Capacity::Counts Capacity::counts() const {
     const std::lock_guard lock(mutex_);
@@ -21,6 +41,54 @@ std::size_t Capacity::limit(Room room) const {
             break;
     }
     return limits_.connections;
+}
+
+bool Capacity::close_longest_idle() {
+    const std::lock_guard lock(mutex_);
+    const auto idle = longest_idle_locked(std::nullopt);
+    if (idle == idle_.end()) return false;
+    close_locked(idle);
+    return true;
+}
+
+/// Finds who has been idle longest, of a room or of any.
+Capacity::IdleConnections::iterator Capacity::longest_idle_locked(std::optional<Room> room) {
+    return std::ranges::find_if(idle_, [room](const Idle& idle) {
+        return (!room || idle.place->room_ == *room) && !has_unread_bytes(idle.socket);
+    });
+}
+
+/// Closes an idle connection: its thread notices, and gives the place back.
+void Capacity::close_locked(IdleConnections::iterator idle) {
+    shutdown(idle->socket, SHUT_RDWR);
+    idle->place->closed_ = true;
+    idle->place->idle_.reset();
+    idle_.erase(idle);
+}
+
+/// Has idle connections of a room leave until there is a place.
+bool Capacity::free_place(Room room, std::unique_lock<std::mutex>& lock) {
+    const auto end = Clock::now() + kTimeToLeave;
+    while (!has_place_locked(room)) {
+        const auto idle = longest_idle_locked(room);
+        const auto now = Clock::now();
+        if (idle == idle_.end() || now >= end) return false;
+        auto until = idle->since + kLeastIdle;
+        if (now >= until) {
+            close_locked(idle);
+            until = now + kTimeForAnother;
+        }
+        left_.wait_until(lock, until, [&] { return has_place_locked(room); });
+    }
+    return true;
+}
+
+/// @returns  none if both rooms for newcomers are full, and nobody there is idle
+std::optional<Room> Capacity::find_room(std::unique_lock<std::mutex>& lock) {
+    for (const Room room : {Room::Common, Room::Reserve}) {
+        if (free_place(room, lock)) return room;
+    }
+    return std::nullopt;
 }
 
 /// Counts one more of an address.
@@ -42,26 +110,41 @@ void Capacity::leave_locked(const std::string& address) {
 }
 
 Place::Place(Capacity& capacity, std::string address) : capacity_(capacity), address_(std::move(address)) {
-    const std::lock_guard lock(capacity_.mutex_);
-    const bool common = capacity_.has_place_locked(Room::Common);
-    if (!common && !capacity_.has_place_locked(Room::Reserve)) {
-        ++capacity_.refused_;
-        return;
-    }
+    std::unique_lock lock(capacity_.mutex_);
+    // First, lest who has enough has connections of others closed.
     if (!capacity_.enter_locked(address_)) {
         entry_ = Entry::AddressFull;
         return;
     }
-    room_ = common ? Room::Common : Room::Reserve;
+    const auto room = capacity_.find_room(lock);
+    if (!room) {
+        ++capacity_.refused_;
+        capacity_.leave_locked(address_);
+        return;
+    }
+    room_ = *room;
     entry_ = Entry::Admitted;
     ++capacity_.taken(room_);
 }
 
 Place::~Place() {
     if (entry_ != Entry::Admitted) return;
+    end_idle();
     const std::lock_guard lock(capacity_.mutex_);
     --capacity_.taken(room_);
     capacity_.leave_locked(address_);
+    capacity_.left_.notify_all();
+}
+
+void Place::begin_idle(int socket) {
+    const std::lock_guard lock(capacity_.mutex_);
+    if (closed_ || idle_) return;
+    idle_ = capacity_.idle_.insert(capacity_.idle_.end(), {this, socket, Capacity::Clock::now()});
+}
+
+void Place::end_idle() {
+    const std::lock_guard lock(capacity_.mutex_);
+    if (idle_) capacity_.idle_.erase(*std::exchange(idle_, std::nullopt));
 }
 
 bool Place::move_to(Room room) {
@@ -73,6 +156,7 @@ bool Place::move_to(Room room) {
     }
     --capacity_.taken(std::exchange(room_, room));
     ++capacity_.taken(room);
+    capacity_.left_.notify_all();
     return true;
 }
 

@@ -2,13 +2,19 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <list>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace ccdt::server {
+
+class Place;
 
 /// Purposes that a connection has its place for. Each has places of its own, so that none takes another's.
 enum class Room {
@@ -19,13 +25,15 @@ enum class Room {
 
 /// Counts how much of the server its clients hold: connections, memory for what is on its way to or from them.
 ///
-/// Says no at its limits, and well before them that it is time to be less patient. May be used from any thread.
+/// Says no at its limits, and well before them that it is time to be less patient. Connections without a request keep
+/// nobody out: where places are missing, the one that has been idle longest is closed. May be used from any thread.
 class Capacity {
 public:
     struct Limits {
         std::size_t connections = 512;               ///< common places
         std::size_t reserve = 128;                   ///< further ones
         std::size_t streams = 1024;                  ///< and those of streams
+        std::size_t refused = 256;                   ///< refused clients who are given time to read why
         std::size_t per_address = 64;                ///< connections of one address, wherever; 0: no limit
         std::size_t bytes = std::size_t{256} << 20;  ///< of bodies that are being read and answers being written
     };
@@ -39,6 +47,8 @@ public:
     };
 
     explicit Capacity(const Limits& limits) : limits_(limits) {}
+
+    const Limits& limits() const { return limits_; }
 
     void hold(std::size_t bytes) { bytes_ += bytes; }
     void release(std::size_t bytes) { bytes_ -= bytes; }
@@ -55,9 +65,27 @@ public:
 
     Counts counts() const;
 
+    /// Closes the connection that has been idle longest, whichever place it has.
+    /// @returns  false if none is idle
+    bool close_longest_idle();
+
 private:
     friend class Place;
 
+    using Clock = std::chrono::steady_clock;
+
+    /// A connection that waits for a request.
+    struct Idle {
+        Place* place = nullptr;
+        int socket = -1;
+        Clock::time_point since;
+    };
+    using IdleConnections = std::list<Idle>;
+
+    IdleConnections::iterator longest_idle_locked(std::optional<Room> room);
+    void close_locked(IdleConnections::iterator idle);
+    bool free_place(Room room, std::unique_lock<std::mutex>& lock);
+    std::optional<Room> find_room(std::unique_lock<std::mutex>& lock);
     std::size_t limit(Room room) const;
     std::atomic<std::size_t>& taken(Room room) { return taken_[static_cast<std::size_t>(room)]; }
     bool has_place_locked(Room room) { return taken(room) < limit(room); }
@@ -69,7 +97,9 @@ private:
     std::atomic<std::size_t> bytes_ = 0;
     std::array<std::atomic<std::size_t>, 3> taken_{};  ///< places of each room; written under the mutex
 
-    mutable std::mutex mutex_;  ///< guards the rest
+    mutable std::mutex mutex_;      ///< guards the rest
+    std::condition_variable left_;  ///< a place is free again
+    IdleConnections idle_;          ///< whoever has been idle longest comes first
     std::map<std::string, std::size_t> by_address_;
     std::uint64_t refused_ = 0;
     std::uint64_t refused_by_address_ = 0;
@@ -81,7 +111,8 @@ class Place {
 public:
     enum class Entry { Admitted, Full, AddressFull };
 
-    /// Asks for one: a common one, or else one of the reserve.
+    /// Asks for one: a common one, or else one of the reserve. If all are taken, waits for a moment until an idle
+    /// connection that is closed for it has left.
     /// @param address  empty: not counted by address
     Place(Capacity& capacity, std::string address);
     ~Place();
@@ -98,15 +129,41 @@ public:
     /// @returns  false if that room is full; the place is then where it was
     bool move_to(Room room);
 
+    /// Marks the connection as idle, unless it is already: until `end_idle` its socket may be shut down for the sake of
+    /// another connection, unless it has unread bytes. The socket must stay open as long.
+    void begin_idle(int socket);
+    void end_idle();
+
     /// Counts the place by another address from now on; an empty one: by none.
     /// @returns  false if that has enough; the place then counts as it did
     bool count_by(const std::string& address);
 
 private:
+    friend class Capacity;
+
     Capacity& capacity_;
     std::string address_;
     Entry entry_ = Entry::Full;
     Room room_ = Room::Common;
+    bool closed_ = false;  ///< for the sake of another; guarded by the capacity's mutex
+    std::optional<Capacity::IdleConnections::iterator> idle_;  ///< likewise
+};
+
+/// Time during which a connection is idle.
+class IdleTime {
+public:
+    /// @param place  null: nobody closes the connection
+    IdleTime(Place* place, int socket) : place_(place) {
+        if (place_ != nullptr) place_->begin_idle(socket);
+    }
+    ~IdleTime() {
+        if (place_ != nullptr) place_->end_idle();
+    }
+    IdleTime(const IdleTime&) = delete;
+    IdleTime& operator=(const IdleTime&) = delete;
+
+private:
+    Place* const place_;
 };
 
 /// Bytes that a connection holds, released at the end.

@@ -63,13 +63,8 @@ Connection::Connection(int socket, const Patience& patience, Capacity* capacity,
 bool Connection::wait_for_request(const std::function<bool(Milliseconds waited)>& give_up) {
     bytes_in_ = 0;
     bytes_out_ = 0;
-    const auto start = Clock::now();
-    while (unread_.empty()) {
-        const auto soon = [] { return Clock::now() + kWaitStep; };
-        if (wait_for(socket_, POLLIN, soon())) return fill(soon).has_value();
-        if (give_up(duration_cast<Milliseconds>(Clock::now() - start))) return false;
-    }
-    return true;
+    if (!unread_.empty()) return true;
+    return wait_for_bytes(give_up) && fill([] { return Clock::now() + kWaitStep; });
 }
 
 HttpResult<void> Connection::read_proxy_header() {
@@ -167,6 +162,17 @@ void Connection::Transfer::move_to(std::uint64_t total) {
     if (total == bytes) return;
     moved = Clock::now();
     bytes = total;
+}
+
+/// Waits for the first byte, or for the end, of a connection that is idle meanwhile.
+/// @returns  false if the wait was given up
+bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& give_up) const {
+    const IdleTime idle(place_, socket_);
+    const auto start = Clock::now();
+    while (!wait_for(socket_, POLLIN, Clock::now() + kWaitStep)) {
+        if (give_up(duration_cast<Milliseconds>(Clock::now() - start))) return false;
+    }
+    return true;
 }
 
 /// Finds when a transfer has taken too long: after a pause, or once its rate has been too low for as long.

@@ -127,6 +127,7 @@ private:
     };
 
     bool is_pressed() const { return capacity_ != nullptr && (capacity_->is_pressed() || capacity_->is_closing()); }
+    bool wait_for_bytes(const std::function<bool(Milliseconds waited)>& give_up) const;
     Clock::time_point deadline(const Transfer& transfer) const;
     bool wait(short events, const Deadline& deadline) const;
     HttpResult<void> fill(const Deadline& deadline);

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include <arpa/inet.h>
-
-#include "api/text/text.h"
+#include "server/http/hosts.h"
 
 namespace ccdt::server {
 namespace {
@@ -16,14 +14,7 @@ std::optional<std::string_view> host_of(std::string_view origin) {
     if (scheme_end == std::string_view::npos) return std::nullopt;
     const auto scheme = origin.substr(0, scheme_end);
     if (scheme != "http" && scheme != "https") return std::nullopt;
-    std::string_view host = origin.substr(scheme_end + 3);
-    if (const auto colon = host.find_last_of(":]"); colon != std::string_view::npos && host[colon] == ':') {
-        if (!api::parse_number<std::uint16_t>(host.substr(colon + 1))) return std::nullopt;
-        host = host.substr(0, colon);
-    }
-    if (!host.starts_with('[')) return host;
-    if (!host.ends_with(']')) return std::nullopt;
-    return host.substr(1, host.size() - 2);
+    return host_of_authority(origin.substr(scheme_end + 3));
 }
 
 bool is_loopback_origin(std::string_view origin) {
@@ -33,16 +24,9 @@ bool is_loopback_origin(std::string_view origin) {
 
 }  // namespace
 
-bool is_loopback(std::string_view host) {
-    if (host == "localhost" || host.ends_with(".localhost") || host == "::1") return true;
-    in_addr address{};
-    if (inet_pton(AF_INET, std::string(host).c_str(), &address) != 1) return false;
-    return ntohl(address.s_addr) >> 24 == IN_LOOPBACKNET;
-}
-
 bool allows_origin(const std::vector<std::string>& allowed, std::string_view origin) {
     return std::ranges::any_of(allowed, [&](const std::string& one) {
-        return one == "*" || one == origin || (one == kLoopbackOrigins && is_loopback_origin(origin));
+        return one == kAny || one == origin || (one == kLoopback && is_loopback_origin(origin));
     });
 }
 
@@ -52,7 +36,7 @@ std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::s
                          "ETag, Location, Preference-Applied, Retry-After, Server-Timing, X-Partial, X-Radius, "
                          "X-Repaired, X-Request-ID, X-Warnings, "
                          "X-Tone"};
-    if (std::ranges::find(allowed, "*") != allowed.end()) return {{"Access-Control-Allow-Origin", "*"}, exposed};
+    if (std::ranges::find(allowed, kAny) != allowed.end()) return {{"Access-Control-Allow-Origin", "*"}, exposed};
     // Caches must not give one origin's answer to another, not even one without permission.
     std::vector<Header> headers{{"Vary", "Origin"}};
     if (!allows_origin(allowed, origin)) return headers;

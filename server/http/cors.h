@@ -8,15 +8,8 @@
 
 namespace ccdt::server {
 
-/// Stands in a list of origins for all those on this machine.
-inline constexpr std::string_view kLoopbackOrigins = "loopback";
-
-/// Whether a host is this machine and no other can mean it: `localhost`, 127.0.0.1, ::1 and their like.
-/// @param host  a name or an address, without brackets
-bool is_loopback(std::string_view host);
-
 /// Whether pages of an origin may call.
-/// @param allowed  origins, `loopback`, or `*` for all
+/// @param allowed  origins, kLoopback, or kAny
 bool allows_origin(const std::vector<std::string>& allowed, std::string_view origin);
 
 /// Headers that let pages of other origins read an answer.

@@ -14,6 +14,11 @@ constexpr std::string_view kLineEnd = "\r\n";
 constexpr std::string_view kAuthority = "://";  ///< what it stands behind
 constexpr std::size_t kLongestTarget = 8'192;
 
+/// Fields that the server reads and that have one value, which is no list. A proxy may act on another of several values
+/// than the server does. Content-Length and Transfer-Encoding are checked where they are read.
+constexpr std::array<std::string_view, 6> kSingleFields{
+    "Access-Control-Request-Method", "Authorization", "Content-Type", "Host", "Origin", "X-Request-ID"};
+
 char to_lower(char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
@@ -65,10 +70,15 @@ std::string decode_percent(std::string_view text, bool plus_is_space) {
     return decoded;
 }
 
-/// The part of a target that names what is asked for: all of one in origin-form, what follows the authority in
-/// absolute-form, which proxies may send. None: it is neither.
-std::optional<std::string_view> without_authority(std::string_view target) {
-    if (target.starts_with('/')) return target;
+/// A target, taken apart.
+struct Target {
+    std::string_view authority;  ///< of one in absolute-form, which proxies may send; else empty
+    std::string_view resource;   ///< path and query
+};
+
+/// @returns  none if a target has neither origin-form nor absolute-form
+std::optional<Target> take_apart(std::string_view target) {
+    if (target.starts_with('/')) return Target{{}, target};
     const auto colon = target.find(kAuthority);
     if (colon == std::string_view::npos) return std::nullopt;
     const auto scheme = target.substr(0, colon);
@@ -77,7 +87,7 @@ std::optional<std::string_view> without_authority(std::string_view target) {
     const auto authority = target.substr(0, target.find_first_of("/?#"));
     if (authority.empty() || authority.front() == ':' || !std::ranges::all_of(authority, is_host_character))
         return std::nullopt;
-    return target.substr(authority.size());
+    return Target{authority, target.substr(authority.size())};
 }
 
 HttpResult<void> parse_request_line(std::string_view line, Request& request) {
@@ -94,9 +104,10 @@ HttpResult<void> parse_request_line(std::string_view line, Request& request) {
     request.keep_alive = !request.is_http_1_0;
 
     const bool whole_server = target == "*" && method == "OPTIONS";
-    const auto resource = whole_server ? std::optional(target) : without_authority(target);
-    if (!resource) return problem(400, "the request target is neither a path nor a URL of http or https");
-    auto rest = resource->substr(0, resource->find('#'));
+    const auto parts = whole_server ? Target{{}, target} : take_apart(target);
+    if (!parts) return problem(400, "the request target is neither a path nor a URL of http or https");
+    request.authority = parts->authority;
+    auto rest = parts->resource.substr(0, parts->resource.find('#'));
     const auto path = api::take_until(rest, "?");
     request.path = path.empty() ? "/" : decode_percent(path, false);
     request.query = rest;
@@ -206,6 +217,12 @@ bool equals_ignoring_case(std::string_view a, std::string_view b) {
     return std::ranges::equal(a, b, {}, to_lower, to_lower);
 }
 
+std::string in_small_letters(std::string_view text) {
+    std::string small(text);
+    std::ranges::transform(small, small.begin(), to_lower);
+    return small;
+}
+
 std::string_view Request::header(std::string_view name) const {
     const auto found =
         std::ranges::find_if(headers, [&](const Header& header) { return equals_ignoring_case(header.name, name); });
@@ -221,6 +238,7 @@ HttpResult<Request> parse_head(std::string_view head) {
             request.headers.push_back(std::move(header));
         });
     }
+    if (request.authority.empty()) request.authority = request.header("Host");
     if (parsed) parsed = read_framing(request);
     if (!parsed) return tl::unexpected(parsed.error());
     return request;
@@ -246,8 +264,12 @@ HttpResult<void> check_request(const Request& request) {
     const auto has_name = [](std::string_view name) {
         return [name](const Header& header) { return equals_ignoring_case(header.name, name); };
     };
-    const auto hosts = std::ranges::count_if(request.headers, has_name("Host"));
-    if (hosts > 1 || (hosts == 0 && !request.is_http_1_0)) return problem(400, "there must be one Host header");
+    for (const auto& name : kSingleFields) {
+        if (std::ranges::count_if(request.headers, has_name(name)) > 1)
+            return problem(400, "there must be only one " + std::string(name) + " header");
+    }
+    if (!request.is_http_1_0 && std::ranges::none_of(request.headers, has_name("Host")))
+        return problem(400, "there must be a Host header");
     if (!std::ranges::all_of(request.header("Host"), is_host_character))
         return problem(400, "the Host header is malformed");
     const bool expects = std::ranges::any_of(request.headers, has_name("Expect"));
@@ -292,9 +314,7 @@ std::string encode_percent(std::string_view text) {
 }
 
 std::string media_type(std::string_view content_type) {
-    std::string type(api::trim(content_type.substr(0, content_type.find(';'))));
-    std::ranges::transform(type, type.begin(), to_lower);
-    return type;
+    return in_small_letters(api::trim(content_type.substr(0, content_type.find(';'))));
 }
 
 std::string header_parameter(std::string_view value, std::string_view name) {
@@ -338,6 +358,7 @@ std::string_view status_phrase(int status) {
         {414, "URI Too Long"},
         {415, "Unsupported Media Type"},
         {417, "Expectation Failed"},
+        {421, "Misdirected Request"},
         {422, "Unprocessable Content"},
         {429, "Too Many Requests"},
         {431, "Request Header Fields Too Large"},

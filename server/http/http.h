@@ -27,7 +27,8 @@ HttpResult<std::uint64_t> parse_chunk_size(std::string_view line);
 HttpResult<void> check_trailer(std::string_view line);
 
 /// Checks a request whose head can be read.
-/// Problems: no Host or several (400), an expectation that is not understood (417).
+/// Problems: no Host, several values of a field that has one, such as Authorization (400), an expectation that is not
+/// understood (417).
 HttpResult<void> check_request(const Request& request);
 
 /// Whether a Prefer header (RFC 7240) names a preference, whatever its value.
@@ -46,6 +47,8 @@ std::string media_type(std::string_view content_type);
 std::string header_parameter(std::string_view value, std::string_view name);
 
 bool equals_ignoring_case(std::string_view a, std::string_view b);
+
+std::string in_small_letters(std::string_view text);
 
 /// The phrase that belongs to a status.
 std::string_view status_phrase(int status);

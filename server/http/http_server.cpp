@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <deque>
 #include <exception>
 #include <memory>
@@ -30,12 +31,14 @@ constexpr std::size_t kRequestsPerConnection = 10'000;
 /// Time after which a connection without a request makes room if there is little left or the server drains.
 constexpr milliseconds kIdleUnderPressure{500};
 
-/// Time that refused clients have to read why, and how many of them at once.
+/// Time that refused clients have to read why.
 constexpr milliseconds kTimeToRead{500};
-constexpr std::size_t kMostReading = 256;
 
 /// Pause after accepting failed for want of files or memory.
 constexpr milliseconds kRecovery{10};
+
+/// Time in which idle connections leave their threads to a newcomer.
+constexpr milliseconds kTimeToMakeRoom{500};
 
 /// Time that those who are about to connect have for it when nobody else may any more: a balancer's network is near.
 constexpr milliseconds kHandshake{2};
@@ -111,11 +114,14 @@ bool is_fatal(int accept_error) {
 /// might lose the answer. Nothing is read from them.
 class RefusedClients {
 public:
+    /// @param most  of them at once
+    explicit RefusedClients(std::size_t most) : most_(most) {}
+
     bool empty() const { return sockets_.empty(); }
 
     void add(UniqueFd socket) {
         sockets_.push_back({std::move(socket), Clock::now()});
-        if (sockets_.size() > kMostReading) sockets_.pop_front();
+        if (sockets_.size() > most_) sockets_.pop_front();
     }
 
     void close_old() {
@@ -128,21 +134,23 @@ private:
         Clock::time_point since;
     };
 
+    const std::size_t most_;
     std::deque<Entry> sockets_;
 };
 
 HttpServer::HttpServer(ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits,
-                       TrustedProxies proxies, Handler handler, Logger logger)
+                       TrustedProxies proxies, Handler handler, Logger logger, Warn warn)
     : listener_(std::move(listener)),
       patience_(patience),
       capacity_(limits),
       proxies_(std::move(proxies)),
       handler_(std::move(handler)),
-      logger_(std::move(logger)) {}
+      logger_(std::move(logger)),
+      warn_(std::move(warn)) {}
 
 bool HttpServer::serve() {
     ConnectionThreads threads(patience_.idle);
-    RefusedClients refused;
+    RefusedClients refused(capacity_.limits().refused);
     while (!draining_) {
         listener_.wait(refused.empty() ? std::nullopt : std::optional(kTimeToRead));
         refused.close_old();
@@ -168,8 +176,17 @@ HttpServer::Next HttpServer::accept_next(ConnectionThreads& threads, RefusedClie
         return Next::Accepted;
     }
     if (is_fatal(errno)) return Next::Failed;
-    if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) std::this_thread::sleep_for(kRecovery);
+    if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) contain([&, error = errno] { recover(error); });
     return Next::Nobody;
+}
+
+/// Has somebody who is idle leave, as files or memory are missing for newcomers.
+void HttpServer::recover(int accept_error) {
+    capacity_.close_longest_idle();
+    std::this_thread::sleep_for(kRecovery);
+    if (std::exchange(warned_, true)) return;
+    warn_(std::string("a connection could not be accepted: ") + std::strerror(accept_error) +
+          "; idle ones are closed for it. Nothing more is told of such failures");
 }
 
 /// Accepts those who had connected, or nearly so, when newcomers began to be refused.
@@ -182,6 +199,19 @@ void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused
     }
 }
 
+/// Gives a connection its thread, which owns the socket from then on. Where the system has no more threads, that of an
+/// idle connection is taken.
+bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared_ptr<Place>& place) {
+    const auto end = Clock::now() + kTimeToMakeRoom;
+    while (true) {
+        place->begin_idle(socket);
+        if (threads.run([this, socket, place] { serve_socket(UniqueFd(socket), *place); })) return true;
+        place->end_idle();
+        if (Clock::now() >= end || !capacity_.close_longest_idle()) return false;
+        std::this_thread::sleep_for(kRecovery);
+    }
+}
+
 /// Gives a new connection its thread, or tells it that there is none.
 void HttpServer::receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused) {
     const int yes = 1;
@@ -189,7 +219,7 @@ void HttpServer::receive(UniqueFd socket, const Peer& peer, ConnectionThreads& t
     const auto place = std::make_shared<Place>(capacity_, counted_address(peer));
     auto entry = place->entry();
     if (entry == Place::Entry::Admitted) {
-        if (threads.run([this, socket = socket.get(), place] { serve_socket(UniqueFd(socket), *place); })) {
+        if (start(threads, socket.get(), place)) {
             socket.release();
             return;
         }
@@ -210,6 +240,7 @@ void HttpServer::serve_socket(const UniqueFd& socket, Place& place) {
         contain([&] { serve_connection(connection, place); });
         connection.close_gently();
     });
+    place.end_idle();  // while the socket is open
 }
 
 void HttpServer::serve_connection(Connection& connection, Place& place) {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -44,11 +45,14 @@ public:
     /// says why. Called on many threads at once; must not throw.
     using Handler = std::function<Response(const Request&, const HttpResult<void>& received, Connection&)>;
     using Logger = std::function<void(const Exchange&)>;
+    using Warn = std::function<void(const std::string&)>;
 
     /// @param listener  where clients wait until `serve` is called
     /// @param proxies   their clients count, not they
-    HttpServer(ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits,
-               TrustedProxies proxies, Handler handler, Logger logger);
+    /// @param warn      tells whoever runs the server, once, that connections cannot be accepted
+    HttpServer(
+        ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits, TrustedProxies proxies,
+        Handler handler, Logger logger, Warn warn = [](const std::string&) {});
 
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
@@ -67,7 +71,9 @@ private:
     enum class Next { Accepted, Nobody, Failed };
 
     Next accept_next(ConnectionThreads& threads, RefusedClients& refused);
+    void recover(int accept_error);
     void accept_last(ConnectionThreads& threads, RefusedClients& refused);
+    bool start(ConnectionThreads& threads, int socket, const std::shared_ptr<Place>& place);
     void receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused);
     void serve_socket(const UniqueFd& socket, Place& place);
     void serve_connection(Connection& connection, Place& place);
@@ -85,6 +91,8 @@ private:
     const TrustedProxies proxies_;
     const Handler handler_;
     const Logger logger_;
+    const Warn warn_;
+    bool warned_ = false;
     std::atomic<bool> draining_ = false;
     std::atomic<int> busy_ = 0;  ///< connections with a request
 };

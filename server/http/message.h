@@ -24,6 +24,7 @@ struct Request {
     std::string target;           ///< as sent
     std::string path;             ///< percent-decoded
     std::string query;            ///< as sent, without the request mark
+    std::string authority;        ///< host and port that are asked: of the target, else of Host; empty: none is named
     std::vector<Header> headers;  ///< in order, values as sent
     std::optional<std::uint64_t> content_length;
     bool chunked = false;

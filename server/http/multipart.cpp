@@ -1,6 +1,7 @@
 #include "server/http/multipart.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "api/text/text.h"
@@ -24,15 +25,19 @@ bool is_boundary(std::string_view text) {
            std::ranges::all_of(text, is_allowed);
 }
 
-/// The name in a part's Content-Disposition.
-std::string part_name(std::string_view headers) {
+/// Finds the name in a part's Content-Disposition.
+HttpResult<std::string> part_name(std::string_view headers) {
+    std::optional<std::string> name;
     while (!headers.empty()) {
         const auto line = api::take_until(headers, kLineEnd);
         const auto colon = line.find(':');
-        if (colon != std::string_view::npos && equals_ignoring_case(line.substr(0, colon), "Content-Disposition"))
-            return header_parameter(line.substr(colon + 1), "name");
+        if (colon == std::string_view::npos || !equals_ignoring_case(line.substr(0, colon), "Content-Disposition"))
+            continue;
+        if (name) return problem(400, "a part of the form has more than one Content-Disposition");
+        name = header_parameter(line.substr(colon + 1), "name");
     }
-    return {};
+    if (!name || name->empty()) return problem(400, "a part of the form has no name");
+    return *std::move(name);
 }
 
 /// Finds where a part's content begins.
@@ -72,10 +77,10 @@ HttpResult<std::vector<FormPart>> parse_multipart(std::string_view body, std::st
         const auto begin = skip_headers(body, at);
         if (!begin) return tl::unexpected(begin.error());
         auto name = part_name(body.substr(at, *begin - at));
-        if (name.empty()) return problem(400, "a part of the form has no name");
+        if (!name) return tl::unexpected(name.error());
         const auto end = body.find(delimiter, *begin);
         if (end == std::string_view::npos) return truncated();
-        parts.push_back({std::move(name), *begin, end - *begin});
+        parts.push_back({*std::move(name), *begin, end - *begin});
         at = end + delimiter.size();
     }
     return parts;

@@ -20,8 +20,8 @@ struct FormPart {
 
 /// Finds the parts of a multipart/form-data body. Nothing is copied but the names.
 ///
-/// Problems (400): no boundary in the content type, or one that RFC 2046 does not allow; a part without a name, or
-/// whose headers take more than 16 KiB; more than 1,000 parts; a body that ends before its last boundary, or has
+/// Problems (400): no boundary in the content type, or one that RFC 2046 does not allow; a part without a name or
+/// with several, or whose headers take more than 16 KiB; more than 1,000 parts; a body that ends before its last boundary, or has
 /// something else on a boundary's line. O(n), whatever the body and its boundary are.
 HttpResult<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view content_type);
 

@@ -1,12 +1,15 @@
 #include "server/processes/signals.h"
 
-#include <csignal>
-#include <initializer_list>
-
 namespace ccdt::server {
 
+void ignore_signals(std::span<const int> numbers) {
+    for (const int number : numbers) std::signal(number, SIG_IGN);
+}
+
 void leave_signals_to_server() {
-    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(number, SIG_IGN);
+    ignore_signals(kEndSignals);
+    ignore_signals(kSignalsWithoutMeaning);
+    std::signal(SIGHUP, SIG_IGN);
 }
 
 }  // namespace ccdt::server

@@ -1,9 +1,22 @@
 #pragma once
 
+#include <array>
+#include <csignal>
+#include <span>
+
 namespace ccdt::server {
 
-/// Ignores the signals that a terminal or a service manager sends to all processes: they are the server's to act on,
-/// and what it has started ends with it.
+/// Signals that ask a server to end.
+inline constexpr std::array kEndSignals{SIGINT, SIGTERM, SIGQUIT};
+
+/// Signals that would end a program by default and that no program of the server uses. SIGPIPE is one of them: a write
+/// to a log that nobody reads any more fails instead.
+inline constexpr std::array kSignalsWithoutMeaning{SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGPIPE};
+
+void ignore_signals(std::span<const int> numbers);
+
+/// Ignores all signals that others than the server may send to a program that it has started: the server acts on them,
+/// and its programs end with it.
 void leave_signals_to_server();
 
 }  // namespace ccdt::server

@@ -39,6 +39,12 @@ std::string cache_key(const std::string& name, bool compressed, const std::strin
     return (compressed ? name + "-gzip " : name + ' ') + owner;
 }
 
+/// Whether a header says that the body is encoded.
+bool is_encoding(const Header& header) {
+    return equals_ignoring_case(header.name, "Content-Encoding") && !header.value.empty() &&
+           !equals_ignoring_case(header.value, "identity");
+}
+
 /// Tells figures why a computation was given up.
 tl::unexpected<Problem> give_up(tl::unexpected<Problem> why, std::string_view cause, Record& record) {
     record.cancelled = cause;
@@ -267,8 +273,7 @@ std::optional<Response> Computing::recall(const std::string& name, bool compress
 HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool deferred) const {
     const Request& request = incoming.request;
     Connection& connection = incoming.connection;
-    const auto encoding = request.header("Content-Encoding");
-    if (!encoding.empty() && !equals_ignoring_case(encoding, "identity"))
+    if (std::ranges::any_of(request.headers, is_encoding))
         return problem(415, "a Content-Encoding is not understood; send the body as it is");
     // Whoever connected before the end began is served; by a connection that was kept, others know to ask once more.
     if (draining_ && !connection.is_on_first_request()) return busy(503, "the server is shutting down");

@@ -14,6 +14,7 @@
 #include "api/text/text.h"
 #include "server/http/compression.h"
 #include "server/http/cors.h"
+#include "server/http/hosts.h"
 #include "server/http/http.h"
 #include "server/page/page.h"
 #include "server/work/operation.h"
@@ -27,6 +28,7 @@ constexpr std::size_t kLongestId = 64;
 
 /// Bytes of a page's origin that are told: its host has at most 253.
 constexpr std::size_t kLongestOrigin = 300;
+constexpr std::size_t kLongestHost = 260;
 
 /// Bytes of a text: longer ones are compressed by workers.
 constexpr std::size_t kQuickToCompress = 262'144;
@@ -139,7 +141,9 @@ Routes::Routes(const Config& config, Parts parts)
 Response Routes::answer(const Request& request, const HttpResult<void>& received, Connection& connection) {
     const auto found = find(request);
     connection.name_client({}, {});  // as long as it is not known, it is not the last request's either
-    const auto admitted = received.and_then([&] { return admit(found, request, connection); });
+    const auto admitted = received.and_then([&] { return check_host(found, request); }).and_then([&] {
+        return admit(found, request, connection);
+    });
     Record record;
     record.request_id = request_id(request);
     record.key = connection.key();
@@ -190,6 +194,18 @@ bool Routes::is_free(const Found& found, const Request& request) {
             break;
     }
     return true;
+}
+
+/// Refuses requests for hosts that are not this server's. Health checks are answered whatever balancers call it.
+HttpResult<void> Routes::check_host(const Found& found, const Request& request) {
+    const bool is_for_anyone = found.route != nullptr && found.route->entrance == Entrance::Anyone;
+    if (is_for_anyone || allows_host(config_.allowed_hosts, request.authority)) return {};
+    const std::string asked = request.authority.substr(0, kLongestHost);
+    if (!warned_of_hosts_.exchange(true))
+        warn_("a request for the host " + asked +
+              " was refused; --allowed-host with its name would have it answered. " +
+              "Requests for other hosts are refused without a word from now on");
+    return problem(421, "this server does not answer for the host " + asked + " (allowed-host)");
 }
 
 /// Lets a request pass the gate, and tells its connection whose it is.

@@ -104,6 +104,7 @@ private:
     std::string request_id(const Request& request);
     static Response describe(Problem problem, Record& record);
     static void negotiate_coding(const Request& request, Response& response);
+    HttpResult<void> check_host(const Found& found, const Request& request);
     void warn_of_refused_origin(const Request& request);
     void add_common_headers(const Request& request, Response& response) const;
 
@@ -117,6 +118,7 @@ private:
     JobRoutes job_routes_;
     std::atomic<bool> draining_ = false;
     std::atomic<bool> warned_of_origins_ = false;
+    std::atomic<bool> warned_of_hosts_ = false;
     std::atomic<std::uint64_t> requests_ = 0;
     const std::string id_prefix_;  ///< differs between processes
 };

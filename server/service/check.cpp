@@ -14,6 +14,7 @@
 #include "server/access/key_ring.h"
 #include "server/cache/redis_cache.h"
 #include "server/compute/compute_box.h"
+#include "server/config/descriptor_plan.h"
 #include "server/config/memory_plan.h"
 #include "server/decoder/decoder_box.h"
 #include "server/http/sockets.h"
@@ -69,6 +70,13 @@ Found check_memory(const Config& config) {
                              " are there to compute with"};
 }
 
+Found check_files(const Config& config) {
+    allow_open_files(wanted_descriptors(config));
+    const auto plan = share_descriptors(config, most_descriptors());
+    if (!plan) return wrong(plan.error());
+    return {plan->fits() ? State::Good : State::Weak, describe(*plan)};
+}
+
 /// Asks a Redis, without which a server starts as well, for what is wrong with it.
 template <class FindFaults>
 Found check_redis(const RedisAddress& address, const char* does, FindFaults find_faults) {
@@ -120,8 +128,9 @@ struct Check {
 };
 
 constexpr Check kChecks[] = {
-    {"decoder", check_decoder}, {"worker", check_worker},   {"keys", check_keys},   {"memory", check_memory},
-    {"jobs", check_jobs},       {"answers", check_answers}, {"rates", check_rates}, {"address", check_address},
+    {"decoder", check_decoder}, {"worker", check_worker}, {"keys", check_keys},
+    {"memory", check_memory},   {"files", check_files},   {"jobs", check_jobs},
+    {"answers", check_answers}, {"rates", check_rates},   {"address", check_address},
 };
 
 std::string_view name_of(State state) {

@@ -4,6 +4,7 @@
 #include <stop_token>
 #include <utility>
 
+#include "server/config/descriptor_plan.h"
 #include "server/jobs/redis_job_store.h"
 #include "server/jobs/sqlite_job_store.h"
 #include "server/processes/child_program.h"
@@ -12,9 +13,6 @@
 
 namespace ccdt::server {
 namespace {
-
-/// Files besides those of connections: the log, libraries, pictures.
-constexpr std::size_t kOtherFiles = 256;
 
 Result<std::unique_ptr<DecoderBox>> start_decoder(const Log& log) {
     return DecoderBox::start([](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
@@ -69,8 +67,14 @@ RedisClient::Counts counts_of(const std::unique_ptr<RedisClient>& client) {
     return client ? client->counts() : RedisClient::Counts();
 }
 
-void allow_files(const Capacity::Limits& limits) {
-    allow_open_files(limits.connections + limits.reserve + limits.streams + kOtherFiles);
+/// Makes the most of the descriptors that this process may have.
+Result<Config> with_descriptors(Config config, const Log& log) {
+    allow_open_files(wanted_descriptors(config));
+    const auto plan = share_descriptors(config, most_descriptors());
+    if (!plan) return tl::unexpected(plan.error());
+    if (!plan->fits()) log.warning(describe(*plan));
+    config.capacity = plan->capacity;
+    return config;
 }
 
 Compute compute_in(ComputeBox& box) {
@@ -90,7 +94,6 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
                        client_of(config.rate_redis, kBriefly)};
     auto gate = start_gate(config, redis.rates.get());
     if (!gate) return tl::unexpected(std::move(gate.error()));
-    allow_files(config.capacity);
     const auto memory = memory_to_compute_with(config, resident_bytes());
     if (!memory) return tl::unexpected(memory.error());
     auto store = start_store(config, redis.jobs.get(), log);
@@ -102,9 +105,11 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
 }
 
 Result<std::unique_ptr<Service>> Service::start(const Config& config, const Log& log) {
-    auto parts = start_parts(config, log);
+    const auto fitting = with_descriptors(config, log);
+    if (!fitting) return tl::unexpected(fitting.error());
+    auto parts = start_parts(*fitting, log);
     if (!parts) return tl::unexpected(std::move(parts.error()));
-    std::unique_ptr<Service> service(new Service(config, *std::move(parts), log));
+    std::unique_ptr<Service> service(new Service(*fitting, *std::move(parts), log));
     service->jobs_.start();
     return service;
 }
@@ -139,7 +144,8 @@ Service::Service(const Config& config, Parts parts, const Log& log)
           [this](const Exchange& exchange) {
               metrics_.add(exchange);
               log_.exchange(exchange);
-          }) {
+          },
+          [this](const std::string& what) { log_.warning(what); }) {
     metrics_.watch([this] { return figures(); });
     const auto lend = [this](std::size_t running) {
         parts_.computing->lend(threads_for_each(config_.workers, running, config_.threads_per_request));

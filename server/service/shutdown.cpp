@@ -1,13 +1,12 @@
 #include "server/service/shutdown.h"
 
 #include <algorithm>
-#include <condition_variable>
 #include <cstdlib>
-#include <mutex>
-#include <stop_token>
 #include <utility>
 
 #include <unistd.h>
+
+#include "server/processes/signals.h"
 
 namespace ccdt::server {
 namespace {
@@ -26,32 +25,47 @@ bool ended_within(std::chrono::milliseconds time, const std::stop_token& ended) 
 
 }  // namespace
 
-EndSignals::EndSignals(bool reload) : signals_{} {
+ServerSignals::ServerSignals() : signals_{} {
+    ignore_signals(kSignalsWithoutMeaning);
     sigemptyset(&signals_);
-    sigaddset(&signals_, SIGINT);
-    sigaddset(&signals_, SIGTERM);
-    if (reload) sigaddset(&signals_, SIGHUP);
+    for (const int number : kEndSignals) sigaddset(&signals_, number);
+    sigaddset(&signals_, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
 }
 
-void EndSignals::wait(const std::function<void()>& reload) const {
+void ServerSignals::wait_for_end(const std::function<void()>& reload) const {
     int number = 0;
     while (sigwait(&signals_, &number) == 0 && number == SIGHUP) reload();
     std::signal(SIGHUP, SIG_IGN);
-    // That takes a handler: without one, the first process of a container is not ended by them.
-    for (const int other : {SIGINT, SIGTERM}) std::signal(other, [](int again) { _exit(128 + again); });
+    // Handlers, since the default action does not end the first process of a container.
+    for (const int other : kEndSignals) std::signal(other, [](int again) { _exit(128 + again); });
     pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
 }
 
 ShutdownDeadline::ShutdownDeadline(std::chrono::milliseconds timeout, std::function<void()> abandon, const Log& log)
-    : thread_([timeout, abandon = std::move(abandon), &log](const std::stop_token& ended) {
-          const auto last_words = std::min(kLastWords, timeout / 2);
-          if (ended_within(timeout - last_words, ended)) return;
-          log.info("the time to shut down is nearly over: requests that are not done are given up");
-          abandon();
-          if (ended_within(last_words, ended)) return;
-          log.error("the time to shut down is over: answers that clients do not take are dropped");
-          std::_Exit(EXIT_SUCCESS);
+    : timeout_(timeout), abandon_(std::move(abandon)), log_(log), thread_([this](const std::stop_token& ended) {
+          if (wait_for_start(ended)) keep(ended);
       }) {}
+
+void ShutdownDeadline::start() {
+    const std::lock_guard lock(mutex_);
+    started_ = true;
+    changed_.notify_all();
+}
+
+bool ShutdownDeadline::wait_for_start(const std::stop_token& ended) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait(lock, ended, [this] { return started_; });
+}
+
+void ShutdownDeadline::keep(const std::stop_token& ended) {
+    const auto last_words = std::min(kLastWords, timeout_ / 2);
+    if (ended_within(timeout_ - last_words, ended)) return;
+    log_.info("the time to shut down is nearly over: requests that are not done are given up");
+    abandon_();
+    if (ended_within(last_words, ended)) return;
+    log_.error("the time to shut down is over: answers that clients do not take are dropped");
+    std::_Exit(EXIT_SUCCESS);
+}
 
 }  // namespace ccdt::server

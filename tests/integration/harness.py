@@ -30,8 +30,9 @@ PATIENCE = 120
 class Server:
     """A running server. Its log is kept; on a port of its own and without a cache unless told otherwise."""
 
-    def __init__(self, *flags, environment=None, program=None):
-        command = [program or os.environ["CCDT_SERVER"], "--port=0", "--cache=0", *flags]
+    def __init__(self, *flags, environment=None, program=None, limit=None):
+        limits = ["prlimit", limit] if limit else []  # which execs the server
+        command = [*limits, program or os.environ["CCDT_SERVER"], "--port=0", "--cache=0", *flags]
         self.process = subprocess.Popen(
             command, stderr=subprocess.PIPE, text=True, env={**os.environ, **(environment or {})})
         self.lines = []

@@ -53,6 +53,13 @@ class Keys(unittest.TestCase):
             for key in (ALICE, BOB):
                 self.assertNotIn(key, server.log())
 
+    def test_of_several_none_counts(self):
+        with Server(f"--api-key-file={self.file}") as server:
+            for first, second in ((ALICE, BOB), (ALICE, ALICE), ("unknown", ALICE)):
+                answer = ask(server, HALFTONE, *bearer(first), *bearer(second), data=GREY)
+                self.assertEqual((answer.status, answer.type), (400, "application/problem+json"))
+                self.assertIn("Authorization", answer.json()["detail"])
+
     def test_do_not_reach_the_log_by_the_url(self):
         names = ("key", "api_key", "apikey", "token", "access_token", "Authorization", "kye")
         for form in ("text", "json"):
@@ -108,7 +115,7 @@ class Keys(unittest.TestCase):
 
 class Rates(unittest.TestCase):
     def test_are_of_an_address_without_keys(self):
-        request = b"GET /nothing HTTP/1.1\r\nHost: h\r\n\r\n"
+        request = b"GET /nothing HTTP/1.1\r\nHost: localhost\r\n\r\n"
         with Server("--rate-limit=0.001", "--rate-burst=2") as server:
             for source in ("127.0.0.1", "127.0.0.2"):
                 with Raw(server, source) as raw:
@@ -119,7 +126,7 @@ class Rates(unittest.TestCase):
                 self.assertEqual(found, [404, 404, 429, 429])
 
     def test_count_preflights(self):
-        preflight = (b"OPTIONS /sample HTTP/1.1\r\nHost: h\r\nOrigin: https://a.example\r\n"
+        preflight = (b"OPTIONS /sample HTTP/1.1\r\nHost: localhost\r\nOrigin: https://a.example\r\n"
                      b"Access-Control-Request-Method: POST\r\n\r\n")
         with Server("--rate-limit=0.001", "--rate-burst=2", "--cors-origin=https://a.example") as server:
             with Raw(server) as raw:
@@ -134,7 +141,7 @@ class Rates(unittest.TestCase):
 
     def test_are_off_by_default(self):
         with Server() as server, Raw(server) as raw:
-            raw.send(b"GET /nothing HTTP/1.1\r\nHost: h\r\n\r\n" * 500 + b"GET /nothing HTTP/1.0\r\n\r\n")
+            raw.send(b"GET /nothing HTTP/1.1\r\nHost: localhost\r\n\r\n" * 500 + b"GET /nothing HTTP/1.0\r\n\r\n")
             self.assertEqual(statuses(raw.rest()), [404] * 501)
 
 
@@ -162,6 +169,43 @@ class Origins(ServerCase):
         self.assertEqual(answer.status, 204)
         self.assertIn("Authorization", answer.headers["access-control-allow-headers"])
         self.assertEqual(answer.headers["access-control-allow-origin"], "https://a.example")
+
+
+class Hosts(unittest.TestCase):
+    """Names by which a server is asked: those of a stranger may lead to loopback, too."""
+
+    def statuses(self, server, *hosts):
+        return [ask(server, "/capabilities", "--header", f"Host: {host}").status for host in hosts]
+
+    def test_are_those_of_loopback_there(self):
+        with Server() as server:
+            port = server.port
+            good = (f"localhost:{port}", f"127.0.0.1:{port}", f"[::1]:{port}", "localhost", "127.0.0.1")
+            self.assertEqual(self.statuses(server, *good), [200] * len(good))
+            bad = (f"evil.example:{port}", "evil.example", f"127.0.0.1.evil.example:{port}", "10.0.0.1", "localhost:x")
+            self.assertEqual(self.statuses(server, *bad), [421] * len(bad))
+            answer = post_json(server, "/sample", {"sites": 2}, "--header", "Host: evil.example")
+            self.assertEqual((answer.status, answer.type), (421, "application/problem+json"))
+            self.assertIn("allowed-host", answer.json()["detail"])
+            self.assertEqual(ask(server, "/health", "--header", "Host: balancer").status, 200)
+            with Raw(server) as raw:
+                raw.send(b"GET /capabilities HTTP/1.0\r\n\r\n")
+                self.assertEqual(statuses(raw.rest()), [200])
+            server.wait_for_log("--allowed-host")
+            self.assertEqual(server.log().count("--allowed-host"), 1)
+
+    def test_are_those_that_are_allowed(self):
+        with Server(environment={"CCDT_ALLOWED_HOST": "dots.example,b.example"}) as server:
+            self.assertEqual(self.statuses(server, "dots.example", "B.example:80", "localhost", "a.dots.example"),
+                             [200, 200, 200, 421])
+        with Server("--allowed-host=*") as server:
+            self.assertEqual(self.statuses(server, "evil.example"), [200])
+
+    def test_are_any_elsewhere_unless_some_are_allowed(self):
+        with Server("--bind=0.0.0.0") as server:
+            self.assertEqual(self.statuses(server, "evil.example"), [200])
+        with Server("--bind=0.0.0.0", "--allowed-host=dots.example") as server:
+            self.assertEqual(self.statuses(server, "dots.example", "localhost", "evil.example"), [200, 200, 421])
 
 
 class OriginsOfThisMachine(ServerCase):
@@ -230,7 +274,7 @@ class Log(unittest.TestCase):
                     f"ff-{self.trace}-{self.parent}-01", "evil\x1b[31m\t\"}", f"00-{self.trace}-{self.parent}-01-x"):
             ask(server, "/health", "--header", "traceparent: " + bad)
         with Raw(server) as raw:
-            raw.send(b'GET /a"\\b?\xff%0a%1b[1m HTTP/1.1\r\nHost: h\r\nX-Request-ID: evil"\r\nUser-Agent: evil\r\n'
+            raw.send(b'GET /a"\\b?\xff%0a%1b[1m HTTP/1.1\r\nHost: localhost\r\nX-Request-ID: evil"\r\nUser-Agent: evil\r\n'
                      b"Authorization: Bearer evil\r\n\r\nevil HTTP\r\n\r\n")
             raw.rest()
         ask(server, "/sample", data=b'{"evil\x1b[31m\n":1}')

@@ -13,8 +13,8 @@ import unittest
 from engine import Redis
 from harness import PATIENCE, Server, ask
 
-PARTS = ["decoder", "worker", "keys", "memory", "jobs", "answers", "rates", "address"]
-MAY_BE_WRONG = [part for part in PARTS if part not in ("answers", "rates")]
+PARTS = ["decoder", "worker", "keys", "memory", "files", "jobs", "answers", "rates", "address"]
+MAY_BE_WRONG = [part for part in PARTS if part not in ("files", "answers", "rates")]
 
 
 class Check(unittest.TestCase):
@@ -23,9 +23,10 @@ class Check(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
 
-    def check(self, *flags, program=None, **environment):
+    def check(self, *flags, program=None, most_files=None, **environment):
         """Exit code, value and origin of each flag, state and words of each part."""
-        done = subprocess.run([program or os.environ["CCDT_SERVER"], "--check", *flags], capture_output=True, text=True,
+        limit = ["prlimit", f"--nofile={most_files}"] if most_files else []
+        done = subprocess.run([*limit, program or os.environ["CCDT_SERVER"], "--check", *flags], capture_output=True, text=True,
                               timeout=PATIENCE, check=False, env={**os.environ, **environment})
         self.assertEqual(done.stderr, "")
         values, found = done.stdout.split("and finds\n")
@@ -54,6 +55,7 @@ class Check(unittest.TestCase):
         self.assertIn("in force: ", parts["decoder"][1])
         self.assertEqual(parts["worker"][0], "good")
         self.assertRegex(parts["memory"][1], r"^\d+ MiB of 4096 ")
+        self.assertRegex(parts["files"][1], r"\d+ connections, \d+ in reserve")
         self.assertIn(str(self.folder / "jobs"), parts["jobs"][1])
         self.assertEqual(list(self.folder.iterdir()), [], "nothing is made")
 
@@ -79,6 +81,14 @@ class Check(unittest.TestCase):
             with self.subTest(part=part):
                 self.assertEqual(list(self.wrong(flag)), [part])
         self.assertEqual(self.wrong(), {})
+
+    def test_tells_how_many_connections_may_be_open(self):
+        for most, state, words in ((60, "WRONG", "(ulimit -n) is 60: at least"), (200, "weak", "(ulimit -n) is 200"),
+                                   (4096, "good", "connections")):
+            code, _, parts = self.check("--port=0", "--workers=2", most_files=most)
+            self.assertEqual(code, 1 if state == "WRONG" else 0)
+            self.assertEqual(parts["files"][0], state)
+            self.assertIn(words, parts["files"][1])
 
     def test_tells_whether_redis_is_there_and_fit(self):
         with Redis() as redis:

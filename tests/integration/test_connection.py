@@ -26,11 +26,12 @@ class KeepAlive(ServerCase):
         connection.close()
 
     def test_pipelined_requests_are_all_answered_in_order(self):
-        post = b"POST /halftone?sites=0 HTTP/1.1\r\nHost: h\r\nContent-Length: %d\r\n\r\n%s" % (len(GREY), GREY)
-        chunked = b"POST /sample HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n"
+        post = b"POST /halftone?sites=0 HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\n%s" % (len(GREY), GREY)
+        chunked = b"POST /sample HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n"
         with Raw(self.server) as raw:
-            raw.send(b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n" + post + chunked + b"GET /no HTTP/1.1\r\nHost: h\r\n\r\n"
-                     b"GET /health/ready HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\nGET /health HTTP/1.1\r\n\r\n")
+            raw.send(b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n" + post + chunked +
+                     b"GET /no HTTP/1.1\r\nHost: localhost\r\n\r\n"
+                     b"GET /health/ready HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\nGET /health HTTP/1.1\r\n\r\n")
             self.assertEqual(statuses(raw.rest()), [200, 400, 400, 404, 200])
 
     def test_http_1_0_is_closed_after_the_answer(self):
@@ -49,9 +50,9 @@ class KeepAlive(ServerCase):
 
     def test_head_and_errors_do_not_shift_what_follows(self):
         with Raw(self.server) as raw:
-            raw.send(b"HEAD /health HTTP/1.1\r\nHost: h\r\n\r\nDELETE /health HTTP/1.1\r\nHost: h\r\n\r\n"
-                     b"OPTIONS /sample HTTP/1.1\r\nHost: h\r\nContent-Length: 0\r\n\r\n"
-                     b"GET /health HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n")
+            raw.send(b"HEAD /health HTTP/1.1\r\nHost: localhost\r\n\r\nDELETE /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
+                     b"OPTIONS /sample HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n"
+                     b"GET /health HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
             received = raw.rest()
         self.assertEqual(statuses(received), [200, 405, 204, 200])
         self.assertEqual(received.count(b'{"status":"live"}'), 1)
@@ -61,14 +62,14 @@ class UnreadBodies(ServerCase):
     flags = ("--max-body=1000",)
 
     def test_are_never_taken_for_a_request(self):
-        smuggled = b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n"
+        smuggled = b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
         for head in (b"POST /no HTTP/1.1\r\nContent-Length: 5000\r\n", b"GET /halftone HTTP/1.1\r\nContent-Length: 5000\r\n",
                      b"POST /halftone HTTP/1.1\r\nContent-Length: 5000\r\n",
                      b"GET /health HTTP/1.1\r\nTransfer-Encoding: chunked\r\n",
                      b"POST /halftone HTTP/1.1\r\nContent-Encoding: gzip\r\nContent-Length: 500\r\n",
                      b"POST /halftone HTTP/1.1\r\nExpect: 100-continue\r\nContent-Length: 5000\r\n"):
             with self.subTest(head=head), Raw(self.server) as raw:
-                raw.send(head + b"Host: h\r\n\r\n" + smuggled * 3)
+                raw.send(head + b"Host: localhost\r\n\r\n" + smuggled * 3)
                 received = raw.rest()
                 self.assertEqual(len(statuses(received)), 1)
                 self.assertIn(b"\r\nConnection: close\r\n", received)
@@ -86,12 +87,12 @@ class Malformed(ServerCase):
     def test_requests_are_refused(self):
         for request in (b"nonsense\r\n\r\n", b"GET /health\r\n\r\n", b"GET /health HTTP/3.0\r\n\r\n",
                         b"GET /health HTTP/1.1\r\nNo colon\r\n\r\n", b"GET /health HTTP/1.1\r\nA: b\r\n c\r\n\r\n",
-                        b"GET /health HTTP/1.1\nHost: h\n\n\r\n\r\n"):
+                        b"GET /health HTTP/1.1\nHost: localhost\n\n\r\n\r\n"):
             with self.subTest(request=request):
                 self.check(request)
 
     def test_lines_that_do_not_end_in_crlf_are_refused_before_the_head_is_over(self):
-        for head in (b"GET /health HTTP/1.1\n", b"GET /health HTTP/1.1\r\nHost: h\n", b"GET /health HTTP/1.1\r\nA: b\rC",
+        for head in (b"GET /health HTTP/1.1\n", b"GET /health HTTP/1.1\r\nHost: localhost\n", b"GET /health HTTP/1.1\r\nA: b\rC",
                      b"GET /health HTTP/1.1\r\nA: \0"):
             with self.subTest(head=head):
                 self.check(head)
@@ -100,9 +101,9 @@ class Malformed(ServerCase):
         for target in (b"foo?x://y/metrics", b"x://metrics/health/live", b"http:///health", b"http://:80/health", b"health",
                        b"*"):
             with self.subTest(target=target):
-                self.check(b"GET " + target + b" HTTP/1.1\r\nHost: h\r\n\r\n")
+                self.check(b"GET " + target + b" HTTP/1.1\r\nHost: localhost\r\n\r\n")
         with Raw(self.server) as raw:
-            raw.send(b"GET HTTP://h/health HTTP/1.1\r\nHost: h\r\n\r\nOPTIONS * HTTP/1.1\r\nHost: h\r\n"
+            raw.send(b"GET HTTP://h/health HTTP/1.1\r\nHost: localhost\r\n\r\nOPTIONS * HTTP/1.1\r\nHost: localhost\r\n"
                      b"Connection: close\r\n\r\n")
             self.assertEqual(statuses(raw.rest()), [200, 204])
 
@@ -110,14 +111,14 @@ class Malformed(ServerCase):
         for headers in (b"Content-Length: abc", b"Content-Length: 10abc", b"Content-Length: 1\r\nContent-Length: 1",
                         b"Content-Length: 1\r\nTransfer-Encoding: chunked", b"Transfer-Encoding: gzip"):
             with self.subTest(headers=headers):
-                self.check(b"POST /halftone HTTP/1.1\r\nHost: h\r\n" + headers + b"\r\n\r\nx")
+                self.check(b"POST /halftone HTTP/1.1\r\nHost: localhost\r\n" + headers + b"\r\n\r\nx")
 
     def test_malformed_chunks_are_refused(self):
         for chunks in (b"x\r\n", b"-1\r\n", b"1\r\nab\r\n", b"1\n", b"1;a\n\r\n", b"1;a\0\r\n", b"1;a\rb\r\n", b"1;\r\n",
                        b"0\r\nnonsense\r\n\r\n", b"0\r\nA: b\nC: d\r\n\r\n", b"0\r\nContent-Length: 1\r\n\r\n",
                        b"0\r\n\n"):
             with self.subTest(chunks=chunks):
-                self.check(b"POST /halftone HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n" + chunks)
+                self.check(b"POST /halftone HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n" + chunks)
 
     def test_one_host_is_needed(self):
         for hosts in (b"", b"Host: a\r\nHost: a\r\n", b"Host: a b\r\n", b"Host: a/b\r\n", b"Host: u@a\r\n"):
@@ -125,10 +126,10 @@ class Malformed(ServerCase):
                 self.check(b"GET /health HTTP/1.1\r\n" + hosts + b"\r\n")
 
     def test_only_100_continue_may_be_expected(self):
-        self.check(b"POST /halftone HTTP/1.1\r\nHost: h\r\nExpect: tea\r\nContent-Length: 1\r\n\r\n", 417)
+        self.check(b"POST /halftone HTTP/1.1\r\nHost: localhost\r\nExpect: tea\r\nContent-Length: 1\r\n\r\n", 417)
 
     def test_long_targets_are_refused(self):
-        self.check(b"GET /" + b"x" * 10_000 + b" HTTP/1.1\r\nHost: h\r\n\r\n", 414)
+        self.check(b"GET /" + b"x" * 10_000 + b" HTTP/1.1\r\nHost: localhost\r\n\r\n", 414)
 
     def test_large_heads_are_refused(self):
         for head in (b"GET /" + b"x" * 40_000 + b" HTTP/1.1\r\n", b"GET / HTTP/1.1\r\n" + b"A: b\r\n" * 10_000):

@@ -137,6 +137,14 @@ class Haproxy(unittest.TestCase):
             self.assertEqual(server.log().count(" 127.0.0.9 GET /nothing "), 4)
             self.assertNotIn("1.2.3.4", server.log())
 
+    def test_shows_figures_to_nobody(self):
+        with tempfile.TemporaryDirectory() as folder, Server() as server, Balancer(folder, [server]) as balancer:
+            for path in ("/metrics", "/metrics?a=b", "/%6Detrics", "/%6d%65trics?x", "//metrics"):
+                self.assertEqual(ask(balancer, path).status, 404, path)
+            for target in ("http://localhost/metrics", "http://localhost/%6Detrics"):
+                self.assertEqual(ask(balancer, "/", "--request-target", target, "--header", "Host: localhost").status, 404,
+                                 target)
+
     def test_serves_with_all_that_is_composed(self):
         settings = SCALE["redis"]["command"][1:]
         replicas = SCALE["ccdt-server"]["deploy"]["replicas"]

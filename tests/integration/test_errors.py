@@ -180,6 +180,8 @@ class Pictures(ServerCase):
 
     def test_415_for_an_encoded_body(self):
         self.assert_problem(self.ask("/halftone", "--header", "Content-Encoding: gzip", data=GREY), 415)
+        self.assert_problem(self.ask("/halftone", "--header", "Content-Encoding: identity", "--header",
+                                     "Content-Encoding: gzip", data=GREY), 415)
         answer = self.ask("/halftone", "--header", "Content-Encoding: identity", data=GREY)
         self.assertEqual(answer.status, 200)
 

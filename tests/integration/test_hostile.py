@@ -21,7 +21,7 @@ GREY = file_of(flat(128))
 RECTANGLE = {"type": "rectangle", "width": 2, "height": 1}
 LONG = b"x" * 70_000  # too long for the queue of short requests
 ENDLESS = json.dumps({"sites": 100_000, "iterations": 1000, "domain": RECTANGLE})
-HALFTONE = b"POST /halftone?sites=10&scale=1 HTTP/1.1\r\nHost: h\r\n"
+HALFTONE = b"POST /halftone?sites=10&scale=1 HTTP/1.1\r\nHost: localhost\r\n"
 
 
 class HostileCase(ServerCase):
@@ -61,7 +61,7 @@ class SlowClients(HostileCase):
             self.assertEqual(statuses(client.rest()), [408])
 
     def test_slow_heads_get_a_408(self):
-        head = b"GET /health HTTP/1.1\r\nHost: h\r\nX: "
+        head = b"GET /health HTTP/1.1\r\nHost: localhost\r\nX: "
         with Memory(self.server) as memory, crowd(self.server, 150, head) as clients:
             self.drip(clients)
         self.assert_cheap(memory)
@@ -135,13 +135,13 @@ class Heads(HostileCase):
         self.assert_cheap(memory)
 
     def test_a_header_line_without_end_is_refused(self):
-        self.send_until_refused(b"GET /health HTTP/1.1\r\nHost: h\r\nX: ", b"x" * 65536)
+        self.send_until_refused(b"GET /health HTTP/1.1\r\nHost: localhost\r\nX: ", b"x" * 65536)
 
     def test_headers_without_end_are_refused(self):
-        self.send_until_refused(b"GET /health HTTP/1.1\r\nHost: h\r\n", b"X: y\r\n" * 10_000)
+        self.send_until_refused(b"GET /health HTTP/1.1\r\nHost: localhost\r\n", b"X: y\r\n" * 10_000)
 
     def test_large_heads_from_everywhere_are_cheap(self):
-        head = b"GET /health HTTP/1.1\r\nHost: h\r\nX: " + b"x" * 32_000
+        head = b"GET /health HTTP/1.1\r\nHost: localhost\r\nX: " + b"x" * 32_000
         with Memory(self.server) as memory, crowd(self.server, 200, head) as clients:
             self.assertLess(ping(self.server), AT_ONCE)
             for client in clients:
@@ -179,7 +179,7 @@ class Connections(HostileCase):
             busy = Call(server.url("/sample"), "--header", "Content-Type: application/json", data=ENDLESS)
             while ask(server, "/halftone?nonsense=1", data=LONG).status != 429:
                 pass
-            hidden = b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n"
+            hidden = b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
             with Raw(server) as raw:
                 count = len(LONG) // len(hidden)
                 raw.send(HALFTONE + b"Content-Length: %d\r\n\r\n" % (count * len(hidden)) + hidden * (count + 1))
@@ -188,7 +188,7 @@ class Connections(HostileCase):
 
     def test_pipelined_requests_are_all_answered(self):
         with Raw(self.server) as raw:
-            raw.send(b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n" * 30 + b"GET /no HTTP/1.0\r\n\r\n")
+            raw.send(b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n" * 30 + b"GET /no HTTP/1.0\r\n\r\n")
             self.assertEqual(statuses(raw.rest()), [200] * 30 + [404])
 
     def test_small_answers_come_at_once(self):
@@ -196,7 +196,7 @@ class Connections(HostileCase):
             durations = []
             for _ in range(101):
                 start = time.monotonic()
-                raw.send(b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n")
+                raw.send(b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n")
                 self.assertEqual(raw.answer()[0], 200)
                 durations.append(time.monotonic() - start)
         self.assertLess(sorted(durations)[50], 0.02)
@@ -204,13 +204,13 @@ class Connections(HostileCase):
     def test_a_connection_is_kept_for_more_than_a_few_requests(self):
         with Raw(self.server) as raw:
             for _ in range(100):
-                raw.send(b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n")
+                raw.send(b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n")
                 self.assertEqual(raw.answer()[0], 200)
 
     def test_connections_wait_while_the_server_is_busy(self):
         self.server.signal(signal.SIGSTOP)
         start = time.monotonic()
-        with crowd(self.server, 300, b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n") as clients:
+        with crowd(self.server, 300, b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n") as clients:
             self.assert_at_once(start)
             self.server.signal(signal.SIGCONT)
             for client in clients:
@@ -240,7 +240,7 @@ class Connections(HostileCase):
 
     def test_a_client_that_leaves_while_its_body_is_read_takes_nothing_along(self):
         body = b'{"sites":10,"polygon":[' + b"[0,0]," * 1_000_000 + b"0]}"
-        head = b"POST /sample HTTP/1.1\r\nHost: h\r\nAccept: application/json;q=0.9, text/plain;q=0.5\r\n"
+        head = b"POST /sample HTTP/1.1\r\nHost: localhost\r\nAccept: application/json;q=0.9, text/plain;q=0.5\r\n"
         with Server("--workers=2", "--timeout=300") as server:
             for _ in range(5):
                 with Raw(server) as raw:
@@ -254,7 +254,7 @@ class Connections(HostileCase):
 
     def test_stopping_waits_for_no_idle_connection(self):
         with Server() as server, crowd(server, 20), Raw(server) as kept:
-            kept.send(b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n")
+            kept.send(b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n")
             self.assertEqual(kept.answer()[0], 200)
             start = time.monotonic()
             self.assertEqual(server.stop(), 0)

@@ -70,7 +70,7 @@ def wait_for_event(stream):
 def begin_stream(server, job):
     """A connection over which a first event has come, and what has."""
     client = socket.create_connection(("127.0.0.1", server.port), timeout=PATIENCE)
-    client.sendall(f"GET {job}/events HTTP/1.1\r\nHost: h\r\n\r\n".encode())
+    client.sendall(f"GET {job}/events HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
     received = b""
     while b"event: progress" not in received:
         received += client.recv(65536)

@@ -39,6 +39,15 @@ def probe(server):
     return ask(server, "/halftone?nonsense=1", data=b"x" * 70_000)
 
 
+def descendants(process):
+    """Ids of a process' children, of their children, and so on."""
+    found = []
+    for task in pathlib.Path(f"/proc/{process}/task").iterdir():
+        for child in (task / "children").read_text().split():
+            found += [int(child), *descendants(child)]
+    return found
+
+
 def wait_until(server, status):
     answer = probe(server)
     while answer.status != status:
@@ -155,7 +164,7 @@ class Fairness(unittest.TestCase):
 
 class Stopping(unittest.TestCase):
     def test_everything_accepted_is_answered(self):
-        for number in (signal.SIGTERM, signal.SIGINT):
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGQUIT):
             with self.subTest(number=number), Server("--workers=2", "--queue=2", "--timeout=300") as server:
                 calls = start(server, SHORT, 4)
                 wait_until(server, 429)
@@ -172,7 +181,7 @@ class Stopping(unittest.TestCase):
             server.signal(signal.SIGSTOP)
             clients = [stack.enter_context(Raw(server)) for _ in range(400)]
             for client in clients:
-                client.send(b"GET /capabilities HTTP/1.1\r\nHost: h\r\n\r\n")
+                client.send(b"GET /capabilities HTTP/1.1\r\nHost: localhost\r\n\r\n")
             server.signal()
             server.signal(signal.SIGCONT)
             self.assertEqual([client.socket.recv(12) for client in clients], [b"HTTP/1.1 200"] * len(clients))
@@ -224,14 +233,15 @@ class Stopping(unittest.TestCase):
             silent.close()
 
     def test_a_second_signal_ends_it_at_once(self):
-        with Server("--workers=1", "--queue=0", "--timeout=300") as server:
-            calls = start(server, ENDLESS, 1)
-            wait_until(server, 429)
-            server.signal()
-            server.wait_for_log("shutting down")
-            server.signal()
-            self.assertEqual(server.wait(), 128 + signal.SIGTERM)
-            calls[0].abandon()
+        for number in (signal.SIGTERM, signal.SIGQUIT):
+            with self.subTest(number=number), Server("--workers=1", "--queue=0", "--timeout=300") as server:
+                calls = start(server, ENDLESS, 1)
+                wait_until(server, 429)
+                server.signal(number)
+                server.wait_for_log("shutting down")
+                server.signal(number)
+                self.assertEqual(server.wait(), 128 + number)
+                calls[0].abandon()
 
     def test_it_ends_in_time_whatever_is_not_done(self):
         with Server("--workers=1", "--queue=1", "--timeout=300", "--drain-timeout=3") as server:
@@ -245,7 +255,7 @@ class Stopping(unittest.TestCase):
 
     def test_it_ends_soon_after_the_last_answer_whatever_slow_clients_do(self):
         large = json.dumps({"sites": 1_000_000, "iterations": 0, "domain": RECTANGLE}).encode()
-        post = b"POST /sample HTTP/1.1\r\nHost: h\r\n"
+        post = b"POST /sample HTTP/1.1\r\nHost: localhost\r\n"
         asked = post + b"Content-Length: %d\r\n\r\n" % len(large)
         beginnings = (b"", b"GET /health HT", post + b"X: ", post + b"Content-Length: 1000\r\n\r\n{",
                       post + b"Transfer-Encoding: chunked\r\n\r\n5\r\n{", asked + large[:-1])
@@ -253,8 +263,8 @@ class Stopping(unittest.TestCase):
             slow = [stack.enter_context(Raw(server)) for _ in range(4 * len(beginnings))]
             for i, client in enumerate(slow):
                 client.send(beginnings[i % len(beginnings)])
-            deaf = [stack.enter_context(Raw(server)) for _ in range(2)]
-            for client in deaf:
+            for _ in range(2):  # who take no more than the beginning of their answers
+                client = stack.enter_context(Raw(server))
                 client.send(asked + large)
                 self.assertEqual(client.socket.recv(12), b"HTTP/1.1 200")
             wait_until_accepted(server, 0)
@@ -269,10 +279,42 @@ class Stopping(unittest.TestCase):
     def test_it_ends_in_time_though_an_answer_is_not_taken(self):
         body = json.dumps({"sites": 1_000_000, "iterations": 0, "domain": RECTANGLE}).encode()
         with Server("--drain-timeout=3") as server, socket.create_connection(("127.0.0.1", server.port)) as client:
-            client.sendall(b"POST /sample HTTP/1.1\r\nHost: h\r\nContent-Length: %d\r\n\r\n%s" % (len(body), body))
+            client.sendall(b"POST /sample HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\n%s" % (len(body), body))
             self.assertEqual(client.recv(12), b"HTTP/1.1 200")
             server.signal()
             self.assertEqual(server.wait(), 0)
+
+
+class Signals(unittest.TestCase):
+    """Signals that do not ask the server to end."""
+
+    # SIGHUP is not among them: the fork server and the decoder ignore it, the server reports it.
+    meaningless = (signal.SIGUSR1, signal.SIGUSR2, signal.SIGALRM, signal.SIGVTALRM, signal.SIGPROF, signal.SIGIO,
+                   signal.SIGPIPE)
+
+    def test_sighup_without_a_key_file_is_ignored(self):
+        with Server("--workers=1", "--queue=0", "--timeout=300") as server:
+            (call,) = start(server, SHORT, 1)
+            wait_until(server, 429)
+            server.signal(signal.SIGHUP)
+            server.wait_for_log("SIGHUP is ignored")
+            self.assertEqual(call.answer().status, 200)
+            self.assertEqual(server.stop(), 0)
+
+    def test_meaningless_ones_end_no_process(self):
+        with Server() as server:
+            server.wait_for_log("pictures are decoded")
+            family = [server.process.pid, *descendants(server.process.pid)]
+            self.assertGreaterEqual(len(family), 4, "the server, the fork server, the keeper and the helper")
+            for process in family:
+                for number in self.meaningless + (() if process == server.process.pid else (signal.SIGHUP,)):
+                    os.kill(process, number)
+            self.assertEqual(post_json(server, "/sample", {"sites": 6, "domain": RECTANGLE}).status, 200)
+            self.assertEqual(ask(server, "/halftone?sites=5&scale=1", data=file_of(flat(9))).status, 200)
+            for process in family:
+                os.kill(process, 0)
+            self.assertNotIn("started again", server.log())
+            self.assertEqual(server.stop(), 0)
 
 
 class Starting(unittest.TestCase):
@@ -314,6 +356,12 @@ class Starting(unittest.TestCase):
         self.assertEqual((told.returncode, told.stderr), (0, ""))
         self.assertIn("--max-body", told.stdout)
         self.assertRegex(self.run_program("--version").stdout, r"^ccdt-server \d+\.\d+\.\d+\n$")
+
+    def test_few_open_files_are_told(self):
+        result = subprocess.run(["prlimit", "--nofile=64", os.environ["CCDT_SERVER"], "--port=0", "--workers=2"],
+                                capture_output=True, text=True, timeout=PATIENCE, check=False)
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stderr, r"open files \(ulimit -n\) is 64: at least \d+ are needed")
 
     def test_environment_counts(self):
         with Server(environment={"CCDT_MAX_SITES": "5"}) as server:

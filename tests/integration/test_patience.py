@@ -8,19 +8,20 @@ import re
 import socket
 import subprocess
 import tempfile
+import threading
 import time
 import unittest
 
 from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, flat
-from raw import AT_ONCE, MOST_MEMORY, Memory, Raw, crowd, ping, sources, statuses
+from raw import AT_ONCE, MOST_MEMORY, SANITIZED, Memory, Raw, crowd, ping, sources, statuses
 
 GREY = file_of(flat(128))
-HEALTH = b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n"
+HEALTH = b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
 RECTANGLE = {"type": "rectangle", "width": 2, "height": 1}
 
 
 def post(path, body):
-    return b"POST %s HTTP/1.1\r\nHost: h\r\nContent-Length: %d\r\n\r\n%s" % (path, len(body), body)
+    return b"POST %s HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\n%s" % (path, len(body), body)
 
 
 def shrink(raw):
@@ -82,7 +83,7 @@ class Caps(unittest.TestCase):
                 for _ in range(20):
                     start = time.monotonic()
                     with Raw(server) as raw:
-                        raw.send(b"GET /openapi.json HTTP/1.1\r\nHost: h\r\n\r\n")
+                        raw.send(b"GET /openapi.json HTTP/1.1\r\nHost: localhost\r\n\r\n")
                         self.assert_refused(raw)
                     self.assertLess(time.monotonic() - start, AT_ONCE)
                 server.wait_for_log(" 503 ")
@@ -124,7 +125,7 @@ class Caps(unittest.TestCase):
 
     def test_bodies_share_their_memory(self):
         # The least that they may take is 256 MiB: eight clients that sent 40 MiB each and stopped.
-        head = b"POST /halftone HTTP/1.1\r\nHost: h\r\nContent-Length: 60000000\r\n\r\n"
+        head = b"POST /halftone HTTP/1.1\r\nHost: localhost\r\nContent-Length: 60000000\r\n\r\n"
         with Server("--body-timeout=300") as server, Memory(server) as memory:
             with crowd(server, 8, head) as clients:
                 for client in clients:
@@ -134,7 +135,7 @@ class Caps(unittest.TestCase):
         self.assertLess(memory.rise, 256 + 2 * MOST_MEMORY)
 
     def test_many_slow_clients_starve_nobody(self):
-        slow = b"POST /sample HTTP/1.1\r\nHost: h\r\nContent-Length: 1000\r\n\r\n{"
+        slow = b"POST /sample HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000\r\n\r\n{"
         with Server("--workers=1", "--queue=1") as server, crowd(server, 200, slow), crowd(server, 150, b"GET /"):
             self.assertLess(ping(server), AT_ONCE)
             self.assertEqual(ask(server, "/halftone?sites=10&scale=1", data=GREY).status, 200)
@@ -152,7 +153,7 @@ class Rooms(unittest.TestCase):
     def test_listeners_take_nobodys_place(self):
         with Server("--max-connections=8", "--max-streams=100") as server:
             job = self.begin_job(server)
-            listen = b"GET %s/events HTTP/1.1\r\nHost: h\r\n\r\n" % job.encode()
+            listen = b"GET %s/events HTTP/1.1\r\nHost: localhost\r\n\r\n" % job.encode()
             with contextlib.ExitStack() as stack:
                 for _, source in zip(range(100), sources()):
                     listener = stack.enter_context(Raw(server, source))
@@ -187,11 +188,88 @@ class Rooms(unittest.TestCase):
                         self.assertEqual((answer.status, answer.headers["connection"]), (200, "close"))
                     self.assertEqual(ask(server, job).status, 503)
                 with Raw(server) as listener:
-                    listener.send(b"GET %s/events HTTP/1.1\r\nHost: h\r\n\r\n" % job.encode())
+                    listener.send(b"GET %s/events HTTP/1.1\r\nHost: localhost\r\n\r\n" % job.encode())
                     self.assertTrue(listener.socket.recv(12).endswith(b" 200"), "streams are not crowded")
             while ask(server, job).status != 200:
                 pass
             ask(server, job, "--request", "DELETE")
+
+
+class Idle(unittest.TestCase):
+    """Connections that send nothing keep nobody out."""
+
+    def test_health_checks_pass_during_a_flood_of_them(self):
+        # Far more than places, again and again; the limit by address does not count.
+        over = threading.Event()
+
+        def flood(server):
+            while not over.is_set():
+                with crowd(server, 300):
+                    pass
+
+        with Server("--max-connections=100", "--max-connections-per-address=0") as server:
+            thread = threading.Thread(target=flood, args=(server,))
+            thread.start()
+            try:
+                answers = [ask(server, "/health").status for _ in range(30)]
+                answers += [ask(server, "/capabilities").status for _ in range(10)]
+            finally:
+                over.set()
+                thread.join()
+            self.assertEqual(answers, [200] * len(answers))
+
+    def test_the_one_idle_longest_is_closed_first(self):
+        with Server("--max-connections=4", "--max-connections-per-address=0", "--idle-timeout=300") as server:
+            with contextlib.ExitStack() as stack:
+                kept = [stack.enter_context(Raw(server)) for _ in range(4)]
+                for client in kept:
+                    client.send(HEALTH)
+                    self.assertEqual(client.answer()[0], 200)
+                with Raw(server) as newcomer:
+                    newcomer.send(HEALTH)
+                    self.assertEqual(newcomer.answer()[0], 200)
+                    self.assertEqual(kept[0].rest(), b"")
+
+
+class FewFiles(unittest.TestCase):
+    """Where few files may be open, as many connections fit as there are files for."""
+
+    def test_idle_connections_delay_nobody(self):
+        with Server("--workers=2", "--max-connections-per-address=0", limit="--nofile=90") as server:
+            server.wait_for_log("(ulimit -n) is 90")
+            with crowd(server, 120), crowd(server, 120, HEALTH):
+                for _ in range(5):
+                    self.assertLess(ping(server), AT_ONCE)
+                self.assertEqual(ask(server, "/halftone?sites=10&scale=1", data=GREY).status, 200)
+                self.assertEqual(ask(server, "/sample", data=json.dumps({"sites": 9, "domain": RECTANGLE})).status, 200)
+            self.assertEqual(server.log().count("ulimit"), 1)
+            self.assertNotIn("could not be accepted", server.log())
+            self.assertEqual(server.stop(), 0)
+
+    def test_running_out_of_them_is_told_once(self):
+        with Server("--max-connections-per-address=0", "--idle-timeout=300") as server:
+            server.wait_for_log("pictures are decoded")
+            subprocess.run(["prlimit", f"--pid={server.process.pid}", "--nofile=30"], check=True)
+            with crowd(server, 60):
+                self.assertLess(ping(server), AT_ONCE)
+                server.wait_for_log("could not be accepted")
+            self.assertEqual(server.log().count("could not be accepted"), 1)
+            self.assertEqual(server.stop(), 0)
+
+
+class LittleAddressSpace(unittest.TestCase):
+    """Where there is room for the stacks of few threads."""
+
+    @unittest.skipIf(SANITIZED, "sanitizers need more")
+    def test_idle_connections_delay_neither_others_nor_the_end(self):
+        with Server("--workers=2", "--memory=700MiB", "--max-connections-per-address=0", "--idle-timeout=300",
+                    limit=f"--as={800 << 20}") as server:
+            with crowd(server, 200):
+                for _ in range(5):
+                    ping(server)
+                server.signal()
+                server.wait_for_log("shutting down")
+            self.assertEqual(server.wait(), 0)
 
 
 class Rest(unittest.TestCase):
@@ -227,7 +305,7 @@ class UnixSocket(unittest.TestCase):
 
     def test_answers_and_is_removed_at_the_end(self):
         with Server(self.bind, "--max-connections-per-address=1") as server:
-            calls = [Call("http://h/halftone?sites=5&scale=1", "--unix-socket", str(self.path), data=GREY)
+            calls = [Call("http://localhost/halftone?sites=5&scale=1", "--unix-socket", str(self.path), data=GREY)
                      for _ in range(3)]
             self.assertEqual([call.answer().status for call in calls], [200] * 3)
             server.wait_for_log(" unix POST ")
@@ -246,7 +324,7 @@ class UnixSocket(unittest.TestCase):
             server.wait()
         self.assertTrue(self.path.is_socket())
         with Server(self.bind) as server:
-            self.assertEqual(Call("http://h/health", "--unix-socket", str(self.path)).answer().status, 200)
+            self.assertEqual(Call("http://localhost/health", "--unix-socket", str(self.path)).answer().status, 200)
             self.assertEqual(server.stop(), 0)
 
     def test_nothing_else_is_replaced(self):

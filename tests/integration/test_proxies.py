@@ -16,7 +16,7 @@ SIGNATURE = b"\r\n\r\n\x00\r\nQUIT\n"
 
 
 def request(path="/nothing", *headers):
-    return "".join(f"{line}\r\n" for line in (f"GET {path} HTTP/1.1", "Host: h", *headers, "")).encode()
+    return "".join(f"{line}\r\n" for line in (f"GET {path} HTTP/1.1", "Host: localhost", *headers, "")).encode()
 
 
 def line(client):
@@ -139,7 +139,7 @@ class Counted(unittest.TestCase):
         def asked(client):
             return request("/health", f"X-Forwarded-For: {client}")
 
-        slow = (b"POST /halftone HTTP/1.1\r\nHost: h\r\nX-Forwarded-For: 1.2.3.4, 203.0.113.7\r\nContent-Length: 9\r\n"
+        slow = (b"POST /halftone HTTP/1.1\r\nHost: localhost\r\nX-Forwarded-For: 1.2.3.4, 203.0.113.7\r\nContent-Length: 9\r\n"
                 b"Expect: 100-continue\r\n\r\n")
         with Server(TRUSTED, "--max-connections-per-address=1") as server, Raw(server) as first, Raw(server) as second:
             first.send(slow)

@@ -26,7 +26,7 @@ FLAGS = (f"--header-timeout={HEADER_TIMEOUT}", f"--body-timeout={BODY_TIMEOUT}",
 
 PATIENCE = LONGEST / 2
 LISTENERS = 100
-HEALTH = b"GET /health HTTP/1.1\r\nHost: h\r\n\r\n"
+HEALTH = b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
 BUSY = {429, 503}  # the queue may be full
 
 
@@ -76,7 +76,7 @@ class Abuser:
 
 def post(path, body, *headers):
     kind = "application/octet-stream" if path.startswith("/halftone") else JSON["Content-Type"]
-    lines = (f"POST {path} HTTP/1.1", "Host: h", f"Content-Type: {kind}", f"Content-Length: {len(body)}", *headers)
+    lines = (f"POST {path} HTTP/1.1", "Host: localhost", f"Content-Type: {kind}", f"Content-Length: {len(body)}", *headers)
     return "\r\n".join(lines).encode() + b"\r\n\r\n" + body
 
 
@@ -110,19 +110,19 @@ def say_nothing(me):
 
 
 def slow_head(me):
-    with me.connect(b"GET /health HTTP/1.1\r\nHost: h\r\nX: ") as raw:
+    with me.connect(b"GET /health HTTP/1.1\r\nHost: localhost\r\nX: ") as raw:
         drip(raw, b"x", 0.1)
         expect(raw, [(408,)])
 
 
 def slow_body(me):
-    with me.connect(b"POST /halftone HTTP/1.1\r\nHost: h\r\nContent-Length: 1000000\r\n\r\n") as raw:
+    with me.connect(b"POST /halftone HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000\r\n\r\n") as raw:
         drip(raw, b"x", 0.1)
         expect(raw, [(408,), (429,), (503,)])
 
 
 def slow_chunks(me):
-    with me.connect(b"POST /sample HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n") as raw:
+    with me.connect(b"POST /sample HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n") as raw:
         drip(raw, b"1\r\n \r\n", 0.1)
         expect(raw, [(408,), (429,), (503,)])
 
@@ -184,21 +184,21 @@ def speak_garbage(me):
 
 
 def smuggle(me):
-    hidden = b"GET /smuggled HTTP/1.1\r\nHost: h\r\n\r\n"
+    hidden = b"GET /smuggled HTTP/1.1\r\nHost: localhost\r\n\r\n"
     for headers in (b"Content-Length: 4\r\nTransfer-Encoding: chunked", b"Content-Length: 4\r\nContent-Length: 5",
                     b"Content-Length: +4", b"Content-Length: 4, 5", b"Content-Length: 0x4", b"Content-Length : 4",
                     b"Transfer-Encoding: xchunked", b"Transfer-Encoding: chunked\r\nTransfer-Encoding: identity"):
-        with me.connect(b"POST /sample HTTP/1.1\r\nHost: h\r\n" + headers + b"\r\n\r\n0\r\n\r\n" + hidden) as raw:
+        with me.connect(b"POST /sample HTTP/1.1\r\nHost: localhost\r\n" + headers + b"\r\n\r\n0\r\n\r\n" + hidden) as raw:
             expect(raw, [(400,), (501,)])
 
 
 def send_huge_heads(me):
-    me.tell(b"GET /health HTTP/1.1\r\nHost: h\r\nX: " + b"x" * 300_000, 431)
-    me.tell(b"GET /health HTTP/1.1\r\nHost: h\r\n" + b"X: y\r\n" * 50_000, 431)
+    me.tell(b"GET /health HTTP/1.1\r\nHost: localhost\r\nX: " + b"x" * 300_000, 431)
+    me.tell(b"GET /health HTTP/1.1\r\nHost: localhost\r\n" + b"X: y\r\n" * 50_000, 431)
 
 
 def send_too_much(me):
-    head = b"POST /halftone HTTP/1.1\r\nHost: h\r\n"
+    head = b"POST /halftone HTTP/1.1\r\nHost: localhost\r\n"
     for length in (9 << 20, 100 << 30, (1 << 64) - 1):
         me.tell(head + b"Content-Length: %d\r\n\r\n" % length, 413)
     me.tell(head + b"Transfer-Encoding: chunked\r\n\r\nffffffff\r\n", 413)
@@ -209,7 +209,7 @@ def send_too_much(me):
 
 
 def send_chunks_of_framing(me):
-    with me.connect(b"POST /halftone HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n1;") as raw:
+    with me.connect(b"POST /halftone HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n1;") as raw:
         while not raw.has_news() and raw.try_send(b"x" * 1000 + b"\r\nx\r\n1;"):
             pass
         expect(raw, [(400,), (429,), (503,)])
@@ -268,8 +268,8 @@ def crowd(me):
 
 def bare_line_feeds(me):
     me.tell(HEALTH.replace(b"\r\n", b"\n"), 400)
-    me.tell(b"GET /health HTTP/1.1\r\nHost: h\nX: y\r\n\r\n", 400)
-    chunked = b"POST /sample HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n"
+    me.tell(b"GET /health HTTP/1.1\r\nHost: localhost\nX: y\r\n\r\n", 400)
+    chunked = b"POST /sample HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n"
     for body in (b"2;a\n\r\n{}\r\n0\r\n\r\n", b"2;a\rb\r\n{}\r\n0\r\n\r\n", b"2;a\0b\r\n{}\r\n0\r\n\r\n",
                  b"2\n{}\r\n0\r\n\r\n", b"2\r\n{}\n0\r\n\r\n", b"2\r\n{}\r\n0\r\nX: a\nb\r\n\r\n",
                  b"2\r\n{}\r\n0\r\nX: a\0\r\n\r\n", b"2\r\n{}\r\n0\r\nno trailer\r\n\r\n"):
@@ -280,15 +280,15 @@ def bare_line_feeds(me):
 def name_strange_targets(me):
     for target in (b"foo?x://y/metrics", b"x://metrics/health/live", b"http:///health", b"http:/health", b"//h/health?",
                    b"ftp://h/health"):
-        with me.connect(b"GET " + target + b" HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n") as raw:
+        with me.connect(b"GET " + target + b" HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n") as raw:
             expect(raw, [(400,), (404,)])
-    me.tell(b"GET http://h/health HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n", 200)
+    me.tell(b"GET http://localhost/health HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", 200)
 
 
 def flood_preflights(me):
     """A rate limit may count them."""
     count = 200
-    asked = (b"OPTIONS /sample HTTP/1.1\r\nHost: h\r\nOrigin: https://a.example\r\n"
+    asked = (b"OPTIONS /sample HTTP/1.1\r\nHost: localhost\r\nOrigin: https://a.example\r\n"
              b"Access-Control-Request-Method: POST\r\n")
     with me.connect((asked + b"\r\n") * (count - 1) + asked + b"Connection: close\r\n\r\n") as raw:
         answered = statuses(raw.rest())
@@ -300,7 +300,7 @@ def send_dashes(me):
     """As a boundary, and as the body that is searched for it."""
     for length, wanted in ((30_000, (400,)), (71, (400,)), (70, (400, 422))):
         boundary = b"-" * (length - 1) + b"x"
-        head = b"POST /halftone HTTP/1.1\r\nHost: h\r\nContent-Type: multipart/form-data; boundary=" + boundary
+        head = b"POST /halftone HTTP/1.1\r\nHost: localhost\r\nContent-Type: multipart/form-data; boundary=" + boundary
         body = b"-" * 4_000_000
         with me.connect() as raw:
             raw.try_send(head + b"\r\nContent-Length: %d\r\n\r\n" % len(body) + body)
@@ -313,7 +313,7 @@ def send_tiny_chunks(me):
     """A short request is answered all the same; a long one may be refused for its framing."""
     case = small()[0]
     for body, wanted in ((case.body, (200,)), (bytes(500_000), (400, 415))):
-        with me.connect(b"POST %s HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n" %
+        with me.connect(b"POST %s HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n" %
                         (b"/sample" if body is case.body else b"/halftone")) as raw:
             raw.try_send(b"".join(b"1\r\n%c\r\n" % byte for byte in body) + b"0\r\n\r\n")
             status, _, received = raw.answer()
@@ -345,14 +345,14 @@ def listen_in_crowds(me):
         with contextlib.ExitStack() as stack:
             clients = [stack.enter_context(Raw(me.server, f"127.0.6.{i + 1}")) for i in range(LISTENERS)]
             for client in clients:
-                client.send(b"GET %s/events HTTP/1.1\r\nHost: h\r\n\r\n" % path)
+                client.send(b"GET %s/events HTTP/1.1\r\nHost: localhost\r\n\r\n" % path)
                 client.socket.settimeout(PATIENCE)
             begun = collections.Counter(client.socket.recv(12) for client in clients)
             me.tell(HEALTH.replace(b"\r\n\r\n", b"\r\nConnection: close\r\n\r\n"), 200)
         if not {*begun} <= {b"HTTP/1.1 200", b"HTTP/1.1 503"}:
             raise Unexpected(str(begun))
     finally:
-        me.tell(b"DELETE %s HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n" % path, 204)
+        me.tell(b"DELETE %s HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n" % path, 204)
 
 
 SLOW = (say_nothing, slow_head, slow_body, slow_chunks)

@@ -291,7 +291,7 @@ class Hammer:
         folder = pathlib.Path(self.folder.name)
         for i, case in enumerate(swift()):
             headers = "".join(f"{name}: {value}\r\n" for name, value in case.headers.items())
-            head = f"POST {case.path} HTTP/1.1\r\nHost: h\r\nContent-Length: {len(case.body)}\r\n{headers}\r\n"
+            head = f"POST {case.path} HTTP/1.1\r\nHost: localhost\r\nContent-Length: {len(case.body)}\r\n{headers}\r\n"
             (folder / f"{i}.request").write_bytes(head.encode() + case.body)
             (folder / f"{i}.answer").write_bytes(known[case.name])
             (folder / f"{i}.status").write_text(str(case.status))

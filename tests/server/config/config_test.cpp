@@ -81,6 +81,21 @@ TEST(Config, LetsPagesOfThisMachineCallWhatOnlyItCanReach) {
     EXPECT_EQ(origins({"--cors-origin=https://a.example"}), std::vector<std::string>{"https://a.example"});
 }
 
+TEST(Config, AllowsHostsOfLoopbackAloneIfBoundToIt) {
+    using Hosts = std::vector<std::string>;
+    const auto hosts = [](const std::vector<const char*>& flags) { return parse(flags)->config.allowed_hosts; };
+    for (const char* bind : {"127.0.0.1", "::1", "localhost"})
+        EXPECT_EQ(hosts({"--bind", bind}), Hosts{"loopback"}) << bind;
+    for (const char* bind : {"0.0.0.0", "::", "10.0.0.1", "unix:/run/socket"})
+        EXPECT_EQ(hosts({"--bind", bind}), Hosts{"*"}) << bind;
+    for (const char* bind : {"127.0.0.1", "0.0.0.0"}) {
+        EXPECT_EQ(hosts({"--bind", bind, "--allowed-host=Dots.Example,10.0.0.1,[fd00:0::1]"}),
+                  (Hosts{"dots.example", "10.0.0.1", "fd00::1", "loopback"}));
+        EXPECT_EQ(hosts({"--bind", bind, "--allowed-host=*"}), (Hosts{"*", "loopback"}));
+    }
+    EXPECT_EQ(parse({}, {{"CCDT_ALLOWED_HOST", "a"}})->config.allowed_hosts, (Hosts{"a", "loopback"}));
+}
+
 TEST(Config, ReadsTheEnvironment) {
     const auto parsed = parse({}, {{"PORT", "81"},
                                    {"BIND", "::"},
@@ -287,6 +302,8 @@ TEST(Config, ListsEveryFlagAndVariableInItsHelp) {
                              "CCDT_JOB_BYTES",
                              "--cors-origin",
                              "CCDT_CORS_ORIGIN",
+                             "--allowed-host",
+                             "CCDT_ALLOWED_HOST",
                              "--api-key-file",
                              "CCDT_API_KEY_FILE",
                              "--rate-limit",
@@ -326,6 +343,11 @@ TEST(Config, NamesWhatIsWrong) {
         {{"--timeout=1e9"}, {}, "--timeout"},
         {{"--cors-origin=a\r\nb"}, {}, "--cors-origin"},
         {{"--cors-origin=https://a.example,"}, {}, "--cors-origin"},
+        {{"--allowed-host="}, {}, "--allowed-host"},
+        {{"--allowed-host=a:80"}, {}, "--allowed-host"},
+        {{"--allowed-host=http://a"}, {}, "--allowed-host"},
+        {{"--allowed-host=a,,b"}, {}, "--allowed-host"},
+        {{"--allowed-host=[a]"}, {}, "--allowed-host"},
         {{"--header-timeout=0"}, {}, "--header-timeout"},
         {{"--max-connections=0"}, {}, "--max-connections"},
         {{"--max-streams=x"}, {}, "--max-streams"},

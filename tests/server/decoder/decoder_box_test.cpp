@@ -604,7 +604,7 @@ TEST(DecoderBox, TakesItsProcessesWithIt) {
 TEST(DecoderBox, IgnoresSignalsToItsGroup) {
     const auto box = make_box();
     ASSERT_TRUE(box);
-    for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM}) {
         kill(keeper(), number);
         kill(helper(), number);
     }

@@ -1,8 +1,13 @@
 #include "server/http/capacity.h"
 
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <optional>
+#include <thread>
 #include <utility>
 
 namespace ccdt::server {
@@ -75,6 +80,82 @@ TEST(Capacity, HasAReserveOnceTheCommonPlacesAreTaken) {
     common.reset();
     EXPECT_TRUE(other.move_to(Room::Common));
     EXPECT_EQ(Place(capacity, "c").room(), Room::Reserve);
+}
+
+/// A connection whose thread does nothing but wait for the end.
+class IdleClient {
+public:
+    explicit IdleClient(Capacity& capacity) : place_(std::in_place, capacity, "") {
+        EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets_.data()), 0);
+        place_->begin_idle(sockets_[0]);
+        thread_ = std::jthread([this] {
+            char byte = 0;
+            EXPECT_EQ(recv(sockets_[0], &byte, 1, MSG_PEEK | MSG_WAITALL), 0);
+            closed_ = true;
+            place_.reset();
+        });
+    }
+    ~IdleClient() {
+        shutdown(sockets_[1], SHUT_RDWR);
+        thread_.join();
+        for (const int socket : sockets_) ::close(socket);
+    }
+    IdleClient(const IdleClient&) = delete;
+    IdleClient& operator=(const IdleClient&) = delete;
+
+    bool is_closed() const { return closed_; }
+
+private:
+    std::array<int, 2> sockets_{};
+    std::atomic<bool> closed_ = false;
+    std::optional<Place> place_;
+    std::jthread thread_;
+};
+
+TEST(Capacity, ClosesWhoeverWasIdleLongestForANewcomer) {
+    Capacity capacity({.connections = 3, .reserve = 1});
+    const Place busy(capacity, "");
+    IdleClient first(capacity);
+    IdleClient second(capacity);
+    const Place newcomer(capacity, "a");
+    EXPECT_EQ(newcomer.entry(), Entry::Admitted);
+    EXPECT_EQ(newcomer.room(), Room::Common);
+    EXPECT_TRUE(first.is_closed());
+    EXPECT_FALSE(second.is_closed());
+    EXPECT_EQ(capacity.counts().refused, 0u);
+}
+
+TEST(Capacity, ClosesIdleConnectionsOfTheReserve) {
+    Capacity capacity({.connections = 1, .reserve = 1});
+    const Place busy(capacity, "");
+    IdleClient idle(capacity);
+    const Place newcomer(capacity, "a");
+    EXPECT_EQ(newcomer.room(), Room::Reserve);
+    EXPECT_TRUE(idle.is_closed());
+    EXPECT_EQ(Place(capacity, "b").entry(), Entry::Full);
+}
+
+TEST(Capacity, ClosesNobodyForAnAddressThatHasEnough) {
+    Capacity capacity({.connections = 2, .reserve = 0, .per_address = 1});
+    const Place busy(capacity, "a");
+    IdleClient idle(capacity);
+    EXPECT_EQ(Place(capacity, "a").entry(), Entry::AddressFull);
+    EXPECT_FALSE(idle.is_closed());
+    EXPECT_EQ(Place(capacity, "b").entry(), Entry::Admitted);
+    EXPECT_TRUE(idle.is_closed());
+}
+
+TEST(Capacity, ClosesNobodyWhoHasSentARequest) {
+    std::array<int, 2> sockets{};
+    ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets.data()), 0);
+    Capacity capacity({.connections = 1, .reserve = 0});
+    Place asking(capacity, "a");
+    asking.begin_idle(sockets[0]);
+    ASSERT_EQ(send(sockets[1], "G", 1, MSG_NOSIGNAL), 1);
+    EXPECT_EQ(Place(capacity, "b").entry(), Entry::Full);
+    EXPECT_FALSE(capacity.close_longest_idle());
+    asking.end_idle();
+    for (const int socket : sockets) ::close(socket);
 }
 
 TEST(Capacity, KeepsStreamsApart) {

@@ -66,6 +66,17 @@ TEST(HttpServer, RefusesThoughItsLoggerThrows) {
     EXPECT_EQ(server.connections().refused, 3u);
 }
 
+TEST(HttpServer, ClosesIdleConnectionsForNewcomers) {
+    RunningServer server({.connections = 3, .reserve = 1, .per_address = 0}, greet, [](const Exchange&) {});
+    std::deque<Client> idle;
+    for (int i = 0; i < 20; ++i) {
+        idle.emplace_back(server.port());
+        EXPECT_TRUE(is_answered(server, "200")) << i;
+    }
+    EXPECT_EQ(idle.front().ask(""), "");
+    EXPECT_EQ(server.connections().refused, 0u);
+}
+
 /// Sends three pieces, of which the second is empty.
 Response dictate(const Request&, const HttpResult<void>&, Connection&) {
     Response response;

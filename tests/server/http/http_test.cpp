@@ -84,12 +84,38 @@ TEST(ParseHead, RefusesALongTarget) {
     EXPECT_EQ(parse_with("", "GET /" + std::string(8192, 'x') + " HTTP/1.1").error().status, 414);
 }
 
+TEST(ParseHead, TakesTheAuthorityOfAWholeUrlBeforeHost) {
+    EXPECT_EQ(parse_with("Host: a:80\r\n")->authority, "a:80");
+    EXPECT_EQ(parse_with("")->authority, "");
+    EXPECT_EQ(parse_with("Host: a\r\n", "GET http://b:81/health HTTP/1.1")->authority, "b:81");
+    EXPECT_EQ(parse_with("Host: a\r\n", "OPTIONS * HTTP/1.1")->authority, "a");
+}
+
 TEST(CheckRequest, WantsOneHost) {
     for (const char* host : {"h", "example.org:80", "[::1]:8080", "192.0.2.1", ""})
         EXPECT_TRUE(check_request(*parse_with("Host: " + std::string(host) + "\r\n"))) << host;
     for (const char* headers : {"", "Host: a\r\nHost: a\r\n", "Host: a b\r\n", "Host: a/b\r\n", "Host: \xff\r\n"})
         EXPECT_EQ(check_request(*parse_with(headers)).error().status, 400) << headers;
     EXPECT_TRUE(check_request(*parse_with("", "GET / HTTP/1.0")));
+}
+
+TEST(CheckRequest, RejectsRepeatedSingleFields) {
+    for (const char* name :
+         {"Access-Control-Request-Method", "Authorization", "Content-Type", "host", "Origin", "X-Request-ID"}) {
+        const std::string line = std::string(name) + ": a\r\n";
+        const std::string host = name == std::string("host") ? "" : "Host: h\r\n";
+        EXPECT_TRUE(check_request(*parse_with(host + line))) << name;
+        const auto checked = check_request(*parse_with(host + line + line));
+        ASSERT_FALSE(checked) << name;
+        EXPECT_EQ(checked.error().status, 400) << name;
+        EXPECT_FALSE(check_request(*parse_with(host + line + line, "GET / HTTP/1.0"))) << name;
+    }
+}
+
+TEST(CheckRequest, AcceptsRepeatedLists) {
+    for (const std::string name : {"Accept", "Accept-Encoding", "Cache-Control", "Connection", "Forwarded",
+                                   "If-None-Match", "Prefer", "Via", "X-Forwarded-For"})
+        EXPECT_TRUE(check_request(*parse_with("Host: h\r\n" + name + ": a\r\n" + name + ": b\r\n"))) << name;
 }
 
 TEST(CheckRequest, KnowsOneExpectation) {

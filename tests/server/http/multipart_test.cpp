@@ -86,6 +86,15 @@ TEST(Multipart, RefusesMoreThanABoundaryOnItsLine) {
     EXPECT_FALSE(parse_multipart("--XX\nContent-Disposition: form-data; name=a\r\n\r\nb\r\n--XX--", kType));
 }
 
+TEST(Multipart, RejectsPartsWithSeveralDispositions) {
+    const std::string one = "Content-Disposition: form-data; name=a\r\n";
+    const std::string other = "content-disposition: form-data; name=b\r\n";
+    EXPECT_TRUE(parse_multipart("--XX\r\n" + one + "\r\n1\r\n--XX--", kType));
+    const auto parts = parse_multipart("--XX\r\n" + one + other + "\r\n1\r\n--XX--", kType);
+    ASSERT_FALSE(parts);
+    EXPECT_EQ(parts.error().status, 400);
+}
+
 TEST(Multipart, RefusesFormsWithoutBoundaryOrNames) {
     EXPECT_FALSE(parse_multipart("--XX--", "multipart/form-data"));
     EXPECT_FALSE(parse_multipart("--YY--", kType));

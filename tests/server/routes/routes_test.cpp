@@ -184,6 +184,29 @@ TEST_F(RoutesTest, NamesTheConfiguredOrigin) {
     EXPECT_EQ(header(response, "Vary"), "Origin");
 }
 
+TEST_F(RoutesTest, RefusesHostsThatAreNotAllowed) {
+    config_.allowed_hosts = {"dots.example", "loopback"};
+    Routes routes = make(config_);
+    Connection connection(socket());
+    const auto status = [&](const std::string& head) {
+        const Response response = routes.answer(*parse_head(head + "\r\n\r\n"), {}, connection);
+        EXPECT_TRUE(response.status != 421 || response.media_type == "application/problem+json") << head;
+        return response.status;
+    };
+    for (const char* path : {"/capabilities", "/", "/metrics", "/nothing", "/jobs/1", "/halftone"}) {
+        const std::string line = "GET " + std::string(path) + " HTTP/1.1\r\nHost: ";
+        EXPECT_EQ(status(line + "evil.example:8080"), 421) << path;
+        EXPECT_NE(status(line + "localhost:8080"), 421) << path;
+        EXPECT_NE(status(line + "dots.example"), 421) << path;
+    }
+    ASSERT_EQ(warnings_.size(), 1u);
+    EXPECT_NE(warnings_.front().find("evil.example:8080"), std::string::npos);
+    EXPECT_EQ(status("OPTIONS /halftone HTTP/1.1\r\nHost: evil.example"), 421);
+    EXPECT_EQ(status("GET http://evil.example/ HTTP/1.1\r\nHost: localhost"), 421);
+    EXPECT_EQ(status("GET / HTTP/1.0"), 200) << "browsers name a host";
+    EXPECT_EQ(status("GET /health/live HTTP/1.1\r\nHost: balancer"), 200) << "health checks may name any";
+}
+
 TEST_F(RoutesTest, WarnsOnceOfOriginsThatAreRefused) {
     const std::string preflight =
         "OPTIONS /halftone HTTP/1.1\r\nAccess-Control-Request-Method: POST\r\nOrigin: http://localhost:5500";

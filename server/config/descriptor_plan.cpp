@@ -1,0 +1,73 @@
+#include "server/config/descriptor_plan.h"
+
+#include <algorithm>
+#include <string>
+
+namespace ccdt::server {
+namespace {
+
+/// Descriptors that the server opens itself: its programs, the log, the listening socket, the database of jobs. At rest
+/// they are 12 to 14; each computation takes three more.
+constexpr std::size_t kOwn = 32;
+constexpr std::size_t kPerComputation = 4;
+
+/// Most connections to one Redis, and one for its news.
+constexpr std::size_t kPerRedis = 17;
+
+/// Connections that a server of use has at least, unless its flags say less.
+constexpr std::size_t kLeastConnections = 16;
+constexpr std::size_t kLeastReserve = 8;
+constexpr std::size_t kLeastStreams = 4;
+constexpr std::size_t kLeastRefused = 4;
+
+std::size_t own_descriptors(const Config& config) {
+    const std::size_t redis = config.redis.has_value() + config.cache_redis.has_value() + config.rate_redis.has_value();
+    return kOwn + kPerComputation * (config.workers + 1) + kPerRedis * redis;  // one more computes short requests
+}
+
+std::size_t connections_of(const Capacity::Limits& limits) {
+    return limits.connections + limits.reserve + limits.streams + limits.refused;
+}
+
+Capacity::Limits least(Capacity::Limits limits) {
+    limits.connections = std::min(limits.connections, kLeastConnections);
+    limits.reserve = std::min(limits.reserve, kLeastReserve);
+    limits.streams = std::min(limits.streams, kLeastStreams);
+    limits.refused = std::min(limits.refused, kLeastRefused);
+    return limits;
+}
+
+}  // namespace
+
+std::size_t wanted_descriptors(const Config& config) {
+    return own_descriptors(config) + connections_of(config.capacity);
+}
+
+Result<DescriptorPlan> share_descriptors(const Config& config, std::size_t allowed) {
+    DescriptorPlan plan{allowed, wanted_descriptors(config), config.capacity};
+    if (plan.fits()) return plan;
+    const Capacity::Limits lowest = least(config.capacity);
+    const std::size_t needed = own_descriptors(config) + connections_of(lowest);
+    if (allowed < needed)
+        return failure(ErrorCode::Unusable, "the limit of open files (ulimit -n) is " + std::to_string(allowed) +
+                                                ": at least " + std::to_string(needed) + " are needed");
+    const std::size_t spare = allowed - needed;
+    const std::size_t missing = plan.wanted - needed;
+    const auto scale = [=](std::size_t& wanted, std::size_t low) { wanted = low + (wanted - low) * spare / missing; };
+    scale(plan.capacity.connections, lowest.connections);
+    scale(plan.capacity.reserve, lowest.reserve);
+    scale(plan.capacity.streams, lowest.streams);
+    scale(plan.capacity.refused, lowest.refused);
+    return plan;
+}
+
+std::string describe(const DescriptorPlan& plan) {
+    const Capacity::Limits& limits = plan.capacity;
+    std::string room = std::to_string(limits.connections) + " connections, " + std::to_string(limits.reserve) +
+                       " in reserve, " + std::to_string(limits.streams) + " streams";
+    if (plan.fits()) return room;
+    return "the limit of open files (ulimit -n) is " + std::to_string(plan.allowed) + ", " +
+           std::to_string(plan.wanted) + " are wanted: at most " + room;
+}
+
+}  // namespace ccdt::server

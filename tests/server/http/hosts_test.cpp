@@ -1,0 +1,60 @@
+#include "server/http/hosts.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace ccdt::server {
+namespace {
+
+TEST(IsLoopback, HoldsForThisMachineAlone) {
+    for (const char* host : {"localhost", "app.localhost", "127.0.0.1", "127.8.9.1", "::1"})
+        EXPECT_TRUE(is_loopback(host)) << host;
+    for (const char* host : {"", "0.0.0.0", "::", "10.0.0.1", "localhost.example", "notlocalhost", "127.0.0.1.example",
+                             "127.1", "unix:/run/socket"})
+        EXPECT_FALSE(is_loopback(host)) << host;
+}
+
+TEST(AllowsHost, AcceptsLoopbackOnAnyPort) {
+    for (const char* authority : {"", "localhost", "LocalHost:80", "localhost.", "localhost.:80", "127.0.0.1",
+                                  "127.0.0.1:8080", "127.9.9.9:1", "[::1]", "[::1]:8080", "app.localhost:5500"})
+        EXPECT_TRUE(allows_host({"loopback"}, authority)) << authority;
+    for (const char* authority : {"evil.example",
+                                  "evil.example:8080",
+                                  "127.0.0.1.evil.example",
+                                  "localhost.evil.example",
+                                  "loopback",
+                                  "loopback:80",
+                                  "::1",
+                                  "[::1",
+                                  "[::2]",
+                                  "0.0.0.0",
+                                  "10.0.0.1",
+                                  ":80",
+                                  ".",
+                                  "localhost:",
+                                  "localhost:x",
+                                  "localhost:70000",
+                                  "localhost:80:80",
+                                  "localhost..",
+                                  "2130706433",
+                                  "0x7f.1"})
+        EXPECT_FALSE(allows_host({"loopback"}, authority)) << authority;
+}
+
+TEST(AllowsHost, AcceptsListedNames) {
+    const std::vector<std::string> allowed = {"dots.example", "10.0.0.1", "fd00::1"};
+    for (const char* authority : {"dots.example", "Dots.Example:443", "dots.example.", "10.0.0.1:80", "[fd00::1]:80"})
+        EXPECT_TRUE(allows_host(allowed, authority)) << authority;
+    for (const char* authority : {"a.dots.example", "example", "localhost", "127.0.0.1", "10.0.0.2"})
+        EXPECT_FALSE(allows_host(allowed, authority)) << authority;
+}
+
+TEST(AllowsHost, AcceptsEverythingIfAnyIsListed) {
+    for (const char* authority : {"", "evil.example", "localhost:x"})
+        EXPECT_TRUE(allows_host({"dots.example", "*"}, authority)) << authority;
+}
+
+}  // namespace
+}  // namespace ccdt::server
