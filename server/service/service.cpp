@@ -33,8 +33,10 @@ void tell(const Confinement& confinement, const Log& log) {
 /// Time that a request waits at most for what can be done without: answers and rates that are shared.
 constexpr std::chrono::milliseconds kBriefly{200};
 
-std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& address, std::chrono::milliseconds deadline) {
-    return address ? std::make_unique<RedisClient>(*address, deadline) : nullptr;
+std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& address, std::chrono::milliseconds deadline,
+                                       const Log& log) {
+    if (!address) return nullptr;
+    return std::make_unique<RedisClient>(*address, deadline, [&log](const std::string& damage) { log.error(damage); });
 }
 
 Result<std::unique_ptr<Gate>> start_gate(const Config& config, RedisClient* rates) {
@@ -86,8 +88,8 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
     if (!decoder) return tl::unexpected(std::move(decoder.error()));
     auto computing = start_computing(config, **decoder, log);
     if (!computing) return tl::unexpected(std::move(computing.error()));
-    RedisClients redis{client_of(config.redis, RedisClient::kDeadline), client_of(config.cache_redis, kBriefly),
-                       client_of(config.rate_redis, kBriefly)};
+    RedisClients redis{client_of(config.redis, RedisClient::kDeadline, log),
+                       client_of(config.cache_redis, kBriefly, log), client_of(config.rate_redis, kBriefly, log)};
     auto gate = start_gate(config, redis.rates.get());
     if (!gate) return tl::unexpected(std::move(gate.error()));
     allow_files(config.capacity);
