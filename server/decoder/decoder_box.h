@@ -28,8 +28,9 @@ public:
     /// Waits until the helper is ready for the first time. Errors: Internal; it is then not started again.
     Result<void> wait_until_ready() { return helper_->wait_until_ready(); }
 
-    /// Hands an order on to the helper, waiting for one that is being started again.
-    /// @returns  false if there was none for `kPatience`, or until the stop
+    /// Hands an order on to the helper, waiting for one that is being started again. If there is none for as long as
+    /// the order may wait, its outcome tells that.
+    /// @returns  false if there was none, or none until the stop
     bool relay(const Order& order, const std::stop_token& stop);
 
     /// Times that the helper ended, and was or is being started again.
@@ -40,8 +41,6 @@ public:
 
     /// Confinement that the first helper found in force; to be asked once it is ready.
     const Confinement& confinement() const { return *confinement_; }
-
-    static constexpr std::chrono::seconds kPatience{5};
 
 private:
     DecoderBox(std::unique_ptr<SupervisedProgram> helper, std::shared_ptr<const Confinement> confinement)
