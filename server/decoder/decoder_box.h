@@ -36,6 +36,10 @@ public:
     /// Times that the helper ended, and was or is being started again.
     std::uint64_t restarts() const { return helper_->restarts(); }
 
+    /// Whether the helper has answered lately, and times that it stopped answering.
+    bool is_responsive() const { return helper_->is_responsive(); }
+    std::uint64_t silences() const { return helper_->silences(); }
+
     /// Whether there is a helper now, or about to be for the first time.
     bool is_ready() const { return helper_->is_ready(); }
 

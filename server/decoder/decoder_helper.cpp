@@ -26,6 +26,7 @@
 #include "server/decoder/decoder_confinement.h"
 #include "server/decoder/decoder_protocol.h"
 #include "server/processes/child_program.h"
+#include "server/processes/messages.h"
 #include "server/processes/signals.h"
 
 namespace ccdt::server {
@@ -140,6 +141,7 @@ private:
     }
 
     void start(Order order) {
+        if (order.probe) return answer_probe(order.probe);
         if (!order.outcome) return;
         if (spare_.process == 0) fork_spare();
         if (spare_.process == 0) return report(order.outcome, {errno, 1});

@@ -34,8 +34,9 @@ struct Order {
     };
     Text text;
     UniqueFd file;
-    UniqueFd reply;    ///< made by ReplyMemory
-    UniqueFd outcome;  ///< socket for Outcomes; once its other end is closed nobody waits for the child
+    UniqueFd reply;       ///< made by ReplyMemory
+    UniqueFd outcome;     ///< socket for Outcomes; once its other end is closed nobody waits for the child
+    UniqueFd probe = {};  ///< socket to answer at; none, unless the message was a probe instead
 };
 
 /// The end of an order, of which the first counts: from the child, that its reply is written, from the helper, that the

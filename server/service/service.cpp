@@ -172,7 +172,9 @@ void Service::drain() {
 /// Tells what is missing to compute now; empty: nothing.
 std::string Service::missing() const {
     if (!parts_.decoder->is_ready()) return "the decoder of pictures is being started again";
-    return parts_.computing->is_ready() ? "" : "what makes the processes that compute is being started again";
+    if (!parts_.decoder->is_responsive()) return "the decoder of pictures does not answer";
+    if (!parts_.computing->is_ready()) return "what makes the processes that compute is being started again";
+    return parts_.computing->is_responsive() ? "" : "what makes the processes that compute does not answer";
 }
 
 /// Collects what the parts count.
@@ -181,6 +183,7 @@ Metrics::Watched Service::figures() const {
             .memory_budget = parts_.memory.total,
             .memory_reserved = pool_.memory().taken() + waiting_memory_.taken(),
             .decoder_restarts = parts_.decoder->restarts(),
+            .decoder_silences = parts_.decoder->silences(),
             .computing = parts_.computing->counts(),
             .lent_threads = parts_.computing->lent(),
             .jobs = jobs_.load(),
