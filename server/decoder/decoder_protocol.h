@@ -42,7 +42,7 @@ struct Order {
 /// The end of an order, of which the first counts: from the child, that its reply is written, from the helper, that the
 /// child has ended or there was none, or from the server, that there was no helper.
 struct Outcome {
-    std::int32_t fork_error = 0;  ///< errno for why there was none; 0: there was
+    std::int32_t fork_error = 0;  ///< errno for why there was none, or none that could begin; 0: there was
     std::int32_t ended = 0;       ///< it crashed, was killed or gave up, unless it has said that it is done
     std::int32_t no_helper = 0;   ///< there was none for as long as the order might wait
 };

@@ -104,6 +104,10 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
 }
 
 Result<std::unique_ptr<Service>> Service::start(const Config& config, const Log& log) {
+    if (const auto limit = address_space_limit())
+        log.warning("a process may have " + std::to_string(*limit >> 20) +
+                    " MiB of addresses (ulimit -v): pictures and large requests may fail with a 500; --memory is the "
+                    "limit to set");
     auto parts = start_parts(config, log);
     if (!parts) return tl::unexpected(std::move(parts.error()));
     std::unique_ptr<Service> service(new Service(config, *std::move(parts), log));

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -395,6 +396,26 @@ TEST(DecoderBox, EndsADecoderThatEatsMemory) {
     const auto box = make_box();
     ASSERT_TRUE(box);
     expect_death(*box, "eat");
+}
+
+TEST(DecoderBox, BlamesNoPictureForALimitOnTheServer) {
+    if (!Sandbox::kIsWhole) GTEST_SKIP() << "sanitizers reserve address space without end";
+    for (const std::size_t left : {std::size_t{8} << 20, std::size_t{40} << 20}) {
+        const auto limited = [&](UniqueFd orders) -> Result<ChildProgram> {
+            const pid_t process = fork();
+            if (process != 0) return ChildProgram(process);
+            std::size_t pages = 0;
+            std::ifstream("/proc/self/statm") >> pages;
+            const rlimit space{pages * 4096 + left, pages * 4096 + left};
+            setrlimit(RLIMIT_AS, &space);
+            run_decoder_helper(std::move(orders), {obey, obey_in_colour, {}});
+        };
+        BoxOfTests box(limited, limits_of_tests);
+        const auto result = box.decode_colour("picture", kMaxPixels, {});
+        ASSERT_FALSE(result);
+        EXPECT_EQ(result.error().code, ErrorCode::Internal);
+        EXPECT_EQ(result.error().message, "cannot start a decoder: Cannot allocate memory");
+    }
 }
 
 TEST(DecoderBox, KeepsADecoderFromTheMachine) {
