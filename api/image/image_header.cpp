@@ -47,14 +47,41 @@ Result<ImageHeader> read_png(std::string_view bytes) {
     return header;
 }
 
+constexpr std::uint32_t kJpegEnd = 0xD9, kJpegScan = 0xDA;
+
+/// Most scans of a JPEG: each costs a pass over the whole picture, and a few bytes make one. Encoders write about ten.
+/// libtiff has the same limit.
+constexpr int kMostScans = 100;
+
+/// Finds the marker after the entropy-coded data that begins there: 0xFF, but for a stuffed zero or a restart.
+std::size_t end_of_scan(std::string_view bytes, std::size_t at) {
+    while ((at = bytes.find('\xff', at)) < bytes.size() - 1) {
+        const auto next = static_cast<unsigned char>(bytes[at + 1]);
+        if (next != 0 && (next < 0xD0 || next > 0xD7)) return at;
+        at += 2;
+    }
+    return bytes.size();
+}
+
+/// Tells whether a JPEG has too many scans.
+/// @param at  behind the header of its frame
+bool has_too_many_scans(std::string_view bytes, std::size_t at) {
+    int scans = 0;
+    while (const auto segment = jpeg_segment(bytes, at)) {
+        if (segment->marker == kJpegEnd) break;
+        if (segment->marker == kJpegScan && ++scans > kMostScans) return true;
+        at = end_of_scan(bytes, segment->end);
+    }
+    return false;
+}
+
 /// Rows are read as they come, unless the picture is sent in several scans: then all coefficients are kept.
 Result<ImageHeader> read_jpeg(std::string_view bytes) {
-    constexpr std::uint32_t kEnd = 0xD9, kScan = 0xDA;
     std::size_t at = kJpegSegments;
     while (const auto segment = jpeg_segment(bytes, at)) {
         const std::uint32_t name = segment->marker;
         const bool frame = name >= 0xC0 && name <= 0xCF && name != 0xC4 && name != 0xC8 && name != 0xCC;
-        if (name == kEnd || name == kScan) return broken_image();
+        if (name == kJpegEnd || name == kJpegScan) return broken_image();
         if (frame) {
             const ByteReader reader(segment->data, true);
             const auto height = reader.read(1, 2);
@@ -66,6 +93,9 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
             constexpr uint64_t kCoefficient = 2, kBlock = 16;  // bytes; pixels that sides are rounded up to
             header.decoder_bytes = (header.width + kBlock) * (header.height + kBlock) * *channels * kCoefficient;
             header.is_ink_jpeg = *channels == 4;
+            if (has_too_many_scans(bytes, segment->end))
+                return failure(ErrorCode::Unusable,
+                               "the image is a JPEG of more than " + std::to_string(kMostScans) + " scans");
             return header;
         }
         at = segment->end;

@@ -48,8 +48,8 @@ Result<ImageFormat> recognise_image(std::string_view bytes);
 
 /// Reads the header of the file's first picture.
 ///
-/// Errors: those of recognise_image; Unusable for a header that is broken or cut short, and for a TIFF that leaves out
-/// its bits per sample; LimitExceeded for more pixels than the limit.
+/// Errors: those of recognise_image; Unusable for a header that is broken or cut short, for a TIFF that leaves out its
+/// bits per sample, and for a JPEG of more than 100 scans; LimitExceeded for more pixels than the limit.
 /// Sources: PNG (ISO/IEC 15948), 5 and 11.2.2; JPEG (ITU-T T.81), B.1 and B.2.2; WebP (RFC 9649), 2; TIFF 6.0, 2;
 /// GIF89a, 18; Microsoft's BITMAPINFOHEADER; HEIF (ISO/IEC 23008-12), 6.5.3 and 6.5.6.
 Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels);

@@ -47,11 +47,14 @@ Result<std::vector<double>> read_values(const Input& features, const std::string
                                         FeatureCounts::Missing& missing) {
     std::vector<double> values;
     for (const JsonValue feature : std::get<JsonValue>(features.value)) {
-        const auto value = member(member(feature, "properties"), property);
-        const auto pointer = [&] {
-            const std::string below = pointer_below(features.field, values.size());
-            return pointer_below(pointer_below(below, "properties"), property);
+        const auto properties = member(feature, "properties");
+        const auto pointer_to_all = [&] {
+            return pointer_below(pointer_below(features.field, values.size()), "properties");
         };
+        const auto pointer = [&] { return pointer_below(pointer_to_all(), property); };
+        if (properties && !properties->is_object() && !properties->is_null())
+            return failure(ErrorCode::Malformed, pointer_to_all() + " must be an object or null", pointer_to_all());
+        const auto value = member(properties, property);
         if (!value || value->is_null()) {
             if (missing.features++ == 0) missing.first = pointer();
             values.push_back(0);

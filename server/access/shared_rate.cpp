@@ -12,18 +12,30 @@ constexpr std::string_view kPrefix = "ccdt:1:rate:";
 
 /// As RateLimiter does, by the clock of Redis; a bucket that is full is none.
 const RedisScript kTake("allow-oom", {R"lua(
--- tokens a second, tokens in a full bucket -> seconds until there is a token, 0 if one was taken
+-- tokens a second, tokens in a full bucket -> seconds until there is a token, 0 if one was taken; whether the bucket
+-- was damaged, 1 or 0, which is taken for full then
 local rate, burst = tonumber(ARGV[1]), tonumber(ARGV[2])
 local time = redis.call('TIME')
 local now = time[1] + time[2] / 1000000
-local tokens = tonumber(redis.call('HGET', KEYS[1], 'tokens') or burst)
-local filled = tonumber(redis.call('HGET', KEYS[1], 'filled') or now)
-tokens = math.min(burst, tokens + math.max(now - filled, 0) * rate)
+local damaged = 0
+local found = redis.call('TYPE', KEYS[1]).ok
+if found ~= 'hash' and found ~= 'none' then
+    redis.call('UNLINK', KEYS[1])
+    damaged = 1
+end
+local function number(name, default)
+    local stored = redis.call('HGET', KEYS[1], name)
+    local value = stored and tonumber(stored)
+    if stored and (not value or value ~= value) then damaged = 1 end
+    return value and value == value and value or default
+end
+local tokens, filled = number('tokens', burst), number('filled', now)
+tokens = math.max(0, math.min(burst, tokens + math.max(now - filled, 0) * rate))
 local wait = 0
 if tokens >= 1 then tokens = tokens - 1 else wait = math.ceil((1 - tokens) / rate) end
 redis.call('HSET', KEYS[1], 'tokens', tokens, 'filled', now)
 redis.call('PEXPIRE', KEYS[1], math.ceil((burst - tokens) / rate * 1000) + 1)
-return wait
+return {wait, damaged}
 )lua"});
 
 }  // namespace
@@ -33,8 +45,11 @@ std::optional<std::chrono::seconds> SharedRate::take(const std::string& client) 
     char rate[32];
     const std::string_view per_second(rate, std::to_chars(std::begin(rate), std::end(rate), rate_.per_second).ptr);
     const std::string burst = std::to_string(rate_.burst);
-    const auto wait = client_.run(kTake, std::string(kPrefix) + client, {per_second, burst});
-    return wait ? std::optional(std::chrono::seconds(wait->number)) : std::nullopt;
+    const std::string key = std::string(kPrefix) + client;
+    const auto reply = client_.run(kTake, key, {per_second, burst});
+    if (!reply || reply->items.size() != 2) return std::nullopt;
+    if (reply->items[1].number != 0) client_.report_damage(key, "the client has a full bucket again");
+    return std::chrono::seconds(reply->items[0].number);
 }
 
 }  // namespace ccdt::server

@@ -16,6 +16,7 @@ public:
     /// The client must outlive it.
     SharedRate(RedisClient& client, const RateLimiter::Rate& rate) : client_(client), rate_(rate) {}
 
+    /// Takes a token. A bucket that others have written over is reported, and taken for full.
     /// @returns  0 if the request may pass, else after how many seconds there will be a token; none if Redis does not
     ///           tell
     std::optional<std::chrono::seconds> take(const std::string& client);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "api/text/text.h"
+#include "server/work/digest.h"
 
 namespace ccdt::server {
 namespace {
@@ -38,9 +39,14 @@ Result<std::vector<std::string>> RedisCache::find_faults(RedisClient& client) {
 std::optional<api::Answer> RedisCache::find(const std::string& name) {
     const std::string key = std::string(kPrefix) + name;
     auto reply = client_.run(RedisCommand{"HMGET", key, "body", "media_type", "coding", "sites", "pixels", "repaired",
-                                          "warnings", "repeats", "radius", "tone"});
-    if (!reply || reply->items.size() != 10 || reply->items[0].kind != RedisReply::Kind::Text) return std::nullopt;
+                                          "warnings", "repeats", "radius", "tone", "digest"});
+    if (!reply && reply.error().code == ErrorCode::Unusable) return drop_damaged(key);
+    if (!reply || reply->items.size() != 11 || reply->items[0].kind != RedisReply::Kind::Text) return std::nullopt;
     auto& items = reply->items;
+    Digest digest;
+    digest.add(name);
+    for (std::size_t i = 0; i < 10; ++i) digest.add(items[i].text);
+    if (items[10].text != digest.finish()) return drop_damaged(key);
     api::Answer answer;
     answer.body = std::move(items[0].text);
     answer.media_type = std::move(items[1].text);
@@ -54,6 +60,13 @@ std::optional<api::Answer> RedisCache::find(const std::string& name) {
     return answer;
 }
 
+/// Reports and removes an entry that others have written over.
+std::nullopt_t RedisCache::drop_damaged(const std::string& key) {
+    client_.report_damage(key, "it is computed again");
+    (void)client_.run(RedisCommand{"UNLINK", key});
+    return std::nullopt;
+}
+
 void RedisCache::keep(const std::string& name, const api::Answer& answer) {
     if (answer.body.size() > kLargest) return;
     const std::string key = std::string(kPrefix) + name;
@@ -61,18 +74,23 @@ void RedisCache::keep(const std::string& name, const api::Answer& answer) {
     const std::string pixels = text_of(answer.pixels);
     const std::string radius = answer.dots ? text_of(answer.dots->radius) : "";
     const std::string tone = answer.dots ? text_of(answer.dots->tone) : "";
-    const std::vector<RedisCommand> commands{{"HSET",       key,
-                                              "body",       answer.body,
-                                              "media_type", answer.media_type,
-                                              "coding",     answer.coding,
-                                              "sites",      sites,
-                                              "pixels",     pixels,
-                                              "repaired",   answer.repaired,
-                                              "warnings",   answer.warnings,
-                                              "repeats",    answer.repeats ? "1" : "0",
-                                              "radius",     radius,
-                                              "tone",       tone},
-                                             {"EXPIRE", key, kSecondsKept}};
+    RedisCommand store{"HSET",       key,
+                       "body",       answer.body,
+                       "media_type", answer.media_type,
+                       "coding",     answer.coding,
+                       "sites",      sites,
+                       "pixels",     pixels,
+                       "repaired",   answer.repaired,
+                       "warnings",   answer.warnings,
+                       "repeats",    answer.repeats ? "1" : "0",
+                       "radius",     radius,
+                       "tone",       tone};
+    Digest digest;
+    digest.add(name);
+    for (std::size_t value = 3; value < store.size(); value += 2) digest.add(store[value]);
+    const std::string text = digest.finish();
+    store.insert(store.end(), {"digest", text});
+    const std::vector<RedisCommand> commands{std::move(store), {"EXPIRE", key, kSecondsKept}};
     (void)client_.run(commands);  // if it is not kept it is computed again next time
 }
 

@@ -11,7 +11,8 @@
 namespace ccdt::server {
 
 /// Answers in a Redis, where servers share them. What goes first when its memory is full Redis decides; after a day all
-/// do. An answer that cannot be had, for whatever reason, is none. May be used from any thread.
+/// do. An answer that cannot be had, for whatever reason, is none. One that others have written over is removed:
+/// entries have digests. May be used from any thread.
 class RedisCache {
 public:
     /// The client must outlive it.
@@ -29,6 +30,8 @@ public:
     static constexpr std::size_t kLargest = std::size_t{4} << 20;
 
 private:
+    std::nullopt_t drop_damaged(const std::string& key);
+
     RedisClient& client_;
 };
 

@@ -308,7 +308,7 @@ ComputeBox::ComputeBox(std::unique_ptr<SupervisedProgram> fork_server, SharedNum
 ComputeBox::~ComputeBox() = default;
 
 ComputeBox::Counts ComputeBox::counts() const {
-    return {crashes_, fork_server_->restarts(), decoder_deaths_};
+    return {crashes_, fork_server_->restarts(), fork_server_->silences(), decoder_deaths_};
 }
 
 Result<api::Answer> ComputeBox::compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,

@@ -69,9 +69,13 @@ public:
     /// Whether processes can be made now, or are about to be for the first time.
     bool is_ready() const { return fork_server_->is_ready(); }
 
+    /// Whether the fork server has answered lately.
+    bool is_responsive() const { return fork_server_->is_responsive(); }
+
     struct Counts {
         std::uint64_t crashes = 0;         ///< processes that ended while they computed
         std::uint64_t restarts = 0;        ///< of the fork server
+        std::uint64_t silences = 0;        ///< times that the fork server stopped answering
         std::uint64_t decoder_deaths = 0;  ///< pictures whose decoder crashed, passed a limit or gave nonsense
     };
     Counts counts() const;

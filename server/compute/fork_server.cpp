@@ -47,8 +47,12 @@ public:
             if (polled[0].revents == 0) continue;
             ForkOrder order;
             std::array<UniqueFd, 3> files;
-            if (receive_message(orders_.get(), writable_bytes_of(order), files) == 0) return;
-            start(order, {std::move(files[0]), std::move(files[1]), std::move(files[2])});
+            const std::size_t size = receive_message(orders_.get(), writable_bytes_of(order), files);
+            if (size == 0) return;
+            if (size == kProbeSize)
+                answer_probe(files[0]);
+            else
+                start(order, {std::move(files[0]), std::move(files[1]), std::move(files[2])});
         }
     }
 

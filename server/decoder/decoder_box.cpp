@@ -24,10 +24,14 @@ Result<std::unique_ptr<DecoderBox>> DecoderBox::start(SupervisedProgram::Launch 
 }
 
 bool DecoderBox::relay(const Order& order, const std::stop_token& stop) {
-    const auto until = SupervisedProgram::Clock::now() + kPatience;
+    const auto until = SupervisedProgram::Clock::now() + std::chrono::milliseconds(order.text.patience_ms);
     for (SupervisedProgram::Socket lost;;) {
         const auto socket = helper_->wait_for_socket(lost, until, stop);
-        if (socket == nullptr) return false;
+        if (socket == nullptr) {
+            const Outcome none{.no_helper = 1};
+            send_message(order.outcome.get(), bytes_of(none));
+            return false;
+        }
         if (send_order(socket->get(), order)) return true;
         lost = socket;
     }

@@ -28,20 +28,23 @@ public:
     /// Waits until the helper is ready for the first time. Errors: Internal; it is then not started again.
     Result<void> wait_until_ready() { return helper_->wait_until_ready(); }
 
-    /// Hands an order on to the helper, waiting for one that is being started again.
-    /// @returns  false if there was none for `kPatience`, or until the stop
+    /// Hands an order on to the helper, waiting for one that is being started again. If there is none for as long as
+    /// the order may wait, its outcome tells that.
+    /// @returns  false if there was none, or none until the stop
     bool relay(const Order& order, const std::stop_token& stop);
 
     /// Times that the helper ended, and was or is being started again.
     std::uint64_t restarts() const { return helper_->restarts(); }
+
+    /// Whether the helper has answered lately, and times that it stopped answering.
+    bool is_responsive() const { return helper_->is_responsive(); }
+    std::uint64_t silences() const { return helper_->silences(); }
 
     /// Whether there is a helper now, or about to be for the first time.
     bool is_ready() const { return helper_->is_ready(); }
 
     /// Confinement that the first helper found in force; to be asked once it is ready.
     const Confinement& confinement() const { return *confinement_; }
-
-    static constexpr std::chrono::seconds kPatience{5};
 
 private:
     DecoderBox(std::unique_ptr<SupervisedProgram> helper, std::shared_ptr<const Confinement> confinement)

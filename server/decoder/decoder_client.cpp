@@ -23,7 +23,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Time for which an order that was lost with its helper is given again.
+/// Time for which an order waits for a helper, from the first one that was lost with it.
 constexpr std::chrono::seconds kPatience{5};
 
 /// Reasons why there is no reply.
@@ -66,6 +66,7 @@ std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::time_point deadl
     Outcome told;
     if (recv(outcome.get(), &told, sizeof(told), 0) != static_cast<ssize_t>(sizeof(told))) return NoReply{};
     if (told.fork_error != 0) return NoReply{NoReply::Reason::NotStarted, told.fork_error};
+    if (told.no_helper != 0) return NoReply{NoReply::Reason::NoHelper};
     if (told.ended != 0) return NoReply{NoReply::Reason::Died};
     return std::nullopt;
 }
@@ -73,11 +74,12 @@ std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::time_point deadl
 template <class AnyPicture>
 tl::expected<Result<AnyPicture>, NoReply> ask_helper(const DecoderClient::Hand& hand, std::string_view bytes,
                                                      const api::Reading& reading, const DecoderLimits& limits,
-                                                     const std::stop_token& stop) {
+                                                     Clock::duration patience, const std::stop_token& stop) {
     using Reply = ReplyMemory<AnyPicture>;
     constexpr bool kColour = std::is_same_v<AnyPicture, ColourPicture>;
     auto outcome = make_sockets(SOCK_SEQPACKET);
-    Order order{{bytes.size(), reading.max_pixels, kColour, reading.reduce, limits},
+    Order order{{bytes.size(), reading.max_pixels, kColour, reading.reduce,
+                 std::chrono::ceil<std::chrono::milliseconds>(patience).count(), limits},
                 make_file(bytes),
                 Reply::make_file(reading.max_pixels),
                 {}};
@@ -131,7 +133,8 @@ Result<AnyPicture> DecoderClient::decode_to(std::string_view bytes, const api::R
     const DecoderLimits limits = limits_(bytes, reading.max_pixels);
     std::optional<Clock::time_point> give_up;
     while (true) {
-        auto reply = ask_helper<AnyPicture>(hand_, bytes, reading, limits, stop);
+        const Clock::duration patience = give_up ? *give_up - Clock::now() : kPatience;
+        auto reply = ask_helper<AnyPicture>(hand_, bytes, reading, limits, patience, stop);
         if (reply) return *std::move(reply);
         const auto reason = reply.error().reason;
         if (reason == Reason::Died || reason == Reason::TooSlow) ++deaths_;

@@ -26,6 +26,7 @@
 #include "server/decoder/decoder_confinement.h"
 #include "server/decoder/decoder_protocol.h"
 #include "server/processes/child_program.h"
+#include "server/processes/messages.h"
 #include "server/processes/signals.h"
 
 namespace ccdt::server {
@@ -140,6 +141,7 @@ private:
     }
 
     void start(Order order) {
+        if (order.probe) return answer_probe(order.probe);
         if (!order.outcome) return;
         if (spare_.process == 0) fork_spare();
         if (spare_.process == 0) return report(order.outcome, {errno, 1});
@@ -162,6 +164,13 @@ private:
         decode(*std::move(order), decoder_.grey);
     }
 
+    /// Tells by errno why nothing can be decoded, which is not the picture's fault; in the child.
+    [[noreturn]] static void give_up(int outcome) {
+        const Outcome told{.fork_error = errno, .ended = 1};
+        send(outcome, &told, sizeof(told), MSG_NOSIGNAL | MSG_DONTWAIT);
+        _exit(kFailed);
+    }
+
     /// Decodes; from here on the child has the two mapped files and a socket to whoever waits. It says itself that it
     /// is done, as ending a process with so many libraries takes milliseconds.
     template <class AnyPicture>
@@ -170,10 +179,10 @@ private:
         const auto size = static_cast<std::size_t>(order.text.bytes);
         ReplyMemory<AnyPicture> reply(order.reply, max_pixels);
         void* const file = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, order.file.get(), 0);
-        if (!reply || (size > 0 && file == MAP_FAILED)) _exit(kFailed);
+        if (!reply || (size > 0 && file == MAP_FAILED)) give_up(order.outcome.get());
         const bool moved = dup2(order.outcome.get(), STDOUT_FILENO) == STDOUT_FILENO;
         if (!moved || close_range(STDERR_FILENO + 1, ~0U, 0) != 0) _exit(kFailed);
-        if (!sandbox_.enter(order.text.limits, size + reply.size(max_pixels))) _exit(kFailed);
+        if (!sandbox_.enter(order.text.limits, size + reply.size(max_pixels))) give_up(STDOUT_FILENO);
         const std::string_view bytes(size > 0 ? static_cast<const char*>(file) : "", size);
         const auto result = decode_file(bytes, {max_pixels, order.text.reduce},
                                         [&reply](std::size_t values) { return reply.new_plane(values); });

@@ -58,7 +58,12 @@ bool send_order(int socket, const Order& order) {
 std::optional<Order> receive_order(int socket) {
     Order order;
     std::array<UniqueFd, 3> files;
-    if (receive_message(socket, writable_bytes_of(order.text), files) == 0) return std::nullopt;
+    const std::size_t size = receive_message(socket, writable_bytes_of(order.text), files);
+    if (size == 0) return std::nullopt;
+    if (size == kProbeSize) {
+        order.probe = std::move(files[0]);
+        return order;
+    }
     order.file = std::move(files[0]);
     order.reply = std::move(files[1]);
     order.outcome = std::move(files[2]);

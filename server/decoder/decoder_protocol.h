@@ -29,19 +29,22 @@ struct Order {
         std::uint64_t max_pixels = 0;  ///< of the picture
         std::uint32_t colour = 0;      ///< to be decoded to a ColourPicture; else to a Picture
         std::int32_t reduce = 1;       ///< as api::Reading has it
+        std::int64_t patience_ms = 0;  ///< for which the order may wait for a helper
         DecoderLimits limits;
     };
     Text text;
     UniqueFd file;
-    UniqueFd reply;    ///< made by ReplyMemory
-    UniqueFd outcome;  ///< socket for Outcomes; once its other end is closed nobody waits for the child
+    UniqueFd reply;       ///< made by ReplyMemory
+    UniqueFd outcome;     ///< socket for Outcomes; once its other end is closed nobody waits for the child
+    UniqueFd probe = {};  ///< socket to answer at; none, unless the message was a probe instead
 };
 
-/// The end of an order, of which the first counts: from the child, that its reply is written, or from the helper,
-/// that the child has ended or there was none.
+/// The end of an order, of which the first counts: from the child, that its reply is written, from the helper, that the
+/// child has ended or there was none, or from the server, that there was no helper.
 struct Outcome {
-    std::int32_t fork_error = 0;  ///< errno for why there was none; 0: there was
+    std::int32_t fork_error = 0;  ///< errno for why there was none, or none that could begin; 0: there was
     std::int32_t ended = 0;       ///< it crashed, was killed or gave up, unless it has said that it is done
+    std::int32_t no_helper = 0;   ///< there was none for as long as the order might wait
 };
 
 /// Sends an order; false if there is no helper any more.

@@ -89,6 +89,15 @@ bool limit(__rlimit_resource resource, rlim_t most) {
     return setrlimit(resource, &both) == 0;
 }
 
+/// Whether a limit that cannot be raised any more leaves enough; else with errno.
+bool leaves(__rlimit_resource resource, rlim_t least) {
+    rlimit now{};
+    if (getrlimit(resource, &now) != 0) return false;
+    if (now.rlim_max >= least) return true;
+    errno = ENOMEM;
+    return false;
+}
+
 /// Rights that Landlock can deny, none of which is granted. Its later versions know more of them.
 struct LandlockRules {
     std::uint64_t files = 0;
@@ -166,9 +175,10 @@ bool Sandbox::limit_resources(const DecoderLimits& limits, std::size_t mapped) c
     const auto seconds = std::chrono::ceil<std::chrono::seconds>(limits.time).count() + 1;
     // The allocator reserves address space for threads, of which it may use little.
     constexpr std::size_t kReserved = std::size_t{512} << 20;
-    const bool shut =
-        !kIsWhole || (limit(RLIMIT_DATA, own_.data + limits.memory) &&
-                      limit(RLIMIT_AS, own_.space + mapped + limits.memory + kReserved) && limit(RLIMIT_NOFILE, 0));
+    const rlim_t data = own_.data + limits.memory;
+    const rlim_t space = own_.space + mapped + limits.memory;
+    const bool shut = !kIsWhole || (leaves(RLIMIT_DATA, data) && leaves(RLIMIT_AS, space) && limit(RLIMIT_DATA, data) &&
+                                    limit(RLIMIT_AS, space + kReserved) && limit(RLIMIT_NOFILE, 0));
     return shut && limit(RLIMIT_CPU, static_cast<rlim_t>(seconds)) && limit(RLIMIT_FSIZE, 0) && limit(RLIMIT_CORE, 0) &&
            limit(RLIMIT_NPROC, 0);
 }

@@ -56,7 +56,8 @@ public:
 
     /// Shuts the calling process in, for good.
     /// @param mapped  bytes that it has mapped besides
-    /// @returns       false if that failed; it must then end
+    /// @returns       false, with errno, if that failed; it must then end. ENOMEM: the limits that it was started with
+    ///                (ulimit) leave too little memory
     bool enter(const DecoderLimits& limits, std::size_t mapped) const;
 
 private:

@@ -89,7 +89,7 @@ bool stream_body(Connection& connection, Response& response, bool chunked) {
     };
     const bool whole = response.stream(send, response.record);
     if (!whole && taken) {
-        response.status = 500;
+        response.status = response.record.cause.empty() && connection.client_gone() ? kClientGone : 500;
         if (!chunked) connection.reset();
         return false;
     }

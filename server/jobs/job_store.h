@@ -62,6 +62,8 @@ public:
         std::size_t queued = 0;   ///< jobs to claim
         std::size_t running = 0;  ///< jobs that are claimed
         std::size_t bytes = 0;    ///< that are kept
+
+        bool operator==(const Load&) const = default;
     };
 
     virtual ~JobStore() = default;

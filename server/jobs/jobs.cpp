@@ -322,7 +322,7 @@ bool Jobs::begin(const RunPointer& run) {
     if (run->settling || (held && !keep_locked(run, held->owned))) return false;
     // If the store cannot be told the job runs all the same: nobody else has it before its lease has run out.
     run->job.status = JobStatus::Running;
-    run->job.started = held ? held->now : time_now();
+    run->job.started = held ? held->now : std::max(time_now(), job.created);  // whose clock was the store's
     run->held = Clock::now();
     run->deadline = run->held + limits_.timeout;
     news_ = true;

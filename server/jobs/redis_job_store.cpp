@@ -9,6 +9,7 @@
 
 #include "api/text/text.h"
 #include "server/jobs/redis_scripts.h"
+#include "server/work/digest.h"
 
 namespace ccdt::server {
 namespace {
@@ -33,8 +34,11 @@ constexpr int kLeastVersion = 7;
 constexpr std::string_view kAnyway = "allow-oom";
 constexpr std::string_view kReads = "no-writes,allow-oom";
 
+/// Pause after a repair that did not help: it looks at all jobs.
+constexpr std::chrono::seconds kRepairPause{1};
+
 RedisScript script(std::string_view flags, std::string_view text) {
-    return {flags, {redis_scripts::common, text}};
+    return {flags, {redis_scripts::common, redis_scripts::intact, text}};
 }
 
 const RedisScript kIsFull = script(kReads, redis_scripts::is_full);
@@ -45,9 +49,10 @@ const RedisScript kGiveBack = script(kAnyway, redis_scripts::give_back);
 const RedisScript kFinish = script(kAnyway, redis_scripts::finish);
 const RedisScript kCancel = script(kAnyway, redis_scripts::cancel);
 const RedisScript kRemove = script(kAnyway, redis_scripts::remove);
-const RedisScript kFind = script(kReads, redis_scripts::find);
+const RedisScript kFind(kReads, {redis_scripts::common, redis_scripts::find});
 const RedisScript kForget = script(kAnyway, redis_scripts::forget);
 const RedisScript kLoad = script(kReads, redis_scripts::load);
+const RedisScript kRepair(kAnyway, {redis_scripts::common, redis_scripts::repair});
 
 std::string key_of(std::string_view kind, const std::string& id) {
     return std::string(kPrefix).append(kind).append(":").append(id);
@@ -56,6 +61,32 @@ std::string key_of(std::string_view kind, const std::string& id) {
 /// Where a body is until it is whole.
 std::string key_of_pieces(const Job& job) {
     return key_of("pieces", job.id) + ':' + std::to_string(job.claim);
+}
+
+/// Returns the digest of a piece of a request's or a result's body.
+std::string digest_of(const std::string& id, std::size_t number, std::string_view piece) {
+    Digest digest;
+    digest.add(id);
+    digest.add(std::to_string(number));
+    digest.add(piece);
+    return digest.finish();
+}
+
+std::string name_of_digest(std::size_t number) {
+    return "digest:" + std::to_string(number);
+}
+
+/// Returns the digest of a request without its body.
+std::string digest_of_head(std::string_view path, std::string_view query, std::string_view content_type,
+                           std::string_view accept) {
+    Digest digest;
+    for (const std::string_view text : {path, query, content_type, accept}) digest.add(text);
+    return digest.finish();
+}
+
+/// Whether a digest is the one that was stored. Earlier releases stored none.
+bool matches(const RedisReply& stored, const std::string& digest) {
+    return stored.kind == RedisReply::Kind::Nothing || stored.text == digest;
 }
 
 template <class Number>
@@ -195,19 +226,67 @@ Result<std::vector<std::string>> RedisJobStore::find_faults(RedisClient& client)
 }
 
 Result<RedisReply> RedisJobStore::run(const RedisScript& script, const RedisCommand& arguments) {
-    return client_.run(script, kPrefix, arguments);
+    auto reply = client_.run(script, kPrefix, arguments);
+    if (reply) return reply;
+    const auto code = reply.error().code;
+    const bool may_be_damage = code == ErrorCode::Unusable || code == ErrorCode::Internal;
+    if (!may_be_damage || Clock::now() < next_repair_.load()) return reply;
+    repair();
+    reply = client_.run(script, kPrefix, arguments);
+    if (!reply) next_repair_ = Clock::now() + kRepairPause;
+    return reply;
+}
+
+/// Repairs the keys that others have written over, and reports them.
+void RedisJobStore::repair() {
+    const std::string bytes = std::to_string(bytes_of_job(0));
+    const std::string lease = text_of(limits_.lease);
+    const auto reply = client_.run(kRepair, kPrefix, {bytes, lease});
+    if (!reply) return;
+    const std::string jobs = key_of("job", "");
+    for (const auto& key : reply->items)
+        client_.report_damage(key.text, key.text.starts_with(jobs) ? "the job has failed, or is lost"
+                                                                   : "it was made again from the jobs");
+}
+
+/// Reports a damaged body.
+tl::unexpected<Error> RedisJobStore::damaged(const std::string& key) {
+    client_.report_damage(key, "it is answered as damaged");
+    return failure(ErrorCode::Unusable, "what Redis keeps of this job is damaged");
+}
+
+/// Runs a command that reads a body.
+Result<RedisReply> RedisJobStore::read(const std::string& key, RedisCommand command) {
+    auto reply = client_.run(std::move(command));
+    if (!reply && reply.error().code == ErrorCode::Unusable) return damaged(key);
+    return reply;
+}
+
+/// Reads a piece of a body.
+/// @returns  none if it is not there
+Result<std::optional<std::string>> RedisJobStore::read_piece(const std::string& key, const std::string& id,
+                                                             std::size_t number) {
+    const std::string name = std::to_string(number), digest = name_of_digest(number);
+    auto reply = read(key, {"HMGET", key, name, digest});
+    if (!reply) return tl::unexpected(reply.error());
+    if (reply->items.size() != 2 || reply->items[0].kind == RedisReply::Kind::Nothing) return std::nullopt;
+    std::string piece = std::move(reply->items[0].text);
+    if (!matches(reply->items[1], digest_of(id, number, piece))) return damaged(key);
+    return piece;
 }
 
 /// Sends fields, and a body in pieces, to where they are forgotten unless they are renamed.
 /// @param before  pieces that were sent there, and what they held
-Result<void> RedisJobStore::upload(const std::string& key, RedisCommand fields, std::string_view body,
-                                   const Taken& before) {
+Result<void> RedisJobStore::upload(const Job& job, RedisCommand fields, std::string_view body, const Taken& before) {
+    const std::string key = key_of_pieces(job);
     const std::string size = std::to_string(before.bytes + body.size());
     fields.insert(fields.begin(), {"HSET", key, "size", size});
     std::size_t number = before.pieces;
     do {
-        const std::string name = std::to_string(number++);
-        fields.insert(fields.end(), {name, body.substr(0, kPiece)});
+        const auto piece = body.substr(0, kPiece);
+        const std::string name = std::to_string(number), name_of_its_digest = name_of_digest(number);
+        const std::string digest = digest_of(job.id, number++, piece);
+        fields.insert(fields.end(), {name, piece, name_of_its_digest, digest});
         body.remove_prefix(std::min(kPiece, body.size()));
         const std::vector<RedisCommand> commands{std::move(fields), {"EXPIRE", key, kPiecesKept}};
         if (const auto sent = client_.run(commands); !sent) return tl::unexpected(sent.error());
@@ -218,18 +297,16 @@ Result<void> RedisJobStore::upload(const std::string& key, RedisCommand fields, 
 
 /// Reads the other pieces of a body.
 /// @returns  none if they are not there any more
-Result<std::optional<std::string>> RedisJobStore::download(const std::string& key, std::string first,
-                                                           std::size_t size) {
+Result<std::optional<std::string>> RedisJobStore::download(const std::string& key, const std::string& id,
+                                                           std::string first, std::size_t size) {
     std::string body = std::move(first);
-    body.reserve(size);
     for (std::size_t number = 1; body.size() < size; ++number) {
-        const std::string name = std::to_string(number);
-        const auto piece = client_.run(RedisCommand{"HGET", key, name});
+        const auto piece = read_piece(key, id, number);
         if (!piece) return tl::unexpected(piece.error());
-        if (piece->text.empty()) return std::nullopt;
-        body += piece->text;
+        if (!*piece || (*piece)->empty()) return std::nullopt;
+        body += **piece;
     }
-    if (body.size() != size) return not_understood(key);
+    if (body.size() != size) return damaged(key);
     return body;
 }
 
@@ -270,11 +347,12 @@ Result<bool> RedisJobStore::is_full(std::string_view client) {
 }
 
 Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& request) {
-    RedisCommand fields{"path",         request.path,         "query",  request.query,
-                        "content_type", request.content_type, "accept", request.accept};
+    const std::string head = digest_of_head(request.path, request.query, request.content_type, request.accept);
+    RedisCommand fields{"path",   request.path,   "query",  request.query, "content_type", request.content_type,
+                        "accept", request.accept, "digest", head};
     const std::string pieces = request.body.size() > kSmall ? key_of_pieces(job) : "";
     if (!pieces.empty()) {
-        if (const auto uploaded = upload(pieces, fields, request.body, {}); !uploaded)
+        if (const auto uploaded = upload(job, fields, request.body, {}); !uploaded)
             return tl::unexpected(uploaded.error());
     }
     const std::string bytes = std::to_string(bytes_of_job(bytes_of(request)));
@@ -285,9 +363,10 @@ Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& reque
     RedisCommand arguments{job.id,    pieces,     bytes,  waiting, most,
                            job.owner, job.client, memory, seconds, job.traceparent};
     const std::string size = std::to_string(request.body.size());
+    const std::string digest = pieces.empty() ? digest_of(job.id, 0, request.body) : "";
     if (pieces.empty()) {
         arguments.insert(arguments.end(), fields.begin(), fields.end());
-        arguments.insert(arguments.end(), {"size", size, "0", request.body});
+        arguments.insert(arguments.end(), {"size", size, "0", request.body, "digest:0", digest});
     }
     const auto reply = run(kAdd, arguments);
     if (!reply) return tl::unexpected(reply.error());
@@ -312,13 +391,16 @@ Result<std::optional<Job>> RedisJobStore::claim(std::size_t memory) {
 
 Result<std::optional<ComputeRequest>> RedisJobStore::request(const std::string& id) {
     const std::string key = key_of("question", id);
-    auto reply = client_.run(RedisCommand{"HMGET", key, "path", "query", "content_type", "accept", "size", "0"});
+    auto reply =
+        read(key, {"HMGET", key, "path", "query", "content_type", "accept", "size", "0", "digest:0", "digest"});
     if (!reply) return tl::unexpected(reply.error());
     auto& items = reply->items;
-    if (items.size() != 6 || items[4].kind == RedisReply::Kind::Nothing) return std::nullopt;
+    if (items.size() != 8 || items[4].kind == RedisReply::Kind::Nothing) return std::nullopt;
     const auto size = api::parse_number<std::size_t>(items[4].text);
-    if (!size) return not_understood("the request of job " + id);
-    auto body = download(key, std::move(items[5].text), *size);
+    const bool sound = size && matches(items[6], digest_of(id, 0, items[5].text)) &&
+                       matches(items[7], digest_of_head(items[0].text, items[1].text, items[2].text, items[3].text));
+    if (!sound) return damaged(key);
+    auto body = download(key, id, std::move(items[5].text), *size);
     if (!body) return tl::unexpected(body.error());
     if (!*body) return std::nullopt;
     return ComputeRequest{items[0].text, items[1].text, items[2].text, items[3].text, **std::move(body)};
@@ -351,8 +433,9 @@ Result<bool> RedisJobStore::take(const Job& job, const Taken& before, std::strin
     if (bytes_of_job(whole) > limits_.bytes) return no_room_for(whole);
     const std::string pieces = key_of_pieces(job), known = key_of("job", job.id),
                       leases = std::string(kPrefix) + "leases";
-    const std::string number = std::to_string(before.pieces);
-    const auto replies = client_.run(std::vector<RedisCommand>{{"HSET", pieces, number, piece},
+    const std::string number = std::to_string(before.pieces), name = name_of_digest(before.pieces);
+    const std::string digest = digest_of(job.id, before.pieces, piece);
+    const auto replies = client_.run(std::vector<RedisCommand>{{"HSET", pieces, number, piece, name, digest},
                                                                {"EXPIRE", pieces, kPiecesKept},
                                                                {"HGET", known, "claim"},
                                                                {"ZSCORE", leases, job.id}});
@@ -366,19 +449,20 @@ Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_vi
     if (whole > 0 && bytes_of_job(whole) > limits_.bytes) return no_room_for(whole);
     const std::string pieces = result.size() > kSmall || before.pieces > 0 ? key_of_pieces(job) : "";
     if (!pieces.empty()) {
-        if (const auto uploaded = upload(pieces, {}, result, before); !uploaded)
-            return tl::unexpected(uploaded.error());
+        if (const auto uploaded = upload(job, {}, result, before); !uploaded) return tl::unexpected(uploaded.error());
         const auto fields = client_.run(RedisCommand{"HLEN", pieces});
         if (!fields) return tl::unexpected(fields.error());
         const std::size_t last = std::max<std::size_t>(1, (result.size() + kPiece - 1) / kPiece);
-        if (fields->number != static_cast<std::int64_t>(1 + before.pieces + last))
+        if (fields->number != static_cast<std::int64_t>(1 + 2 * (before.pieces + last)))
             return failure(ErrorCode::Internal, "what Redis had of the result is lost");
     }
     const std::string claim = std::to_string(job.claim);
     const std::string size = std::to_string(whole);
     const std::string bytes = std::to_string(bytes_of_job(whole));
     const std::string most = std::to_string(limits_.bytes);
-    RedisCommand arguments{job.id, claim, pieces, size, bytes, most, pieces.empty() ? result : ""};
+    const bool goes_along = pieces.empty();
+    const std::string digest = goes_along ? digest_of(job.id, 0, result) : "";
+    RedisCommand arguments{job.id, claim, pieces, size, bytes, most, goes_along ? result : "", digest};
     const auto fields = fields_of_end(job);
     arguments.insert(arguments.end(), fields.begin(), fields.end());
     const auto reply = run(kFinish, arguments);
@@ -405,12 +489,7 @@ Result<std::optional<Job>> RedisJobStore::find(const std::string& id) {
 }
 
 Result<std::optional<std::string>> RedisJobStore::piece(const std::string& id, std::size_t number) {
-    const std::string key = key_of("result", id);
-    const std::string name = std::to_string(number);
-    auto reply = client_.run(RedisCommand{"HGET", key, name});
-    if (!reply) return tl::unexpected(reply.error());
-    if (reply->kind == RedisReply::Kind::Nothing) return std::nullopt;
-    return std::move(reply->text);
+    return read_piece(key_of("result", id), id, number);
 }
 
 Result<bool> RedisJobStore::forget() {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -24,6 +25,9 @@ namespace ccdt::server {
 /// large bodies go in pieces of a MiB, lest others wait, and are renamed to where they belong once they are whole. The
 /// keys begin with the version of their layout, `ccdt:1:`. Jobs whose leases run out are taken from others only once
 /// news have come for as long as a lease: after Redis was away all servers have the time to renew theirs.
+///
+/// Others may write over the keys. A damaged key is reported and repaired by the call that finds it: see repair.lua. A
+/// damaged request fails its job, and a damaged result is an error (Unusable): bodies have digests.
 class RedisJobStore : public JobStore {
 public:
     /// Lines for the log.
@@ -58,13 +62,19 @@ public:
     Result<bool> forget() override;
     Result<Load> load() override;
     void listen(JobListener* listener) override;
+    std::uint64_t damages() const override { return client_.counts().damages; }
 
 private:
     using Clock = std::chrono::steady_clock;
 
     Result<RedisReply> run(const RedisScript& script, const RedisCommand& arguments);
-    Result<void> upload(const std::string& key, RedisCommand fields, std::string_view body, const Taken& before);
-    Result<std::optional<std::string>> download(const std::string& key, std::string first, std::size_t size);
+    void repair();
+    Result<void> upload(const Job& job, RedisCommand fields, std::string_view body, const Taken& before);
+    Result<std::optional<std::string>> download(const std::string& key, const std::string& id, std::string first,
+                                                std::size_t size);
+    Result<RedisReply> read(const std::string& key, RedisCommand command);
+    Result<std::optional<std::string>> read_piece(const std::string& key, const std::string& id, std::size_t number);
+    tl::unexpected<Error> damaged(const std::string& key);
     Result<std::optional<Job>> job_of(const std::string& id, const Result<RedisReply>& reply) const;
     RedisSubscription::Told hear();
     void tell(std::string_view news);
@@ -74,6 +84,7 @@ private:
     RedisClient& client_;
     JobNews news_;
     std::atomic<Clock::time_point> hears_since_ = Clock::time_point::max();
+    std::atomic<Clock::time_point> next_repair_ = Clock::time_point::min();
     RedisSubscription subscription_;  ///< last: it uses the rest
 };
 

@@ -113,6 +113,10 @@ struct Metrics::Families {
                      "Times that the process which starts decoders ended and was started again.");
     Counter& crashes =
         make_counter(registry, "ccdt_computation_crashes_total", "Processes that ended while they computed an answer.");
+    Counter& decoder_silences = make_counter(registry, "ccdt_decoder_silences_total",
+                                             "Times that the process that starts decoders stopped answering.");
+    Counter& silences = make_counter(registry, "ccdt_worker_silences_total",
+                                     "Times that the process that starts those that compute stopped answering.");
     Counter& restarts = make_counter(registry, "ccdt_worker_restarts_total",
                                      "Times that what makes these processes ended and was started again.");
     Family<Gauge>& jobs =
@@ -220,6 +224,7 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
         raise(all.refused_streams, watched.connections.refused_streams);
         raise(all.deaths, watched.computing.decoder_deaths);
         raise(all.decoder_restarts, watched.decoder_restarts);
+        raise(all.decoder_silences, watched.decoder_silences);
         raise(all.job_damages, watched.job_damages);
         raise(all.leases_lost, watched.job_runs.lost);
         raise(all.runs_repeated, watched.job_runs.repeated);
@@ -228,6 +233,7 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
         all.raise_redis("rates", watched.redis.rates);
         raise(all.crashes, watched.computing.crashes);
         raise(all.restarts, watched.computing.restarts);
+        raise(all.silences, watched.computing.silences);
         raise(all.cache_hits, watched.cache.hits);
         raise(all.cache_misses, watched.cache.misses);
     }

@@ -39,6 +39,7 @@ public:
         std::size_t memory_budget = 0;    ///< bytes for requests and what is computed for them
         std::size_t memory_reserved = 0;  ///< of them
         std::uint64_t decoder_restarts = 0;
+        std::uint64_t decoder_silences = 0;
         ComputeBox::Counts computing;
         std::size_t lent_threads = 0;        ///< that each computation may have now
         std::optional<JobStore::Load> jobs;  ///< none: they stay as they were

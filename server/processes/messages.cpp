@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include <sys/socket.h>
 
@@ -53,7 +54,9 @@ std::optional<SocketPair> make_sockets(int type) {
     return SocketPair{UniqueFd(ends[0]), UniqueFd(ends[1])};
 }
 
-bool send_message(int socket, std::span<const std::byte> bytes, std::span<const int> files) {
+namespace {
+
+bool send_with(int flags, int socket, std::span<const std::byte> bytes, std::span<const int> files) {
     // The system reads it only, and asks for more all the same.
     Envelope envelope(const_cast<std::byte*>(bytes.data()), bytes.size());
     envelope.make_room(files.size());
@@ -65,9 +68,33 @@ bool send_message(int socket, std::span<const std::byte> bytes, std::span<const 
         std::memcpy(CMSG_DATA(header), files.data(), files.size_bytes());
     }
     ssize_t sent = 0;
-    do sent = ::sendmsg(socket, &envelope.message, MSG_NOSIGNAL);
+    do sent = ::sendmsg(socket, &envelope.message, MSG_NOSIGNAL | flags);
     while (sent < 0 && errno == EINTR);
     return sent == static_cast<ssize_t>(bytes.size());
+}
+
+}  // namespace
+
+bool send_message(int socket, std::span<const std::byte> bytes, std::span<const int> files) {
+    return send_with(0, socket, bytes, files);
+}
+
+UniqueFd send_probe(int socket) {
+    auto answer = make_sockets(SOCK_SEQPACKET);
+    const std::array<std::byte, kProbeSize> probe{};
+    if (!answer) return {};
+    const std::array files = {answer->theirs.get()};
+    return send_with(MSG_DONTWAIT, socket, probe, files) ? std::move(answer->ours) : UniqueFd();
+}
+
+void answer_probe(const UniqueFd& answer) {
+    const std::array<std::byte, kProbeSize> alive{};
+    static_cast<void>(send_with(MSG_DONTWAIT, answer.get(), alive, {}));
+}
+
+bool is_answered(const UniqueFd& answer) {
+    std::byte alive{};
+    return recv(answer.get(), &alive, sizeof(alive), MSG_DONTWAIT) == sizeof(alive);
 }
 
 std::size_t receive_message(int socket, std::span<std::byte> bytes, std::span<UniqueFd> files) {

@@ -35,6 +35,19 @@ bool send_message(int socket, std::span<const std::byte> bytes, std::span<const 
 /// @returns      how many bytes came; 0: the other end is closed
 std::size_t receive_message(int socket, std::span<std::byte> bytes, std::span<UniqueFd> files = {});
 
+/// Size of the message with which the server asks a program whether it is alive. A socket comes with it.
+inline constexpr std::size_t kProbeSize = 1;
+
+/// Sends such a message without waiting.
+/// @returns  our end of the socket, at which one byte is the answer; none if the message could not be sent now
+UniqueFd send_probe(int socket);
+
+/// Answers such a message, whose socket that is.
+void answer_probe(const UniqueFd& answer);
+
+/// Whether a probe was answered, once there is news at our end.
+bool is_answered(const UniqueFd& answer);
+
 /// Sends texts one after the other over a stream.
 /// @returns  false if nobody takes them
 bool send_texts(int socket, std::initializer_list<std::string_view> texts);

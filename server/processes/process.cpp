@@ -59,6 +59,12 @@ std::size_t available_memory() {
                      limit_of_groups("/sys/fs/cgroup/memory", "memory", "memory.limit_in_bytes")});
 }
 
+std::optional<std::size_t> address_space_limit() {
+    rlimit limit{};
+    if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return std::nullopt;
+    return limit.rlim_cur;
+}
+
 void give_back_freed_memory() {
     constexpr int kGivenBack = 1 << 20;
     mallopt(M_MMAP_THRESHOLD, kGivenBack);

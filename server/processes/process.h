@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 namespace ccdt::server {
 
@@ -10,6 +11,9 @@ std::size_t resident_bytes();
 /// Bytes of memory that this process may use: the machine's, or less if its control group or one of those around it
 /// has less.
 std::size_t available_memory();
+
+/// Bytes of addresses that a process may have (ulimit -v); none where there is no limit.
+std::optional<std::size_t> address_space_limit();
 
 /// Has the allocator give back freed pieces of a megabyte or more. Left to itself, glibc raises its bounds as
 /// large pieces come and go, up to 32 and 64 MiB in each of its arenas, and a process at rest keeps most of what its

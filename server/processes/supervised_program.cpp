@@ -18,6 +18,12 @@ namespace {
 
 using Clock = SupervisedProgram::Clock;
 
+/// Pause before a program is asked again whether it is alive.
+constexpr std::chrono::seconds kPause{1};
+
+/// Time that an answer may take on a machine that is busy with other things.
+constexpr std::chrono::seconds kLongestSilence{4};
+
 tl::unexpected<Error> cannot_start(const std::string& name, const std::string& why) {
     return failure(ErrorCode::Internal, "cannot start the " + name + ": " + why);
 }
@@ -99,8 +105,9 @@ void SupervisedProgram::watch(Running running) {
     end_start(std::move(ready));
     if (!is_there) return;
     Backoff backoff;
-    while (wait_for_any({running.program.ended(), closing_.get()}) != closing_.get()) {
+    while (attend(running)) {
         set_socket(nullptr);
+        responsive_ = true;
         ++restarts_;
         tell_("the " + name_ + " " + running.program.wait() + ", and is started again");
         auto next = launch_again(backoff, Clock::now() - running.started);
@@ -111,6 +118,34 @@ void SupervisedProgram::watch(Running running) {
     set_socket(nullptr);
     running.socket.reset();
     wait_for_any({running.program.ended()}, Clock::now() + kToEnd);  // by itself, as nobody talks to it any more
+}
+
+/// Waits for the end of the program, and asks it meanwhile whether it is alive.
+/// @returns  false once there is to be no program any more
+bool SupervisedProgram::attend(const Running& running) {
+    UniqueFd answer;
+    auto give_up = Clock::time_point::max();
+    while (true) {
+        const int news = wait_for_any({running.program.ended(), closing_.get(), answer.get()}, Clock::now() + kPause);
+        if (news >= 0 && news != answer.get()) return news != closing_.get();
+        if (news < 0) {
+            give_up = std::min(give_up, Clock::now() + kLongestSilence);
+            if (!answer) answer = send_probe(running.socket->get());
+            if (Clock::now() >= give_up) set_responsive(false);
+            continue;
+        }
+        if (is_answered(answer)) {
+            give_up = Clock::time_point::max();
+            set_responsive(true);
+        }
+        answer.reset();
+    }
+}
+
+void SupervisedProgram::set_responsive(bool responsive) {
+    if (responsive_.exchange(responsive) == responsive) return;
+    if (!responsive) ++silences_;
+    tell_("the " + name_ + (responsive ? " answers again" : " does not answer"));
 }
 
 void SupervisedProgram::set_socket(Socket socket) {

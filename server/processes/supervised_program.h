@@ -18,7 +18,8 @@
 
 namespace ccdt::server {
 
-/// A program that the server keeps running: should it end, it is reaped and started again.
+/// A program that the server keeps running: should it end, it is reaped and started again. It is asked once a second
+/// whether it is alive (send_probe); it has to answer whatever it does.
 ///
 /// It has a socket that keeps messages apart, over which it first says that it is ready. May be used from any thread.
 class SupervisedProgram {
@@ -32,7 +33,7 @@ public:
     /// Takes its first words, which have come; false if they are none.
     using Greet = std::function<bool(int socket)>;
 
-    /// Is told of each end of the program, in words; from any thread.
+    /// Is told of each end of the program, and when it stops or begins again to answer; in words, from any thread.
     using Tell = std::function<void(const std::string&)>;
 
     /// Starts the program, whose libraries may take it a while: whoever needs it waits. Errors: Internal.
@@ -57,8 +58,14 @@ public:
     /// Whether the program is there now, or about to be for the first time.
     bool is_ready() const;
 
+    /// Whether it has answered lately, if it is there.
+    bool is_responsive() const { return responsive_; }
+
     /// Times that it ended, and was or is being started again.
     std::uint64_t restarts() const { return restarts_; }
+
+    /// Times that it stopped answering.
+    std::uint64_t silences() const { return silences_; }
 
 private:
     struct Running {
@@ -72,6 +79,8 @@ private:
     Result<Running> launch() const;
     Result<void> await(Running& running) const;
     void watch(Running running);
+    bool attend(const Running& running);
+    void set_responsive(bool responsive);
     std::optional<Running> launch_again(Backoff& backoff, Clock::duration lived) const;
     void set_socket(Socket socket);
     void end_start(Result<void> started);
@@ -82,6 +91,8 @@ private:
     const Tell tell_;
     const UniqueFd closing_;  ///< readable once there is to be no program any more
     std::atomic<std::uint64_t> restarts_ = 0;
+    std::atomic<std::uint64_t> silences_ = 0;
+    std::atomic<bool> responsive_ = true;
 
     mutable std::mutex mutex_;
     std::condition_variable_any changed_;

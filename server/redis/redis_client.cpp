@@ -19,6 +19,7 @@ Error error_of(const RedisReply& reply, const RedisAddress& address) {
     const std::string message = "Redis at " + address.name() + ": " + reply.text;
     if (reply.is_error("OOM")) return {ErrorCode::LimitExceeded, message, {}};
     if (reply.is_error("MOVED")) return {ErrorCode::Internal, message + " (Redis Cluster is not supported)", {}};
+    if (reply.is_error("WRONGTYPE")) return {ErrorCode::Unusable, message, {}};
     for (const auto code : kNotNow)
         if (reply.is_error(code)) return {ErrorCode::Stopped, message, {}};
     return {ErrorCode::Internal, message, {}};
@@ -49,8 +50,8 @@ private:
     bool has_ = false;
 };
 
-RedisClient::RedisClient(RedisAddress address, std::chrono::milliseconds deadline)
-    : address_(std::move(address)), deadline_(deadline) {}
+RedisClient::RedisClient(RedisAddress address, std::chrono::milliseconds deadline, Warn warn)
+    : address_(std::move(address)), deadline_(deadline), warn_(std::move(warn)) {}
 
 Result<std::vector<RedisReply>> RedisClient::run(std::span<const RedisCommand> commands) {
     const auto began = Clock::now();
@@ -82,6 +83,16 @@ Result<RedisReply> RedisClient::run(const RedisScript& script, std::string_view 
     command[0] = "EVAL";
     command[1] = script.source();
     return run(std::move(command));
+}
+
+void RedisClient::report_damage(std::string_view key, std::string_view remedy) {
+    {
+        const std::lock_guard lock(mutex_);
+        ++counts_.damages;
+    }
+    if (warn_)
+        warn_(std::string("the key ").append(key).append(" of Redis at ").append(address_.name()) +
+              " was damaged: " + std::string(remedy));
 }
 
 std::string RedisClient::setting(std::string_view name) {

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -24,7 +25,8 @@ namespace ccdt::server {
 /// that commands should do no harm if they are done twice. While Redis cannot be reached calls fail at once, but for
 /// one after each pause, of up to a second; also once it does not answer in time. All connections are made again once
 /// it says that it is a copy: its address may be another one's by then. Errors of all: Stopped if it cannot be reached,
-/// or not within the deadline; LimitExceeded if its memory is full; Internal for whatever else it says.
+/// or not within the deadline; LimitExceeded if its memory is full; Unusable if a key holds a value of another type;
+/// Internal for whatever else it says.
 class RedisClient {
 public:
     using Clock = std::chrono::steady_clock;
@@ -32,11 +34,16 @@ public:
     struct Counts {
         std::uint64_t calls = 0;
         std::uint64_t failures = 0;  ///< of these
+        std::uint64_t damages = 0;   ///< keys that were reported as damaged
         double seconds = 0;          ///< that they took
     };
 
+    /// Takes a line for the log.
+    using Warn = std::function<void(const std::string&)>;
+
     /// @param deadline  of each call
-    explicit RedisClient(RedisAddress address, std::chrono::milliseconds deadline = kDeadline);
+    /// @param warn      takes the reports of damaged keys, from any thread; may be empty
+    explicit RedisClient(RedisAddress address, std::chrono::milliseconds deadline = kDeadline, Warn warn = {});
 
     /// @returns  a reply for each command, none of which is an error
     Result<std::vector<RedisReply>> run(std::span<const RedisCommand> commands);
@@ -45,6 +52,10 @@ public:
     /// Runs a script, which Redis is told if it does not know it.
     /// @param key  on which it works
     Result<RedisReply> run(const RedisScript& script, std::string_view key, const RedisCommand& arguments);
+
+    /// Logs and counts that a key held anything but what was written there.
+    /// @param remedy  what becomes of it
+    void report_damage(std::string_view key, std::string_view remedy);
 
     /// How Redis is set; empty where it does not tell.
     std::string setting(std::string_view name);
@@ -70,6 +81,7 @@ private:
 
     const RedisAddress address_;
     const std::chrono::milliseconds deadline_;
+    const Warn warn_;
 
     mutable std::mutex mutex_;  ///< guards the rest
     std::condition_variable free_;

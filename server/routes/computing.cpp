@@ -243,6 +243,7 @@ Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& inco
                 continue;
             }
             passage->abandon();
+            if (record.cancelled != "client_gone") record.cause = "the answer was not written to its end";
             return false;
         }
         record.stages.work = passage->timings();

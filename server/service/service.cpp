@@ -31,8 +31,10 @@ void tell(const Confinement& confinement, const Log& log) {
 /// Time that a request waits at most for what can be done without: answers and rates that are shared.
 constexpr std::chrono::milliseconds kBriefly{200};
 
-std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& address, std::chrono::milliseconds deadline) {
-    return address ? std::make_unique<RedisClient>(*address, deadline) : nullptr;
+std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& address, std::chrono::milliseconds deadline,
+                                       const Log& log) {
+    if (!address) return nullptr;
+    return std::make_unique<RedisClient>(*address, deadline, [&log](const std::string& damage) { log.error(damage); });
 }
 
 Result<std::unique_ptr<Gate>> start_gate(const Config& config, RedisClient* rates) {
@@ -90,8 +92,8 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
     if (!decoder) return tl::unexpected(std::move(decoder.error()));
     auto computing = start_computing(config, **decoder, log);
     if (!computing) return tl::unexpected(std::move(computing.error()));
-    RedisClients redis{client_of(config.redis, RedisClient::kDeadline), client_of(config.cache_redis, kBriefly),
-                       client_of(config.rate_redis, kBriefly)};
+    RedisClients redis{client_of(config.redis, RedisClient::kDeadline, log),
+                       client_of(config.cache_redis, kBriefly, log), client_of(config.rate_redis, kBriefly, log)};
     auto gate = start_gate(config, redis.rates.get());
     if (!gate) return tl::unexpected(std::move(gate.error()));
     const auto memory = memory_to_compute_with(config, resident_bytes());
@@ -107,6 +109,10 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
 Result<std::unique_ptr<Service>> Service::start(const Config& config, const Log& log) {
     const auto fitting = with_descriptors(config, log);
     if (!fitting) return tl::unexpected(fitting.error());
+    if (const auto limit = address_space_limit())
+        log.warning("a process may have " + std::to_string(*limit >> 20) +
+                    " MiB of addresses (ulimit -v): pictures and large requests may fail with a 500; --memory is the "
+                    "limit to set");
     auto parts = start_parts(*fitting, log);
     if (!parts) return tl::unexpected(std::move(parts.error()));
     std::unique_ptr<Service> service(new Service(*fitting, *std::move(parts), log));
@@ -176,7 +182,9 @@ void Service::drain() {
 /// Tells what is missing to compute now; empty: nothing.
 std::string Service::missing() const {
     if (!parts_.decoder->is_ready()) return "the decoder of pictures is being started again";
-    return parts_.computing->is_ready() ? "" : "what makes the processes that compute is being started again";
+    if (!parts_.decoder->is_responsive()) return "the decoder of pictures does not answer";
+    if (!parts_.computing->is_ready()) return "what makes the processes that compute is being started again";
+    return parts_.computing->is_responsive() ? "" : "what makes the processes that compute does not answer";
 }
 
 /// Collects what the parts count.
@@ -185,6 +193,7 @@ Metrics::Watched Service::figures() const {
             .memory_budget = parts_.memory.total,
             .memory_reserved = pool_.memory().taken() + waiting_memory_.taken(),
             .decoder_restarts = parts_.decoder->restarts(),
+            .decoder_silences = parts_.decoder->silences(),
             .computing = parts_.computing->counts(),
             .lent_threads = parts_.computing->lent(),
             .jobs = jobs_.load(),

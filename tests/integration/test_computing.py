@@ -52,6 +52,14 @@ def figure(server, name):
     return float(re.search(rf"^{name} (\S+)$", told, re.MULTILINE).group(1))
 
 
+def resume(process):
+    """A process that may be gone."""
+    try:
+        os.kill(process, signal.SIGCONT)
+    except ProcessLookupError:
+        pass
+
+
 def wait_until(holds):
     """Asks until it holds; only a fault makes it wait for long."""
     until = time.monotonic() + PATIENCE
@@ -220,6 +228,42 @@ class Kills(unittest.TestCase):
             server.wait()
             running.abandon()
             wait_until(lambda: all((parent_and_state(process) or (0, "Z"))[1] == "Z" for process in family))
+
+
+class Silence(unittest.TestCase):
+    """Programs that are there but do not answer."""
+
+    def test_ends_readiness_while_it_lasts(self):
+        with Server("--workers=2") as server:
+            server.wait_for_log("pictures are decoded by user")
+            keeper = next(child for child in children(server.process.pid) if child != fork_server(server))
+            self.assertEqual(len(children(keeper)), 1)
+            programs = (("worker", fork_server(server)), ("decoder", next(iter(children(keeper)))))
+            for name, process in programs:
+                os.kill(process, signal.SIGSTOP)
+                self.addCleanup(resume, process)
+                wait_until(lambda: ask(server, "/health/ready").status == 503)
+                self.assertIn(b"does not answer", ask(server, "/health/ready").body)
+                self.assertEqual(ask(server, "/health/live").status, 200)
+                server.wait_for_log(f"the {name} does not answer")
+                self.assertEqual(figure(server, f"ccdt_{name}_silences_total"), 1)
+                os.kill(process, signal.SIGCONT)
+                wait_until(lambda: ask(server, "/health/ready").status == 200)
+                server.wait_for_log(f"the {name} answers again")
+            self.assertEqual(server.stop(), 0)
+
+    def test_is_not_that_of_busy_workers(self):
+        with Server("--workers=1") as server:
+            endless = {"sites": 100_000, "iterations": 1000, "passes": 100, "domain": TORUS}
+            call = Call(server.url("/sample"), data=json.dumps(endless))
+            wait_until(lambda: figure(server, "ccdt_workers_busy") == 1)
+            worker = next(iter(children(fork_server(server))))
+            os.kill(worker, signal.SIGSTOP)
+            until = time.monotonic() + 6
+            while time.monotonic() < until:
+                self.assertEqual(ask(server, "/health/ready").status, 200)
+            os.kill(worker, signal.SIGCONT)
+            call.abandon()
 
 
 if __name__ == "__main__":

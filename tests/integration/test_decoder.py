@@ -225,6 +225,16 @@ class Restarts(unittest.TestCase):
             self.assertEqual(server.stop(), 0)
 
 
+class AddressSpace(unittest.TestCase):
+    def test_that_is_limited_is_told(self):
+        with tempfile.TemporaryDirectory() as folder:
+            limited = pathlib.Path(folder, "limited")
+            limited.write_text(f'#!/bin/sh\nulimit -v 100000000\nexec "{os.environ["CCDT_SERVER"]}" "$@"\n')
+            limited.chmod(0o755)
+            with Server(program=str(limited)) as server:
+                server.wait_for_log("a process may have 97656 MiB of addresses (ulimit -v)")
+
+
 class Confinement(ServerCase):
     def test_keeps_nothing_of_the_server_open(self):
         family = Family(self.server)

@@ -271,6 +271,55 @@ class Replicas(unittest.TestCase):
         self.assertEqual(wait_for_end(server, submit(server, SMALL))["status"], "succeeded")
 
 
+class Damage(unittest.TestCase):
+    """Whatever others write over the keys, no answer is a 500 without its reason and no job waits for ever."""
+
+    JUNK = (("SET", "junk"), ("ZADD", "1", "junk"), ("HSET", "turn", "junk"))
+
+    def assert_told(self, answer, key):
+        self.assertTrue(answer.status < 500 or b"damaged" in answer.body, f"{key}: {answer}")
+
+    def test_any_key(self):
+        with Redis() as redis:
+            with Server("--workers=2", f"--redis={redis.url}", f"--cache-redis={redis.url}", "--rate-limit=1000000",
+                        f"--rate-redis={redis.url}") as server:
+                server.wait_for_log("jobs are kept by Redis")
+                for junk in self.JUNK:
+                    for place in range(15):
+                        with self.subTest(junk=junk, place=place):
+                            redis.cli("FLUSHALL")
+                            self.damage_one_key(redis, server, place, junk)
+                figures = figures_at_rest(server)
+            self.assertGreater(float(re.search(r"^ccdt_job_store_damages_total (\S+)$", figures, re.MULTILINE)[1]), 10)
+
+    def damage_one_key(self, redis, server, place, junk):
+        done = submit(server, SMALL)
+        wait_for_end(server, done)
+        running = submit(server, ENDLESS)
+        wait_for(server, running, "running")
+        waiting = submit(server, {**SMALL, "seed": 3})
+        keys = sorted(redis.cli("KEYS", "ccdt:1:*").split())
+        if place >= len(keys):
+            return
+        key = keys[place]
+        redis.cli("DEL", key)
+        redis.cli(junk[0], key, *junk[1:])
+        for job in (done, running, waiting):
+            self.assert_told(ask(server, job), key)
+            self.assert_told(ask(server, job + "/result"), key)
+        asked = Call(server.url("/sample"), "--header", "Prefer: respond-async", data=json.dumps(SMALL)).answer()
+        self.assertEqual(asked.status, 202, key)
+        self.assert_told(ask(server, running, "--request", "DELETE"), key)
+        ends = [until(lambda: (now := ask(server, job)).status == 404 or now.json()["finished"] and now.json())
+                for job in (waiting, asked.headers["location"])]
+        if ends[0] is not True and ends[0]["status"] != "succeeded":
+            self.assertIn(key.split(":")[2], ("job", "question"), ends)
+        self.assertEqual(ends[1]["status"], "succeeded", f"{key}: the job that was submitted afterwards")
+        self.assert_told(ask(server, "/sample", data=json.dumps(SMALL)), key)
+        for job in (done, waiting):
+            self.assert_told(ask(server, job, "--request", "DELETE"), key)
+
+
 class Shared(unittest.TestCase):
     """What servers share besides jobs, each by choice."""
 

@@ -23,7 +23,9 @@ while true do
     for _, place in ipairs(places) do
         local id = string.sub(place, 17)
         local taken = memory_at(id, place)
-        if not taken then
+        if (not taken or taken <= memory) and redis.call('EXISTS', job_key(id)) == 1 and not is_sound(id) then
+            fail_as_damaged(job_key(id))
+        elseif not taken then
             redis.call('ZREM', key('queue'), place)
             first = first - 1
         elseif taken <= memory then

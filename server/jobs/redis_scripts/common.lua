@@ -1,8 +1,9 @@
 -- What all scripts share. Keys, after the prefix that KEYS[1] is:
 --
 --   job:ID       hash   all that is known of a job but its bodies
---   question:ID  hash   path, query, content_type, accept, size of the body, and the body in pieces: 0, 1 and so on
---   result:ID    hash   the result in pieces
+--   question:ID  hash   path, query, content_type, accept, their digest, size of the body, and the body in pieces: 0, 1
+--                       and so on, with the digests digest:0, digest:1
+--   result:ID    hash   the result in pieces, with digests
 --   queue        zset   places of the jobs that wait, by turn; a place is a number of 16 digits, then the id
 --   had          zset   clients, by what they will have had: start-time fair queuing, as in fair_queue.h
 --   waiting      hash   clients, and how many of their jobs wait
@@ -28,6 +29,65 @@ local function state(name) return tonumber(redis.call('HGET', key('state'), name
 
 local function field(id, name) return redis.call('HGET', job_key(id), name) end
 
+local types = {queue = 'zset', had = 'zset', waiting = 'hash', leases = 'zset', finished = 'zset', results = 'zset',
+    state = 'hash'}
+
+local function has_type(any_key, expected)
+    local found = redis.call('TYPE', any_key).ok
+    return found == 'none' or found == expected
+end
+
+-- Returns the keys shared by all jobs that hold anything but what these scripts write.
+local function find_damaged_keys()
+    local wrong = {}
+    for name, expected in pairs(types) do
+        if not has_type(key(name), expected) then table.insert(wrong, key(name)) end
+    end
+    if #wrong > 0 then return wrong end
+    local counters = redis.call('HMGET', key('state'), 'places', 'claims', 'bytes', 'turn')
+    for i, value in ipairs(counters) do
+        local is_sound = i == 4 and tonumber(value) or value and #value < 16 and string.find(value, '^-?%d+$')
+        if value and not is_sound then return {key('state')} end
+    end
+    local lacks_counters = not counters[3] and redis.call('EXISTS', key('queue'), key('leases'), key('finished')) > 0
+    return lacks_counters and {key('state')} or {}
+end
+
+local has_ended = {queued = false, running = false, succeeded = true, failed = true, cancelled = true}
+local checked_fields = {'status', 'place', 'owner', 'client',
+    'memory', 'starts', 'claim', 'created', 'bytes', 'iteration',  -- whole numbers
+    'seconds', 'fraction',  -- numbers
+    'finished', 'started', 'result_bytes', 'failure', 'partial', 'dropped', 'variation', 'turn'}  -- numbers or missing
+local place_pattern = '^' .. string.rep('%d', 16)
+
+-- Returns whether what is kept of a job is what these scripts write. The key is a hash.
+local function is_sound(id)
+    local values = redis.call('HMGET', job_key(id), unpack(checked_fields))
+    local ended, place = has_ended[values[1]], values[2]
+    if ended == nil or ended ~= (values[13] ~= false) or not values[3] or not values[4] then return false end
+    local is_place = place and #place == 16 + #id and string.find(place, place_pattern)
+    if not ended and not is_place then return false end
+    for i = 5, 10 do
+        local value = values[i]
+        if not value or #value > 20 or not string.find(value, '^%d+$') then return false end
+    end
+    for i = 11, #checked_fields do
+        local value = values[i]
+        if value and not tonumber(value) or not value and i < 13 then return false end
+    end
+    return true
+end
+
+-- Returns whether a job waits, is claimed or is listed among those that have ended.
+local function is_placed(id)
+    if field(id, 'finished') then return redis.call('ZSCORE', key('finished'), id) end
+    local place = field(id, 'place')
+    return redis.call('ZSCORE', key('leases'), id) or place and redis.call('ZSCORE', key('queue'), place)
+end
+
+-- Ends a script with an error, upon which the server runs repair.lua and then the script again.
+local function fail_as_damaged(any_key) error('DAMAGED ' .. any_key) end
+
 local function is_full(client, most)
     local waiting = redis.call('ZCARD', key('queue'))
     if waiting < most then return false end
@@ -37,6 +97,7 @@ end
 -- Puts a body where it belongs: one that was uploaded before, or the fields of one that came with the call.
 local function put(body_key, uploaded, fields)
     if uploaded == '' then
+        redis.call('UNLINK', body_key)  -- of whatever type it is
         redis.call('HSET', body_key, unpack(fields))
     else
         redis.call('RENAME', uploaded, body_key)
@@ -56,9 +117,9 @@ local function set_bytes(id, bytes)
 end
 
 local function enter_queue(id, turn, place)
+    redis.call('HSET', job_key(id), 'place', place)
     redis.call('ZADD', key('queue'), turn, place)
     redis.call('HINCRBY', key('waiting'), field(id, 'client'), 1)
-    redis.call('HSET', job_key(id), 'place', place)
     tell('work')
 end
 
@@ -140,7 +201,9 @@ end
 
 -- Whether a claim is the latest, and its lease has not been taken by another.
 local function owns(id, claim)
-    return field(id, 'claim') == claim and redis.call('ZSCORE', key('leases'), id) ~= false
+    local latest, is_leased = field(id, 'claim'), redis.call('ZSCORE', key('leases'), id) ~= false
+    if latest == claim and not is_placed(id) or is_leased and not latest then fail_as_damaged(job_key(id)) end
+    return latest == claim and is_leased
 end
 
 local function expired(id, ttl)

@@ -1,5 +1,6 @@
--- id, claim, where its result was uploaded or nothing, its bytes, bytes of the job from then on, bytes that may be kept,
--- a result that was not uploaded, then names and values of what is known of the job -> finished and when, lost, no room
+-- id, claim, where its result was uploaded or nothing, its bytes, bytes of the job from then on, bytes that may be
+-- kept, a result that was not uploaded and its digest, then names and values of what is known of the job
+-- -> finished and when, lost, no room
 local id, uploaded, bytes = ARGV[1], ARGV[3], tonumber(ARGV[4])
 
 local function refuse(why)
@@ -16,13 +17,13 @@ if not owns(id, ARGV[2]) then
 end
 if bytes > 0 then
     if not make_room(bytes, tonumber(ARGV[6])) then return refuse({'no room'}) end
-    put(result_key(id), uploaded, {'size', bytes, '0', ARGV[7]})
+    put(result_key(id), uploaded, {'size', bytes, '0', ARGV[7], 'digest:0', ARGV[8]})
     redis.call('ZADD', key('results'), exact_now, id)
 end
 redis.call('ZREM', key('leases'), id)
 redis.call('UNLINK', question_key(id))
 redis.call('ZADD', key('finished'), exact_now, id)
-redis.call('HSET', job_key(id), 'finished', now, 'result_bytes', bytes, unpack(ARGV, 8))
+redis.call('HSET', job_key(id), 'finished', now, 'result_bytes', bytes, unpack(ARGV, 9))
 set_bytes(id, tonumber(ARGV[5]))
 tell('changed ' .. id)
 return {'finished', field(id, 'finished')}

@@ -135,6 +135,23 @@ TEST(ImageHeader, FindsTheFrameOfAJpegBehindOtherSegments) {
     EXPECT_EQ(header->width, 24U);
 }
 
+TEST(ImageHeader, RefusesAJpegOfTooManyScans) {
+    const std::string scan(
+        "\xff\xda\x00\x02"
+        "data\xff\x00more\xff\xd0 and more",
+        25);
+    const auto file_of = [&](int scans) {
+        std::string file("\xff\xd8\xff\xc2\x00\x0b\x08\x00\x08\x00\x08\x01\x01\x11\x00", 15);
+        for (int i = 0; i < scans; ++i) file += std::string("\xff\xff\xfe\x00\x04\xff\xda", 7) + scan;
+        return file + "\xff\xd9" + scan;
+    };
+    EXPECT_TRUE(read_image_header(file_of(100), kMaxPixels));
+    const auto refused = read_image_header(file_of(101), kMaxPixels);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::Unusable);
+    EXPECT_NE(refused.error().message.find("100 scans"), std::string::npos);
+}
+
 TEST(ImageHeader, ReadsTheOrientationOfAWebP) {
     EXPECT_EQ(webp_orientation(fixture("orientation-6.webp")), 6);
     EXPECT_EQ(webp_orientation(fixture("lossy.webp")), 1);

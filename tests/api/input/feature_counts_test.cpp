@@ -80,6 +80,15 @@ TEST(FeatureCounts, RefusesWhatIsNoCount) {
     }
 }
 
+TEST(FeatureCounts, RefusesPropertiesThatAreNoObject) {
+    for (const std::string properties : {"[1]", "1", "\"people\"", "true"}) {
+        const auto counts = count(feature(R"({"people":1})") + ',' + feature(properties), people(1));
+        ASSERT_FALSE(counts) << properties;
+        EXPECT_EQ(counts.error().code, ErrorCode::Malformed);
+        EXPECT_EQ(counts.error().field, "/geometry/features/1/properties") << properties;
+    }
+}
+
 TEST(FeatureCounts, RefusesTooManyAndNone) {
     const std::string features = feature(R"({"people":1e300})") + ',' + feature(R"({"people":1e308})");
     const auto many = count(features, people(1));

@@ -1,5 +1,8 @@
 #include "server/access/shared_rate.h"
 
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "tests/server/redis/local_redis.h"
@@ -35,6 +38,25 @@ TEST(SharedRate, GivesTokensBackInTime) {
     const auto left = client.run(RedisCommand{"PTTL", "ccdt:1:rate:a"});
     ASSERT_TRUE(left);
     EXPECT_LE(left->number, 2) << "a full bucket is none";
+}
+
+TEST(SharedRate, FillsDamagedBuckets) {
+    const test::LocalRedis redis;
+    RedisClient client(redis.address());
+    SharedRate rate(client, {.per_second = 0.001, .burst = 1});
+    const std::vector<std::vector<std::string>> damages = {{"SET", "ccdt:1:rate:a", "junk"},
+                                                           {"HSET", "ccdt:1:rate:a", "tokens", "junk"},
+                                                           {"HSET", "ccdt:1:rate:a", "tokens", "nan"},
+                                                           {"HSET", "ccdt:1:rate:a", "filled", "junk"}};
+    for (const auto& damage : damages) {
+        ASSERT_TRUE(client.run(RedisCommand{"DEL", "ccdt:1:rate:a"}));
+        ASSERT_TRUE(client.run(RedisCommand(damage.begin(), damage.end())));
+        EXPECT_EQ(rate.take("a"), seconds(0)) << damage.back();
+        EXPECT_GT(rate.take("a"), seconds(0));
+    }
+    EXPECT_EQ(client.counts().damages, damages.size());
+    ASSERT_TRUE(client.run(RedisCommand{"HSET", "ccdt:1:rate:a", "tokens", "-1e300"}));
+    EXPECT_LE(rate.take("a"), seconds(1000)) << "nobody waits longer than for one token";
 }
 
 TEST(SharedRate, TellsNothingWithoutRedis) {

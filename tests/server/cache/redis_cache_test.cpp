@@ -61,6 +61,21 @@ TEST_F(RedisCacheTest, KeepsNoLargeAnswers) {
     EXPECT_FALSE(cache_.find("a"));
 }
 
+TEST_F(RedisCacheTest, RemovesDamagedAnswers) {
+    for (const char* field : {"body", "media_type", "coding", "sites", "pixels", "repaired", "warnings", "repeats",
+                              "radius", "tone", "digest"}) {
+        cache_.keep("a", whole_answer());
+        ASSERT_TRUE(client_.run(RedisCommand{"HSET", "ccdt:1:answer:a", field, "junk"}));
+        EXPECT_FALSE(cache_.find("a")) << field;
+        EXPECT_EQ(client_.run(RedisCommand{"EXISTS", "ccdt:1:answer:a"})->number, 0);
+    }
+    ASSERT_TRUE(client_.run(RedisCommand{"SET", "ccdt:1:answer:a", "junk"}));
+    EXPECT_FALSE(cache_.find("a"));
+    cache_.keep("a", whole_answer());
+    EXPECT_TRUE(cache_.find("a")) << "it can be kept again";
+    EXPECT_EQ(client_.counts().damages, 12U);
+}
+
 TEST_F(RedisCacheTest, HasNothingWithoutRedis) {
     cache_.keep("a", whole_answer());
     redis_.kill();

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -397,6 +398,26 @@ TEST(DecoderBox, EndsADecoderThatEatsMemory) {
     expect_death(*box, "eat");
 }
 
+TEST(DecoderBox, BlamesNoPictureForALimitOnTheServer) {
+    if (!Sandbox::kIsWhole) GTEST_SKIP() << "sanitizers reserve address space without end";
+    for (const std::size_t left : {std::size_t{8} << 20, std::size_t{40} << 20}) {
+        const auto limited = [&](UniqueFd orders) -> Result<ChildProgram> {
+            const pid_t process = fork();
+            if (process != 0) return ChildProgram(process);
+            std::size_t pages = 0;
+            std::ifstream("/proc/self/statm") >> pages;
+            const rlimit space{pages * 4096 + left, pages * 4096 + left};
+            setrlimit(RLIMIT_AS, &space);
+            run_decoder_helper(std::move(orders), {obey, obey_in_colour, {}});
+        };
+        BoxOfTests box(limited, limits_of_tests);
+        const auto result = box.decode_colour("picture", kMaxPixels, {});
+        ASSERT_FALSE(result);
+        EXPECT_EQ(result.error().code, ErrorCode::Internal);
+        EXPECT_EQ(result.error().message, "cannot start a decoder: Cannot allocate memory");
+    }
+}
+
 TEST(DecoderBox, KeepsADecoderFromTheMachine) {
     const auto box = make_box();
     ASSERT_TRUE(box);
@@ -547,6 +568,42 @@ TEST(DecoderBox, SaysWhenThereIsNoHelp) {
     EXPECT_EQ(box->decode("picture", kMaxPixels, stop.get_token()).error().code, ErrorCode::Stopped);
     EXPECT_EQ(box->restarts(), 1U);
     EXPECT_TRUE(children_of(getpid()).empty());
+}
+
+TEST(DecoderBox, TellsAnOrderThatThereIsNoHelper) {
+    std::atomic<int> attempts = 0;
+    const auto box = DecoderBox::start(forking_once(attempts), ignore).value();
+    ASSERT_TRUE(box->wait_until_ready());
+    kill(helper(), SIGKILL);
+    while (box->is_ready()) std::this_thread::yield();
+    std::array<int, 2> ends{};
+    ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()), 0);
+    const UniqueFd ours(ends[0]);
+    Order order;
+    order.text.patience_ms = 1;
+    order.outcome = UniqueFd(ends[1]);
+    EXPECT_FALSE(box->relay(order, {}));
+    Outcome told;
+    ASSERT_EQ(recv(ours.get(), &told, sizeof(told), MSG_DONTWAIT), static_cast<ssize_t>(sizeof(told)));
+    EXPECT_EQ(told.no_helper, 1);
+}
+
+TEST(DecoderClient, WaitsForAHelperOnceInAll) {
+    std::vector<std::int64_t> patience;
+    DecoderClient client(
+        [&](const Order& order, const std::stop_token&) {
+            patience.push_back(order.text.patience_ms);
+            const Outcome none{.no_helper = 1};
+            if (patience.size() == 2) send(order.outcome.get(), &none, sizeof(none), MSG_NOSIGNAL);
+            return true;  // the first order is lost, as with a helper that took it along
+        },
+        limits_of_tests);
+    const auto result = client.decode("picture", kMaxPixels, {});
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::Internal);
+    ASSERT_EQ(patience.size(), 2U) << "where there was no helper in time it is not asked for again";
+    EXPECT_EQ(patience.front(), 5000);
+    EXPECT_LE(patience.back(), patience.front());
 }
 
 TEST(DecoderBox, SaysWhyItDoesNotStart) {

@@ -155,5 +155,27 @@ TEST(HttpServer, TellsAStreamThatItsClientLeft) {
     EXPECT_EQ(status, 499);
 }
 
+TEST(HttpServer, BlamesNobodyForAStreamWhoseClientLeft) {
+    std::promise<void> streaming;
+    std::atomic<int> status = 0;
+    const auto stream_on = [&](const Request&, const HttpResult<void>&, Connection& connection) {
+        Response response;
+        response.stream = [&](const Send&, Record&) {
+            streaming.set_value();
+            while (!connection.client_gone()) std::this_thread::yield();
+            return false;
+        };
+        return response;
+    };
+    RunningServer server({}, stream_on, [&](const Exchange& exchange) { status = exchange.response.status; });
+    {
+        const Client client(server.port());
+        ASSERT_TRUE(client.say(kRequest));
+        streaming.get_future().wait();
+    }
+    server.stop();
+    EXPECT_EQ(status, 499);
+}
+
 }  // namespace
 }  // namespace ccdt::server

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <future>
 #include <memory>
 #include <string>
 
@@ -60,6 +61,17 @@ public:
 private:
     std::unique_ptr<JobStore> store_ = *SqliteJobStore::open("");
     std::atomic<bool> away_ = true;
+};
+
+/// A store whose clock is ahead of this machine's, and which is not told when jobs start.
+class Ahead : public AwayOnce {
+public:
+    Result<std::optional<Job>> claim(std::size_t memory) override {
+        auto job = AwayOnce::claim(memory);
+        if (job && *job) (*job)->created += std::chrono::minutes(1);
+        return job;
+    }
+    Result<Hold> hold(const Job&) override { return failure(ErrorCode::Stopped, "away"); }
 };
 
 class JobsTest : public testing::Test {
@@ -350,6 +362,17 @@ TEST_F(JobsTest, AreGivenUpIfTheServerEndsWithThem) {
     EXPECT_EQ(found.status, JobStatus::Failed);
     EXPECT_EQ(found.failure->status, 500);
     EXPECT_EQ(jobs_->counts().repeated, 1u);
+}
+
+TEST_F(JobsTest, StartNoEarlierThanTheyWereMade) {
+    store_ = std::make_unique<Ahead>();
+    std::promise<double> waited;
+    jobs_.emplace(JobLimits{}, *store_, false, pool_, compute_,
+                  [&](const JobEnd& end) { waited.set_value(end.stages.queue); });
+    jobs_->start();
+    submit(kAnalysis);
+    EXPECT_GE(waited.get_future().get(), 0);
+    jobs_.reset();  // before the promise
 }
 
 TEST_F(JobsTest, DoNotFailBecauseTheirStoreIsAway) {

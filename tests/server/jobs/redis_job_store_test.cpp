@@ -35,9 +35,23 @@ protected:
         ASSERT_TRUE(reply) << reply.error().message;
     }
 
+    /// Has a key hold anything but what was written.
+    void damage(const std::string& key, std::vector<std::string> junk) {
+        call({"DEL", key});
+        junk.insert(junk.begin() + 1, key);
+        call(junk);
+    }
+
     test::LocalRedis redis_;
-    RedisClient client_{redis_.address()};
+    std::vector<std::string> reports_;
+    RedisClient client_{redis_.address(), RedisClient::kDeadline,
+                        [this](const std::string& report) { reports_.push_back(report); }};
 };
+
+/// Commands that write a value of each type, without the key.
+const std::vector<std::string> kJunk[] = {{"SET", "junk"},          {"LPUSH", "junk"},        {"SADD", "junk"},
+                                          {"ZADD", "1", "junk"},    {"HSET", "junk", "junk"}, {"HSET", "turn", "junk"},
+                                          {"HSET", "bytes", "junk"}};
 
 TEST_F(RedisJobStoreTest, PassesOverJobsThatAreGone) {
     const auto store = open();
@@ -71,20 +85,155 @@ TEST_F(RedisJobStoreTest, MakesRoomWhereJobsAreGone) {
     EXPECT_TRUE(store->find("new")->has_value());
 }
 
-TEST_F(RedisJobStoreTest, TellsOfKeysThatAreNotItsOwn) {
+TEST_F(RedisJobStoreTest, MakesDamagedSharedKeysAgain) {
     const auto store = open();
     for (const char* name : {"queue", "had", "waiting", "leases", "finished", "results", "state"}) {
+        for (const auto& junk : kJunk) {
+            SCOPED_TRACE(std::string(name) + " " + junk[0]);
+            call({"FLUSHALL"});
+            add_finished(*store, "finished", "result");
+            add(*store, job_named("running"));
+            Job running = **store->claim(1000);
+            running.status = JobStatus::Running;
+            ASSERT_TRUE(store->hold(running));
+            add(*store, job_named("waiting"));
+            damage(std::string("ccdt:1:") + name, junk);
+            if (HasFatalFailure()) return;
+
+            for (const char* id : {"finished", "running", "waiting"}) EXPECT_TRUE(*store->find(id)) << id;
+            add(*store, job_named("next"));
+            EXPECT_EQ(store->result("finished"), "result");
+            EXPECT_EQ(store->hold(running)->owned, JobStore::Owned::Still);
+            for (int left = 2; left > 0; --left) {
+                const auto claimed = store->claim(1000);
+                ASSERT_TRUE(claimed && *claimed) << (claimed ? "nothing" : claimed.error().message);
+                EXPECT_GT((*claimed)->claim, running.claim);
+                EXPECT_TRUE(store->finish(succeeded(**claimed, "result"), "result")->has_value());
+            }
+            EXPECT_TRUE(store->finish(succeeded(running, "result"), "result")->has_value());
+            for (const char* id : {"finished", "running", "waiting", "next"}) EXPECT_EQ(store->remove(id), true);
+            EXPECT_EQ(*store->load(), (JobStore::Load{}));
+        }
+    }
+}
+
+TEST_F(RedisJobStoreTest, ReportsDamagedKeys) {
+    const auto store = open();
+    for (const char* name : {"queue", "had", "waiting", "leases", "finished", "results", "state", "job:waiting"}) {
         const std::string key = std::string("ccdt:1:") + name;
-        call({"SET", key, "another's"});
-        Job job = job_named(std::string("before-") + name);
-        const auto ended = store->add(job, kComputeRequest)
-                               .and_then([&](JobStore::Added) { return store->claim(1000); })
-                               .and_then([&](const auto& claimed) { return store->finish(*claimed, "result"); });
-        ASSERT_FALSE(ended) << name;
-        EXPECT_EQ(ended.error().code, ErrorCode::Internal);
-        EXPECT_NE(ended.error().message.find("WRONGTYPE"), std::string::npos) << ended.error().message;
         call({"FLUSHALL"});
-        add_finished(*store, std::string("after-") + name, "result");
+        add(*store, job_named("waiting"));
+        call({"SET", key, "junk"});
+        const auto before = store->damages();
+        ASSERT_TRUE(store->find("waiting")) << key;
+        add(*store, job_named("next"));
+        EXPECT_EQ(store->damages(), before + 1) << key;
+        EXPECT_NE(reports_.back().find("the key " + key + " "), std::string::npos) << reports_.back();
+    }
+}
+
+TEST_F(RedisJobStoreTest, CountsAnewWhoWaits) {
+    const auto store = open();
+    add(*store, job_named("first"));
+    call({"HSET", "ccdt:1:waiting", "key alice", "junk"});
+    add(*store, job_named("second"));
+    for (const char* id : {"first", "second"}) EXPECT_EQ((**store->claim(1000)).id, id);
+    EXPECT_EQ(client_.run(RedisCommand{"EXISTS", "ccdt:1:waiting"})->number, 0);
+}
+
+/// Fields of a job that tell more than a text, and values that none of them has.
+constexpr const char* kFields[] = {"memory",   "seconds",   "status", "starts", "claim",    "created",     "place",
+                                   "fraction", "iteration", "turn",   "bytes",  "finished", "result_bytes"};
+
+TEST_F(RedisJobStoreTest, FailsDamagedJobs) {
+    const auto store = open();
+    for (const char* field : kFields) {
+        for (const char* id : {"waiting", "running"}) {
+            SCOPED_TRACE(std::string(id) + " " + field);
+            call({"FLUSHALL"});
+            add(*store, job_named("running"));
+            const Job running = **store->claim(1000);
+            add(*store, job_named("waiting"));
+            add(*store, job_named("next"));
+            call({"HSET", std::string("ccdt:1:job:") + id, field, "junk"});
+
+            const auto found = store->find(id);
+            ASSERT_TRUE(found && *found) << (found ? "nothing" : found.error().message);
+            EXPECT_EQ((*found)->status, JobStatus::Failed);
+            EXPECT_EQ((*found)->owner, "alice");
+            ASSERT_TRUE((*found)->failure);
+            EXPECT_NE((*found)->failure->error.message.find("damaged"), std::string::npos);
+            EXPECT_EQ(store->request(id), std::nullopt);
+            EXPECT_EQ(store->cancel(id), std::nullopt);
+            const bool owned = store->finish(succeeded(running, "result"), "result")->has_value();
+            EXPECT_EQ(owned, id != std::string("running"));
+            while (const auto claimed = *store->claim(1000)) EXPECT_NE(claimed->id, id);
+            EXPECT_EQ(store->load()->queued, 0u);
+        }
+    }
+}
+
+TEST_F(RedisJobStoreTest, ClaimsJobsBehindDamagedOnes) {
+    const auto store = open();
+    for (const char* field : kFields) {
+        SCOPED_TRACE(field);
+        call({"FLUSHALL"});
+        add(*store, job_named("damaged"));
+        add(*store, job_named("next"));
+        call({"HSET", "ccdt:1:job:damaged", field, "junk"});
+        EXPECT_EQ((**store->claim(1000)).id, "next");
+        EXPECT_EQ((**store->find("damaged")).status, JobStatus::Failed);
+    }
+    for (const auto& junk : kJunk) {
+        SCOPED_TRACE(junk[0]);
+        call({"FLUSHALL"});
+        add(*store, job_named("damaged"));
+        add(*store, job_named("next"));
+        damage("ccdt:1:job:damaged", junk);
+        EXPECT_EQ((**store->claim(1000)).id, "next");
+        EXPECT_EQ(store->find("damaged"), std::nullopt);
+    }
+}
+
+TEST_F(RedisJobStoreTest, FinishesNoJobWhoseKeyIsDamaged) {
+    const auto store = open();
+    for (const auto& junk : kJunk) {
+        SCOPED_TRACE(junk[0]);
+        add(*store, job_named("running"));
+        const Job running = **store->claim(1000);
+        damage("ccdt:1:job:running", junk);
+        EXPECT_EQ(store->hold(running)->owned, JobStore::Owned::Lost);
+        EXPECT_EQ(store->finish(succeeded(running, "result"), "result"), std::nullopt);
+        EXPECT_EQ(*store->load(), (JobStore::Load{}));
+    }
+}
+
+TEST_F(RedisJobStoreTest, TellsDamagedBodies) {
+    const std::string large(3 * JobStore::kPiece, 'x');
+    const auto store = open();
+    for (const std::string& body : {std::string("body"), large}) {
+        ComputeRequest request = kComputeRequest;
+        request.body = body;
+        Job job = job_named("any");
+        ASSERT_EQ(store->add(job, request), JobStore::Added::Accepted);
+        const Job claimed = **store->claim(1000);
+        for (const char* field : {"path", "query", "content_type", "accept", "size", "0"}) {
+            const auto stored = client_.run(RedisCommand{"HGET", "ccdt:1:question:any", field})->text;
+            call({"HSET", "ccdt:1:question:any", field, "junk"});
+            EXPECT_EQ(store->request("any").error().code, ErrorCode::Unusable) << field;
+            call({"HSET", "ccdt:1:question:any", field, stored});
+            EXPECT_TRUE(*store->request("any"));
+        }
+        call({"SET", "ccdt:1:question:any", "junk"});
+        EXPECT_EQ(store->request("any").error().code, ErrorCode::Unusable);
+        call({"SET", "ccdt:1:result:any", "junk"});
+        EXPECT_TRUE(store->finish(succeeded(claimed, body), body)->has_value()) << "it is written over";
+        EXPECT_EQ(store->result("any"), body);
+        call({"HSET", "ccdt:1:result:any", "0", "junk"});
+        EXPECT_EQ(store->result("any").error().code, ErrorCode::Unusable);
+        call({"SET", "ccdt:1:result:any", "junk"});
+        EXPECT_EQ(store->result("any").error().code, ErrorCode::Unusable);
+        EXPECT_EQ(store->remove("any"), true);
     }
 }
 

@@ -129,7 +129,8 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
                              .memory_budget = 1000,
                              .memory_reserved = 100,
                              .decoder_restarts = 2,
-                             .computing = {.crashes = 8, .restarts = 9, .decoder_deaths = 3},
+                             .decoder_silences = 11,
+                             .computing = {.crashes = 8, .restarts = 9, .silences = 12, .decoder_deaths = 3},
                              .lent_threads = 4,
                              .jobs = {},
                              .job_runs = {},
@@ -153,6 +154,8 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
     EXPECT_EQ(value(text, "ccdt_computation_threads_lent"), 4);
     EXPECT_EQ(value(text, "ccdt_decoder_deaths_total"), 3);
     EXPECT_EQ(value(text, "ccdt_decoder_restarts_total"), 2);
+    EXPECT_EQ(value(text, "ccdt_decoder_silences_total"), 11);
+    EXPECT_EQ(value(text, "ccdt_worker_silences_total"), 12);
     EXPECT_EQ(value(text, "ccdt_job_store_damages_total"), 6);
     EXPECT_EQ(value(text, "ccdt_cache_bytes"), 77);
     EXPECT_EQ(value(text, "ccdt_cache_hits_total"), 5);

@@ -56,7 +56,7 @@ TEST_F(RedisClientTest, TellsRepliesOfEveryKind) {
     EXPECT_EQ(replies->at(3).items.at(1).text, "b");
     const auto failed = client_.run(RedisCommand{"INCR", "l"});
     ASSERT_FALSE(failed);
-    EXPECT_EQ(failed.error().code, ErrorCode::Internal);
+    EXPECT_EQ(failed.error().code, ErrorCode::Unusable) << "the key holds a list";
     EXPECT_EQ(client_.counts().calls, 2u);
     EXPECT_EQ(client_.counts().failures, 1u);
 }
