@@ -23,6 +23,11 @@ DATA = ROOT / "tests" / "data"
 PICTURES = DATA / "images"
 POLYGONS = DATA / "polygons"
 
+# Filled by tests/run. Tests run the Node.js of tests/page/package.json, never the machine's.
+TOOLS = pathlib.Path(os.environ.get("CCDT_TOOLS", ROOT / "build" / "tools"))
+NODE_MODULES = TOOLS / "page" / "node_modules"
+NODE = TOOLS / "page" / "node"
+
 # For anything that must happen soon; only a fault makes a test wait so long.
 PATIENCE = 120
 

@@ -17,7 +17,7 @@ const require = createRequire(path.join(process.env.CCDT_NODE_MODULES, "of-the-t
 const { chromium } = require("playwright-core");
 export const axe = require.resolve("axe-core");
 
-export const data = path.resolve(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), "../data");
+export const data = path.resolve(import.meta.dirname, "../data");
 const kept = path.resolve(data, "../page/screenshots");
 
 const quiet = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
