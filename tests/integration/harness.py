@@ -13,6 +13,7 @@ import signal
 import subprocess
 import tempfile
 import threading
+import time
 import unittest
 
 import numpy
@@ -30,6 +31,15 @@ NODE = TOOLS / "page" / "node"
 
 # For anything that must happen soon; only a fault makes a test wait so long.
 PATIENCE = 120
+
+
+def wait_for(condition):
+    """Waits until a condition holds; returns the value it gave."""
+    end = time.monotonic() + PATIENCE
+    while not (found := condition()):
+        if time.monotonic() > end:
+            raise AssertionError("waited in vain")
+    return found
 
 
 class Server:

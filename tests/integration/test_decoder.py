@@ -8,10 +8,9 @@ import signal
 import subprocess
 import tempfile
 import threading
-import time
 import unittest
 
-from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, file_of, flat
+from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, file_of, flat, wait_for
 
 CAMERA = (PICTURES / "camera.png").read_bytes()
 PROC = pathlib.Path("/proc")
@@ -68,15 +67,6 @@ class Process:
 
     def kill(self, number=signal.SIGKILL):
         os.kill(self.id, number)
-
-
-def wait_for(condition):
-    """Waits until it holds; returns what it gave."""
-    end = time.monotonic() + PATIENCE
-    while not (found := condition()):
-        if time.monotonic() > end:
-            raise AssertionError("waited in vain")
-    return found
 
 
 class Family:

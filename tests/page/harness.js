@@ -26,9 +26,25 @@ const quiet = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-ru
 /** For anything that must happen soon; only a fault makes a test wait so long. */
 export const patience = 120_000;
 
+// At the time limit, tests/support/supervise.py sends SIGABRT. Servers and browsers are then closed, so that the running
+// test fails and reports the line that waits.
+const closers = new Set();
+let current = "nothing yet";
+beforeEach((context) => { current = context.fullName; });
+process.on("SIGABRT", () => {
+  console.error(`running: ${current}`);
+  for (const close of closers) close();
+});
+
+/** Registers a function that closes a server or a browser at the time limit. */
+export function closeAtLimit(close) {
+  closers.add(close);
+}
+
 /** @returns  {server, url} once it listens */
 export async function startServer(flags) {
   const server = spawn(process.env.CCDT_SERVER, ["--port=0", ...flags], { stdio: ["ignore", "ignore", "pipe"] });
+  closeAtLimit(() => server.kill("SIGKILL"));
   for await (const line of createInterface({ input: server.stderr })) {
     const found = line.match(/listening on (http:\S+)/);
     if (found) {
@@ -72,6 +88,7 @@ export function useBrowser({ flags = [], viewport = { width: 1280, height: 860 }
     world.url = running.url;
     browser = await chromium.launch({ executablePath: process.env.CCDT_CHROMIUM, args: quiet });
     world.browser = browser;
+    closeAtLimit(() => browser.close());
   });
   after(async () => {
     await browser.close();
