@@ -112,11 +112,12 @@ test("in Firefox", { skip: !process.env.CCDT_FIREFOX }, async () => {
   closeAtLimit(() => browser.process().kill("SIGKILL"));
   try {
     const page = await browser.newPage();
+    page.setDefaultTimeout(patience);
     const faults = [];
     page.on("pageerror", (error) => faults.push(String(error)));
     await page.setViewport({ width: 1280, height: 860 });
     await page.goto(running.url);
-    await page.waitForSelector("#halftone[data-state=done]", { timeout: patience });
+    await page.waitForSelector("#halftone[data-state=done]");
     const press = async (key) => {
       const names = key.split(/(?<=.)\+/);
       for (const name of names) await page.keyboard.down(name);

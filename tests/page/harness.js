@@ -78,11 +78,17 @@ export const elementPage = (url) => `<!DOCTYPE html><html lang="en"><title>Dots<
 
 /**
  * A server and a browser for the tests of a file, and a new page for each.
- * @returns  {url, page}, filled before each test; page.faults holds what went wrong in it that nobody expects
+ * @returns  {url, page}, filled before each test, whose page.faults holds what went wrong in it that nobody expects;
+ *           newContext, which makes a context with the patience of the tests
  */
 export function useBrowser({ flags = [], viewport = { width: 1280, height: 860 } } = {}) {
   const world = { viewport };
   let running, browser, context;
+  world.newContext = async (options) => {
+    const made = await browser.newContext(options);
+    made.setDefaultTimeout(patience);
+    return made;
+  };
   before(async () => {
     running = await startServer(flags);
     world.url = running.url;
@@ -96,9 +102,8 @@ export function useBrowser({ flags = [], viewport = { width: 1280, height: 860 }
     await once(running.server, "exit");
   });
   beforeEach(async () => {
-    context = await browser.newContext({ viewport: world.viewport, acceptDownloads: true });
+    context = await world.newContext({ viewport: world.viewport, acceptDownloads: true });
     world.page = await context.newPage();
-    world.page.setDefaultTimeout(patience);
     world.faults = [];
     world.page.on("pageerror", (error) => world.faults.push(String(error)));
     world.page.on("console", (message) => {

@@ -68,7 +68,7 @@ test("draws a polygon and a hole by mouse, and moves corners", async () => {
 });
 
 test("draws by touch", async () => {
-  const context = await world.browser.newContext({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+  const context = await world.newContext({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
   const page = await context.newPage();
   await page.goto(`${world.url}/#sample`);
   await settled(page, "sample");
