@@ -51,7 +51,7 @@ class Server:
             command, stderr=subprocess.PIPE, text=True, env={**os.environ, **(environment or {})})
         self.lines = []
         self.news = threading.Condition()
-        self.reader = threading.Thread(target=self._read_log)
+        self.reader = threading.Thread(target=self._read_log, daemon=True)
         self.reader.start()
         try:
             listening = self.wait_for_log("listening on ")
@@ -207,13 +207,13 @@ class ServerCase(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.server = Server(*cls.flags, program=cls.program)
+        # Ends it even if a subclass's set-up fails: unittest then skips tearDownClass.
+        cls.server = cls.enterClassContext(Server(*cls.flags, program=cls.program))
 
     @classmethod
     def tearDownClass(cls):
-        with cls.server:
-            if cls.server.stop() != 0:
-                raise AssertionError("the server did not end well:\n" + cls.server.log())
+        if cls.server.stop() != 0:
+            raise AssertionError("the server did not end well:\n" + cls.server.log())
 
     def ask(self, path, *arguments, data=None):
         return ask(self.server, path, *arguments, data=data)

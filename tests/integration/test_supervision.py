@@ -22,6 +22,20 @@ def wait_forever():
     time.sleep(1000)
 """
 
+BROKEN_SET_UP = """
+import sys
+sys.path.insert(0, "FOLDER")
+from harness import ServerCase, unittest
+class Broken(ServerCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        raise ValueError("in the set-up")
+    def test_nothing(self):
+        pass
+unittest.main()
+"""
+
 HANGING_PAGE = """
 import { test } from "node:test";
 import "HARNESS";
@@ -72,6 +86,12 @@ class Supervision(unittest.TestCase):
             done = supervise(5, str(NODE), str(file))
         self.assertEqual(done.returncode, 1)
         self.assertIn("running: a test that hangs", done.stderr)
+
+    def test_ends_when_a_set_up_fails(self):
+        done = supervise(60, sys.executable, "-c", BROKEN_SET_UP.replace("FOLDER", str(ROOT / "tests" / "integration")))
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("ValueError: in the set-up", done.stderr)
+        self.assertNotIn("time limit", done.stderr)
 
     def test_kills_what_outlives_a_program(self):
         process, orphan, program = self.start(*SUPERVISE, "60")
