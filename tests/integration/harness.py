@@ -43,10 +43,14 @@ def wait_for(condition):
 
 
 class Server:
-    """A running server. Its log is kept; on a port of its own and without a cache unless told otherwise."""
+    """A running server on a port of its own. Its log is kept.
+
+    Unless told otherwise, it has no cache, and computes as long as a client waits: its workers yield to everything else
+    on the machine, so that a busy one makes them slow.
+    """
 
     def __init__(self, *flags, environment=None, program=None):
-        command = [program or os.environ["CCDT_SERVER"], "--port=0", "--cache=0", *flags]
+        command = [program or os.environ["CCDT_SERVER"], "--port=0", "--cache=0", f"--timeout={PATIENCE}", *flags]
         self.process = subprocess.Popen(
             command, stderr=subprocess.PIPE, text=True, env={**os.environ, **(environment or {})})
         self.lines = []
