@@ -23,8 +23,8 @@ constexpr unsigned kNobody = 65534;
 
 /// Names of the layers, by Layer.
 constexpr std::array<std::string_view, Confinement::kLayers> kNames = {
-    "no root",       "no capabilities", "network namespace", "mount namespace",   "pid namespace",
-    "ipc namespace", "uts namespace",   "Landlock",          "system call filter"};
+    "no root",       "no capabilities", "network namespace", "mount namespace", "empty root directory",
+    "pid namespace", "ipc namespace",   "uts namespace",     "Landlock",        "system call filter"};
 
 struct Namespace {
     Layer layer;
@@ -62,7 +62,8 @@ bool drop_capabilities() {
     return syscall(SYS_capset, &header, none) == 0;
 }
 
-/// Makes an empty file system the root, and unmounts the one that was.
+/// Makes an empty file system the root, and unmounts the previous one. Fails in a chroot, where the root directory is
+/// not the root of a mount.
 bool empty_root() {
     constexpr unsigned long kFlags = MS_NOSUID | MS_NODEV | MS_NOEXEC | MS_RDONLY;
     constexpr const char* kPlace = "/proc";  // any folder that is there
@@ -101,7 +102,8 @@ void enter_namespaces(Confinement& confinement) {
 }
 
 void give_up_rights(Confinement& confinement) {
-    if (confinement.has(Layer::Mounts)) confinement.error(Layer::Mounts) = error_of(empty_root());
+    confinement.error(Layer::Root) =
+        confinement.has(Layer::Mounts) ? error_of(empty_root()) : confinement.error(Layer::Mounts);
     empty_bounding_set();
     leave_root(confinement);
     confinement.error(Layer::Capabilities) = error_of(drop_capabilities());

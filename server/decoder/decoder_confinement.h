@@ -11,8 +11,9 @@ namespace ccdt::server {
 enum class Layer : std::uint8_t {
     User,          ///< it is not root's
     Capabilities,  ///< it has none
-    Network,       ///< a namespace of its own, which is empty, as those that follow
-    Mounts,
+    Network,       ///< a namespace of its own, which is empty, as those of processes, ipc and host name
+    Mounts,        ///< a namespace of its own
+    Root,          ///< an empty root directory; needs Mounts, and a server outside of chroot
     Processes,
     Ipc,
     HostName,
@@ -22,7 +23,7 @@ enum class Layer : std::uint8_t {
 
 /// The layers that are in force, as found by trying.
 struct Confinement {
-    static constexpr std::size_t kLayers = 9;
+    static constexpr std::size_t kLayers = 10;
 
     std::uint32_t user = 0;                      ///< whose the processes are
     std::array<std::int32_t, kLayers> errors{};  ///< errno for why a layer is not in force; 0: it is

@@ -13,6 +13,7 @@ import signal
 import subprocess
 import tempfile
 import threading
+import time
 import unittest
 
 import numpy
@@ -23,21 +24,40 @@ DATA = ROOT / "tests" / "data"
 PICTURES = DATA / "images"
 POLYGONS = DATA / "polygons"
 
+# Filled by tests/run. Tests run the Node.js of tests/page/package.json, never the machine's.
+TOOLS = pathlib.Path(os.environ.get("CCDT_TOOLS", ROOT / "build" / "tools"))
+NODE_MODULES = TOOLS / "page" / "node_modules"
+NODE = TOOLS / "page" / "node"
+
 # For anything that must happen soon; only a fault makes a test wait so long.
 PATIENCE = 120
 
 
+def wait_for(condition):
+    """Waits until a condition holds; returns the value it gave."""
+    end = time.monotonic() + PATIENCE
+    while not (found := condition()):
+        if time.monotonic() > end:
+            raise AssertionError("waited in vain")
+    return found
+
+
 class Server:
-    """A running server. Its log is kept; on a port of its own and without a cache unless told otherwise."""
+    """A running server on a port of its own. Its log is kept.
+
+    Unless told otherwise, it has no cache, and computes as long as a client waits: its workers yield to everything else
+    on the machine, so that a busy one makes them slow.
+    """
 
     def __init__(self, *flags, environment=None, program=None, limit=None):
         limits = ["prlimit", limit] if limit else []  # which execs the server
-        command = [*limits, program or os.environ["CCDT_SERVER"], "--port=0", "--cache=0", *flags]
+        command = [*limits, program or os.environ["CCDT_SERVER"], "--port=0", "--cache=0", f"--timeout={PATIENCE}",
+                   *flags]
         self.process = subprocess.Popen(
             command, stderr=subprocess.PIPE, text=True, env={**os.environ, **(environment or {})})
         self.lines = []
         self.news = threading.Condition()
-        self.reader = threading.Thread(target=self._read_log)
+        self.reader = threading.Thread(target=self._read_log, daemon=True)
         self.reader.start()
         try:
             listening = self.wait_for_log("listening on ")
@@ -193,13 +213,13 @@ class ServerCase(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.server = Server(*cls.flags, program=cls.program)
+        # Ends it even if a subclass's set-up fails: unittest then skips tearDownClass.
+        cls.server = cls.enterClassContext(Server(*cls.flags, program=cls.program))
 
     @classmethod
     def tearDownClass(cls):
-        with cls.server:
-            if cls.server.stop() != 0:
-                raise AssertionError("the server did not end well:\n" + cls.server.log())
+        if cls.server.stop() != 0:
+            raise AssertionError("the server did not end well:\n" + cls.server.log())
 
     def ask(self, path, *arguments, data=None):
         return ask(self.server, path, *arguments, data=data)

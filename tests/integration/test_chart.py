@@ -4,17 +4,16 @@ import json
 import os
 import pathlib
 import re
-import shutil
 import subprocess
 import tempfile
 import unittest
 
 import yaml
 
-from harness import ROOT
+from harness import NODE, ROOT, TOOLS
 
 CHART = ROOT / "docker" / "chart"
-DEPLOY = pathlib.Path(os.environ.get("CCDT_TOOLS", ROOT / "build" / "tools")) / "deploy"
+DEPLOY = TOOLS / "deploy"
 HELM = DEPLOY / "helm" / "helm"
 MODULES = DEPLOY / "node_modules"
 
@@ -103,7 +102,7 @@ def compile_types(documents):
         (pathlib.Path(folder) / "documents.ts").write_text(typescript(documents))
         options = {"noEmit": True, "strict": True, "module": "node16", "moduleResolution": "node16", "types": []}
         (pathlib.Path(folder) / "tsconfig.json").write_text(json.dumps({"compilerOptions": options}))
-        return subprocess.run(["node", MODULES / "typescript" / "bin" / "tsc", "--project", folder],
+        return subprocess.run([NODE, MODULES / "typescript" / "bin" / "tsc", "--project", folder],
                               capture_output=True, text=True, check=False).stdout
 
 
@@ -115,7 +114,7 @@ def variables_of(documents):
     return {entry["name"]: entry.get("value") for entry in pod_of(documents)["containers"][0]["env"]}
 
 
-@unittest.skipUnless(HELM.exists() and shutil.which("node"), "tests/deploy/install has not run")
+@unittest.skipUnless(HELM.exists() and NODE.exists(), "tests/page/install or tests/deploy/install has not run")
 class Chart(unittest.TestCase):
     @classmethod
     def setUpClass(cls):

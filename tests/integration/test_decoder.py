@@ -8,10 +8,9 @@ import signal
 import subprocess
 import tempfile
 import threading
-import time
 import unittest
 
-from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, file_of, flat
+from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, file_of, flat, wait_for
 
 CAMERA = (PICTURES / "camera.png").read_bytes()
 PROC = pathlib.Path("/proc")
@@ -68,15 +67,6 @@ class Process:
 
     def kill(self, number=signal.SIGKILL):
         os.kill(self.id, number)
-
-
-def wait_for(condition):
-    """Waits until it holds; returns what it gave."""
-    end = time.monotonic() + PATIENCE
-    while not (found := condition()):
-        if time.monotonic() > end:
-            raise AssertionError("waited in vain")
-    return found
 
 
 class Family:
@@ -266,11 +256,44 @@ class Confinement(ServerCase):
             for kind, layer in (("net", "network"), ("mnt", "mount"), ("pid", "pid"), ("ipc", "ipc"), ("uts", "uts")):
                 namespaces = {os.readlink(PROC / str(one.id) / "ns" / kind) for one in (process, family.server)}
                 self.assertEqual(len(namespaces) == 2, f"{layer} namespace" in there, kind)
+            self.assertEqual(not os.listdir(PROC / str(process.id) / "root"), "empty root directory" in there)
 
     def test_keeps_libraries_of_decoders_out_of_the_server(self):
         family = Family(self.server)
         self.assertNotIn("libOpenImageIO", (PROC / str(family.server.id) / "maps").read_text())
         self.assertIn("libOpenImageIO", (PROC / str(family.keeper().id) / "maps").read_text())
+
+
+class Chroot(unittest.TestCase):
+    # Runs a program in a chroot that is not a mount point and shows what the machine's root directory holds.
+    ENTER = """#!/bin/sh -e
+exec unshare --mount sh -ec '
+    mount -t tmpfs none "$0"
+    mkdir "$0/root"
+    cd "$0/root"
+    for entry in /*; do
+        if [ -d "$entry" ] && [ ! -L "$entry" ]; then
+            mkdir ".$entry"
+            mount --rbind "$entry" ".$entry"
+        elif [ -L "$entry" ]; then
+            cp -P "$entry" .
+        fi
+    done
+    exec chroot . "$@"' "$(dirname "$0")" "$CCDT_SERVER" "$@"
+"""
+
+    def test_lacks_an_empty_root_directory_and_tells_so(self):
+        if subprocess.run(["unshare", "--mount", "true"], capture_output=True, check=False).returncode != 0:
+            self.skipTest("no mount namespace can be made here")
+        with tempfile.TemporaryDirectory() as folder:
+            enter = pathlib.Path(folder) / "enter"
+            enter.write_text(self.ENTER)
+            enter.chmod(0o755)
+            with Server(program=enter) as server:
+                told = server.wait_for_log("pictures are decoded by user ")
+                self.assertRegex(told, "in force: .*mount namespace.*; not in force: .*empty root directory")
+                self.assertEqual(ask(server, "/halftone?sites=50", data=CAMERA).status, 200)
+                self.assertEqual(server.stop(), 0)
 
 
 class Ending(unittest.TestCase):

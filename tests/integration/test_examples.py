@@ -8,7 +8,7 @@ import sys
 import tempfile
 import unittest
 
-from harness import PATIENCE, PICTURES, ROOT, Server
+from harness import NODE, PATIENCE, PICTURES, ROOT, Server
 
 ROOMS = ("", "api", "core", "server", "tests")
 PAGES = [ROOT / room / "README.md" for room in ROOMS if (ROOT / room / "README.md").exists()]
@@ -79,7 +79,7 @@ class Examples(unittest.TestCase):
     def test_for_javascript(self):
         for page, block in self.examples("js", 1):
             with self.subTest(page=page):
-                code, told, errors = self.run_it("node", "--input-type=module", "--eval", code=block)
+                code, told, errors = self.run_it(NODE, "--input-type=module", "--eval", code=block)
                 self.assertEqual((code, told), (0, b"1000 points\n"), errors)
 
     def test_for_the_shell(self):

@@ -4,7 +4,6 @@ Geometries are TopoJSON's, quantized: many of their rings touch themselves or a 
 """
 
 import json
-import os
 import pathlib
 import subprocess
 import tempfile
@@ -16,9 +15,8 @@ import shapely.ops
 import shapely.validation
 import shapely.vectorized
 
-from harness import ROOT, ServerCase, post_json
+from harness import NODE, NODE_MODULES, ServerCase, post_json
 
-MODULES = pathlib.Path(os.environ.get("CCDT_NODE_MODULES", ROOT / "build" / "tools" / "page" / "node_modules"))
 FILES = {"world-atlas/countries-10m.json": ("countries", 255), "world-atlas/countries-50m.json": ("countries", 241),
          "us-atlas/counties-10m.json": ("counties", 3231)}
 
@@ -37,7 +35,7 @@ process.stdout.write(JSON.stringify(
 
 
 def features(file, name):
-    done = subprocess.run(["node", "--eval", FEATURES, MODULES, file, name], capture_output=True, check=True)
+    done = subprocess.run([NODE, "--eval", FEATURES, NODE_MODULES, file, name], capture_output=True, check=True)
     return json.loads(done.stdout)
 
 

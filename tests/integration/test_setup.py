@@ -2,6 +2,7 @@
 
 import ast
 import importlib.util
+import json
 import os
 import pathlib
 import shutil
@@ -10,7 +11,8 @@ import sys
 import tempfile
 import unittest
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+from harness import NODE, ROOT
+
 SCRIPTS = ("server/run", "tests/run", "tests/bench/service/run", "tests/fuzz/run", "tests/page/install", "tests/deploy/install", "tests/soak/run", ".ci/run",
            "docker/collect", "docker/packages", "docker/install", "docker/snapshot")
 LIST = ROOT / "docker" / "packages.txt"
@@ -114,6 +116,13 @@ class Setup(unittest.TestCase):
         for stage in ("build", "run"):
             self.assertIn(f'RUN docker/snapshot "$SNAPSHOT" && docker/install {stage}\n',
                           (ROOT / "docker" / "Dockerfile").read_text())
+
+    def test_node_is_pinned(self):
+        if not NODE.exists():
+            self.skipTest("tests/page/install has not run")
+        pinned = json.loads((ROOT / "tests" / "page" / "package.json").read_text())["optionalDependencies"]
+        told = subprocess.run([NODE, "--version"], capture_output=True, text=True, check=True).stdout
+        self.assertEqual({f"v{version}\n" for version in pinned.values()}, {told})
 
     def test_the_tests_have_their_tools_unpacked(self):
         self.assertIn("docker/install --unpack tools", (ROOT / "tests" / "run").read_text())

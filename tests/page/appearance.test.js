@@ -40,7 +40,7 @@ async function unfold(page, panel) {
 for (const colorScheme of ["light", "dark"]) {
   for (const [size, viewport] of [["wide", { width: 1280, height: 860 }], ["narrow", { width: 390, height: 844 }]]) {
     test(`is accessible and fits: ${colorScheme}, ${size}`, async () => {
-      const context = await world.browser.newContext({ colorScheme, viewport, bypassCSP: true });
+      const context = await world.newContext({ colorScheme, viewport, bypassCSP: true });
       await openAll(context, async (page, panel) => {
         await page.addScriptTag({ path: axe });
         await isAccessible(page, panel, viewport.width);

@@ -7,7 +7,7 @@ import { createRequire } from "node:module";
 import path from "node:path";
 import { test } from "node:test";
 
-import { data, patience, settled, startServer, useBrowser } from "./harness.js";
+import { closeAtLimit, data, patience, settled, startServer, useBrowser } from "./harness.js";
 
 const seconds = Number(process.env.CCDT_CLICK_SECONDS ?? 10);
 const seed = Number(process.env.CCDT_CLICK_SEED ?? 1);
@@ -109,13 +109,15 @@ test("in Firefox", { skip: !process.env.CCDT_FIREFOX }, async () => {
   const puppeteer = require("puppeteer-core");
   const running = await startServer(["--max-sites=50000"]);
   const browser = await puppeteer.launch({ browser: "firefox", executablePath: process.env.CCDT_FIREFOX, timeout: patience });
+  closeAtLimit(() => browser.process().kill("SIGKILL"));
   try {
     const page = await browser.newPage();
+    page.setDefaultTimeout(patience);
     const faults = [];
     page.on("pageerror", (error) => faults.push(String(error)));
     await page.setViewport({ width: 1280, height: 860 });
     await page.goto(running.url);
-    await page.waitForSelector("#halftone[data-state=done]", { timeout: patience });
+    await page.waitForSelector("#halftone[data-state=done]");
     const press = async (key) => {
       const names = key.split(/(?<=.)\+/);
       for (const name of names) await page.keyboard.down(name);

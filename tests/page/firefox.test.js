@@ -6,7 +6,7 @@ import { createRequire } from "node:module";
 import path from "node:path";
 import { after, afterEach, before, beforeEach, test } from "node:test";
 
-import { elementPage, patience, serveOrigin, startServer } from "./harness.js";
+import { closeAtLimit, elementPage, patience, serveOrigin, startServer } from "./harness.js";
 
 const require = createRequire(path.join(process.env.CCDT_NODE_MODULES, "of-the-tests"));
 const puppeteer = require("puppeteer-core");
@@ -16,6 +16,7 @@ let running, browser, page, faults, gone;
 before(async () => {
   running = await startServer([]);
   browser = await puppeteer.launch({ browser: "firefox", executablePath: process.env.CCDT_FIREFOX, timeout: patience });
+  closeAtLimit(() => browser.process().kill("SIGKILL"));
 });
 after(async () => {
   await browser.close();

@@ -255,7 +255,7 @@ test("shows lines that ask for the same when pasted", async () => {
     await run("/usr/bin/python3", ["-c", await snippet("Python")], { cwd: folder });
     assert.deepEqual(await readFile(path.join(folder, "dots.png")), byCurl);
     const told = `image/png ${byCurl.length}\n`;
-    assert.equal(await run("node", ["--input-type=module", "--eval", await snippet("Node")], { cwd: folder }), told);
+    assert.equal(await run(process.execPath, ["--input-type=module", "--eval", await snippet("Node")], { cwd: folder }), told);
     assert.equal(await runInBrowser(world, await snippet("Browser"), chosen && picture), told);
   }
   await rm(folder, { recursive: true });

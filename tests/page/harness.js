@@ -17,7 +17,7 @@ const require = createRequire(path.join(process.env.CCDT_NODE_MODULES, "of-the-t
 const { chromium } = require("playwright-core");
 export const axe = require.resolve("axe-core");
 
-export const data = path.resolve(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), "../data");
+export const data = path.resolve(import.meta.dirname, "../data");
 const kept = path.resolve(data, "../page/screenshots");
 
 const quiet = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
@@ -26,9 +26,25 @@ const quiet = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-ru
 /** For anything that must happen soon; only a fault makes a test wait so long. */
 export const patience = 120_000;
 
+// At the time limit, tests/support/supervise.py sends SIGABRT. Servers and browsers are then closed, so that the running
+// test fails and reports the line that waits.
+const closers = new Set();
+let current = "nothing yet";
+beforeEach((context) => { current = context.fullName; });
+process.on("SIGABRT", () => {
+  console.error(`running: ${current}`);
+  for (const close of closers) close();
+});
+
+/** Registers a function that closes a server or a browser at the time limit. */
+export function closeAtLimit(close) {
+  closers.add(close);
+}
+
 /** @returns  {server, url} once it listens */
 export async function startServer(flags) {
   const server = spawn(process.env.CCDT_SERVER, ["--port=0", ...flags], { stdio: ["ignore", "ignore", "pipe"] });
+  closeAtLimit(() => server.kill("SIGKILL"));
   for await (const line of createInterface({ input: server.stderr })) {
     const found = line.match(/listening on (http:\S+)/);
     if (found) {
@@ -62,16 +78,23 @@ export const elementPage = (url) => `<!DOCTYPE html><html lang="en"><title>Dots<
 
 /**
  * A server and a browser for the tests of a file, and a new page for each.
- * @returns  {url, page}, filled before each test; page.faults holds what went wrong in it that nobody expects
+ * @returns  {url, page}, filled before each test, whose page.faults holds what went wrong in it that nobody expects;
+ *           newContext, which makes a context with the patience of the tests
  */
 export function useBrowser({ flags = [], viewport = { width: 1280, height: 860 } } = {}) {
   const world = { viewport };
   let running, browser, context;
+  world.newContext = async (options) => {
+    const made = await browser.newContext(options);
+    made.setDefaultTimeout(patience);
+    return made;
+  };
   before(async () => {
     running = await startServer(flags);
     world.url = running.url;
     browser = await chromium.launch({ executablePath: process.env.CCDT_CHROMIUM, args: quiet });
     world.browser = browser;
+    closeAtLimit(() => browser.close());
   });
   after(async () => {
     await browser.close();
@@ -79,9 +102,8 @@ export function useBrowser({ flags = [], viewport = { width: 1280, height: 860 }
     await once(running.server, "exit");
   });
   beforeEach(async () => {
-    context = await browser.newContext({ viewport: world.viewport, acceptDownloads: true });
+    context = await world.newContext({ viewport: world.viewport, acceptDownloads: true });
     world.page = await context.newPage();
-    world.page.setDefaultTimeout(patience);
     world.faults = [];
     world.page.on("pageerror", (error) => world.faults.push(String(error)));
     world.page.on("console", (message) => {

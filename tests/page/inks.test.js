@@ -98,7 +98,7 @@ test("says that an ink is there twice", async () => {
 });
 
 test("has the same from the line that is shown, and is accessible", async () => {
-  const context = await world.browser.newContext({ viewport: { width: 390, height: 844 }, bypassCSP: true });
+  const context = await world.newContext({ viewport: { width: 390, height: 844 }, bypassCSP: true });
   const page = await context.newPage();
   await page.goto(world.url);
   await settled(page, "halftone");

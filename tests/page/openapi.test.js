@@ -12,8 +12,7 @@ const { createConfig, lint } = require("@redocly/openapi-core");
 const { default: generate, astToString } = require("openapi-typescript");
 const ts = require("typescript");
 
-const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
-const api = path.resolve(here, "../../api/openapi.json");
+const api = path.resolve(import.meta.dirname, "../../api/openapi.json");
 
 // A server has the address that whoever runs it gives it.
 const unwanted = { "no-server-example.com": "off" };

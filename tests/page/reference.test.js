@@ -48,7 +48,7 @@ test("is linked from the page, and its examples are shown", async () => {
 for (const [size, viewport] of [["wide", { width: 1280, height: 860 }], ["narrow", { width: 390, height: 844 }]]) {
   for (const colorScheme of ["light", "dark"]) {
     test(`is accessible and fits: ${colorScheme}, ${size}`, async () => {
-      const context = await world.browser.newContext({ colorScheme, viewport, bypassCSP: true });
+      const context = await world.newContext({ colorScheme, viewport, bypassCSP: true });
       const page = await context.newPage();
       await open(page);
       await page.addScriptTag({ path: axe });

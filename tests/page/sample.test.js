@@ -68,7 +68,7 @@ test("draws a polygon and a hole by mouse, and moves corners", async () => {
 });
 
 test("draws by touch", async () => {
-  const context = await world.browser.newContext({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+  const context = await world.newContext({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
   const page = await context.newPage();
   await page.goto(`${world.url}/#sample`);
   await settled(page, "sample");
@@ -307,7 +307,7 @@ test("makes a mask, shows what it does, and saves it", async () => {
   assert.deepEqual(bytes, Buffer.from(await (await answerTo(asked)).arrayBuffer()));
   await page.click('#sample .kinds button:text-is("Node")');
   const script = await page.textContent("#sample pre");
-  assert.equal(await run("node", ["--input-type=module", "--eval", script]), `image/png ${bytes.length}\n`);
+  assert.equal(await run(process.execPath, ["--input-type=module", "--eval", script]), `image/png ${bytes.length}\n`);
 
   await sides.nth(1).fill("7");
   await sides.nth(1).blur();
@@ -384,7 +384,7 @@ async function repeats(folder, file) {
   assert.deepEqual(byCurl.points, saved.points);
   const told = `1000 ${saved.variation}\n`;
   assert.equal(await run("/usr/bin/python3", ["-c", await snippet("Python")], options), told);
-  assert.equal(await run("node", ["--input-type=module", "--eval", await snippet("Node")], options), told);
+  assert.equal(await run(process.execPath, ["--input-type=module", "--eval", await snippet("Node")], options), told);
   assert.equal(await runInBrowser(world, await snippet("Browser"), file && path.join(folder, file)), told);
 }
 

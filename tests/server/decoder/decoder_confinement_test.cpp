@@ -14,7 +14,8 @@ TEST(Confinement, TellsWhatIsInForce) {
     EXPECT_TRUE(confinement.is_whole());
     EXPECT_EQ(confinement.describe(),
               "pictures are decoded by user 65534; in force: no root, no capabilities, network namespace, mount "
-              "namespace, pid namespace, ipc namespace, uts namespace, Landlock, system call filter");
+              "namespace, empty root directory, pid namespace, ipc namespace, uts namespace, Landlock, system call "
+              "filter");
 }
 
 TEST(Confinement, TellsWhatIsNotInForceAndWhy) {
