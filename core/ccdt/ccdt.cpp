@@ -107,9 +107,10 @@ Result<void> InkConstructions::polish() {
     if (!settings_ || stopping()) return {};
     std::vector<Polish::Layer> layers;
     for (Construction* construction : constructions_) {
-        layers.push_back({&construction->polish(), &construction->mesh(),
-                          [construction](int passes) { construction->equalise(passes); },
-                          [construction](std::span<const std::uint32_t> sites) { construction->take_away(sites); }});
+        layers.push_back(
+            {&construction->polish(), &construction->mesh(),
+             [construction](int passes) { construction->equalise(passes); },
+             [construction](std::span<const std::array<std::uint32_t, 2>> pairs) { construction->separate(pairs); }});
     }
     const auto after = [this] {
         ++round_;

@@ -223,13 +223,13 @@ bool Construction::resettles() const {
            density_.is_smooth() && !domain_.is_box() && fixed_.sites == 0;
 }
 
-void Construction::take_away(std::span<const std::uint32_t> sites) {
+void Construction::separate(std::span<const std::array<std::uint32_t, 2>> pairs) {
     Triangulation& mesh = placed_->mesh;
     mesh.restore_delaunay(stop_);
     measure(mesh);
     if (stopping()) return;
     Resettlement resettlement(mesh, goals_, domain_.resolution());
-    for (const std::uint32_t site : sites) resettlement.take_away(site);
+    for (const auto& pair : pairs) resettlement.separate(pair);
 }
 
 void Construction::equalise(int passes) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -49,8 +50,8 @@ public:
     /// Makes the triangulation Delaunay and its triangles' capacities more equal, amid the polish.
     void equalise(int passes);
 
-    /// Takes sites of a polygon to where there is more room.
-    void take_away(std::span<const std::uint32_t> sites);
+    /// Takes one of each two near sites of a polygon to where there is more room.
+    void separate(std::span<const std::array<std::uint32_t, 2>> pairs);
 
     /// Makes the triangulation Delaunay again, after the polish. Errors: as start().
     Result<void> finish();

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <tuple>
+#include <utility>
+
+#include "core/geometry/hexagonal_spacing.h"
 
 namespace ccdt {
 
@@ -56,21 +60,22 @@ void for_fan(const Triangulation& mesh, std::uint32_t site, Function&& function)
 
 Resettlement::Resettlement(Triangulation& mesh, const TriangleGoals& goals, double least_height)
     : mesh_(mesh),
+      goals_(goals),
       least_height_(least_height),
       surplus_(mesh.site_count(), 1),
       around_(mesh.site_count(), 0),
       roomiest_(mesh.site_count(), kNone),
       settled_(mesh.site_count(), false) {
-    share_out(goals);
+    share_out();
     sum_around();
 }
 
 /// Shares each triangle's capacity out among its sites.
-void Resettlement::share_out(const TriangleGoals& goals) {
+void Resettlement::share_out() {
     const auto owner = owners(mesh_);
     std::vector<double> most(mesh_.site_count(), 0);
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
-        const double capacity = goals.of(t).weight * mesh_.doubled_area(t) / 2;
+        const double capacity = goals_.of(t).weight * mesh_.doubled_area(t) / 2;
         const auto give = [&](std::uint32_t site, double share) {
             surplus_[site] -= share;
             if (capacity <= most[site]) return;
@@ -131,14 +136,41 @@ std::size_t Resettlement::even_out() {
     return taken;
 }
 
-bool Resettlement::take_away(std::uint32_t site) {
+bool Resettlement::take_away(std::uint32_t site, double least, double enough) {
+    constexpr int kTries = 8;
     if (settled_[site]) return false;
-    std::uint32_t to = kNone;
-    for (std::uint32_t v = 0; v < surplus_.size(); ++v) {
-        if (v == site || settled_[v] || mesh_.part_of(v) != mesh_.part_of(site)) continue;
-        if (to == kNone || surplus_[v] < surplus_[to]) to = v;
+    std::uint32_t clearest = kNone;
+    double most = least * least;
+    std::vector<std::uint32_t> tried;
+    for (int i = 0; i < kTries && (clearest == kNone || most < enough * enough); ++i) {
+        std::uint32_t to = kNone;
+        for (std::uint32_t v = 0; v < surplus_.size(); ++v) {
+            if (v == site || settled_[v] || mesh_.part_of(v) != mesh_.part_of(site)) continue;
+            if (std::ranges::find(tried, v) != tried.end()) continue;
+            if (to == kNone || surplus_[v] < surplus_[to]) to = v;
+        }
+        if (to == kNone) break;
+        tried.push_back(to);
+        const double squared = clearance_beside(to, site);
+        if (squared < most) continue;
+        most = squared;
+        clearest = to;
     }
-    return to != kNone && relocate(site, to);
+    return clearest != kNone && relocate(site, clearest);
+}
+
+/// Squared distance to the nearest other site that a site would have where relocate() takes it; negative if nowhere.
+double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) const {
+    const std::uint32_t triangle = room_beside(to, site);
+    if (triangle == kNone) return -1;
+    const auto [a, b, c] = mesh_.places(triangle);
+    const Point place = 1.0 / 3 * (a + b + c);
+    double squared = std::numeric_limits<double>::infinity();
+    for (std::uint32_t v = 0; v < mesh_.site_count(); ++v) {
+        const Point apart = mesh_.point(v) - place;
+        if (v != site) squared = std::min(squared, dot(apart, apart));
+    }
+    return squared;
 }
 
 /// The largest triangle that goes with a site, without another one; kNone if there is none.
@@ -159,12 +191,114 @@ bool Resettlement::relocate(std::uint32_t site, std::uint32_t beside) {
     settle(site);
     if (triangle == kNone) return false;
     settle(beside);
-    constexpr double kLeastShape = 1e-5;  // doubled area of its three parts over the longest edge squared
+    constexpr double kThird = 1.0 / 3;
+    if (!has_room(triangle, kThird)) return false;
+    const auto [a, b, c] = mesh_.places(triangle);
+    return mesh_.relocate(site, triangle, kThird * (a + b + c));
+}
+
+/// Tells whether a triangle is large enough to be divided.
+/// @param share  of its area, that the smallest of the three parts has
+bool Resettlement::has_room(std::uint32_t triangle, double share) const {
+    constexpr double kLeastShape = 1e-5;  // doubled area of a part over the longest edge squared
     const auto [a, b, c] = mesh_.places(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
     const double least = std::max(kLeastShape * longest, least_height_ * std::sqrt(longest));
-    if (mesh_.doubled_area(triangle) < 3 * least) return false;
-    return mesh_.relocate(site, triangle, 1.0 / 3 * (a + b + c));
+    return share * mesh_.doubled_area(triangle) >= least;
+}
+
+const Resettlement::SmallParts& Resettlement::small_parts() {
+    constexpr std::size_t kMostSites = 16;
+    if (small_parts_) return *small_parts_;
+    small_parts_.emplace();
+    small_parts_->sites.resize(mesh_.part_count());
+    small_parts_->triangles.resize(mesh_.part_count());
+    for (std::uint32_t v = 0; v < mesh_.site_count(); ++v) ++small_parts_->sites[mesh_.part_of(v)];
+    for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
+        const std::uint32_t part = mesh_.part_of(mesh_.corners(t)[0]);
+        if (small_parts_->sites[part] <= kMostSites) small_parts_->triangles[part].push_back(t);
+    }
+    return *small_parts_;
+}
+
+bool Resettlement::is_in_small_part(std::uint32_t site) {
+    return !small_parts().triangles[mesh_.part_of(site)].empty();
+}
+
+/// Finds the place in a site's small part that is farthest from all other sites; of those that are far enough, the one
+/// in the largest triangle.
+Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
+    constexpr double kThird = 1.0 / 3, kSixth = 1.0 / 6;
+    constexpr std::array<std::array<double, 3>, 4> kPlaces{{{kThird, kThird, kThird},
+                                                            {4 * kSixth, kSixth, kSixth},
+                                                            {kSixth, 4 * kSixth, kSixth},
+                                                            {kSixth, kSixth, 4 * kSixth}}};
+    const auto& triangles = small_parts().triangles[mesh_.part_of(site)];
+    const double enough = enough_squared(site);
+    const auto near = sites_near(triangles, site, std::sqrt(enough));
+    Place best;
+    double best_area = 0;
+    for (const std::uint32_t t : triangles) {
+        if (!has_room(t, kSixth)) continue;
+        const auto [a, b, c] = mesh_.places(t);
+        const double area = mesh_.doubled_area(t);
+        for (const auto& [u, v, w] : kPlaces) {
+            const Point p = u * a + v * b + w * c;
+            double squared = enough;
+            for (const Point other : near) squared = std::min(squared, dot(p - other, p - other));
+            if (std::pair(squared, area) <= std::pair(best.squared, best_area)) continue;
+            best = {squared, t, p};
+            best_area = area;
+        }
+    }
+    return best;
+}
+
+/// Squared distance from which on two sites are apart as they should be.
+double Resettlement::enough_squared(std::uint32_t site) const {
+    constexpr double kEnough = 0.84;  // of the hexagonal distance, as of the last pushes: polish/settings.cpp
+    const double least = kEnough * hexagonal_spacing(goals_.of(Triangulation::triangle_of(mesh_.edge_of(site))).weight);
+    return least * least;
+}
+
+/// Places of all sites but one in the bounding box of some triangles, and up to `reach` around it.
+std::vector<Point> Resettlement::sites_near(std::span<const std::uint32_t> triangles, std::uint32_t but,
+                                            double reach) const {
+    Box box{mesh_.point(but), mesh_.point(but)};
+    for (const std::uint32_t t : triangles) {
+        for (const Point corner : mesh_.places(t)) box.include(corner);
+    }
+    std::vector<Point> near;
+    for (std::uint32_t v = 0; v < mesh_.site_count(); ++v) {
+        const Point p = mesh_.point(v);
+        if (v != but && p.x >= box.min.x - reach && p.x <= box.max.x + reach && p.y >= box.min.y - reach &&
+            p.y <= box.max.y + reach)
+            near.push_back(p);
+    }
+    return near;
+}
+
+bool Resettlement::separate(std::array<std::uint32_t, 2> pair) {
+    const Point apart = mesh_.point(pair[1]) - mesh_.point(pair[0]);
+    const double enough = std::min(enough_squared(pair[0]), enough_squared(pair[1]));
+    if (dot(apart, apart) >= enough) return false;
+    Place best{dot(apart, apart), kNone, {}};
+    std::uint32_t moved = kNone;
+    for (const std::uint32_t site : pair) {
+        if (!is_in_small_part(site)) continue;
+        const Place place = farthest_place(site);
+        if (place.squared <= best.squared) continue;
+        best = place;
+        moved = site;
+    }
+    if (best.squared < enough) {
+        constexpr double kClear = 0.6;  // of enough: the middle of a hexagonal grid's triangle has 0.69
+        const double least = std::sqrt(dot(apart, apart)), clear = kClear * std::sqrt(enough);
+        for (const std::uint32_t site : pair) {
+            if (!is_in_small_part(site) && take_away(site, least, clear)) return true;
+        }
+    }
+    return moved != kNone && mesh_.relocate(moved, best.triangle, best.point);
 }
 
 /// Remembers that what is told of a site, its neighbours and theirs is true no more.

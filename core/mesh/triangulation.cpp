@@ -541,6 +541,12 @@ bool Triangulation::isolate(std::uint32_t site) {
     return true;
 }
 
+/// Tells whether a triangle has a place inside or on its edges; not on a torus.
+bool Triangulation::is_within(std::uint32_t triangle, Point p) const {
+    const auto [a, b, c] = places(triangle);
+    return orientation(a, b, p) >= 0 && orientation(b, c, p) >= 0 && orientation(c, a, p) >= 0;
+}
+
 bool Triangulation::relocate(std::uint32_t site, std::uint32_t triangle, Point p) {
     std::vector<std::uint32_t> touched;  // triangles
     for (const std::uint32_t h : edges_around(site)) touched.push_back(triangle_of(h));
@@ -553,6 +559,11 @@ bool Triangulation::relocate(std::uint32_t site, std::uint32_t triangle, Point p
         join(h, twin(next(edges[2])));
         join(previous(h), twin(next(edges[1])));
         points_[site] = p;
+        if (std::ranges::find(touched, triangle) != touched.end()) {
+            // Without the site, other triangles cover the place.
+            triangle =
+                *std::ranges::find_if(touched, [&](std::uint32_t t) { return t != u && t != v && is_within(t, p); });
+        }
         if (!part_of_.empty()) part_of_[site] = part_of_[triangles_[triangle].corners[0]];
         divide(site, {triangle, p, {}}, u, v);
         touched.push_back(triangle);

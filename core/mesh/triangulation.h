@@ -171,7 +171,6 @@ public:
 
     /// Takes a site away from where it stands and inserts it in a triangle elsewhere; restores the Delaunay property
     /// around both places, as far as it was there. Not on a torus; after trim().
-    /// @param triangle  none that the site is a corner of
     /// @param p         strictly inside the triangle
     /// @returns         false, and the site stays, where its neighbours lie so that no edge can be turned away from it
     bool relocate(std::uint32_t site, std::uint32_t triangle, Point p);
@@ -250,6 +249,7 @@ private:
     void divide(std::uint32_t site, const Location& at, std::uint32_t u, std::uint32_t v);
     std::vector<std::uint32_t> edges_around(std::uint32_t site) const;
     bool isolate(std::uint32_t site);
+    bool is_within(std::uint32_t triangle, Point p) const;
     bool locate(const Region& region, Location& at) const;
     Location way_from(std::uint32_t triangle, Point p) const;
     Insertion insert(Region& region, std::uint32_t site, Point p, double margin, Pending& pending);

@@ -184,16 +184,17 @@ bool MeshPolish::find_nearer(const Triangulation& mesh, double least) {
            std::ranges::any_of(edges_, [&](const auto& blocks) { return std::ranges::any_of(blocks, has_near); });
 }
 
-std::vector<std::uint32_t> MeshPolish::take_nearer(const Triangulation& mesh, double least) {
+std::vector<std::array<std::uint32_t, 2>> MeshPolish::take_nearer(const Triangulation& mesh, double least) {
     auto pairs = joined_within(mesh, 0.5 * least * hexagonal_spacing(1));
     pairs.insert(pairs.end(), facing_.begin(), facing_.end());
-    facing_.clear();
     mesh_transport_.reset();
     std::ranges::sort(pairs);
-    std::vector<std::uint32_t> taken;
-    for (const auto& [a, b] : pairs) {
-        if (std::ranges::find(taken, a) == taken.end() && std::ranges::find(taken, b) == taken.end())
-            taken.push_back(a);
+    std::vector<std::array<std::uint32_t, 2>> taken;
+    const auto is_taken = [&](std::uint32_t site) {
+        return std::ranges::any_of(taken, [&](const auto& pair) { return pair[0] == site; });
+    };
+    for (const auto& pair : pairs) {
+        if (!is_taken(pair[0]) && !is_taken(pair[1])) taken.push_back(pair);
     }
     return taken;
 }

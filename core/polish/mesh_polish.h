@@ -64,9 +64,9 @@ public:
     /// the next pushes push them apart, too.
     bool find_nearer(const Triangulation& mesh, double least);
 
-    /// Lists one of each two sites that find_nearer() has found, and forgets what is known of the mesh: they may be
-    /// taken elsewhere.
-    std::vector<std::uint32_t> take_nearer(const Triangulation& mesh, double least);
+    /// Lists pairs of sites that find_nearer() has found, no first one of which is in two pairs, and forgets what is
+    /// known of the mesh: either site of a pair may be relocated.
+    std::vector<std::array<std::uint32_t, 2>> take_nearer(const Triangulation& mesh, double least);
 
     /// Undoes long waves of density error. Nothing happens in polygons if the density is not smooth.
     void even_out(Triangulation& mesh, const std::stop_token& stop);

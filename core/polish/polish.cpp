@@ -127,9 +127,8 @@ void Polish::push_again(const PolishSettings& settings, const std::function<void
     for (int round = 0; round < settings.most_again && !stop.stop_requested() && is_any_nearer(settings.least);
          ++round) {
         for (const Layer& layer : layers_) {
-            if (round != settings.take_after || !layer.take_away) continue;
-            const auto sites = layer.steps->take_nearer(*layer.mesh, settings.least);
-            layer.take_away(sites);
+            if (round < settings.take_after || !layer.separate) continue;
+            layer.separate(layer.steps->take_nearer(*layer.mesh, settings.least));
         }
         restore_meshes(stop);
         push();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -28,8 +30,9 @@ public:
         Triangulation* mesh = nullptr;
         std::function<void(int passes)> equalise;  ///< makes the mesh Delaunay and its triangles more equal; may be
                                                    ///< empty if no settings want it
-        /// Takes sites of a polygon to where there is more room; may be empty: none is.
-        std::function<void(std::span<const std::uint32_t> sites)> take_away = {};
+        /// Separates pairs of near sites of a polygon: one of each is taken to where there is more room; may be empty:
+        /// none is.
+        std::function<void(std::span<const std::array<std::uint32_t, 2>> pairs)> separate = {};
     };
 
     /// Computes moves of all sites of several inks.

@@ -32,7 +32,7 @@ constexpr Row kPolygon{
      .even_pushes = 2,
      .nearest = 0.84,
      .least = 0.72,
-     .most_again = 6,
+     .most_again = 8,
      .take_after = 2},
     {.reach = 1.1,
      .push = 1,

@@ -98,6 +98,22 @@ TEST(Resettlement, TakesASiteToTheRoomiestPlace) {
     EXPECT_FALSE(resettlement.take_away(last)) << "what is told of it is true no more";
 }
 
+/// One site on each of two islands, both next to the strait between them.
+TEST(Resettlement, SeparatesTheOnlySitesOfTwoIslands) {
+    StartMesh start(domain_of({{test::box(0, 0, 0.49, 0.2), {}}, {test::box(0.51, 0, 0.49, 0.2), {}}}),
+                    Density::uniform(), {.sites = 2, .seed = 4});
+    for (std::uint32_t v = 0; v < 2; ++v) {
+        start.mesh.points()[v] = {start.mesh.point(v).x < 0.5 ? 0.47 : 0.53, 0.1};
+    }
+    start.mesh.restore_delaunay();
+    start.measure();
+    EXPECT_TRUE(Resettlement(start.mesh, start.goals).separate({0, 1}));
+    EXPECT_GT(std::abs(start.mesh.point(1).x - start.mesh.point(0).x), 0.25);
+    EXPECT_NE(start.mesh.point(0).x < 0.5, start.mesh.point(1).x < 0.5) << "no site leaves its island";
+    EXPECT_EQ(test::count_inverted(start.mesh), 0u);
+    EXPECT_FALSE(Resettlement(start.mesh, start.goals).separate({0, 1})) << "neither has a better place";
+}
+
 TEST(Resettlement, MakesNoTrianglesThatAreTooFlat) {
     StartMesh start(domain_of(kStrip), Density::uniform(), {.sites = 60, .seed = 2});
     crowd(start.mesh, {0, 0.05}, {0.95, 0.05}, 5);

@@ -218,6 +218,20 @@ TEST(Triangulation, RelocatesSites) {
     EXPECT_EQ(mesh.restore_delaunay(), 0u);
 }
 
+TEST(Triangulation, RelocatesSitesWithinTheirOwnTriangles) {
+    Triangulation mesh = empty_mesh({{test::circle({0.5, 0.5}, 0.5, 9), {}}}, 1);
+    ASSERT_TRUE(mesh.insert(0, {0.45, 0.55}));
+    mesh.trim();
+    for (std::uint32_t triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
+        const auto [a, b, c] = mesh.places(triangle);
+        const Point to = 1.0 / 3 * (a + b + c);
+        ASSERT_TRUE(mesh.relocate(0, triangle, to));
+        ASSERT_EQ(mesh.point(0), to);
+        expect_valid(mesh, 1, 0);
+    }
+    EXPECT_EQ(mesh.restore_delaunay(), 0u);
+}
+
 /// On both diagonals of a square an edge turned away from the site would end in a flat triangle.
 TEST(Triangulation, LeavesSitesWhoseEdgesCannotBeTurned) {
     Triangulation mesh = empty_mesh({{test::box(0, 0, 0.5, 0.5), {}}, {test::box(0.75, 0, 0.25, 0.25), {}}}, 1);

@@ -292,6 +292,17 @@ TEST(Polish, KeepsSitesApartAcrossWater) {
     }
 }
 
+/// Most islands hold one to four sites: there is no roomier site to go to, and neighbours stand across water.
+TEST(Polish, KeepsSitesOfSmallIslandsApart) {
+    const Domain domain = domain_of(test::read_geojson("Norway-islands-10m.geojson"));
+    for (const std::size_t sites : {10, 20, 30, 60}) {
+        for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+            const auto placed = run(domain, Density::uniform(), {.sites = sites, .seed = seed});
+            EXPECT_GT(test::sorted_distances(domain, placed.points).front(), 0.6) << sites << " sites, seed " << seed;
+        }
+    }
+}
+
 /// A density that varies as on a chart of the globe: numbers of sites in strips of some spacings, against those due.
 TEST(Polish, EvensOutSmoothDensities) {
     constexpr int kStrips = 10, kCells = 8 * kStrips;
