@@ -129,7 +129,7 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
                              .memory_budget = 1000,
                              .memory_reserved = 100,
                              .decoder_restarts = 2,
-                             .computing = {.crashes = 8, .restarts = 9, .decoder_deaths = 3},
+                             .computing = {.crashes = 8, .overdue = 12, .restarts = 9, .decoder_deaths = 3},
                              .lent_threads = 4,
                              .jobs = {},
                              .job_runs = {},
@@ -149,6 +149,7 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
     EXPECT_EQ(value(text, "ccdt_memory_budget_bytes"), 1000);
     EXPECT_EQ(value(text, "ccdt_memory_reserved_bytes"), 100);
     EXPECT_EQ(value(text, "ccdt_computation_crashes_total"), 8);
+    EXPECT_EQ(value(text, "ccdt_computations_overdue_total"), 12);
     EXPECT_EQ(value(text, "ccdt_worker_restarts_total"), 9);
     EXPECT_EQ(value(text, "ccdt_computation_threads_lent"), 4);
     EXPECT_EQ(value(text, "ccdt_decoder_deaths_total"), 3);
