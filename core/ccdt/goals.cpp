@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 #include <utility>
 
 #include "core/geometry/hexagonal_spacing.h"
@@ -101,9 +102,28 @@ double faced_length(const Triangulation& mesh, std::uint32_t site, WeightOf&& we
     return sum;
 }
 
+/// Lengths of the edges that sites face, each added up once: a site may face thousands.
+template <class WeightOf>
+class FacedLengths {
+public:
+    FacedLengths(const Triangulation& mesh, const WeightOf& weight_of) : mesh_(mesh), weight_of_(weight_of) {}
+
+    double operator()(std::uint32_t site) {
+        const auto [known, is_new] = known_.try_emplace(site, 0);
+        if (is_new) known->second = faced_length(mesh_, site, weight_of_);
+        return known->second;
+    }
+
+private:
+    const Triangulation& mesh_;
+    const WeightOf& weight_of_;
+    std::unordered_map<std::uint32_t, double> known_;
+};
+
 /// Goal of a triangle with a free site.
 template <class WeightOf>
-TriangleGoal aim(const Triangulation& mesh, std::uint32_t triangle, WeightOf&& weight_of) {
+TriangleGoal aim(const Triangulation& mesh, std::uint32_t triangle, const WeightOf& weight_of,
+                 FacedLengths<WeightOf>& faced_lengths) {
     constexpr double kEdgeShare = 0.5;     // of the strip; the other half goes to the corners
     constexpr double kCornerShare = 0.61;  // benchmark BorderPattern: less crowds sites at the border, more shuns it
     constexpr double kLeastShare = 1e-3;   // of a fan of a thousand triangles: keeps the terms of one vertex comparable
@@ -113,7 +133,7 @@ TriangleGoal aim(const Triangulation& mesh, std::uint32_t triangle, WeightOf&& w
     const std::uint32_t edge = faced_edge(mesh, triangle);
     if (edge == kNone) return {weight, touches_border ? kCornerShare : 1, 1};
     const double own = length(mesh, edge, weight);
-    const double all = std::min(1.0, faced_length(mesh, facing_site(mesh, edge), weight_of));
+    const double all = std::min(1.0, faced_lengths(facing_site(mesh, edge)));
     // The first row is half a row from the border, and a whole one from fixed sites.
     return {weight, touches_border ? kEdgeShare * own : std::min(1.0, own),
             own < all ? std::max(kLeastShare, own / all) : 1};
@@ -132,11 +152,12 @@ struct Aims {
 
 /// @param reached_by, weight_of  give what a triangle has, and its weight
 template <class ReachedBy, class WeightOf>
-Aims find_aims(const Triangulation& mesh, ReachedBy&& reached_by, WeightOf&& weight_of) {
+Aims find_aims(const Triangulation& mesh, ReachedBy&& reached_by, const WeightOf& weight_of) {
     const std::size_t count = mesh.triangle_count();
     std::vector<Aims> parts((count + kRange - 1) / kRange);
     for_ranges(mesh.team(), count, kRange, [&](std::size_t begin, std::size_t end) {
         Aims own;
+        FacedLengths faced_lengths(mesh, weight_of);
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
             const double reached = reached_by(t);
             if (std::ranges::all_of(mesh.corners(t), [&](std::uint32_t v) { return mesh.is_free(v); })) {
@@ -144,7 +165,8 @@ Aims find_aims(const Triangulation& mesh, ReachedBy&& reached_by, WeightOf&& wei
                 continue;
             }
             const bool moves = is_any_free(mesh, t);  // else nothing there can move it
-            const TriangleGoal goal = moves ? aim(mesh, t, weight_of) : TriangleGoal{weight_of(t), reached, 1};
+            const TriangleGoal goal =
+                moves ? aim(mesh, t, weight_of, faced_lengths) : TriangleGoal{weight_of(t), reached, 1};
             if (moves && goal.target >= kLeastTarget) own.reached.add(reached, goal.target);
             own.triangles.push_back(t);
             own.goals.push_back(goal);

@@ -253,15 +253,21 @@ Result<void> DotGround::draw_again(std::uint32_t feature, std::uint64_t seed, co
 }
 
 void DotGround::find_overlaps(std::span<const FeatureDot> dots, const std::stop_token& stop) {
+    constexpr std::uint32_t kNone = ~std::uint32_t{0};
+    std::uint32_t current = kNone;
+    std::vector<std::uint32_t> known_to(overlaps_.size(), kNone);  // the last feature that is known to overlap each one
     for (const auto& [place, feature] : dots) {
         if (stop.stop_requested()) return;
+        if (feature != current) {
+            for (const std::uint32_t other : overlaps_[feature]) known_to[other] = feature;
+            current = feature;
+        }
         map_.index.for_near(place, [&, place = place, feature = feature](std::uint32_t other) {
-            if (other == feature || this->dots(other) == 0) return;
-            std::vector<std::uint32_t>& known = overlaps_[feature];
-            if (std::ranges::find(known, other) != known.end() || !map_.areas[other].contains(place)) return;
-            known.push_back(other);
-            std::vector<std::uint32_t>& back = overlaps_[other];
-            if (std::ranges::find(back, feature) == back.end()) back.push_back(feature);
+            if (other == feature || known_to[other] == feature || this->dots(other) == 0) return;
+            if (!map_.areas[other].contains(place)) return;
+            known_to[other] = feature;
+            overlaps_[feature].push_back(other);
+            overlaps_[other].push_back(feature);
         });
     }
 }

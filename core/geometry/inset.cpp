@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -34,15 +35,21 @@ double distance_to(Point a, Point b, Point p) {
     return length(from - at * along);
 }
 
+constexpr double kSlice = std::numbers::pi / 16;  ///< of an arc: its radius over the polygon's is 0.995
+
 /// What is too near to a piece of the border: to an edge, on its left, or to a segment, on both sides.
 struct Reach {
     Point a, b;
     double distance = 0;  ///< that is kept
     bool is_edge = false;
-    Point before, after;  ///< corners of the border next to an edge
+    Point before, after;    ///< corners of the border next to an edge
+    double slice = kSlice;  ///< largest angle between corners of the arcs at the ends of an edge
 
     /// Distance by which a point is farther than it need be.
     double clearance(Point p) const { return distance_to(a, b, p) - distance; }
+
+    /// Tells whether the corner at which this begins is the end of another piece, which keeps as far from it.
+    bool is_after(const Reach& other) const { return other.b == a && other.distance >= distance; }
 };
 
 /// What is too near to a domain's border, piece by piece; in the unit frame.
@@ -50,14 +57,17 @@ struct Reach {
 /// If discs lie around their points, the nearest point of the border to a place inside that is too near lies on an
 /// edge, and the place on its left; or it is a corner that reaches inwards, and the place is between the two edges'
 /// normals. Many edges that hardly differ from one segment are taken for it, and what is near to that on either side:
-/// of those that are much finer than the distance few are left. Other discs are all taken so.
+/// of those that are much finer than the distance few are left. Other discs are all taken so, unless there are many
+/// and they hardly differ: then all edges keep the largest distance.
 class Strip {
 public:
-    Strip(const Domain& domain, const DiscAround& disc_around, bool is_centred)
+    Strip(const Domain& domain, const DiscAround& disc_around, bool is_centred, double indifference)
         : domain_(domain),
           scale_(std::max(domain.bounds().width(), domain.bounds().height())),
           disc_around_(disc_around),
-          is_centred_(is_centred) {
+          is_centred_(is_centred),
+          indifference_(indifference / scale_) {
+        if (!is_centred && domain.corner_count() > kManyCorners) even_out();
         for (const Ring& ring : domain.rings()) add_ring(ring);
     }
 
@@ -93,6 +103,8 @@ private:
                 reaches_.push_back({from.centre, to.centre, run.reach, false, {}, {}});
             } else if (is_centred_) {
                 reaches_.push_back({at(i), at(i + 1), from.radius, true, at(i + size - 1), at(i + 2)});
+            } else if (same_ > 0 && from.radius > 0 && to.radius > 0) {
+                reaches_.push_back({at(i), at(i + 1), same_, true, at(i + size - 1), at(i + 2), slice(same_)});
             } else {
                 add_swept(at(i), at(i + 1), from, to, kMostHalvings);
             }
@@ -146,12 +158,39 @@ private:
         add_swept(middle, b, between, to, halvings - 1);
     }
 
+    /// Finds one distance for all edges, if that makes no difference.
+    void even_out() {
+        constexpr double kBetween = 1e-3;  // that an edge may need more than its ends
+        double least = std::numeric_limits<double>::infinity(), most = 0;
+        for (const Ring& ring : domain_.rings()) {
+            for (const Point& p : ring) {
+                const Disc own = disc(p);
+                if (own.radius == 0) continue;
+                least = std::min(least, own.radius);
+                most = std::max(most, (1 + kBetween) * needed(p, own));
+            }
+        }
+        if (most - least <= indifference_) same_ = most;
+    }
+
+    /// Returns the radius of the disc around a point that holds another one.
+    static double needed(Point p, const Disc& disc) { return disc.radius + length(disc.centre - p); }
+
+    /// Returns the angle between corners of an arc that makes no difference to what is kept free.
+    double slice(double distance) const {
+        constexpr double kMostSlice = std::numbers::pi / 3;
+        return std::clamp(2 * std::acos(distance / (distance + indifference_)), kSlice, kMostSlice);
+    }
+
     static constexpr int kMostHalvings = 10;
+    static constexpr std::size_t kManyCorners = 4'000;
 
     const Domain& domain_;
     const double scale_;
     const DiscAround& disc_around_;
-    const bool is_centred_;    ///< discs have the points for centres, and one radius
+    const bool is_centred_;  ///< discs have the points for centres, and one radius
+    const double indifference_;
+    double same_ = 0;          ///< distance of all edges, if other discs hardly differ; else 0
     std::vector<Disc> discs_;  ///< around the corners of a ring
     std::vector<Reach> reaches_;
 };
@@ -240,8 +279,8 @@ public:
     }
 
     /// Adds what is near to the corner before an edge.
-    void add_corner_before(const Reach& edge) { add_corner(edge.before, edge.a, edge.b, edge.distance); }
-    void add_corner_after(const Reach& edge) { add_corner(edge.a, edge.b, edge.after, edge.distance); }
+    void add_corner_before(const Reach& edge) { add_corner(edge.before, edge.a, edge.b, edge); }
+    void add_corner_after(const Reach& edge) { add_corner(edge.a, edge.b, edge.after, edge); }
 
     void add(Ring polygon) {
         Ring inside = clipped(std::move(polygon), box_);
@@ -254,8 +293,7 @@ public:
     }
 
 private:
-    static constexpr double kSlice = std::numbers::pi / 16;  ///< of an arc: its radius over the polygon's is 0.995
-    static constexpr double kKept = 0.01;                    ///< share of its length that a line beside an edge keeps
+    static constexpr double kKept = 0.01;  ///< share of its length that a line beside an edge keeps
 
     static Point along(const Reach& edge) {
         const Point by = edge.b - edge.a;
@@ -301,19 +339,20 @@ private:
     }
 
     /// What is too near to a corner that reaches inwards: the polygon about the arc between the normals.
-    void add_corner(Point before, Point corner, Point after, double reach) {
+    void add_corner(Point before, Point corner, Point after, const Reach& edge) {
         const double turn = turn_between(corner - before, after - corner);
         if (turn >= 0) return;
         Ring fan{corner};
-        add_arc(before, corner, after, reach, turn, fan);
+        add_arc(before, corner, after, edge, turn, fan);
         add(std::move(fan));
     }
 
     /// Adds the polygon about the arc around a corner that reaches inwards, from the normal of what is after it to that
     /// of what is before.
-    static void add_arc(Point before, Point corner, Point after, double reach, double turn, Ring& ring) {
+    static void add_arc(Point before, Point corner, Point after, const Reach& edge, double turn, Ring& ring) {
+        const double reach = edge.distance;
         const Point first = normal(before, corner), last = normal(corner, after);
-        const int slices = static_cast<int>(std::ceil(-turn / kSlice));
+        const int slices = static_cast<int>(std::ceil(-turn / edge.slice));
         const double slice = turn / slices, radius = reach / std::cos(slice / 2);
         ring.push_back(corner + reach * last);
         for (int i = slices; i-- > 0;) ring.push_back(corner + radius * turned(first, (i + 0.5) * slice));
@@ -323,7 +362,7 @@ private:
     /// Adds what lies between the lines beside two edges of a run: where they cross, or an arc.
     static void add_beside(const Reach& before, const Reach& after, Ring& strip) {
         const double turn = turn_between(along(before), along(after));
-        if (turn < 0) return add_arc(before.a, before.b, after.b, before.distance, turn, strip);
+        if (turn < 0) return add_arc(before.a, before.b, after.b, before, turn, strip);
         const Point up = normal(before.a, before.b) + normal(after.a, after.b);
         strip.push_back(after.a + 2 * before.distance / dot(up, up) * up);
     }
@@ -382,8 +421,11 @@ public:
     /// All of border() but for what its lines enclose that is too near, if these are no more than the lines beside the
     /// edges, and meet nowhere; else none.
     Result<std::optional<Area>> lines() const {
-        const bool are_edges = std::ranges::all_of(reaches_, &Reach::is_edge);
-        if (!has_many() || !are_edges) return std::nullopt;
+        const auto is_alike = [&](const Reach& piece) {
+            return piece.is_edge && piece.distance == reaches_.front().distance;
+        };
+        const bool are_alike = reaches_.size() == domain_.corner_count() && std::ranges::all_of(reaches_, is_alike);
+        if (!has_many() || !are_alike) return std::nullopt;
         auto lines = Shapes::parallels(domain_.rings(), reaches_);
         if (!lines) return lines;
         const auto enclosed = difference(*lines, {}, domain_.resolution(), stop_, kMore);
@@ -533,14 +575,14 @@ private:
             shapes.add({box.min, {box.max.x, box.min.y}, box.max, {box.min.x, box.max.y}});
         const auto pieces = pieces_in(square);
         for (std::size_t i = 0; i < pieces.size(); ++i)
-            shapes.add(reaches_[pieces[i]], i > 0 && reaches_[pieces[i - 1]].b == reaches_[pieces[i]].a);
+            shapes.add(reaches_[pieces[i]], i > 0 && reaches_[pieces[i]].is_after(reaches_[pieces[i - 1]]));
         return shapes.take();
     }
 
     std::vector<Area> all_shapes() const {
         Shapes shapes(domain_, domain_.unit_bounds());
         for (std::size_t i = 0; i < reaches_.size(); ++i)
-            shapes.add(reaches_[i], i > 0 && reaches_[i - 1].b == reaches_[i].a);
+            shapes.add(reaches_[i], i > 0 && reaches_[i].is_after(reaches_[i - 1]));
         return shapes.take();
     }
 
@@ -550,7 +592,7 @@ private:
         Shapes strips(domain_, domain_.unit_bounds());
         for (std::span<const Reach> rest = reaches_; !rest.empty();) {
             const std::size_t run = Shapes::simple_run(rest);
-            const bool is_after = rest.size() < reaches_.size() && (rest.data() - 1)->b == rest[0].a;
+            const bool is_after = rest.size() < reaches_.size() && rest[0].is_after(*(rest.data() - 1));
             if (run == 1) {
                 shapes.add(rest[0], is_after);
             } else {
@@ -586,9 +628,9 @@ Result<Area> divided(const Domain& domain, const ReachTree& tree, const std::sto
 }
 
 /// Without what is too near where the new border runs, the domain falls into what is far enough, and what is not.
-Result<Domain> without_strip(const Domain& domain, const DiscAround& disc_around, bool is_centred,
+Result<Domain> without_strip(const Domain& domain, const DiscAround& disc_around, bool is_centred, double indifference,
                              const std::stop_token& stop) {
-    auto reaches = Strip(domain, disc_around, is_centred).take();
+    auto reaches = Strip(domain, disc_around, is_centred, indifference).take();
     if (reaches.empty()) return domain;
     const ReachTree tree(domain, std::move(reaches), stop);
     auto left = divided(domain, tree, stop);
@@ -621,11 +663,12 @@ Result<Domain> inset(const Domain& domain, double distance, const std::stop_toke
         [distance](Point p) {
             return Disc{p, distance};
         },
-        true, stop);
+        true, 0, stop);
 }
 
-Result<Domain> inset(const Domain& domain, const DiscAround& disc_around, const std::stop_token& stop) {
-    return without_strip(domain, disc_around, false, stop);
+Result<Domain> inset(const Domain& domain, const DiscAround& disc_around, double indifference,
+                     const std::stop_token& stop) {
+    return without_strip(domain, disc_around, false, indifference, stop);
 }
 
 double largest_clearance(const Domain& domain, const std::stop_token& stop) {

@@ -25,12 +25,12 @@ Disc disc_on_ground(const Chart& chart, Point place, double metres) {
 Result<void> keep_off_border(ChartedPart& part, double buffer, const std::stop_token& stop) {
     constexpr double kOnSeam = 1e-5;  // the circle's edges are chords; borders are degrees away
     if (!(buffer > 0)) return {};
-    const double metres = std::max(buffer, kLeastBuffer);
+    const double metres = std::max(buffer, kLeastBuffer) + part.error;
     const DiscAround disc_around = [&](Point p) {
         const bool is_cut = std::abs(std::sqrt(dot(p, p)) - part.seam) < kOnSeam * part.seam;
         return is_cut ? Disc{} : disc_on_ground(part.chart, p, metres);
     };
-    auto kept = inset(part.domain, disc_around, stop);
+    auto kept = inset(part.domain, disc_around, part.indifference, stop);
     if (!kept) return failure(kept.error().code, "the buffer leaves nothing of the polygon", "buffer");
     part.domain = *std::move(kept);
     return {};

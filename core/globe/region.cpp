@@ -19,6 +19,7 @@ constexpr double kLeastRadius = 6'335'439;
 /// Degrees that coordinates at the ends of their ranges may be off by: ten micrometres.
 constexpr double kClose = 1e-10;
 constexpr double kTolerance = 1e-3;  ///< to which edges are straight on a chart, over the pitch of sites
+constexpr double kBentTo = 4'000;    ///< the buffer over the distance to which edges are bent
 
 Result<void> check_positions(const Ring& ring, const std::string& pointer) {
     constexpr double kFarthest = 540;
@@ -151,8 +152,14 @@ private:
     Far far_from_border() const;
     std::optional<Chart> simple_chart() const;
     double deviation(const Chart& chart, Point a, Point b) const;
-    void lay(const Chart& chart, Point a, Point b, Ring& plane) const;
-    std::vector<Ring> lay_all(const Chart& chart) const;
+    template <class Visit>
+    static void for_chunks(Point a, Point b, Visit visit);
+    template <class Visit>
+    void for_bent_edges(Visit visit) const;
+    double tolerance(const Chart& chart) const;
+    double error(double tolerance) const;
+    void lay(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const;
+    std::vector<Ring> lay_all(const Chart& chart, double tolerance) const;
     Result<std::vector<ChartedPart>> on_one_chart(const Chart& chart) const;
     Result<std::vector<ChartedPart>> on_two_charts(const Far& far) const;
 
@@ -167,7 +174,7 @@ private:
     std::vector<Direction> border_;  ///< points on all edges, at most `step_` apart
     double step_ = 0;                ///< radians
     std::size_t stride_ = 1;         ///< of those that are looked at in a search
-    double tolerance_ = 0;           ///< radians on the ground
+    double coarsest_ = 0;            ///< largest distance of bent edges from straight ones, radians on the ground
 };
 
 Charting::Charting(const Domain& degrees, std::size_t sites, double buffer, const std::stop_token& stop)
@@ -230,13 +237,7 @@ void Charting::sample_border() {
         const int steps = std::max(1, static_cast<int>(std::ceil(std::sqrt(dot(b - a, b - a)) / step)));
         for (int i = 0; i < steps; ++i) border_.push_back(direction_of(a + static_cast<double>(i) / steps * (b - a)));
     };
-    for_edges([&](Point a, Point b) {
-        if (is_pole(a, b)) return;
-        if (!is_seam(a, b)) return add(a, b);
-        for_pieces_of_seam(a, b, [&](std::size_t piece, Point from, Point to) {
-            if (seam_sides_[piece] == 1) add(from, to);
-        });
-    });
+    for_bent_edges(add);
     step_ = step * kDegree;
     stride_ = 1 + border_.size() / kLookedAt;
 }
@@ -327,27 +328,70 @@ double Charting::deviation(const Chart& chart, Point a, Point b) const {
     return most;
 }
 
-/// Appends an edge, but for its end, bent as it is on a chart.
-void Charting::lay(const Chart& chart, Point a, Point b, Ring& plane) const {
-    constexpr double kLong = 4, kMostPieces = 1'000;
+/// Calls `visit(from, to)` for the pieces of an edge that are at most four degrees long, in their order.
+template <class Visit>
+void Charting::for_chunks(Point a, Point b, Visit visit) {
+    constexpr double kLong = 4;
     const Point along = b - a;
-    const double length = std::sqrt(dot(along, along));
-    const int pieces = std::max(1, static_cast<int>(std::ceil(length / kLong)));
-    const double bend = length * kDegree;
-    for (int i = 0; i < pieces; ++i) {
-        const Point from = a + static_cast<double>(i) / pieces * along;
-        const Point to = i + 1 == pieces ? b : a + (i + 1.0) / pieces * along;
+    const int pieces = std::max(1, static_cast<int>(std::ceil(std::sqrt(dot(along, along)) / kLong)));
+    for (int i = 0; i < pieces; ++i)
+        visit(a + static_cast<double>(i) / pieces * along, i + 1 == pieces ? b : a + (i + 1.0) / pieces * along);
+}
+
+/// Tells whether an edge is straight to within a tolerance on any chart.
+bool is_straight(Point a, Point b, double tolerance) {
+    const Point along = b - a;
+    return dot(along, along) * kDegree * kDegree < tolerance;
+}
+
+/// Calls `visit(a, b)` for all edges that are bent on a chart.
+template <class Visit>
+void Charting::for_bent_edges(Visit visit) const {
+    for_edges([&](Point a, Point b) {
+        if (is_pole(a, b)) return;
+        if (!is_seam(a, b)) return visit(a, b);
+        for_pieces_of_seam(a, b, [&](std::size_t piece, Point from, Point to) {
+            if (seam_sides_[piece] == 1) visit(from, to);
+        });
+    });
+}
+
+/// Returns the distance to which edges are bent on a chart, radians on the ground. A small buffer asks for a fine one;
+/// the number of pieces that it may take is limited.
+double Charting::tolerance(const Chart& chart) const {
+    constexpr double kMostPieces = 10'000;
+    const double wanted = buffer_ / kBentTo;
+    if (buffer_ == 0 || wanted >= coarsest_) return coarsest_;
+    double pieces = 0;  // over the square root of the tolerance
+    for_bent_edges([&](Point a, Point b) {
+        if (is_straight(a, b, wanted)) return;
+        for_chunks(a, b, [&](Point from, Point to) { pieces += std::sqrt(deviation(chart, from, to)); });
+    });
+    const double root = pieces / kMostPieces;
+    return std::clamp(root * root, wanted, coarsest_);
+}
+
+/// Returns the distance in metres by which edges may be off, unless it is next to nothing against the buffer.
+double Charting::error(double tolerance) const {
+    constexpr double kLargestRadius = 6'399'594;
+    return buffer_ > 0 && tolerance > buffer_ / kBentTo ? tolerance * kLargestRadius : 0;
+}
+
+/// Appends an edge, but for its end, bent as it is on a chart.
+void Charting::lay(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const {
+    constexpr double kMostPieces = 1'000;
+    for_chunks(a, b, [&](Point from, Point to) {
         plane.push_back(chart.to_plane(direction_of(from)));
-        if (bend * bend < tolerance_) continue;  // shorter ones are straight, whatever the chart
-        const double parts = std::ceil(std::sqrt(deviation(chart, from, to) / tolerance_));
+        if (is_straight(a, b, tolerance)) return;
+        const double parts = std::ceil(std::sqrt(deviation(chart, from, to) / tolerance));
         const int cuts = static_cast<int>(std::min(parts, kMostPieces));
         for (int cut = 1; cut < cuts; ++cut)
             plane.push_back(chart.to_plane(direction_of(from + static_cast<double>(cut) / cuts * (to - from))));
-    }
+    });
 }
 
 /// Rings in the plane of a chart. What the seam has on both sides runs there and back.
-std::vector<Ring> Charting::lay_all(const Chart& chart) const {
+std::vector<Ring> Charting::lay_all(const Chart& chart, double tolerance) const {
     std::vector<Ring> planes;
     for (const Ring& ring : rings_) {
         Ring& plane = planes.emplace_back();
@@ -356,10 +400,10 @@ std::vector<Ring> Charting::lay_all(const Chart& chart) const {
             if (is_pole(a, b)) {
                 plane.push_back(chart.to_plane(direction_of(a)));
             } else if (!is_seam(a, b)) {
-                lay(chart, a, b, plane);
+                lay(chart, tolerance, a, b, plane);
             } else {
                 for_pieces_of_seam(a, b, [&](std::size_t piece, Point from, Point to) {
-                    if (seam_sides_[piece] == 1) return lay(chart, from, to, plane);
+                    if (seam_sides_[piece] == 1) return lay(chart, tolerance, from, to, plane);
                     plane.push_back(chart.to_plane(direction_of(from)));
                 });
             }
@@ -369,10 +413,11 @@ std::vector<Ring> Charting::lay_all(const Chart& chart) const {
 }
 
 Result<std::vector<ChartedPart>> Charting::on_one_chart(const Chart& chart) const {
-    auto domain = Domain::enclosed_by(lay_all(chart), stop_);
+    const double tolerance = this->tolerance(chart);
+    auto domain = Domain::enclosed_by(lay_all(chart, tolerance), stop_);
     if (!domain) return tl::unexpected(domain.error());
     std::vector<ChartedPart> parts;
-    parts.push_back({chart, *std::move(domain), 0});
+    parts.push_back({chart, *std::move(domain), 0, error(tolerance), coarsest_});
     return parts;
 }
 
@@ -403,22 +448,22 @@ Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
     }
     const Chart chart(-far.direction), opposite(far.direction);
     // Seen from the centre the circle encloses all but what lies in it, which the rings leave open.
-    std::vector<Ring> rings = lay_all(chart);
+    const double tolerance = this->tolerance(chart);
+    std::vector<Ring> rings = lay_all(chart, tolerance);
     rings.push_back(circle(std::numbers::pi - angle));
     auto most = Domain::enclosed_by(rings, stop_);
     if (!most) return tl::unexpected(most.error());
     auto rest = Domain::enclosed_by({circle(angle)}, stop_);
     if (!rest) return tl::unexpected(rest.error());
     std::vector<ChartedPart> parts;
-    parts.push_back({chart, *std::move(most), radius_of(std::numbers::pi - angle)});
-    parts.push_back({opposite, *std::move(rest), radius_of(angle)});
+    parts.push_back({chart, *std::move(most), radius_of(std::numbers::pi - angle), error(tolerance), coarsest_});
+    parts.push_back({opposite, *std::move(rest), radius_of(angle), 0, coarsest_});
     return parts;
 }
 
 Result<Domain> Charting::lay_on(const Chart& chart, double pitch) {
     find_seam();
-    tolerance_ = kTolerance * pitch;
-    return Domain::enclosed_by(lay_all(chart), stop_);
+    return Domain::enclosed_by(lay_all(chart, kTolerance * pitch), stop_);
 }
 
 Result<std::vector<ChartedPart>> Charting::execute() {
@@ -429,8 +474,7 @@ Result<std::vector<ChartedPart>> Charting::execute() {
     const double distance = pitch();
     if (distance * std::sqrt(sites_) < kLeastExtent * kDegree)
         return failure(ErrorCode::Unusable, "the polygon is too small on the globe");
-    tolerance_ = kTolerance * distance;
-    if (buffer_ > 0) tolerance_ = std::min(tolerance_, buffer_ / 4'000);
+    coarsest_ = kTolerance * distance;
     const Direction in_the_pacific = direction_of({-150, -30});
     if (border_.empty()) return on_two_charts({in_the_pacific, std::numbers::pi, true});
     if (const auto chart = simple_chart()) return on_one_chart(*chart);

@@ -31,8 +31,10 @@ inline constexpr double kLeastBuffer = 1e-5;
 /// A part of a region of the globe, on a chart of its own.
 struct ChartedPart {
     Chart chart;
-    Domain domain;    ///< in the chart's plane
-    double seam = 0;  ///< radius of the circle around the origin along which the region was cut; 0: it was not
+    Domain domain;            ///< in the chart's plane
+    double seam = 0;          ///< radius of the circle around the origin along which the region was cut; 0: it was not
+    double error = 0;         ///< metres on the ground by which edges may be off, if that is much against the buffer
+    double indifference = 0;  ///< distance in the plane that sites with a buffer do not show
 };
 
 /// Lays a region of the globe onto charts: on one if a cap of some degrees is free of it, with the centre opposite the
@@ -43,8 +45,9 @@ struct ChartedPart {
 ///                 3.1.1). Where it reaches around the globe, west and east meet, and what they share is no border
 /// @param sites    that it will have: edges are bent in the plane as far as may matter to these, to a thousandth of
 ///                 their pitch
-/// @param buffer   distance in metres that these will keep from the border: edges are bent to a 4,000th of it, and none
-///                 is as near to a cut; 0 if there is none
+/// @param buffer   distance in metres that these will keep from the border; 0 if there is none. Edges are bent to a
+///                 4,000th of it, or as closely as 10,000 pieces allow (see ChartedPart::error). None is as near to a
+///                 cut
 /// Errors (Unusable): extents below a centimetre; what is strewn so closely over all of the globe that no cap is free
 /// of its border; Stopped. Same input, same bytes.
 Result<std::vector<ChartedPart>> chart_region(const Domain& degrees, std::size_t sites, double buffer = 0,

@@ -308,7 +308,7 @@ ComputeBox::ComputeBox(std::unique_ptr<SupervisedProgram> fork_server, SharedNum
 ComputeBox::~ComputeBox() = default;
 
 ComputeBox::Counts ComputeBox::counts() const {
-    return {crashes_, fork_server_->restarts(), fork_server_->silences(), decoder_deaths_};
+    return {crashes_, overdue_, fork_server_->restarts(), fork_server_->silences(), decoder_deaths_};
 }
 
 Result<api::Answer> ComputeBox::compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
@@ -329,7 +329,7 @@ Result<api::Answer> ComputeBox::compute(const ComputeRequest& request, const Del
             return *std::move(outcome);
         }
         const bool was_left = outcome.error().overdue && delivery.unwanted.stop_requested();
-        if (!was_left) ++crashes_;
+        if (!was_left) ++(outcome.error().overdue ? overdue_ : crashes_);
         if (was_left || control.stop.stop_requested()) return failure(ErrorCode::Stopped, describe(outcome.error()));
         const bool is_told = conversation.has_begun() && delivery.taker != nullptr;
         if (again || is_told || !outcome.error().is_killed())

@@ -56,7 +56,7 @@ public:
     Result<void> wait_until_ready() { return fork_server_->wait_until_ready(); }
 
     /// Computes an answer: see Compute. The process gives way to others as much as the calling thread does. A
-    /// computation that does not stop in time is ended with its process; that counts as a crash if somebody waits.
+    /// computation that does not stop in time is ended with its process; that counts as overdue if somebody waits.
     Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
                                 api::Timings& timings);
 
@@ -73,7 +73,8 @@ public:
     bool is_responsive() const { return fork_server_->is_responsive(); }
 
     struct Counts {
-        std::uint64_t crashes = 0;         ///< processes that ended while they computed
+        std::uint64_t crashes = 0;         ///< processes that ended by themselves while they computed
+        std::uint64_t overdue = 0;         ///< processes ended since they did not stop at a deadline
         std::uint64_t restarts = 0;        ///< of the fork server
         std::uint64_t silences = 0;        ///< times that the fork server stopped answering
         std::uint64_t decoder_deaths = 0;  ///< pictures whose decoder crashed, passed a limit or gave nonsense
@@ -94,6 +95,7 @@ private:
     const Options options_;
     const Relay relay_;
     std::atomic<std::uint64_t> crashes_ = 0;
+    std::atomic<std::uint64_t> overdue_ = 0;
     std::atomic<std::uint64_t> decoder_deaths_ = 0;
     std::atomic<std::uint64_t> computations_ = 0;
     SharedNumber threads_;  ///< that each computation may have

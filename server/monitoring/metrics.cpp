@@ -117,6 +117,8 @@ struct Metrics::Families {
                                              "Times that the process that starts decoders stopped answering.");
     Counter& silences = make_counter(registry, "ccdt_worker_silences_total",
                                      "Times that the process that starts those that compute stopped answering.");
+    Counter& ended_overdue = make_counter(registry, "ccdt_computations_overdue_total",
+                                          "Processes that were ended because they did not stop at a deadline.");
     Counter& restarts = make_counter(registry, "ccdt_worker_restarts_total",
                                      "Times that what makes these processes ended and was started again.");
     Family<Gauge>& jobs =
@@ -232,6 +234,7 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
         all.raise_redis("answers", watched.redis.answers);
         all.raise_redis("rates", watched.redis.rates);
         raise(all.crashes, watched.computing.crashes);
+        raise(all.ended_overdue, watched.computing.overdue);
         raise(all.restarts, watched.computing.restarts);
         raise(all.silences, watched.computing.silences);
         raise(all.cache_hits, watched.cache.hits);

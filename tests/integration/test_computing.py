@@ -97,6 +97,8 @@ class Hangs(ServerCase):
     def test_are_no_way_out_of_a_deadline(self):
         self.assert_problem(post_json(self.server, "/sample", sample(seed=HANG)), 504)
         wait_until(lambda: figure(self.server, "ccdt_workers_busy") == 0)
+        self.assertEqual(figure(self.server, "ccdt_computation_crashes_total"), 0)
+        self.assertEqual(figure(self.server, "ccdt_computations_overdue_total"), 1)
         self.assertEqual(post_json(self.server, "/sample", sample()).status, 200)
 
 

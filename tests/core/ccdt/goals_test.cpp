@@ -40,6 +40,13 @@ TEST(EvenGoals, AreThoseOfEachTriangle) {
     }
 }
 
+/// If each triangle added up all edges that its site faces, this would take hours.
+TEST(Goals, AddUpTheEdgesThatASiteFacesOnce) {
+    StartMesh start(domain_of({{test::circle({0, 0}, 1, 200'000), {}}}), Density::uniform(), {.sites = 2, .seed = 5});
+    start.measure();
+    EXPECT_EQ(start.goals.size(), start.mesh.triangle_count());
+}
+
 TEST(TriangleGoals, KnowNothingOfNone) {
     const TriangleGoals each(std::vector<TriangleGoal>{{3, 1, 1}}), rare(TriangleGoal{2, 1, 1}, {4}, {{5, 0.5, 0.5}});
     const TriangleGoals weights(std::vector<double>{2, 0, 3}, {1}, {{5, 0.5, 0.5}});

@@ -205,6 +205,38 @@ TEST(Inset, KeepsOutOfDiscsThatLieBesideTheirPoints) {
               Domain::create(parts)->rings());
 }
 
+TEST(Inset, KeepsOneDistanceWhereDiscsHardlyDiffer) {
+    // Radii differ by a tenth from west to east, and discs lie beside their points by a thousandth of them.
+    const Parts parts = ragged_circle(6'000, 0.1);
+    const Domain domain = Domain::create(parts).value();
+    for (const double size : {1e-6, 1e-4, 1e-2}) {
+        const auto disc = [&](Point p) {
+            const double radius = size * (1 + 0.05 * p.x);
+            return Disc{{p.x + 1e-3 * radius, p.y}, radius};
+        };
+        const auto left = inset(domain, disc, 0.2 * size);
+        ASSERT_TRUE(left) << left.error().message;
+        double least = 9, most = 0;
+        for (const Ring& ring : left->rings()) {
+            for (std::size_t i = 0; i < ring.size(); i += 40) {
+                const double distance = test::distance_to_border(parts, left->to_user(ring[i])) / size;
+                least = std::min(least, distance);
+                most = std::max(most, distance);
+            }
+        }
+        EXPECT_GE(least, 1.05) << size;
+        EXPECT_LE(most, 1.3) << size;
+    }
+}
+
+TEST(Inset, DrawsArcsNoFinerThanMakesADifference) {
+    constexpr double kSize = 1e-7;
+    const Parts parts = {{test::star({0, 0}, 1, 0.999, 12'000), {}}};
+    const auto disc = [](Point p) { return Disc{p, kSize}; };
+    const Domain domain = Domain::create(parts).value();
+    EXPECT_LE(inset(domain, disc, kSize)->corner_count(), 3 * domain.corner_count());
+}
+
 TEST(Inset, MayLeaveNothing) {
     const Domain square = Domain::rectangle(4, 4).value();
     for (const double distance : {2.0, 3.0, 1e308}) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -31,6 +32,29 @@ TEST(DiscOnGround, IsEverywhereBeforeItGoesAroundTheGlobe) {
     const Chart chart(direction_of({10, 50}));
     EXPECT_GT(disc_on_ground(chart, {0, 0}, 2.1e7).radius, 1e300);
     EXPECT_GT(disc_on_ground(chart, {0, 0}, 1e308).radius, 1e300);
+}
+
+TEST(KeepOffBorder, KeepsTheBufferWhereEdgesAreBentCoarsely) {
+    constexpr double kMetresOfDegree = 111'694;  // along a meridian, at most
+    const Ring cap{{-180, 85}, {180, 85}, {180, 90}, {-180, 90}};
+    const Domain degrees = Domain::repair({{cap, {}}})->domain;
+    for (const double buffer : {10.0, 1.0, 1e-3}) {
+        ChartedPart part = std::move(chart_region(degrees, 50, buffer)->front());
+        const std::size_t charted = part.domain.corner_count();
+        ASSERT_TRUE(keep_off_border(part, buffer));
+        EXPECT_LE(part.domain.corner_count(), 2 * charted);
+        const Ring& ring = part.domain.rings().front();
+        double least = 90, most = 0;
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+            for (const Point unit : {ring[i], 0.5 * (ring[i] + ring[(i + 1) % ring.size()])}) {
+                const double latitude = place_of(part.chart.to_direction(part.domain.to_user(unit))).y;
+                least = std::min(least, latitude - 85);
+                most = std::max(most, latitude - 85);
+            }
+        }
+        EXPECT_GT(least * kMetresOfDegree, buffer);
+        EXPECT_LT(most * kMetresOfDegree, 1.02 * buffer + 1);
+    }
 }
 
 }  // namespace

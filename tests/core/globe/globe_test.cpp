@@ -70,6 +70,19 @@ TEST(DistributeOnGlobe, TakesTheLeastBuffers) {
     }
 }
 
+TEST(DistributeOnGlobe, KeepsABufferOfManyCorners) {
+    Ring coast;
+    constexpr int kCorners = 20'000;
+    for (int i = 0; i < kCorners; ++i) {
+        const double turn = 2 * std::numbers::pi * i / kCorners, radius = i % 2 == 0 ? 10 : 9.99;
+        coast.push_back({10 + radius * std::cos(turn), 45 + radius * std::sin(turn)});
+    }
+    for (const double buffer : {1e-3, 10.0}) {
+        const auto kept = distribute_on_globe(region(coast), Density::uniform(), {.sites = 50}, distribute, buffer);
+        EXPECT_TRUE(kept) << buffer << ' ' << kept.error().message;
+    }
+}
+
 TEST(DistributeOnGlobe, JoinsTheMeshesOfTwoCharts) {
     const auto globe = placed(region(box(-180, -90, 180, 90)), {.sites = 500, .keep_mesh = true});
     const TriangleMesh& mesh = *globe.sites.mesh;

@@ -117,6 +117,17 @@ TEST(ChartRegion, BendsEdgesNoFurtherThanIsOfUse) {
     EXPECT_LT(corners(1e-300), 1'000'000U);
 }
 
+TEST(ChartRegion, LimitsThePiecesThatASmallBufferAsksFor) {
+    const Domain cap = region({{box(-180, 85, 180, 90), {}}});
+    for (const double buffer : {10.0, 1.0, 1e-3, 1e-300}) {
+        const ChartedPart part = std::move(chart_region(cap, 50, buffer)->front());
+        EXPECT_LT(part.domain.corner_count(), 11'000U) << buffer;
+        EXPECT_GT(part.error, 0) << buffer;
+        EXPECT_LT(part.error, 1) << buffer;
+    }
+    EXPECT_EQ(chart_region(cap, 50, 1000)->front().error, 0);
+}
+
 TEST(ChartRegion, JoinsWhatMeetsAtTheMeridianOf180Degrees) {
     const Ring whole = box(170, -20, 190, 10);
     const Ring west = box(170, -20, 180, 10), east{{-180, -20}, {-170, -20}, {-170, 10}, {-180, 10}, {-180, 0}};

@@ -329,6 +329,8 @@ TEST_F(ComputeBoxTest, EndsWhatDoesNotStop) {
     ASSERT_FALSE(answer);
     EXPECT_EQ(answer.error().code, ErrorCode::Stopped);
     while (is_there(process)) std::this_thread::yield();
+    EXPECT_EQ(box_->counts().crashes, 0U);
+    EXPECT_EQ(box_->counts().overdue, 1U);
 }
 
 TEST_F(ComputeBoxTest, EndsSoonWhatNobodyWants) {

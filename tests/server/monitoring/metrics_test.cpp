@@ -125,19 +125,20 @@ TEST(Metrics, ShowsThePoolAndTheProcess) {
 
 TEST(Metrics, TellsWhatIsCountedElsewhere) {
     Metrics metrics("1");
-    Metrics::Watched watched{.connections = {.open = 5, .streams = 3, .refused = 2},
-                             .memory_budget = 1000,
-                             .memory_reserved = 100,
-                             .decoder_restarts = 2,
-                             .decoder_silences = 11,
-                             .computing = {.crashes = 8, .restarts = 9, .silences = 12, .decoder_deaths = 3},
-                             .lent_threads = 4,
-                             .jobs = {},
-                             .job_runs = {},
-                             .redis = {},
-                             .job_capacity = 0,
-                             .job_damages = 6,
-                             .cache = {.answers = 2, .bytes = 77, .hits = 5, .misses = 4}};
+    Metrics::Watched watched{
+        .connections = {.open = 5, .streams = 3, .refused = 2},
+        .memory_budget = 1000,
+        .memory_reserved = 100,
+        .decoder_restarts = 2,
+        .decoder_silences = 11,
+        .computing = {.crashes = 8, .overdue = 13, .restarts = 9, .silences = 12, .decoder_deaths = 3},
+        .lent_threads = 4,
+        .jobs = {},
+        .job_runs = {},
+        .redis = {},
+        .job_capacity = 0,
+        .job_damages = 6,
+        .cache = {.answers = 2, .bytes = 77, .hits = 5, .misses = 4}};
     metrics.watch([&] { return watched; });
     EXPECT_EQ(value(metrics.text({}), "ccdt_connections_open"), 5);
     EXPECT_EQ(value(metrics.text({}), "ccdt_event_streams_open"), 3);
@@ -150,6 +151,7 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
     EXPECT_EQ(value(text, "ccdt_memory_budget_bytes"), 1000);
     EXPECT_EQ(value(text, "ccdt_memory_reserved_bytes"), 100);
     EXPECT_EQ(value(text, "ccdt_computation_crashes_total"), 8);
+    EXPECT_EQ(value(text, "ccdt_computations_overdue_total"), 13);
     EXPECT_EQ(value(text, "ccdt_worker_restarts_total"), 9);
     EXPECT_EQ(value(text, "ccdt_computation_threads_lent"), 4);
     EXPECT_EQ(value(text, "ccdt_decoder_deaths_total"), 3);
