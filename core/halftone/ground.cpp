@@ -196,10 +196,11 @@ void Ground::apply(Raster& flipped, Point scale, bool antialias, Team& team) con
 Ground divide_ground(const std::vector<float>& light, const CellGrid& cells, double radius, double detail, Team& team) {
     // Measured on eleven photographs and pages of text, by |dL*| after blurs of 0.5 to 2 pitches and by eye: less
     // smoothing leaves boundaries that meander through noise, more of it lets strokes of text dissolve into dots.
-    constexpr double kSurroundings = 3, kEmphasis = 1.4, kSmoothing = 0.35;
-    constexpr int kSteps = 30;
+    constexpr double kSurroundings = 3, kEmphasis = 1.4, kSmoothing = 0.4;
+    constexpr float kLeastStrength = 1e-3f;  // dots far smaller than cells: next to no smoothing
+    constexpr int kSteps = 15;
     const std::vector<float> clear = emphasised(light, cells, kSurroundings * radius, kEmphasis * detail, team);
-    const auto strength = static_cast<float>(kSmoothing * radius);
+    const float strength = std::max(static_cast<float>(kSmoothing * radius), kLeastStrength);
     return {denoised(clear, cells.columns, cells.rows, strength, kSteps, team), cells};
 }
 

@@ -40,6 +40,17 @@ private:
     const Ground& ground_;
 };
 
+/// Drops points that lie exactly between their neighbours, as those along the border do.
+std::vector<Point> without_straight_points(const std::vector<Point>& ring) {
+    std::vector<Point> result;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Point before = ring[i] - ring[(i + ring.size() - 1) % ring.size()];
+        const Point after = ring[(i + 1) % ring.size()] - ring[i];
+        if (before.x * after.y != before.y * after.x) result.push_back(ring[i]);
+    }
+    return result;
+}
+
 /// A node, and whether the edge from it runs down or to the right.
 struct Edge {
     int column, row;
@@ -69,7 +80,7 @@ public:
                 next_[edge] = kNone;
                 edge = following;
             }
-            while (ring.size() > 1 && ring.back() == ring.front()) ring.pop_back();
+            ring = without_straight_points(ring);
             if (ring.size() < 3) rings.pop_back();
         }
         return rings;

@@ -28,16 +28,13 @@ float lightness_slope(float luminance) {
     return 1.16f / 3 / (root * root);
 }
 
-/// Returns the area of a dot, relative to that at a coverage of one half, that makes the pattern least visible.
+/// Returns the area of a dot, up to a factor, that makes the pattern least visible.
 /// @param cover  in (0, 1/2]
 float relative_area(float cover, float luminance) {
     // Measured on eleven photographs by mean |dL*| after a blur of half a pitch; 0.03 to 0.1 do.
-    constexpr float kVisibility = 0.05f;
-    const auto area = [](float share, float light) {
-        return share / std::log1p(share * lightness_slope(light) / kVisibility);
-    };
-    static const float reference = area(0.5f, 0.5f);
-    return area(std::max(cover, 1e-6f), luminance) / reference;
+    constexpr float kVisibility = 0.05f, kNothing = 1e-6f;
+    const float share = std::max(cover, kNothing);
+    return share / std::log1p(share * lightness_slope(luminance) / kVisibility);
 }
 
 template <class Work>
@@ -108,16 +105,24 @@ void spare_thin_ground(const std::vector<float>& white, const CellGrid& cells, d
     });
 }
 
-/// Computes relative areas of dots by what is around each cell.
+/// Computes areas of dots over that of the largest, by what is around each cell.
 std::vector<float> relative_areas(const std::vector<float>& share, const std::vector<float>& light,
                                   const CellGrid& cells, double radius, Team& team) {
+    // A small light in the dark is one dot rather than many tiny ones.
+    constexpr float kOwn = 0.25f;
     constexpr double kSurroundings = 2;
     std::vector<float> scratch, area = share, around = light;
     blur(area, cells.columns, cells.rows, kSurroundings * radius, scratch, team);
     blur(around, cells.columns, cells.rows, kSurroundings * radius, scratch, team);
     for_cells(team, area.size(), [&](std::size_t i) {
-        area[i] = relative_area(std::clamp(area[i], 0.0f, 0.5f), std::clamp(around[i], 0.0f, 1.0f));
+        const float cover = std::clamp(std::max(area[i], kOwn * share[i]), 0.0f, 0.5f);
+        area[i] = relative_area(cover, std::clamp(around[i], 0.0f, 1.0f));
     });
+    float largest = 0;
+    for (std::size_t i = 0; i < area.size(); ++i) {
+        if (share[i] > 0) largest = std::max(largest, area[i]);
+    }
+    for_cells(team, area.size(), [&](std::size_t i) { area[i] = largest > 0 ? std::min(area[i] / largest, 1.0f) : 1; });
     return area;
 }
 
@@ -153,14 +158,14 @@ double mean_radius(const std::vector<float>& light, const TwoSidedOptions& optio
     if (options.radius) return *options.radius;
     const double minority = sum_of_pixels(
         team, light.size(), [&](std::size_t i) { return static_cast<double>(std::min(light[i], 1 - light[i])); });
-    return std::sqrt(std::max(minority, 1.0) / (kPi * static_cast<double>(*options.sites)));
+    return std::sqrt(minority / (kPi * static_cast<double>(*options.sites)));
 }
 
 /// Fits the areas of dots to the picture.
 class DotFit {
 public:
     DotFit(const TwoSidedPlan& plan, std::span<const Point> sites, Team& team)
-        : plan_(plan), sites_(sites), team_(team), white_(plan.ground.white_shares(team)) {
+        : plan_(plan), sites_(sites), team_(team) {
         const auto at = [&](const std::vector<float>& values, const Point& site) {
             return interpolated(values, plan.cells.columns, plan.cells.rows, site);
         };
@@ -174,7 +179,8 @@ public:
             ground_per_dot_.push_back(unit / std::max(at(plan.density, site), least));
         }
         areas_ = planned_;
-        find_uncut();
+        cut_.resize(sites.size());
+        find_cut();
     }
 
     const std::vector<float>& areas() const { return areas_; }
@@ -182,18 +188,27 @@ public:
     /// Changes the area of each dot by the error of the local mean of what is drawn, times the ground that it stands
     /// for. Long waves of error vanish at once, those of the length of a spacing after some rounds.
     void improve() {
-        std::vector<float> error(white_);
+        std::vector<float> error(plan_.white);
         for_cells(team_, error.size(), [&](std::size_t i) { error[i] -= plan_.light[i]; });
-        std::vector<float> sign(sites_.size());
-        for (std::size_t dot = 0; dot < sites_.size(); ++dot) sign[dot] = print(dot, error);
+        for (std::size_t dot = 0; dot < sites_.size(); ++dot) print(dot, error);
         const float widest = *std::ranges::max_element(ground_per_dot_);
         const BlurPyramid means(std::move(error), plan_.cells.columns, plan_.cells.rows, spread(widest), team_);
         for_cells(team_, sites_.size(), [&](std::size_t dot) {
-            constexpr float kStep = 0.7f, kSmallest = 0.25f, kLargest = 2.5f;
+            constexpr float kStep = 0.85f, kSmallest = 0.25f, kLargest = 2.5f, kNoise = 0.004f;
             const float ground = ground_per_dot_[dot];
-            const float change = -kStep * sign[dot] * ground * means.at(sites_[dot], spread(ground));
+            const float sign = cut_[dot].brightening - cut_[dot].darkening;
+            const float mean = means.at(sites_[dot], spread(ground)) * ground;
+            const float excess = std::max(std::abs(mean) - kNoise * planned_[dot], 0.0f);
+            const float change = -kStep * sign * std::copysign(excess, mean);
             areas_[dot] = std::clamp(areas_[dot] + change, kSmallest * planned_[dot], kLargest * planned_[dot]);
         });
+    }
+
+    bool is_cut(std::size_t dot) const { return cut_[dot].brightening * cut_[dot].darkening > 0; }
+
+    /// Finds where the boundary of the ground cuts dots of their present sizes.
+    void find_cut() {
+        for_cells(team_, sites_.size(), [&](std::size_t dot) { cut_[dot] = cut_of(dot); });
     }
 
     Side side(std::size_t dot) const { return plan_.ground.is_white(sites_[dot]) ? Side::Ink : Side::Paper; }
@@ -207,41 +222,45 @@ private:
 
     static double radius(float area) { return std::sqrt(static_cast<double>(area) / kPi); }
 
-    /// Finds the dots that the boundary of the ground does not cut, whatever their size becomes.
-    void find_uncut() {
-        constexpr int kRim = 8;
-        constexpr double kReach = 1.6;  // the root of kLargest, above
-        std::array<Point, kRim> rim;
-        for (int k = 0; k < kRim; ++k) {
-            const double angle = 2 * kPi * k / kRim;
-            rim[static_cast<std::size_t>(k)] = {std::cos(angle), std::sin(angle)};
+    /// Parts of a dot on black ground, which it brightens, and on white ground, which it darkens.
+    struct Cut {
+        float brightening = 0;       ///< share of the dot's area
+        float darkening = 0;         ///< share of the dot's area
+        Point brightened, darkened;  ///< centroids of the parts, from the dot's centre, in radii
+    };
+
+    Cut cut_of(std::size_t dot) const {
+        constexpr double kMargin = 1.1;  // of the radius, so that small changes keep the answer
+        const bool white = plan_.ground.is_white(sites_[dot]);
+        const double reach = radius(areas_[dot]);
+        if (std::ranges::all_of(rim(), [&](const Point& way) {
+                return plan_.ground.is_white(sites_[dot] + kMargin * reach * way) == white;
+            }))
+            return white ? Cut{0, 1, {}, {}} : Cut{1, 0, {}, {}};
+        Cut cut;
+        int brightened = 0;
+        for (const Point& sample : disc()) {
+            const bool darkens = plan_.ground.is_white(sites_[dot] + reach * sample);
+            Point& sum = darkens ? cut.darkened : cut.brightened;
+            sum = sum + sample;
+            brightened += darkens ? 0 : 1;
         }
-        uncut_.resize(sites_.size());
-        for_cells(team_, sites_.size(), [&](std::size_t dot) {
-            const bool white = plan_.ground.is_white(sites_[dot]);
-            const double reach = kReach * radius(planned_[dot]);
-            uncut_[dot] = std::ranges::all_of(
-                rim, [&](const Point& way) { return plan_.ground.is_white(sites_[dot] + reach * way) == white; });
-        });
+        cut.brightening = static_cast<float>(brightened) / kSamples;
+        cut.darkening = 1 - cut.brightening;
+        if (brightened > 0) cut.brightened = 1.0 / brightened * cut.brightened;
+        if (brightened < kSamples) cut.darkened = 1.0 / (kSamples - brightened) * cut.darkened;
+        return cut;
     }
 
     /// Adds the light of a dot to an image of what is drawn, less what should be.
-    /// @returns  what it changes, over its area, in [-1, 1]
-    float print(std::size_t dot, std::vector<float>& image) const {
+    void print(std::size_t dot, std::vector<float>& image) const {
+        const Cut& cut = cut_[dot];
         const float area = areas_[dot];
-        if (uncut_[dot] != 0) {
-            const float sign = plan_.ground.is_white(sites_[dot]) ? -1.0f : 1.0f;
-            spread_over(sites_[dot], radius(area), sign * area, image);
-            return sign;
-        }
-        float sum = 0;
-        for (const Point& sample : disc()) {
-            const Point place = sites_[dot] + radius(area) * sample;
-            const float sign = plan_.ground.is_white(place) ? -1.0f : 1.0f;
-            add(place, sign * area / kSamples, image);
-            sum += sign;
-        }
-        return sum / kSamples;
+        const double reach = radius(area);
+        if (cut.brightening == 0 || cut.darkening == 0)
+            return spread_over(sites_[dot], reach, (cut.brightening - cut.darkening) * area, image);
+        add(sites_[dot] + reach * cut.brightened, cut.brightening * area, image);
+        add(sites_[dot] + reach * cut.darkened, -cut.darkening * area, image);
     }
 
     /// Adds an amount of light at four places, which have the mean and the variance of a disc.
@@ -263,7 +282,20 @@ private:
         lower[x.second] += below * x.share;
     }
 
-    static constexpr int kSamples = 32;
+    static constexpr int kSamples = 32, kRim = 8;
+
+    /// Directions all around.
+    static const std::array<Point, kRim>& rim() {
+        static const auto ways = [] {
+            std::array<Point, kRim> result;
+            for (int k = 0; k < kRim; ++k) {
+                const double angle = 2 * kPi * k / kRim;
+                result[static_cast<std::size_t>(k)] = {std::cos(angle), std::sin(angle)};
+            }
+            return result;
+        }();
+        return ways;
+    }
 
     /// Places spread evenly over the unit disc, by a spiral with the golden angle.
     static const std::array<Point, kSamples>& disc() {
@@ -282,11 +314,10 @@ private:
     const TwoSidedPlan& plan_;
     std::span<const Point> sites_;
     Team& team_;
-    std::vector<float> white_;           ///< [cells] share of white ground
     std::vector<float> planned_;         ///< [dots] area
     std::vector<float> areas_;           ///< [dots]
     std::vector<float> ground_per_dot_;  ///< [dots] area of the picture that each stands for
-    std::vector<std::uint8_t> uncut_;    ///< [dots]
+    std::vector<Cut> cut_;               ///< [dots]
 };
 
 }  // namespace
@@ -295,12 +326,13 @@ TwoSidedPlan plan_two_sided(std::vector<float> light, const CellGrid& cells, con
                             const std::stop_token& stop, Team& team) {
     assert(options.sites || options.radius);
     const double radius = mean_radius(light, options, team);
-    TwoSidedPlan plan{cells, divide_ground(light, cells, radius, options.detail, team), std::move(light), {}, {}, 0, 0};
+    TwoSidedPlan plan{cells, divide_ground(light, cells, radius, options.detail, team), std::move(light), {}, {}, {}, 0,
+                      0};
     if (stop.stop_requested()) return plan;
     const std::vector<float> sharp = sharpened(plan.light, cells.columns, cells.rows, options.detail * radius, team);
-    const std::vector<float> white = plan.ground.white_shares(team);
-    plan.density = wanted_share(sharp, white, cells, team);
-    spare_thin_ground(white, cells, radius, plan.density, team);
+    plan.white = plan.ground.white_shares(team);
+    plan.density = wanted_share(sharp, plan.white, cells, team);
+    spare_thin_ground(plan.white, cells, radius, plan.density, team);
     if (stop.stop_requested()) return plan;
     plan.area = relative_areas(plan.density, sharp, cells, radius, team);
     const Scale scale = settle(plan.density, plan.area, options, team);
@@ -318,12 +350,17 @@ SidedDots size_dots(const TwoSidedPlan& plan, std::span<const Point> sites, bool
                     Team& team) {
     SidedDots dots;
     if (sites.empty()) return dots;
-    constexpr int kRounds = 10;
+    constexpr int kRounds = 14, kRoundsOfCut = 4;
     DotFit sizes(plan, sites, team);
-    for (int round = 0; fit && round < kRounds && !stop.stop_requested(); ++round) sizes.improve();
+    for (int round = 0; fit && round < kRounds && !stop.stop_requested(); ++round) {
+        if (round > 0 && round % kRoundsOfCut == 0) sizes.find_cut();
+        sizes.improve();
+    }
+    sizes.find_cut();
     for (std::size_t dot = 0; dot < sites.size(); ++dot) {
         dots.radii.push_back(static_cast<float>(std::sqrt(static_cast<double>(sizes.areas()[dot]) / kPi)));
         dots.sides.push_back(sizes.side(dot));
+        dots.cut.push_back(sizes.is_cut(dot));
     }
     return dots;
 }

@@ -37,6 +37,7 @@ struct TwoSidedPlan {
     CellGrid cells;
     Ground ground;
     std::vector<float> light;    ///< [cells] the picture
+    std::vector<float> white;    ///< [cells] share of white ground
     std::vector<float> density;  ///< [cells] relative density of the sites; zero everywhere if the ground says all
     std::vector<float> area;     ///< [cells] area of a dot there, in cells
     double dots = 0;             ///< number of dots of these areas that give the picture its tone
@@ -60,6 +61,7 @@ TwoSidedPlan plan_two_sided(std::vector<float> light, const CellGrid& cells, con
 struct SidedDots {
     std::vector<float> radii;  ///< [dots], in cells
     std::vector<Side> sides;   ///< [dots], the side of the centre
+    std::vector<bool> cut;     ///< [dots]; false: the boundary of the ground is not near
 };
 
 /// Chooses the radii of dots such that the local mean of what is drawn is that of the picture, also where the boundary

@@ -85,9 +85,23 @@ TEST(Ground, FollowsARampWithoutSpecks) {
 
 TEST(Ground, DrawsThinStrokesIfDetailIsWanted) {
     // A grey stroke two cells wide on light paper, as small text has them.
-    const auto stroke = cells([](double x, double) { return std::abs(x - 24) < 1 ? 0.5 : 0.85; });
+    const auto stroke = cells([](double x, double) { return std::abs(x - 24) < 1 ? 0.45 : 0.85; });
     EXPECT_TRUE(divide_ground(stroke, kCells, 1, 0).is_white({24, 16}));
     EXPECT_FALSE(divide_ground(stroke, kCells, 1, 1).is_white({24, 16}));
+}
+
+TEST(Ground, IsThePictureForDotsOfNoSize) {
+    Random random(2, 0);
+    const auto noise = cells([&](double, double) { return random.uniform() < 0.5 ? 0.0 : 1.0; });
+    for (const double radius : {0.0, 5e-324}) {
+        const Ground ground = divide_ground(noise, kCells, radius, 1);
+        for (int y = 0; y < kCells.rows; ++y) {
+            for (int x = 0; x < kCells.columns; ++x) {
+                const auto cell = static_cast<std::size_t>(y * kCells.columns + x);
+                ASSERT_EQ(ground.is_white({x + 0.5, y + 0.5}), noise[cell] == 1) << x << ' ' << y;
+            }
+        }
+    }
 }
 
 TEST(GroundOutline, EnclosesTheBlackGround) {
