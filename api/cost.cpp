@@ -45,8 +45,23 @@ double inks_of(const HalftoneRequest& request) {
     return static_cast<double>(request.palette.inks.size());
 }
 
-/// Sharpens the coverage of one ink after the other, beside those of all.
+/// Divides the picture into grounds, and plans the dots on both of them.
+Estimate dividing(const HalftoneRequest& request) {
+    constexpr double kBytes = 54, kTime = 0.3 * kMicrosecond;
+    return Estimate{kBytes, kTime} * static_cast<double>(request.image.header.pixels());
+}
+
+/// Fits the sizes of dots on both sides of the tonal scale to the picture.
+Estimate sizing(const HalftoneRequest& request, double sites) {
+    constexpr Estimate kPixel{36, 0.2 * kMicrosecond}, kSite{48, 5 * kMicrosecond};
+    if (request.dots != Dots::Both) return {};
+    return kPixel * static_cast<double>(request.image.header.pixels()) + kSite * sites;
+}
+
+/// Sharpens the coverage of one ink after the other, beside those of all; or does what is done instead of that for
+/// dots on both sides of the tonal scale.
 Estimate sharpening(const HalftoneRequest& request) {
+    if (request.dots == Dots::Both) return dividing(request);
     if (!(request.detail > 0)) return {};
     constexpr double kTime = 0.05 * kMicrosecond;
     const auto pixels = static_cast<double>(request.image.header.pixels());
@@ -319,7 +334,8 @@ std::size_t bytes_of(const ImageFile& file) {
 Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
     const double sites = most_sites(request, limits);
     const Estimate read = then(decoding(request) + levelling(request), sharpening(request));
-    Cost all = cost(then(then(read, weighing(request) + placing(request, sites)), writing(request, sites, limits)));
+    const Estimate placed = weighing(request) + placing(request, sites) + sizing(request, sites);
+    Cost all = cost(then(then(read, placed), writing(request, sites, limits)));
     all.answer = request.sites.value_or(0) * request.format->least;
     return all;
 }

@@ -20,6 +20,8 @@ constexpr Interval kScales = {.min = 0.1, .max = 16};
 constexpr Interval kDetails = {.min = 0, .max = 1};
 constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
 
+constexpr std::array<Choice<Dots>, 3> kDots = {{{"both", Dots::Both}, {"ink", Dots::Ink}, {"paper", Dots::Paper}}};
+
 constexpr std::array<Choice<Tone>, 3> kTones = {
     {{"linear", Tone::Linear}, {"perceptual", Tone::Perceptual}, {"density", Tone::Density}}};
 
@@ -68,13 +70,15 @@ Result<void> read_levels(const Input& input, Levels& levels) {
 /// Request on its way; what depends on several options can only be settled when all are known.
 struct Draft {
     HalftoneRequest request;
+    std::optional<Dots> dots;
+    std::optional<bool> invert;
     std::optional<Palette> color;  ///< as that option gives it
     std::optional<Palette> palette;
     std::optional<Colour> foreground;
     std::optional<Colour> background;
 };
 
-constexpr std::array<OptionRule<Draft>, 20> kRules = {{
+constexpr std::array<OptionRule<Draft>, 21> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
@@ -88,7 +92,8 @@ constexpr std::array<OptionRule<Draft>, 20> kRules = {{
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.detail, read_number(i, kDetails)); }},
     {"levels", [](const Input& i, const Limits&, Draft& d) { return read_levels(i, d.request.levels); }},
     {"antialias", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.antialias, read_boolean(i)); }},
-    {"invert", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.invert, read_boolean(i)); }},
+    {"dots", [](const Input& i, const Limits&, Draft& d) { return assign(d.dots, read_choice<Dots>(i, kDots)); }},
+    {"invert", [](const Input& i, const Limits&, Draft& d) { return assign(d.invert, read_boolean(i)); }},
     {"tone",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.tone, read_choice<Tone>(i, kTones)); }},
     {"color", [](const Input& i, const Limits&, Draft& d) { return assign(d.color, read_color(i)); }},
@@ -103,10 +108,9 @@ constexpr std::array<OptionRule<Draft>, 20> kRules = {{
 }};
 
 /// Refuses options that inks which mix do not have.
-Result<void> check_colours(const Palette& palette, bool invert, const std::vector<Input>& inputs) {
+Result<void> check_colours(const Palette& palette, const std::vector<Input>& inputs) {
     for (const Input& input : inputs) {
         if (input.name == "foreground") return malformed(input, "is an option of color=gray; palette gives inks");
-        if (input.name == "invert" && invert) return malformed(input, "is an option of color=gray");
         if (input.name == "background" && palette.mixing == Mixing::Add)
             return malformed(input, "is no option of color=rgb, whose light is on black");
     }
@@ -116,7 +120,7 @@ Result<void> check_colours(const Palette& palette, bool invert, const std::vecto
 /// Gives an ink that covers, and its paper, the colours that are asked for.
 void colour_ink(Draft& draft) {
     Palette& palette = draft.request.palette;
-    const bool invert = draft.request.invert;
+    const bool invert = draft.request.dots == Dots::Paper;
     palette.inks.front().colour = draft.foreground.value_or(invert ? kWhite : kBlack);
     palette.paper = draft.background.value_or(invert ? kBlack : kWhite);
 }
@@ -134,7 +138,38 @@ Result<void> settle_palette(Draft& draft, const std::vector<Input>& inputs) {
         return {};
     }
     palette.paper = draft.background.value_or(palette.paper);
-    return check_colours(palette, draft.request.invert, inputs);
+    return check_colours(palette, inputs);
+}
+
+const Input& input_of(std::string_view name, const std::vector<Input>& inputs) {
+    return *std::ranges::find(inputs, name, &Input::name);
+}
+
+/// Returns why dots on both sides of the tonal scale cannot be had, or nothing.
+std::string_view obstacle_to_both(const Draft& draft) {
+    const HalftoneRequest& request = draft.request;
+    if (draft.color.value_or(Palette{}).mixing != Mixing::Cover || draft.palette) return "is an option of color=gray";
+    if (request.tone == Tone::Density) return "is no option of tone=density, whose dots are ink";
+    if (request.format->file.name == "svg" && draft.background.value_or(kWhite).transparent)
+        return "needs in SVG a background that is not transparent, in whose colour paper dots are drawn";
+    if (request.drawing.style == DotStyle::Stroke) return "is no option of style=stroke: a pen can only add ink";
+    return {};
+}
+
+/// Chooses the sides that dots are drawn on: both where a picture is drawn, ink where dots are listed.
+/// The format must be settled.
+Result<void> settle_sides(Draft& draft, const std::vector<Input>& inputs) {
+    if (draft.dots && draft.invert && *draft.invert != (*draft.dots == Dots::Paper))
+        return malformed(input_of("invert", inputs), "contradicts dots: invert=true is dots=paper");
+    const std::string_view obstacle = obstacle_to_both(draft);
+    Dots& dots = draft.request.dots;
+    const Dots usual = obstacle.empty() && draft.request.format->is_drawn() ? Dots::Both : Dots::Ink;
+    dots = draft.dots.value_or(draft.invert ? *draft.invert ? Dots::Paper : Dots::Ink : usual);
+    if (dots == Dots::Both && !obstacle.empty()) return malformed(input_of("dots", inputs), std::string(obstacle));
+    const bool is_grey = draft.color.value_or(Palette{}).mixing == Mixing::Cover && !draft.palette;
+    if (dots == Dots::Paper && !is_grey)
+        return malformed(input_of(draft.dots ? "dots" : "invert", inputs), "is an option of color=gray");
+    return {};
 }
 
 /// Dots that follow the density alone are not for pictures that are looked at.
@@ -170,10 +205,11 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
     draft.request = std::move(request);
     if (auto read = read_options<Draft>(kRules, inputs, limits, draft); !read) return tl::unexpected(read.error());
     ErrorList errors;
+    errors.add(settle_format(accept, halftone_formats(), draft.request.format));
+    if (draft.request.format != nullptr) errors.add(settle_sides(draft, inputs));
     errors.add(settle_palette(draft, inputs));
     errors.add(check_dot(draft.request, inputs));
     errors.add(settle_detail(draft.request, inputs));
-    errors.add(settle_format(accept, halftone_formats(), draft.request.format));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);
 }
@@ -227,9 +263,9 @@ Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits
     answer.dots = plan->size();
     if (request.format->file.name != "json" && !plan->warnings.empty())
         answer.warnings = write_warnings(plan->warnings);
-    for (const Distribution& each : *dots) answer.sites += each.points.size();
+    for (const Distribution& each : dots->inks) answer.sites += each.points.size();
     answer.pixels = static_cast<std::size_t>(plan->picture.width) * static_cast<std::size_t>(plan->picture.height);
-    answer.partial = std::ranges::any_of(*dots, &Distribution::stopped);
+    answer.partial = std::ranges::any_of(dots->inks, &Distribution::stopped);
     answer.repeats = request.format->repeats();
     Body body(answer, taker, control.stop);
     auto written = write_halftone(request, *plan, *dots, timings.decode + timings.optimise, control, body);

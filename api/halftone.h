@@ -27,6 +27,13 @@ struct DotRadius {
     bool millimetres = false;  ///< as the drawing's width_mm has them; else pixels of the output
 };
 
+/// Sides of the tonal scale on which dots are drawn.
+enum class Dots {
+    Both,   ///< ink on white ground where the picture is light, bare paper on black ground where it is dark
+    Ink,    ///< ink on paper
+    Paper,  ///< the light instead of the dark, on black
+};
+
 /// Request to /halftone, with its options.
 struct HalftoneRequest {
     ImageFile image;
@@ -38,7 +45,7 @@ struct HalftoneRequest {
     double detail = 0.7;               ///< of DotWish; 0 unless given where dots follow the density alone
     Levels levels;                     ///< of the picture, before anything else is made of it
     bool antialias = false;
-    bool invert = false;  ///< dots where the picture is light; only of an ink that covers
+    Dots dots = Dots::Ink;  ///< others than Ink only of an ink that covers
     Tone tone = Tone::Linear;
     Palette palette;
     const PointFormat* format = nullptr;  ///< never null in a request that was parsed

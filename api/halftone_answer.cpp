@@ -11,7 +11,9 @@
 #include "api/output/json_writer.h"
 #include "api/output/point_drawing.h"
 #include "api/run/deadline.h"
+#include "core/halftone/diffusion.h"
 #include "core/halftone/dots.h"
+#include "core/halftone/ground_outline.h"
 
 namespace ccdt::api {
 namespace {
@@ -19,10 +21,11 @@ namespace {
 /// Writes the dots in the way that a format's writer takes them.
 class Writing {
 public:
-    Writing(const HalftoneRequest& request, const HalftonePlan& plan, const Report& report, std::vector<InkDots> inks,
-            Body& body, const Control& control)
+    Writing(const HalftoneRequest& request, const HalftonePlan& plan, const SidedDots& sided, const Report& report,
+            std::vector<InkDots> inks, Body& body, const Control& control)
         : request_(request),
           plan_(plan),
+          sided_(sided),
           report_(report),
           inks_(std::move(inks)),
           body_(body),
@@ -31,12 +34,16 @@ public:
           team_(*control.team) {}
 
     Result<void> operator()(const ListWriter& writer) {
+        const std::optional<TwoSidedDots> two_sides = describe_two_sides();
+        if (two_sides) inks_.front().two_sides = &*two_sides;
         writer.write(inks_, report_, body_, stop_);
         return {};
     }
 
     /// Draws shapes with the radius that rasters have.
     Result<void> operator()(const VectorWriter& writer) {
+        const std::optional<TwoSidedDots> two_sides = describe_two_sides();
+        if (two_sides) inks_.front().two_sides = &*two_sides;
         for (std::size_t ink = 0; ink < inks_.size(); ++ink)
             inks_[ink].radius = plan_.radius ? *plan_.radius : rasterise(ink, true).radius / plan_.canvas.scale;
         const Page page{plan_.box(), false, false, plan_.canvas, request_.drawing.width_mm};
@@ -59,7 +66,36 @@ private:
         return writer.write(overlay(std::move(rasters), palette, request_.antialias, stop_, team_), width_mm, stop_);
     }
 
+    /// Describes the dots and the ground of both sides for writers of lists and shapes.
+    std::optional<TwoSidedDots> describe_two_sides() {
+        if (!plan_.two_sides) return std::nullopt;
+        std::optional<TwoSidedDots> two_sides{{sided_, outline_of(plan_.two_sides->ground)}};
+        const Point cell = cell_size();
+        for (auto& ring : two_sides->ground) {
+            for (Point& point : ring) point = {point.x * cell.x, point.y * cell.y};
+        }
+        return two_sides;
+    }
+
+    /// Size of the cells of the ground, in pixels of the picture.
+    Point cell_size() const {
+        const CellGrid& cells = plan_.two_sides->cells;
+        return {static_cast<double>(plan_.picture.width) / cells.columns,
+                static_cast<double>(plan_.picture.height) / cells.rows};
+    }
+
+    /// Draws the ink of a halftone with dots on both sides.
+    Raster rasterise_both(bool antialias) const {
+        const bool soft = antialias || plan_.samples > 1;
+        Raster raster =
+            draw_dots(inks_.front().dots.points, sided_.radii, plan_.canvas, antialias, plan_.samples, stop_, team_);
+        plan_.two_sides->ground.apply(raster, plan_.canvas.scale * cell_size(), soft, team_);
+        if (soft && !antialias) diffuse(raster.coverage, raster.width, raster.height);
+        return raster;
+    }
+
     Raster rasterise(std::size_t ink, bool antialias) const {
+        if (plan_.two_sides) return rasterise_both(antialias);
         std::optional<double> radius;
         if (plan_.radius) radius = *plan_.radius * plan_.canvas.scale;
         const DotOptions options{radius, plan_.cover[ink], antialias, plan_.samples};
@@ -68,6 +104,7 @@ private:
 
     const HalftoneRequest& request_;
     const HalftonePlan& plan_;
+    const SidedDots& sided_;
     const Report& report_;
     std::vector<InkDots> inks_;
     Body& body_;
@@ -78,12 +115,14 @@ private:
 
 }  // namespace
 
-Result<void> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan,
-                            std::span<const Distribution> dots, double elapsed, const Control& control, Body& body) {
+Result<void> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan, const PlacedDots& dots,
+                            double elapsed, const Control& control, Body& body) {
     const Report report{request.run.seed, elapsed, plan.picture, "ccdt", {}, plan.size(), plan.warnings};
     std::vector<InkDots> inks;
-    for (std::size_t ink = 0; ink < dots.size(); ++ink) inks.push_back({request.palette.inks[ink], dots[ink]});
-    auto written = std::visit(Writing(request, plan, report, std::move(inks), body, control), request.format->writer);
+    for (std::size_t ink = 0; ink < dots.inks.size(); ++ink)
+        inks.push_back({request.palette.inks[ink], dots.inks[ink]});
+    auto written =
+        std::visit(Writing(request, plan, dots.sided, report, std::move(inks), body, control), request.format->writer);
     if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
     return written;
 }

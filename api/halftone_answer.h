@@ -12,10 +12,9 @@ namespace ccdt::api {
 
 /// Draws and encodes, or lists, the dots in the format that the request wants.
 ///
-/// @param dots     [inks]
 /// @param elapsed  milliseconds, for JSON
 /// Errors: Stopped, unless a part is asked for; Internal if memory runs out.
-Result<void> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan,
-                            std::span<const Distribution> dots, double elapsed, const Control& control, Body& body);
+Result<void> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan, const PlacedDots& dots,
+                            double elapsed, const Control& control, Body& body);
 
 }  // namespace ccdt::api

@@ -107,13 +107,20 @@ struct Decoded {
     int side = 1;
 };
 
+/// Sums the shares of the picture that dots draw: of two-sided ones the smaller of ink and paper.
+double drawn_share(const std::vector<float>& coverage, const HalftoneRequest& request, Team& team) {
+    if (request.dots != Dots::Both) return sum(coverage, team);
+    return sum_of_pixels(team, coverage.size(),
+                         [&](std::size_t i) { return static_cast<double>(std::min(coverage[i], 1 - coverage[i])); });
+}
+
 /// @returns  none if the squares are too coarse
 std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, const HalftoneRequest& request,
                                               const Limits& limits, Team& team) {
     const Picture& picture = decoded.picture;
     SeparatedPicture separated{decoded.size(), {}, {}, decoded.side > 1 ? 0 : fineness(picture, team)};
-    std::vector<float> coverage = ink_coverage(picture, request.tone, request.invert, team);
-    const double ink = sum(coverage, team) * decoded.side * decoded.side;
+    std::vector<float> coverage = ink_coverage(picture, request.tone, request.dots == Dots::Paper, team);
+    const double ink = drawn_share(coverage, request, team) * decoded.side * decoded.side;
     const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
     separated.cells = resolved_cells(separated.size.width, separated.size.height, radius);
     if (!decoded.does_for(separated.cells, request, ink, limits)) return std::nullopt;
@@ -181,10 +188,17 @@ Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const 
 
 tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {
     const std::string looks = request.palette.mixing != Mixing::Cover ? "like its paper"
-                              : request.invert                        ? "black"
+                              : request.dots == Dots::Paper           ? "black"
                                                                       : "white";
     return failure(ErrorCode::Unusable, "the image is " + looks + " or transparent all over: there is nothing to draw",
                    request.image_field);
+}
+
+/// Returns the ink by which a scale is chosen. Of dots on both sides the largest cover about twice as much as the mean;
+/// and where there is little to draw for dots, the ground alone needs no large scale.
+double ink_of_scale(const HalftoneRequest& request, double ink, std::size_t pixels) {
+    constexpr double kMean = 2, kLeast = 0.1;
+    return request.dots == Dots::Both ? std::max(kMean * ink, kLeast * static_cast<double>(pixels)) : ink;
 }
 
 /// Makes the canvas. A chosen scale gives way to the limit; one that was asked for does not, unless nothing is drawn.
@@ -206,9 +220,9 @@ std::optional<double> wished_radius(const HalftoneRequest& request, const Halfto
 }
 
 /// Number of sites: a radius alone decides on it.
-Result<std::size_t> sites_of(const DotWish& wish, const DotPlan& dots, const Limits& limits) {
-    if (wish.sites) return *wish.sites;
-    const double sum = std::round(std::reduce(dots.dots.begin(), dots.dots.end()));
+Result<std::size_t> sites_of(const std::optional<std::size_t>& wish, double dots, const Limits& limits) {
+    if (wish) return *wish;
+    const double sum = std::round(dots);
     if (sum <= static_cast<double>(limits.max_sites)) return static_cast<std::size_t>(std::max(sum, 1.0));
     return failure(ErrorCode::LimitExceeded,
                    "dots of this radius would be more than this server's limit (max-sites), which is " +
@@ -243,9 +257,37 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     plan.radius = dots.radius * side;
     plan.tone = std::round(dots.tone * kToneDigits) / kToneDigits;
     plan.samples = samples_for(*plan.radius * plan.canvas.scale, plan.canvas, request.antialias);
-    auto sites = sites_of(wish, dots, limits);
+    auto sites = sites_of(wish.sites, std::reduce(dots.dots.begin(), dots.dots.end()), limits);
     if (!sites) return tl::unexpected(sites.error());
     plan.sites = share_sites(dots.dots, *sites);
+    return {};
+}
+
+/// Settles the grounds, and the number and the sizes of dots on both sides of the tonal scale.
+/// @param minority  area that dots have to cover; 0: the picture is black and white, which the grounds draw alone
+Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
+                              double minority, std::size_t usual, const Limits& limits, const Control& control) {
+    // Radii in output pixels that a raster draws well: of pixels that are black or white, and of softer ones.
+    constexpr double kLeastRadius = 1.25, kLeastSoftRadius = 0.6;
+    const double side = std::sqrt(picture.cell_area());
+    TwoSidedOptions options{request.sites, {}, request.detail, 0};
+    if (const auto radius = wished_radius(request, plan)) options.radius = *radius / side;
+    if (!options.radius) options.sites = usual;
+    if (request.format->raster() != nullptr)
+        options.least_radius = (request.antialias ? kLeastSoftRadius : kLeastRadius) / plan.canvas.scale / side;
+    std::vector<float> light = std::move(picture.inks.coverage.front());
+    for_ranges(*control.team, light.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) light[i] = 1 - light[i];
+    });
+    plan.two_sides = plan_two_sided(std::move(light), picture.cells, options, control.stop, *control.team);
+    if (auto going = check_stop(control.stop); !going) return going;
+    auto sites = sites_of(options.sites, plan.two_sides->dots, limits);
+    if (!sites) return tl::unexpected(sites.error());
+    const double dots = minority > 0 ? plan.two_sides->dots : 0;
+    plan.sites = {dots > 0 ? *sites : 0};
+    plan.radius = plan.two_sides->radius * side;
+    if (dots > 0) plan.tone = request.sites && request.dot ? static_cast<double>(*sites) / dots : 1;
+    plan.samples = dots > 0 ? samples_for(*plan.radius * plan.canvas.scale, plan.canvas, request.antialias) : 1;
     return {};
 }
 
@@ -267,6 +309,14 @@ std::vector<Warning> warnings_of(const HalftoneRequest& request) {
     return {{request.image_field, std::move(frame)}};
 }
 
+/// Makes a density for the dots of both sides.
+Result<std::vector<Density>> make_density(TwoSidedPlan& plan, std::size_t sites) {
+    if (sites == 0) return std::vector{Density::uniform()};
+    auto density = Density::grid(plan.cells.columns, plan.cells.rows, std::span(plan.density));
+    if (!density) return tl::unexpected(density.error());
+    return std::vector{*std::move(density)};
+}
+
 /// Makes a density for each ink that has sites. Coverages go as they are taken.
 Result<std::vector<Density>> make_densities(SeparatedPicture& picture, const std::vector<std::size_t>& sites) {
     std::vector<Density> densities(sites.size(), Density::uniform());
@@ -280,6 +330,20 @@ Result<std::vector<Density>> make_densities(SeparatedPicture& picture, const std
     return densities;
 }
 
+/// Chooses the radii of dots on both sides, in pixels of the picture.
+SidedDots size_dots(const HalftoneRequest& request, const HalftonePlan& plan, std::span<const Point> points,
+                    const Control& control) {
+    const CellGrid& cells = plan.two_sides->cells;
+    const double across = static_cast<double>(plan.picture.width) / cells.columns;
+    const double down = static_cast<double>(plan.picture.height) / cells.rows;
+    std::vector<Point> sites;
+    for (const Point& point : points) sites.push_back({point.x / across, point.y / down});
+    const bool fit = !(request.sites && request.dot);
+    SidedDots dots = ccdt::size_dots(*plan.two_sides, sites, fit, control.stop, *control.team);
+    for (float& radius : dots.radii) radius *= static_cast<float>(std::sqrt(across * down));
+    return dots;
+}
+
 }  // namespace
 
 Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
@@ -291,32 +355,41 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     plan.picture = picture->size;
     plan.warnings = warnings_of(request);
     std::vector<double> ink;
-    for (const auto& each : separation.coverage) ink.push_back(sum(each, *control.team) * picture->cell_area());
+    for (const auto& each : separation.coverage)
+        ink.push_back(drawn_share(each, request, *control.team) * picture->cell_area());
     const double all_ink = std::accumulate(ink.begin(), ink.end(), 0.0);
-    if (!(all_ink > 0)) return nothing_to_draw(request);
+    if (!(all_ink > 0) && !(request.dots == Dots::Both && sum(separation.coverage.front(), *control.team) > 0))
+        return nothing_to_draw(request);
     const std::size_t pixels =
         static_cast<std::size_t>(plan.picture.width) * static_cast<std::size_t>(plan.picture.height);
     for (const double each : ink) plan.cover.push_back(each / static_cast<double>(pixels));
     const std::size_t usual = request.sites ? *request.sites : usual_sites(request, all_ink, picture->fineness, limits);
-    auto canvas = plan_canvas(request, plan.box(), default_scale(all_ink, pixels, usual), limits);
+    const double scale = default_scale(ink_of_scale(request, all_ink, pixels), pixels, usual);
+    auto canvas = plan_canvas(request, plan.box(), scale, limits);
     if (!canvas) return tl::unexpected(canvas.error());
     plan.canvas = *canvas;
     if (auto checked = request.format->check_side(*canvas, "scale", "scale"); !checked)
         return tl::unexpected(checked.error());
-    auto settled = settle_dots(request, plan, *picture, ink, usual, limits, control);
+    auto settled = request.dots == Dots::Both ? settle_two_sides(request, plan, *picture, all_ink, usual, limits, control)
+                                              : settle_dots(request, plan, *picture, ink, usual, limits, control);
     if (!settled) return tl::unexpected(settled.error());
     plan.proof = make_proof(request, plan, picture->cells, std::exchange(separation.light, {}), *control.team);
-    auto densities = make_densities(*picture, plan.sites);
+    auto densities =
+        plan.two_sides ? make_density(*plan.two_sides, plan.sites.front()) : make_densities(*picture, plan.sites);
     if (!densities) return about_image(densities.error(), request);
     plan.densities = *std::move(densities);
     return plan;
 }
 
-Result<std::vector<Distribution>> place_dots(const HalftoneRequest& request, HalftonePlan& plan,
-                                             const Control& control) {
+Result<PlacedDots> place_dots(const HalftoneRequest& request, HalftonePlan& plan, const Control& control) {
     const std::vector<Density> densities = std::exchange(plan.densities, {});
     const auto domain = Domain::rectangle(plan.picture.width, plan.picture.height);
     if (!domain) return tl::unexpected(domain.error());
+    PlacedDots placed;
+    if (plan.two_sides && plan.sites.front() == 0) {
+        placed.inks.emplace_back().trace = {0};
+        return placed;
+    }
     Retouch retouch;
     if (plan.proof) {
         retouch = [&](std::span<const std::vector<Point>> sites) {
@@ -328,7 +401,9 @@ Result<std::vector<Distribution>> place_dots(const HalftoneRequest& request, Hal
     for (const Distribution& each : *dots) {
         if (auto whole = check_whole(each, request.on_deadline); !whole) return about_image(whole.error(), request);
     }
-    return dots;
+    placed.inks = *std::move(dots);
+    if (plan.two_sides) placed.sided = size_dots(request, plan, placed.inks.front().points, control);
+    return placed;
 }
 
 }  // namespace ccdt::api

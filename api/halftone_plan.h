@@ -11,6 +11,7 @@
 #include "core/density/density.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/print_proof.h"
+#include "core/halftone/two_sided.h"
 #include "core/result.h"
 
 namespace ccdt::api {
@@ -25,8 +26,9 @@ struct HalftonePlan {
     std::vector<std::size_t> sites;   ///< [inks]
     std::vector<Density> densities;   ///< [inks]; uniform for inks without sites
     std::optional<PrintProof> proof;  ///< if there are several inks, of which all together are seen
-    Canvas canvas;                    ///< of an answer that is drawn
-    std::vector<Warning> warnings;    ///< about the request
+    std::optional<TwoSidedPlan> two_sides;  ///< if dots are on both sides of the tonal scale
+    Canvas canvas;                          ///< of an answer that is drawn
+    std::vector<Warning> warnings;          ///< about the request
 
     /// What is told of the dots' size.
     std::optional<DotSize> size() const { return tone ? std::optional(DotSize{*radius, *tone}) : std::nullopt; }
@@ -38,9 +40,13 @@ struct HalftonePlan {
 Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                                    const Control& control);
 
+/// Dots of each ink, where they lie.
+struct PlacedDots {
+    std::vector<Distribution> inks;  ///< [inks]
+    SidedDots sided;                 ///< of the only ink, if dots are on both sides; radii in pixels of the picture
+};
+
 /// Distributes the dots of each ink. The densities are taken, and given back as soon as the dots lie.
-/// @returns  [inks]
-Result<std::vector<Distribution>> place_dots(const HalftoneRequest& request, HalftonePlan& plan,
-                                             const Control& control);
+Result<PlacedDots> place_dots(const HalftoneRequest& request, HalftonePlan& plan, const Control& control);
 
 }  // namespace ccdt::api

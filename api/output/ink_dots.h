@@ -4,18 +4,33 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
+#include <vector>
 
 #include "api/input/palette.h"
 #include "core/ccdt/ccdt.h"
+#include "core/geometry/point.h"
+#include "core/halftone/two_sided.h"
 
 namespace ccdt::api {
+
+/// Dots on both sides of the tonal scale, in the points' units.
+struct TwoSidedDots {
+    const SidedDots& dots;
+    std::vector<std::vector<Point>> ground;  ///< rings around black ground, by the even-odd rule
+};
 
 /// Dots of an ink, as writers of answers take them; what they refer to must outlive them.
 struct InkDots {
     const Ink& ink;
     const Distribution& dots;
-    double radius = 0;  ///< of each dot, in the points' units; only drawings ask for it
+    double radius = 0;                        ///< of each dot, in the points' units; only drawings ask for it
+    const TwoSidedDots* two_sides = nullptr;  ///< null: all dots are ink, of one size
 };
+
+inline std::string_view name_of(Side side) {
+    return side == Side::Ink ? "ink" : "paper";
+}
 
 /// Tells whether answers tell inks apart. Of the only ink, which has no name, they tell nothing but its points.
 inline bool are_named(std::span<const InkDots> inks) {

@@ -190,8 +190,32 @@ void write_distribution(Body& body, const Distribution& distribution, const Repo
     if (distribution.mesh) write_mesh(body, *distribution.mesh, stop);
 }
 
+/// Rounds to a thousandth: an outline needs no more digits.
+Point rounded(Point point) {
+    constexpr double kSteps = 1000;
+    return {std::round(point.x * kSteps) / kSteps, std::round(point.y * kSteps) / kSteps};
+}
+
+/// Writes radius and side of each dot, and the black ground.
+void write_two_sides(Body& body, const TwoSidedDots& two_sides, const std::stop_token& stop) {
+    const auto& [radii, sides, cut] = two_sides.dots;
+    body.text() += ",\"radii\":";
+    write_list(
+        body, std::span(radii), [](std::string& out, float radius) { append_shortest(out, radius); }, stop);
+    body.text() += ",\"side\":";
+    write_list(
+        body, std::span(sides),
+        [](std::string& out, Side side) { out.append("\"").append(name_of(side)).append("\""); }, stop);
+    body.text() += ",\"ground\":";
+    const auto append_ring = [](std::string& out, const std::vector<Point>& ring) {
+        append_array(out, ring, [](std::string& to, Point point) { append_point(to, rounded(point)); });
+    };
+    write_list(body, std::span(two_sides.ground), append_ring, stop);
+}
+
 void write_ink(Body& body, const InkDots& each, const std::stop_token& stop) {
-    const auto& [ink, dots, radius] = each;
+    const Ink& ink = each.ink;
+    const Distribution& dots = each.dots;
     std::string& out = body.text();
     out.append("{\"name\":\"").append(ink.name).append("\",\"color\":\"").append(hexadecimal(ink.colour)).append("\"");
     append_member(out, "sites", std::uint64_t{dots.points.size()});
@@ -330,6 +354,7 @@ void write_json(std::span<const InkDots> inks, const Report& report, Body& body,
         write_inks(body, inks, report, stop);
     } else {
         write_distribution(body, inks.front().dots, report, stop);
+        if (inks.front().two_sides != nullptr) write_two_sides(body, *inks.front().two_sides, stop);
     }
     body.text() += "}\n";
 }

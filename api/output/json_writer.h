@@ -47,8 +47,9 @@ std::string write_repairs(std::span<const Repair> repairs);
 std::string write_warnings(std::span<const Warning> warnings);
 
 /// Writes the JSON answer of /sample and /halftone: of inks with names a list, else the points themselves, also the
-/// mesh, if there is one. Tells if a run was stopped, what was repaired, and warnings. Numbers are the shortest that
-/// read back to the same double. Same input, same bytes. About 0.1 microseconds a number. Stopped, it ends early, with
+/// mesh, if there is one; of dots on both sides of the tonal scale the radius and the side of each, and the rings of
+/// the black ground. Tells if a run was stopped, what was repaired, and warnings. Numbers are the shortest that read
+/// back to the same double. Same input, same bytes. About 0.1 microseconds a number. Stopped, it ends early, with
 /// nothing of use. Like all writers of JSON it throws std::domain_error for a number that is not finite, which would be
 /// our own fault.
 void write_json(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop = {});

@@ -121,20 +121,47 @@ public:
         discs(centres, radius, colour, stop);
     }
 
-    void finish() { write("</svg>\n"); }
+    /// Begins a layer that is not mixed with those below it.
+    /// @param clip  id of the path outside of which nothing is seen; empty: none
+    void begin_plain_layer(std::string_view id, std::string_view label, std::string_view clip) {
+        write(R"(<g id=")", id, R"(" inkscape:groupmode="layer" inkscape:label=")", label, "\"");
+        if (!clip.empty()) write(R"( clip-path="url(#)", clip, ")\"");
+        write(">\n");
+    }
 
-private:
-    void discs(const PlacedPath& centres, double radius, const Colour& colour, const std::stop_token& stop) {
+    /// Defines a clip path.
+    void define_clip(std::string_view id, std::string_view data) {
+        write(R"(<clipPath id=")", id, R"("><path clip-rule="evenodd" d=")", data, "\"/></clipPath>\n");
+    }
+
+    /// @param radius_of  the radius of each dot of the path
+    template <class RadiusOf>
+    void discs(const PlacedPath& centres, const RadiusOf& radius_of, const Colour& colour,
+               const std::stop_token& stop) {
         write(R"(<g fill=")", hexadecimal(colour), "\">\n");
         for_chunks(centres, stop, [&](std::size_t first, std::size_t end) {
             for (std::size_t i = first; i < end; ++i) {
                 const Point c = centres[i];
-                write(R"(<circle cx=")", c.x, R"(" cy=")", c.y, R"(" r=")", radius);
+                write(R"(<circle cx=")", c.x, R"(" cy=")", c.y, R"(" r=")", radius_of(i));
                 if (centres.are_ranked()) write(R"(" data-rank=")", std::to_string(centres.rank(i)));
                 write("\"/>\n");
             }
         });
         write("</g>\n");
+    }
+
+    void area(std::string_view data, const Colour& colour) {
+        write(R"(<path fill=")", hexadecimal(colour), R"(" fill-rule="evenodd" d=")", data, "\"/>\n");
+    }
+
+    int decimals() const { return decimals_; }
+
+    void finish() { write("</svg>\n"); }
+
+private:
+    void discs(const PlacedPath& centres, double radius, const Colour& colour, const std::stop_token& stop) {
+        discs(
+            centres, [radius](std::size_t) { return radius; }, colour, stop);
     }
 
     /// Draws strokes of some length: programs for plotters leave out those of none.
@@ -236,6 +263,72 @@ void draw(std::span<const Point> points, std::span<const std::uint32_t> ranks, s
     document.dots(dots, radius * document.unit(), style, colour, stop);
 }
 
+/// Writes rings as closed curves: quadratic splines with the rings' points as controls, but straight along the border
+/// of the page.
+std::string curves(std::span<const std::vector<Point>> rings, const Page& page, const Placing& place, int decimals) {
+    std::string data;
+    const auto append = [&](std::string_view command, Point p) {
+        data += command;
+        append_rounded(data, p.x, decimals);
+        data += ' ';
+        append_rounded(data, p.y, decimals);
+    };
+    const auto is_on_border = [&](Point p) {
+        return p.x <= page.box.min.x || p.y <= page.box.min.y || p.x >= page.box.max.x || p.y >= page.box.max.y;
+    };
+    for (const std::vector<Point>& ring : rings) {
+        const auto middle = [&](std::size_t i) { return place(0.5 * (ring[i] + ring[(i + 1) % ring.size()])); };
+        append("M", middle(ring.size() - 1));
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+            append(is_on_border(ring[i]) ? "L" : "Q", place(ring[i]));
+            append(is_on_border(ring[i]) ? "L" : " ", middle(i));
+        }
+        data += "Z\n";
+    }
+    return data;
+}
+
+/// Draws dots on both sides of the tonal scale as three layers: ink dots, black ground on them, paper dots on that.
+/// Dots that the boundary of the ground cuts are in the first and in the last; the ground covers those in the first,
+/// and those in the last are clipped by it, so that each part has the colour opposite to its ground.
+void draw_two_sides(const InkDots& ink, const Palette& palette, const Page& page, Body& body,
+                    const std::stop_token& hurry, const std::stop_token& stop) {
+    const auto& [radii, sides, cut] = ink.two_sides->dots;
+    const std::span<const Point> points = ink.dots.points;
+    std::vector<std::vector<std::uint32_t>> paths;
+    for (const Side side : {Side::Ink, Side::Paper}) {
+        std::vector<std::uint32_t> numbers;
+        std::vector<Point> own;
+        for (std::uint32_t i = 0; i < points.size(); ++i) {
+            if (sides[i] != side && !cut[i]) continue;
+            numbers.push_back(i);
+            own.push_back(points[i]);
+        }
+        paths.emplace_back();
+        for (const std::uint32_t i : path_of(own, page, hurry)) paths.back().push_back(numbers[i]);
+    }
+    DotDocument document(page, points.size(), kLayers, body);
+    const Placing place(page, document.unit());
+    const std::string ground = curves(ink.two_sides->ground, page, place, document.decimals());
+    const auto draw_side = [&](const std::vector<std::uint32_t>& path, const Colour& colour) {
+        const PlacedPath centres(points, {}, path, place);
+        const auto radius_of = [&](std::size_t i) { return document.unit() * static_cast<double>(radii[path[i]]); };
+        document.discs(centres, radius_of, colour, stop);
+    };
+    document.paper(palette.paper);
+    document.define_clip("black", ground);
+    document.begin_plain_layer("ink", "ink dots", "");
+    draw_side(paths[0], ink.ink.colour);
+    document.end_layer();
+    document.begin_plain_layer("ground", "ground", "");
+    document.area(ground, ink.ink.colour);
+    document.end_layer();
+    document.begin_plain_layer("paper", "paper dots", "black");
+    draw_side(paths[1], palette.paper);
+    document.end_layer();
+    document.finish();
+}
+
 }  // namespace
 
 Canvas canvas_of(const Box& box, double scale) {
@@ -259,6 +352,7 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels) {
 
 void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style, Body& body,
                const std::stop_token& hurry, const std::stop_token& stop) {
+    if (inks.front().two_sides != nullptr) return draw_two_sides(inks.front(), palette, page, body, hurry, stop);
     const bool layered = are_named(inks);
     const bool has_paper = style == DotStyle::Fill;
     std::vector<std::vector<std::uint32_t>> paths;
@@ -266,7 +360,7 @@ void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page
     DotDocument document(page, count_points(inks), layered ? kLayers : "", body);
     if (layered && has_paper) document.paper(palette.paper);
     for (std::size_t i = 0; i < inks.size(); ++i) {
-        const auto& [ink, distribution, radius] = inks[i];
+        const auto& [ink, distribution, radius, two_sides] = inks[i];
         if (layered) document.begin_layer(ink.name, palette.mixing == Mixing::Add ? "screen" : "multiply");
         draw(distribution.points, distribution.ranks, paths[i], radius, ink.colour, page, style,
              !layered && has_paper ? &palette.paper : nullptr, document, stop);

@@ -60,6 +60,22 @@ void write_rows(Body& body, std::span<const Point> points, std::size_t columns, 
     }
 }
 
+/// Writes a line for each dot, with its radius and its side.
+void write_two_sides(const InkDots& ink, Body& body, const std::stop_token& stop) {
+    const auto& [radii, sides, cut] = ink.two_sides->dots;
+    std::string& out = body.text();
+    out += "x,y,radius,side\r\n";
+    for (std::size_t i = 0; i < radii.size(); ++i) {
+        if (i % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) break;
+        append_shortest(out, ink.dots.points[i].x);
+        out += ',';
+        append_shortest(out, ink.dots.points[i].y);
+        out += ',';
+        append_shortest(out, radii[i]);
+        out.append(",").append(name_of(sides[i])).append("\r\n");
+    }
+}
+
 /// Quotes a field that has what parts fields (RFC 4180).
 std::string quoted(std::string_view text) {
     if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
@@ -71,15 +87,26 @@ std::string quoted(std::string_view text) {
 }  // namespace
 
 void write_csv(std::span<const InkDots> inks, Body& body, const std::stop_token& stop) {
+    if (inks.front().two_sides != nullptr) return write_two_sides(inks.front(), body, stop);
     const bool named = are_named(inks);
     body.expect((count_points(inks) + 1) * (kUsualLine + (named ? kUsualName : 0)));
     const bool ranked = !named && !inks.front().dots.ranks.empty();
     body.text().append("x,y").append(named ? ",ink" : ranked ? ",rank" : "").append("\r\n");
-    for (const auto& [ink, dots, radius] : inks)
-        write_lines(body, dots.points, dots.ranks, named ? ',' + ink.name + "\r\n" : "\r\n", stop);
+    for (const InkDots& each : inks)
+        write_lines(body, each.dots.points, each.dots.ranks, named ? ',' + each.ink.name + "\r\n" : "\r\n", stop);
 }
 
 void write_npy(std::span<const InkDots> inks, Body& body, const std::stop_token& stop) {
+    if (inks.front().two_sides != nullptr) {
+        const auto& [radii, sides, cut] = inks.front().two_sides->dots;
+        write_npy_header(radii.size(), 4, body);
+        return write_rows(
+            body, inks.front().dots.points, 4,
+            [&](std::size_t i) {
+                return std::array{static_cast<double>(radii[i]), sides[i] == Side::Ink ? 0.0 : 1.0, 0.0};
+            },
+            stop);
+    }
     const std::size_t columns = are_named(inks) || !inks.front().dots.ranks.empty() ? 3 : 2;
     write_npy_header(count_points(inks), columns, body);
     double number = 0;

@@ -11,13 +11,15 @@
 namespace ccdt::api {
 
 /// Writes points as comma-separated values (RFC 4180): a header `x,y`, then a line for each; those of inks with names
-/// one ink after the other, with a third column `ink`, its name; of points with ranks `rank` is the third. Numbers are
-/// the shortest that read back to the same double. Stopped, it ends early, with nothing of use.
+/// one ink after the other, with a third column `ink`, its name; of points with ranks `rank` is the third; of dots on
+/// both sides of the tonal scale the third and fourth are `radius` and `side`, which is ink or paper. Numbers are the
+/// shortest that read back to the same double. Stopped, it ends early, with nothing of use.
 void write_csv(std::span<const InkDots> inks, Body& body, const std::stop_token& stop = {});
 
 /// Writes points as an array of NumPy, float64 [n, 2]; those of inks with names as [n, 3], last the number of the ink,
-/// from 0; those with ranks as [n, 3], last the rank. Source: NEP 1, format version 1.0. Stopped, it ends early, with
-/// nothing of use.
+/// from 0; those with ranks as [n, 3], last the rank; those on both sides of the tonal scale as [n, 4], with the
+/// radius, and 0 for ink or 1 for paper. Source: NEP 1, format version 1.0. Stopped, it ends early, with nothing of
+/// use.
 void write_npy(std::span<const InkDots> inks, Body& body, const std::stop_token& stop = {});
 
 /// Writes the dots of a map as comma-separated values, with a third column `feature`, its index, and of classes with

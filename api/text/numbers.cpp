@@ -5,9 +5,22 @@
 
 namespace ccdt::api {
 
-void append_shortest(std::string& out, double value) {
+namespace {
+
+template <class Number>
+void append_as_text(std::string& out, Number value) {
     char digits[24];
     out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+}
+
+}  // namespace
+
+void append_shortest(std::string& out, double value) {
+    append_as_text(out, value);
+}
+
+void append_shortest(std::string& out, float value) {
+    append_as_text(out, value);
 }
 
 void append_rounded(std::string& out, double value, int decimals) {

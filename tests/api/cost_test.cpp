@@ -11,7 +11,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "api/image/png_writer.h"
 #include "tests/api/files.h"
+#include "tests/api/image/rasters.h"
 
 namespace ccdt::api {
 namespace {
@@ -208,6 +210,11 @@ INSTANTIATE_TEST_SUITE_P(
     Requests, HalftoneCost,
     testing::Values(
         HalftoneCase{"usual", {{"scale", "2"}}, 6}, HalftoneCase{"dots", {{"sites", "65536"}, {"scale", "1"}}},
+        HalftoneCase{"ink", {{"sites", "65536"}, {"scale", "1"}, {"dots", "ink"}}},
+        HalftoneCase{"ink_vectors", {{"sites", "65536"}, {"format", "svg"}, {"scale", "4"}, {"dots", "ink"}}},
+        HalftoneCase{"both_points", {{"sites", "65536"}, {"format", "json"}, {"dots", "both"}}},
+        HalftoneCase{"both_draft", {{"sites", "65536"}, {"quality", "draft"}, {"format", "npy"}, {"dots", "both"}}},
+        HalftoneCase{"both_few", {{"sites", "20000"}, {"quality", "draft"}, {"detail", "0"}, {"scale", "1"}}},
         HalftoneCase{"draft", {{"sites", "65536"}, {"quality", "draft"}, {"scale", "1"}}},
         HalftoneCase{"levels", {{"sites", "2000"}, {"scale", "1"}, {"levels", "0.1,0.9,1.2"}}, 6},
         HalftoneCase{"large", {{"sites", "2000"}, {"scale", "12"}}},
@@ -238,6 +245,29 @@ INSTANTIATE_TEST_SUITE_P(
         HalftoneCase{
             "cmyk_vectors", {{"color", "cmyk"}, {"sites", "65536"}, {"format", "svg"}, {"scale", "4"}}, 4, kColours}),
     [](const auto& each) { return each.param.name; });
+
+TEST(HalftoneCost, OfManyPixelsIsNeverPassed) {
+    if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
+    Raster raster{1600, 1600, 1, {}};
+    for (int y = 0; y < raster.height; ++y) {
+        for (int x = 0; x < raster.width; ++x)
+            raster.coverage.push_back(static_cast<std::uint8_t>(128 + 120 * std::sin(x / 23.0) * std::sin(y / 31.0)));
+    }
+    const std::string file = *write_png(image_of(raster, true));
+    for (const auto* dots : {"ink", "both"}) {
+        for (const auto* sites : {"60000", "200000"}) {
+            const std::vector<TextOption> options = {
+                {"dots", dots}, {"sites", sites}, {"quality", "draft"}, {"iterations", "1"}, {"format", "json"}};
+            const auto request = parse_halftone(file, options, "", {});
+            ASSERT_TRUE(request) << request.error().message;
+            const auto work = [&] {
+                Timings timings;
+                if (!run_halftone(*request, {}, decode_inline(), {}, timings)) _exit(1);
+            };
+            expect_near(cost_of(*request, {}), 3, work, std::string(dots) + " " + sites);
+        }
+    }
+}
 
 TEST(SampleCost, KnowsWhatAnAnswerHasAtLeast) {
     const auto least = [](const std::string& format) {

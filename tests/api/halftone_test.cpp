@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/image/png_writer.h"
+#include "api/text/numbers.h"
 #include "tests/api/files.h"
 #include "tests/api/image/rasters.h"
 
@@ -104,7 +105,8 @@ TEST(HalftoneOptions, HaveTheirDefaults) {
     EXPECT_EQ(request->palette.paper, kWhite);
     EXPECT_EQ(request->detail, 0.7);
     EXPECT_EQ(request->levels, Levels());
-    EXPECT_FALSE(request->antialias || request->invert);
+    EXPECT_FALSE(request->antialias);
+    EXPECT_EQ(request->dots, Dots::Both);
     EXPECT_EQ(request->tone, Tone::Linear);
     EXPECT_EQ(request->format->file.name, "png");
     EXPECT_EQ(request->run.seed, 0U);
@@ -123,6 +125,7 @@ TEST(HalftoneOptions, AreAllRead) {
                                 {"dot", "1.5"},
                                 {"detail", "0.25"},
                                 {"antialias", "true"},
+                                {"dots", "paper"},
                                 {"invert", "1"},
                                 {"tone", "perceptual"},
                                 {"foreground", "#123"},
@@ -138,7 +141,7 @@ TEST(HalftoneOptions, AreAllRead) {
     EXPECT_EQ(request->dot->length, 1.5);
     EXPECT_EQ(request->detail, 0.25);
     EXPECT_TRUE(request->antialias);
-    EXPECT_TRUE(request->invert);
+    EXPECT_EQ(request->dots, Dots::Paper);
     EXPECT_EQ(request->tone, Tone::Perceptual);
     EXPECT_EQ(request->palette.inks.front().colour, (Colour{0x11, 0x22, 0x33}));
     EXPECT_TRUE(request->palette.paper.transparent);
@@ -160,6 +163,8 @@ TEST(HalftoneOptions, AreRefusedByName) {
                            {"dot", "big"},
                            {"detail", "-0.1"},
                            {"detail", "1.1"},
+                           {"dots", "none"},
+                           {"invert", "2"},
                            {"antialias", "2"},
                            {"quality", "good"},
                            {"quality", "stealthy"},
@@ -246,7 +251,7 @@ TEST(HalftoneJson, ReadsImageAndOptions) {
     EXPECT_EQ(request->sites, 7U);
     EXPECT_EQ(request->run.seed, 3U);
     EXPECT_EQ(request->scale, 2);
-    EXPECT_TRUE(request->invert);
+    EXPECT_EQ(request->dots, Dots::Paper);
 }
 
 TEST(HalftoneJson, PointsAtWhatIsWrong) {
@@ -274,15 +279,16 @@ TEST(HalftoneJson, PointsAtWhatIsWrong) {
 }
 
 TEST(Halftone, KeepsTheMeanTone) {
-    for (const auto& [option, expected] : {std::pair<const char*, double>{"false", 0.373205}, {"true", 0.373205}}) {
-        const auto result = answer(fixture("lossless.webp"), {{"sites", "200"}, {"scale", "16"}, {"invert", option}});
+    constexpr double kExpected = 0.373205;
+    for (const auto* dots : {"both", "ink", "paper"}) {
+        const auto result = answer(fixture("lossless.webp"), {{"sites", "200"}, {"scale", "16"}, {"dots", dots}});
         ASSERT_TRUE(result) << result.error().message;
         EXPECT_EQ(result->media_type, "image/png");
         const DecodedPng png = decode_png(result->body);
         EXPECT_EQ(png.width, 24 * 16);
         EXPECT_EQ(png.height, 16 * 16);
         EXPECT_EQ(png.bit_depth, 1);
-        EXPECT_NEAR(white_share(png), expected, 0.01) << option;
+        EXPECT_NEAR(white_share(png), kExpected, 0.01) << dots;
     }
 }
 
@@ -376,6 +382,84 @@ TEST(Halftone, RefusesPicturesWithoutInk) {
         EXPECT_NE(result.error().message.find("like its paper"), std::string::npos);
     }
     EXPECT_TRUE(answer(white, {{"color", "rgb"}}));
+}
+
+TEST(Halftone, DrawsBlackAndWhiteWithoutDots) {
+    const std::string black = *write_png(image_of({8, 8, 0, std::vector<std::uint8_t>(64, 255)}, false));
+    for (const auto* sites : {"1", "50"}) {
+        const auto drawn = answer(black, {{"sites", sites}, {"scale", "2"}});
+        ASSERT_TRUE(drawn) << drawn.error().message;
+        EXPECT_EQ(drawn->sites, 0U);
+        EXPECT_EQ(white_share(decode_png(drawn->body)), 0);
+    }
+    const auto listed = nlohmann::json::parse(answer(black, {{"format", "json"}, {"dots", "both"}})->body);
+    EXPECT_EQ(listed.at("sites"), 0);
+    for (const auto* member : {"points", "radii", "side"}) EXPECT_TRUE(listed.at(member).empty()) << member;
+    EXPECT_EQ(listed.at("ground").size(), 1U);
+    const auto table = answer(black, {{"format", "csv"}, {"dots", "both"}});
+    EXPECT_EQ(table->body, "x,y,radius,side\r\n");
+}
+
+TEST(Halftone, ListsRadiusAndSideOfEachDot) {
+    const std::string photo = photograph("camera.png");
+    const auto list = [&](const char* format) {
+        return answer(photo, {{"sites", "700"}, {"dots", "both"}, {"format", format}})->body;
+    };
+    const auto json = nlohmann::json::parse(list("json"));
+    ASSERT_EQ(json.at("points").size(), 700U);
+    ASSERT_EQ(json.at("radii").size(), 700U);
+    ASSERT_EQ(json.at("side").size(), 700U);
+    std::string table = "x,y,radius,side\r\n";
+    for (std::size_t i = 0; i < 700; ++i) {
+        const auto& point = json.at("points")[i];
+        for (const int axis : {0, 1}) {
+            append_shortest(table, point[axis].get<double>());
+            table += ',';
+        }
+        append_shortest(table, json.at("radii")[i].get<float>());
+        table += ',' + json.at("side")[i].get<std::string>() + "\r\n";
+    }
+    EXPECT_TRUE(list("csv") == table) << "of the same numbers";
+    EXPECT_NE(table.find(",ink\r\n"), std::string::npos);
+    EXPECT_NE(table.find(",paper\r\n"), std::string::npos);
+}
+
+TEST(HalftoneOptions, ChooseTheSidesOfDots) {
+    const auto dots = [](const Options& options) { return parse(options)->dots; };
+    for (const auto* drawn : {"png", "webp", "tiff", "svg"}) EXPECT_EQ(dots({{"format", drawn}}), Dots::Both) << drawn;
+    for (const auto* list : {"json", "csv", "npy"}) {
+        EXPECT_EQ(dots({{"format", list}}), Dots::Ink) << list;
+        EXPECT_EQ(dots({{"format", list}, {"dots", "both"}}), Dots::Both) << list;
+    }
+    for (const Options& options :
+         {Options{{"style", "stroke"}, {"format", "svg"}}, {{"tone", "density"}}, {{"color", "cmyk"}},
+          {{"palette", "#f00"}}, {{"format", "svg"}, {"background", "transparent"}}, {{"invert", "false"}}})
+        EXPECT_EQ(dots(options), Dots::Ink);
+    EXPECT_EQ(dots({{"background", "transparent"}}), Dots::Both);
+    EXPECT_EQ(dots({{"invert", "true"}}), Dots::Paper);
+    EXPECT_EQ(dots({{"dots", "paper"}}), Dots::Paper);
+    EXPECT_EQ(dots({{"dots", "paper"}, {"invert", "true"}}), Dots::Paper);
+    EXPECT_EQ(dots({{"dots", "both"}, {"invert", "false"}}), Dots::Both);
+}
+
+TEST(HalftoneOptions, HaveDotsOnBothSidesOnlyOfGreyInk) {
+    const std::vector<std::pair<Options, std::string>> wrong = {
+        {{{"dots", "both"}, {"color", "cmyk"}}, "dots"},
+        {{{"dots", "both"}, {"palette", "#f00"}}, "dots"},
+        {{{"dots", "paper"}, {"palette", "#f00"}}, "dots"},
+        {{{"dots", "both"}, {"tone", "density"}}, "dots"},
+        {{{"dots", "both"}, {"style", "stroke"}, {"format", "svg"}}, "dots"},
+        {{{"dots", "both"}, {"background", "transparent"}, {"format", "svg"}}, "dots"},
+        {{{"dots", "both"}, {"invert", "true"}}, "invert"},
+        {{{"dots", "ink"}, {"invert", "true"}}, "invert"},
+        {{{"dots", "paper"}, {"invert", "false"}}, "invert"},
+    };
+    for (const auto& [options, field] : wrong) {
+        const auto request = parse(options);
+        ASSERT_FALSE(request) << field;
+        EXPECT_EQ(request.error().code, ErrorCode::Malformed) << field;
+        EXPECT_EQ(request.error().field, field);
+    }
 }
 
 TEST(HalftoneOptions, MeasureDotsInPixelsOrMillimetres) {

@@ -6,7 +6,8 @@ usage: two_sides.py URL PICTURE:DOTS ...        e.g. two_sides.py http://localho
 Prints tables in Markdown, for dots=ink and dots=both with as many dots, antialiased, at 6 output pixels a pixel:
   grain   of flat greys, 16,000 dots on 256 x 256 pixels: standard deviation of L* after a Gaussian of one mean pitch
   error   of pictures: mean and 95th percentile of |dL*| after Gaussians of 0.5, 1 and 2 mean pitches
-The pitch is sqrt(area / dots); blurs are in linear light.
+The pitch is sqrt(area / dots); blurs are in linear light. Pictures are read as sRGB: one with another profile would be
+measured wrong.
 """
 import io
 import sys

@@ -32,6 +32,16 @@ void check_run(const Json& run) {
     for (const Json& step : run.at("trace")) CCDT_CHECK(step.at("variation").get<double>() >= 0);
 }
 
+/// Checks that dots on both sides of the tonal scale have a radius and a side each.
+void check_sides(const Json& json) {
+    if (!json.contains("ground")) return;
+    const std::size_t dots = json.at("points").size();
+    CCDT_CHECK(json.at("radii").size() == dots && json.at("side").size() == dots);
+    for (const Json& radius : json.at("radii")) CCDT_CHECK(radius.get<double>() >= 0);
+    for (const Json& side : json.at("side")) CCDT_CHECK(side == "ink" || side == "paper");
+    for (const Json& ring : json.at("ground")) CCDT_CHECK(ring.size() >= 3);
+}
+
 double number(std::string_view text) {
     const auto value = api::parse_number<double>(text);
     CCDT_CHECK(value && std::isfinite(*value));
@@ -55,6 +65,7 @@ std::vector<Point> points_of_json(const std::string& body) {
         }
     } else {
         check_run(json);
+        check_sides(json);
         append_points(json.at("points"), points);
     }
     CCDT_CHECK(json.at("sites").get<std::size_t>() == points.size());
@@ -71,7 +82,8 @@ std::vector<Point> points_of_feature(const std::string& body) {
 
 std::vector<Point> points_of_csv(std::string_view body) {
     const auto title = api::take_until(body, "\r\n");
-    CCDT_CHECK(title == "x,y" || title == "x,y,ink" || title == "x,y,rank");
+    CCDT_CHECK(title == "x,y" || title == "x,y,ink" || title == "x,y,rank" ||
+               title == "x,y,radius,side");
     std::vector<Point> points;
     while (!body.empty()) {
         auto line = api::take_until(body, "\r\n");

@@ -22,7 +22,7 @@ std::vector<Point> points_of_feature(const std::string& body);
 std::vector<Point> points_of_csv(std::string_view body);
 
 /// Those of a NumPy array.
-/// @param columns  2, or 3: the last one is the number of an ink
+/// @param columns  2; 3 with the number of an ink; 4 with radius and side
 std::vector<Point> points_of_npy(std::string_view body, std::size_t columns);
 
 /// SVG whose numbers are finite.

@@ -27,6 +27,7 @@ constexpr std::array<std::string_view, 4> kGrounds = {"transparent", "#000", "#f
 constexpr std::array<std::string_view, 4> kLevels = {"0,1,0.1", "0,1,10", "0,5e-324", "0.9999999999999999,1,10"};
 
 constexpr std::array<std::string_view, 3> kDetails = {"0", "1", "5e-324"};
+constexpr std::array<std::string_view, 3> kDots = {"both", "ink", "paper"};
 
 /// How an option's value is taken from an input.
 struct Option {
@@ -52,7 +53,7 @@ std::string take_true(Bytes&) {
     return "true";
 }
 
-constexpr std::array<Option, 18> kOptions = {{{"sites", take_count<24, 1>},
+constexpr std::array<Option, 19> kOptions = {{{"sites", take_count<24, 1>},
                                               {"iterations", take_count<6, 0>},
                                               {"passes", take_count<4, 1>},
                                               {"quality", take_word<kQualities>},
@@ -69,7 +70,8 @@ constexpr std::array<Option, 18> kOptions = {{{"sites", take_count<24, 1>},
                                               {"tone", [](Bytes&) { return std::string("perceptual"); }},
                                               {"on_deadline", [](Bytes&) { return std::string("partial"); }},
                                               {"levels", take_word<kLevels>},
-                                              {"detail", take_word<kDetails>}}};
+                                              {"detail", take_word<kDetails>},
+                                              {"dots", take_word<kDots>}}};
 
 /// Which options there are, by the bits of a number.
 std::vector<api::TextOption> take_options(Bytes& input) {
@@ -84,8 +86,11 @@ std::vector<api::TextOption> take_options(Bytes& input) {
 
 void check_points(const std::vector<Point>& points, const api::HalftoneRequest& request, const api::Answer& answer) {
     CCDT_CHECK(points.size() == answer.sites);
-    CCDT_CHECK(!request.sites || points.size() == *request.sites);
-    CCDT_CHECK(!points.empty() && points.size() <= kLimits.max_sites);
+    // The ground alone may draw all of a picture.
+    const bool has_none = request.dots == api::Dots::Both && points.empty();
+    CCDT_CHECK(has_none || !request.sites || points.size() == *request.sites);
+    CCDT_CHECK(has_none || !points.empty());
+    CCDT_CHECK(points.size() <= kLimits.max_sites);
     for (const Point& p : points) CCDT_CHECK(p.x > 0 && p.x < 64 && p.y > 0 && p.y < 64);
     // Dots of different inks may lie on each other.
     if (request.palette.inks.size() == 1) CCDT_CHECK(test::count_distinct(points) == points.size());
@@ -101,7 +106,8 @@ void check_answer(const api::HalftoneRequest& request, const api::Answer& answer
     if (format == "json") return check_points(points_of_json(answer.body), request, answer);
     if (format == "csv") return check_points(points_of_csv(answer.body), request, answer);
     const bool is_named = request.palette.mixing != api::Mixing::Cover;
-    if (format == "npy") return check_points(points_of_npy(answer.body, is_named ? 3 : 2), request, answer);
+    const std::size_t columns = request.dots == api::Dots::Both ? 4 : is_named ? 3 : 2;
+    if (format == "npy") return check_points(points_of_npy(answer.body, columns), request, answer);
 }
 
 }  // namespace

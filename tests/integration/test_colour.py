@@ -265,6 +265,9 @@ class Options(ServerCase):
                 ("palette=%23000&color=cmyk", "palette", "give one of the two"),
                 ("color=cmyk&foreground=%23f00", "foreground", "color=gray"),
                 ("color=cmyk&invert=true", "invert", "color=gray"),
+                ("color=cmyk&dots=paper", "dots", "color=gray"),
+                ("color=rgb&dots=both", "dots", "color=gray"),
+                ("palette=%23000&dots=both", "dots", "color=gray"),
                 ("color=rgb&background=%23fff", "background", "on black")):
             with self.subTest(query=query):
                 problem = self.assert_problem(self.ask("/halftone?" + query, data=GREY), 400, words)

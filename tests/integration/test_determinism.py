@@ -22,6 +22,8 @@ def everything(server):
     answers = [
         ask(server, "/halftone?sites=3000&seed=5", data=CAMERA),
         ask(server, "/halftone?sites=3000&seed=5&format=json", data=CAMERA),
+        ask(server, "/halftone?sites=3000&seed=5&format=json&dots=both", data=CAMERA),
+        ask(server, "/halftone?sites=3000&seed=5&dots=ink", data=CAMERA),
         ask(server, "/halftone?sites=3000&seed=5&color=rgb", data=CAMERA),
         post_json(server, "/sample", SAMPLE),
     ]
@@ -33,7 +35,8 @@ def everything(server):
 def large(server):
     """Answers for which there is work for several threads."""
     answers = [ask(server, "/halftone?" + options, data=WAVES) for options in (
-        "sites=20000", "sites=20000&color=cmyk&antialias=true", "sites=300000&quality=draft&tone=perceptual",
+        "sites=20000", "sites=20000&dots=ink", "sites=30000&dots=both&format=csv",
+        "sites=60000&scale=0.5&antialias=true", "sites=20000&color=cmyk&antialias=true", "sites=300000&quality=draft&tone=perceptual",
         "quality=draft&scale=0.5&levels=0.1,0.9,1.5", "sites=3000&format=csv")]
     answers += [post_json(server, "/sample", {"sites": 60_000, "format": "csv", "domain": domain}) for domain in (
         {"type": "torus", "width": 1, "height": 1}, {"type": "rectangle", "width": 2, "height": 1})]

@@ -100,7 +100,8 @@ class HalftoneOptions(ServerCase):
     def test_values_out_of_range(self):
         for query in ("sites=0", "sites=-1", "sites=1.5", "sites=x", "sites=", "sites", "sites=10%00", "seed=-1",
                       f"seed={2 ** 53}", "iterations=1001", "passes=0", "passes=101", "scale=0", "scale=17",
-                      "scale=nan", "scale=1e400", "dot=-1", "dot=inf", "antialias=maybe", "invert=2", "tone=loud",
+                      "scale=nan", "scale=1e400", "dot=-1", "dot=inf", "antialias=maybe", "dots=all", "invert=2",
+                      "tone=loud",
                       "foreground=red", "foreground=transparent", "background=%2312"):
             with self.subTest(query=query):
                 problem = self.refuse(query)
@@ -194,9 +195,11 @@ class Pictures(ServerCase):
 
     def test_422_for_a_picture_without_ink(self):
         white, black = file_of(flat(255)), file_of(flat(0))
-        self.assert_problem(self.ask("/halftone", data=white), 422)
+        for query in ("", "?dots=ink", "?dots=both", "?dots=both&format=json"):
+            self.assert_problem(self.ask("/halftone" + query, data=white), 422)
         self.assert_problem(self.ask("/halftone?invert=true", data=black), 422)
         self.assertEqual(self.ask("/halftone?invert=true", data=white).status, 200)
+        self.assertEqual(self.ask("/halftone", data=black).status, 200)
 
 
 class SampleRequests(ServerCase):

@@ -195,17 +195,21 @@ class Drawings(FormatCase):
                 self.same_picture(self.made("svg", **body).body, png.body)
 
     def test_halftone_svg_looks_like_png(self):
-        for query in ("?sites=3000", "?sites=2000&scale=2&dot=4", "?sites=1000&style=stroke&width_mm=120"):
+        for query in ("?sites=3000", "?sites=2000&scale=2&dot=4", "?sites=3000&dots=ink",
+                      "?sites=2000&scale=2&dot=4&dots=ink", "?sites=1000&style=stroke&width_mm=120"):
             with self.subTest(query=query):
                 svg = self.dots(query + "&format=svg")
                 self.assertEqual(svg.type, "image/svg+xml")
                 self.same_picture(svg.body, self.dots(query + "&antialias=true").body)
 
     def test_halftone_svg_has_its_colours(self):
-        svg = self.dots("?sites=10&format=svg&foreground=%23f80&background=%23012").body
-        root = ElementTree.fromstring(svg)
-        self.assertEqual(root.find(SVG + "rect").get("fill"), "#001122")
-        self.assertEqual(root.find(SVG + "g").get("fill"), "#ff8800")
+        query = "?sites=10&format=svg&foreground=%23f80&background=%23012&dots="
+        ink, both = (ElementTree.fromstring(self.dots(query + dots).body) for dots in ("ink", "both"))
+        for root in (ink, both):
+            self.assertEqual(root.find(SVG + "rect").get("fill"), "#001122")
+        self.assertEqual(ink.find(SVG + "g").get("fill"), "#ff8800")
+        fills = {layer.get("id"): {part.get("fill") for part in layer} for layer in both.findall(SVG + "g")}
+        self.assertEqual(fills, {"ink": {"#ff8800"}, "ground": {"#ff8800"}, "paper": {"#001122"}})
 
     def test_png_has_its_size(self):
         body = {"sites": 100, "domain": {"type": "rectangle", "width": 3, "height": 1}, "width": 600}
@@ -243,6 +247,7 @@ class Pictures(FormatCase):
 
     def test_same_pixels(self):
         for query in ("?sites=800&scale=2", "?sites=800&scale=2&antialias=true", "?sites=300&invert=true&scale=1",
+                      "?sites=800&scale=2&dots=ink", "?sites=800&scale=2&dots=ink&antialias=true",
                       "?sites=300&scale=1&foreground=%23306&background=%23fed",
                       "?sites=300&scale=1.5&foreground=%23306&background=transparent&antialias=true"):
             expected = self.dots(query).picture("RGBA")

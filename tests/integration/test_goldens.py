@@ -48,7 +48,7 @@ LANDS = {"type": "FeatureCollection", "features": [
     land([[0, 42], [5, 42], [3, 45], [0, 42]], people=40, cattle=0)]}
 
 QUALITIES = ("draft", "standard", "best")
-INKS = ("color=gray", "color=cmyk", "color=rgb", "palette=%23e02020,%232040c0", "palette=%23804000")
+INKS = ("color=gray", "dots=ink", "color=cmyk", "color=rgb", "palette=%23e02020,%232040c0", "palette=%23804000")
 
 
 def names(rows):
@@ -61,22 +61,30 @@ def halftones(formats):
         yield f"sites=700&{inks}&format={form}", "astronaut"
     for inks, quality in itertools.product(INKS, QUALITIES):
         yield f"sites=900&seed=3&{inks}&quality={quality}", "astronaut"
-    for inks, form in itertools.product(INKS[:2], ("png", "webp", "tiff")):
+    for inks, form in itertools.product(INKS[:3], ("png", "webp", "tiff")):
         yield f"sites=500&{inks}&antialias=true&scale=1.5&format={form}", "astronaut"
-    for options in ("", "tone=perceptual", "invert=true", "invert=true&antialias=true", "dot=2.5", "scale=0.5",
-                    "scale=3&dot=1", "levels=0.1,0.9,1.2", "detail=0", "tone=density", "foreground=%23204060&background=%23ffeecc", "background=transparent",
+    for options in ("", "tone=perceptual", "dot=2.5", "scale=0.5", "scale=3&dot=1", "levels=0.1,0.9,1.2", "detail=0",
+                    "foreground=%23204060&background=%23ffeecc", "background=transparent",
                     "background=transparent&antialias=true&format=webp", "iterations=0", "iterations=2&passes=3",
-                    "format=svg&width_mm=200&style=stroke", "format=svg&width_mm=100", "format=json&width_mm=100"):
+                    "format=svg&width_mm=100"):
         yield f"sites=1500&{options}", "camera"
+        yield f"sites=1500&dots=ink&{options}", "camera"
+    for options in ("invert=true", "invert=true&antialias=true", "tone=density", "format=svg&width_mm=200&style=stroke",
+                    "format=json&width_mm=100"):
+        yield f"sites=1500&{options}", "camera"
+    for form in ("json", "csv", "npy", "svg"):
+        yield f"sites=700&seed=2&dots=both&format={form}", "astronaut"
     for options in ("background=transparent", "background=%23ffeecc", "tone=perceptual", "dot=2", "scale=0.7",
                     "levels=0.2,0.8",
                     "format=svg&style=stroke&width_mm=150", "iterations=0", "antialias=true&background=transparent"):
         yield f"sites=1500&color=cmyk&{options}", "astronaut"
-    for inks, picture in itertools.product(INKS, ("wedge", "pixel", "black")):
+    for inks, picture in itertools.product((*INKS, "dots=both"), ("wedge", "pixel", "black")):
         yield f"sites=60&{inks}&format=json", picture
     yield "", "camera"
+    yield "dots=ink", "camera"
     yield "color=cmyk", "camera"
     yield "sites=20000&quality=best", "camera"
+    yield "sites=20000&dots=ink&quality=best", "camera"
 
 
 def samples(formats, methods):
@@ -144,7 +152,8 @@ def everything(server):
         yield "sample " + name, post_json(server, "/sample", body)
     for name, body in analyses(names(analyze["formats"])):
         yield "analyze " + name, post_json(server, "/analyze", body)
-    yield "json body", post_json(server, "/halftone", {"image": data_uri(PHOTOS["camera"]), "sites": 300})
+    for name, options in ("json body", {}), ("json body of ink", {"dots": "ink"}):
+        yield name, post_json(server, "/halftone", {"image": data_uri(PHOTOS["camera"]), "sites": 300, **options})
 
 
 def digest(answer):

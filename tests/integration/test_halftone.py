@@ -140,7 +140,7 @@ class Options(ServerCase):
                 self.assertEqual(self.picture(f"?sites=200&scale={scale}").shape, (side, side))
 
     def test_dot_sets_the_radius(self):
-        small, large = (self.picture(f"?sites=300&scale=2&dot={dot}") for dot in (2, 4))
+        small, large = (self.picture(f"?sites=300&scale=2&dots=ink&dot={dot}") for dot in (2, 4))
         self.assertGreater(large.size - large.sum(), 3 * (small.size - small.sum()))
 
     def test_dot_auto_is_the_default(self):
@@ -194,6 +194,12 @@ class Options(ServerCase):
         dark, light = (len(self.halftone(file_of(flat(level, 200, 200)), "?format=json").json()["points"])
                        for level in (40, 220))
         self.assertGreater(dark, light)
+
+    def test_number_of_sites_is_chosen_by_the_minority_of_both(self):
+        shares = {level: min(linear(level), 1 - linear(level)) * 400 * 400 for level in (40, 140, 220)}
+        for level, minority in shares.items():
+            dots = self.halftone(file_of(flat(level, 400, 400)), "?format=json&dots=both&quality=draft").json()
+            self.assertEqual(dots["sites"], int(min(max(minority / 8, 4096), minority)))
 
     def test_smallest_pictures_and_numbers(self):
         self.assertEqual(len(self.halftone(file_of(flat(0, 1, 1)), "?sites=1&format=json").json()["points"]), 1)

@@ -1,5 +1,6 @@
 """The tone of halftones: what a far eye sees of them, level by level."""
 
+import itertools
 import pathlib
 import subprocess
 import tempfile
@@ -59,7 +60,8 @@ class Levels(ServerCase):
             data = (PICTURES / name).read_bytes()
             for query in ("", "antialias=true", "scale=1", "scale=0.5", "scale=0.5&antialias=true", "quality=draft",
                           "quality=best", "detail=0", "detail=1", "format=tiff", "format=webp&antialias=true",
-                          "background=transparent"):
+                          "background=transparent", "dots=ink", "dots=ink&antialias=true", "dots=ink&scale=0.5",
+                          "dots=ink&detail=1"):
                 with self.subTest(name=name, query=query):
                     small = "scale=0.5" in query  # where levels are of few pixels
                     self.check(luminance(data), self.halftone(data, "?sites=13000&" + query).body, 13_000,
@@ -67,9 +69,10 @@ class Levels(ServerCase):
 
     def test_photographs_in_few_dots_and_in_many(self):
         data = (PICTURES / "camera.png").read_bytes()
-        for sites in (4000, 100_000):
-            with self.subTest(sites=sites):
-                self.check(luminance(data), self.halftone(data, f"?sites={sites}&scale=2").body, sites)
+        for sites, dots in itertools.product((4000, 100_000), ("both", "ink")):
+            with self.subTest(sites=sites, dots=dots):
+                query = f"?sites={sites}&scale=2&dots={dots}"
+                self.check(luminance(data), self.halftone(data, query).body, sites)
 
     def test_light_on_black(self):
         data = (PICTURES / "astronaut.png").read_bytes()
@@ -78,13 +81,14 @@ class Levels(ServerCase):
 
     def test_lightness_as_luminance(self):
         data = (PICTURES / "camera.png").read_bytes()
-        dots = self.dots_of(data, "tone=perceptual")
-        self.check(lightness(luminance(data)) / 100, self.halftone(data, "?tone=perceptual").body, dots)
+        for query in ("tone=perceptual&dots=both", "tone=perceptual&dots=ink"):
+            dots = self.dots_of(data, query)
+            self.check(lightness(luminance(data)) / 100, self.halftone(data, "?" + query).body, dots)
 
     def test_levels_as_an_editor_sets_them(self):
         data = (PICTURES / "camera.png").read_bytes()
         share = numpy.clip((pixels(data) / 255 - 0.1) / 0.8, 0, 1) ** (1 / 1.5)
-        query = "levels=0.1,0.9,1.5"
+        query = "levels=0.1,0.9,1.5&dots=both"
         self.check(LIGHT[numpy.round(share * 255).astype(int)], self.halftone(data, "?" + query).body,
                    self.dots_of(data, query))
 
@@ -102,14 +106,14 @@ class Levels(ServerCase):
                       for colour in ("024", "fda"))
         wanted = ink + luminance(data) * (paper - ink)
         seen = self.halftone(data, "?foreground=%23024&background=%23fda").body
-        self.check(wanted, seen, self.dots_of(data, ""))
+        self.check(wanted, seen, self.dots_of(data, "dots=both"))
 
     def test_drawings(self):
         """Large enough that the renderer's own rims do not count."""
         data = (PICTURES / "camera.png").read_bytes()
         with tempfile.TemporaryDirectory() as folder:
             source, target = pathlib.Path(folder, "dots.svg"), pathlib.Path(folder, "dots.png")
-            source.write_bytes(self.halftone(data, "?format=svg&sites=6000").body)
+            source.write_bytes(self.halftone(data, "?format=svg&sites=6000&dots=ink").body)
             subprocess.run(["rsvg-convert", "--width", "4096", "--output", str(target), str(source)], check=True)
             seen = (pixels(target.read_bytes(), "L") > 127).reshape(2048, 2, 2048, 2).mean((1, 3))
         dark, worst = errors(luminance(data), seen, 6000)
@@ -128,7 +132,8 @@ class Wedge(ServerCase):
     def test_flat_greys(self):
         for share in (0.005, 0.02, 0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.995):
             level = int(numpy.argmin(abs(1 - LIGHT - share)))
-            for query in ("", "antialias=true", "scale=1", "scale=0.5", "scale=0.1", "scale=0.1&antialias=true"):
+            for query in ("", "antialias=true", "scale=1", "scale=0.5", "scale=0.1", "scale=0.1&antialias=true",
+                          "dots=ink", "dots=ink&scale=1", "dots=ink&scale=0.1&antialias=true"):
                 with self.subTest(share=share, query=query):
                     seen = luminance(self.halftone(file_of(flat(level, 300, 300)), "?" + query).body)
                     self.assertAlmostEqual(seen.mean(), LIGHT[level], delta=0.005)
@@ -159,11 +164,21 @@ class Detail(ServerCase):
         of_picture, of_dots = (blurred(plane, 0.5 * pitch) - blurred(plane, pitch) for plane in (wanted, seen))
         return (of_picture * of_dots).sum() / (of_picture ** 2).sum()
 
+    def test_gives_edges_the_contrast_that_they_have_on_both_sides(self):
+        for name, data in (("camera", (PICTURES / "camera.png").read_bytes()), ("text", file_of(soft_lettering()))):
+            with self.subTest(name=name):
+                without, usual, much = (self.contrast(data, f"sites=12000&detail={detail}") for detail in (0, 0.7, 1))
+                self.assertGreater(usual, without)
+                self.assertGreater(much, usual)
+                self.assertLess(abs(usual - 1), abs(without - 1))
+                self.assertLess(abs(usual - 1), 0.03)
+
     def test_gives_edges_the_contrast_that_they_have(self):
         for name, data in (("camera", (PICTURES / "camera.png").read_bytes()),
                            ("chelsea", (PICTURES / "chelsea.png").read_bytes()), ("text", file_of(soft_lettering()))):
             with self.subTest(name=name):
-                without, usual, much = (self.contrast(data, f"sites=12000&detail={detail}") for detail in (0, 0.7, 1))
+                without, usual, much = (self.contrast(data, f"sites=12000&dots=ink&detail={detail}")
+                                        for detail in (0, 0.7, 1))
                 self.assertGreater(usual, without + 0.02)
                 self.assertGreater(much, usual + 0.02)
                 self.assertLess(abs(usual - 1), abs(without - 1))
@@ -180,9 +195,9 @@ class Detail(ServerCase):
         of_sharp, of_soft = (self.halftone(file_of(picture), "?format=json").json()["sites"]
                              for picture in (sharp, soft))
         self.assertGreater(of_sharp, 3 * of_soft)
-        seen = luminance(self.halftone(file_of(sharp)).body)
+        seen = luminance(self.halftone(file_of(sharp), "?dots=ink").body)
         likeness = [numpy.corrcoef(blurred(enlarged(sharp / 255, view.shape), 1).ravel(), blurred(view, 1).ravel())[0, 1]
-                    for view in (seen, luminance(self.halftone(file_of(sharp), f"?sites={of_soft}").body))]
+                    for view in (seen, luminance(self.halftone(file_of(sharp), f"?dots=ink&sites={of_soft}").body))]
         self.assertGreater(likeness[0], 0.9)
         self.assertLess(likeness[1], 0.8)
 
@@ -191,9 +206,11 @@ class Detail(ServerCase):
             data = (PICTURES / name).read_bytes()
             ink = (1 - luminance(data)).sum()
             self.assertEqual(self.dots_of(data), int(ink / 8))
+            minority = numpy.minimum(luminance(data), 1 - luminance(data)).sum()
+            self.assertEqual(self.dots_of(data, "&dots=both"), int(minority / 8))
 
-    def dots_of(self, data):
-        return self.halftone(data, "?format=json&quality=draft").json()["sites"]
+    def dots_of(self, data, query=""):
+        return self.halftone(data, "?format=json&quality=draft" + query).json()["sites"]
 
     def test_is_bounded(self):
         noise = numpy.random.default_rng(1).integers(0, 256, (500, 500))
@@ -203,7 +220,7 @@ class Detail(ServerCase):
 class Pen(ServerCase):
     def test_number_of_dots_follows_from_the_pen(self):
         data = (PICTURES / "camera.png").read_bytes()
-        answer = self.halftone(data, "?dot=5&scale=2")
+        answer = self.halftone(data, "?dot=5&scale=2&dots=ink")
         dots = self.dots(data, "dot=5&scale=2")
         self.assertEqual(float(answer.headers["x-radius"]), 2.5)
         self.assertAlmostEqual(float(answer.headers["x-tone"]), 1, delta=0.001)
@@ -227,7 +244,7 @@ class Pen(ServerCase):
     def test_both_make_one_factor_which_is_told(self):
         data = (PICTURES / "chelsea.png").read_bytes()
         wanted = 1 - luminance(data)
-        answer = self.halftone(data, "?dot=2&scale=2&sites=9000")
+        answer = self.halftone(data, "?dot=2&scale=2&sites=9000&dots=ink")
         seen = 1 - luminance(answer.body)
         tone = float(answer.headers["x-tone"])
         self.assertLess(tone, 0.5)
@@ -238,7 +255,7 @@ class Pen(ServerCase):
     def test_radius_is_that_of_the_drawn_dots(self):
         data = (PICTURES / "camera.png").read_bytes()
         dots = self.dots(data, "sites=3000&scale=4")
-        drawn = self.halftone(data, "?sites=3000&scale=4")
+        drawn = self.halftone(data, "?sites=3000&scale=4&dots=ink")
         self.assertAlmostEqual(float(drawn.headers["x-radius"]), dots["radius"], delta=1e-9)
         y, x = numpy.mgrid[:512 * 4, :512 * 4] / 4 + 0.125
         for px, py in dots["points"][:20]:

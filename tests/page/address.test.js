@@ -75,7 +75,7 @@ test("a radius in pixels is shared with the scale that it was seen at", async ()
   await open();
   await world.page.uncheck("#halftone .fields [data-name=dot] input[type=checkbox]");
   await type("halftone", "dot", "2.5");
-  assert.deepEqual(await settings(), { dot: "2.5", scale: "2" });
+  assert.deepEqual(await settings(), { dot: "2.5", scale: "3" });
   await isShared("halftone");
 });
 

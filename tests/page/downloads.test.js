@@ -24,7 +24,7 @@ const readers = {
   csv: `
 with open(name, newline="") as file:
     head, *rows = csv.reader(file)
-print(json.dumps({"head": head, "points": [[float(x), float(y)] for x, y in rows]}))`,
+print(json.dumps({"head": head, "points": [[float(x), float(y)] for x, y, *_ in rows], "rest": [rest for _, _, *rest in rows]}))`,
   npy: "print(json.dumps({'points': numpy.load(name).tolist()}))",
   geojson: `
 feature = json.load(open(name))
@@ -35,7 +35,7 @@ print(json.dumps({"valid": shape.is_valid, "points": [[p.x, p.y] for p in shape.
   tiff: picture,
   svg: `
 circles = xml.etree.ElementTree.parse(name).findall(".//{http://www.w3.org/2000/svg}circle")
-print(json.dumps({"circles": len(circles)}))`,
+print(json.dumps({"circles": len({(circle.get("cx"), circle.get("cy")) for circle in circles})}))`,
 };
 const anything = "print(json.dumps({'bytes': os.path.getsize(name)}))";
 const imports = "import csv, json, os, sys, xml.etree.ElementTree, numpy, PIL.Image, shapely.geometry\nname = sys.argv[1]\n";
@@ -103,10 +103,14 @@ test("the files of a halftone", async () => {
     assert.deepEqual([read.format, read.width, read.height], [format, width, height]);
     assert.equal(read.grey, png.grey);
   }
-  assert.deepEqual(npy.points, json.points);
+  const sideOf = (number) => (number === 0 ? "ink" : "paper");
+  assert.deepEqual(npy.points.map(([x, y]) => [x, y]), json.points);
+  assert.deepEqual(npy.points.map(([, , , side]) => sideOf(side)), json.side);
+  assert.deepEqual(npy.points.map(([, , radius]) => Math.fround(radius)), json.radii.map(Math.fround));
   assert.equal(json.points.length, 3000);
-  assert.deepEqual(csv.head, ["x", "y"]);
+  assert.deepEqual(csv.head, ["x", "y", "radius", "side"]);
   assert.deepEqual(csv.points, json.points);
+  assert.deepEqual(csv.rest.map(([radius, side]) => [Number(radius), side]), json.radii.map((radius, i) => [radius, json.side[i]]));
   assert.equal(svg.circles, 3000);
   isSame(png, svg.drawn);
 });

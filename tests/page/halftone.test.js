@@ -149,7 +149,7 @@ test("asks for what its fields say", async () => {
   await open();
   const seen = watchRequests();
   await number("seed").fill("7");
-  await world.page.check("#halftone [data-name=invert] input");
+  await world.page.selectOption("#halftone [data-name=dots] select", "paper");
   await world.page.selectOption("#halftone [data-name=tone] select", "perceptual");
   await world.page.locator("#halftone [data-name=foreground] input").fill("#102a66");
   await world.page.check("#halftone [data-name=background] input[type=checkbox]");
@@ -158,8 +158,8 @@ test("asks for what its fields say", async () => {
   await number("dot").blur();
   await settled(world.page, "halftone");
   assert.deepEqual(Object.fromEntries(new URL(seen.at(-1).url).searchParams), {
-    sites: "20000", dot: "2.5", tone: "perceptual", invert: "true", antialias: "true", foreground: "#102a66",
-    background: "transparent", seed: "7", scale: "2",
+    sites: "20000", dot: "2.5", tone: "perceptual", dots: "paper", antialias: "true", foreground: "#102a66",
+    background: "transparent", seed: "7", scale: "3",
   });
 });
 

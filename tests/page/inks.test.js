@@ -46,10 +46,10 @@ test("prints in CMYK and shines in RGB", async () => {
   await open();
   assert.deepEqual(await asked(), {});
   assert.deepEqual(await seen(primary), ["#000000", "#ffffff"]);
-  await world.page.check("#halftone [data-name=invert] input");
+  await world.page.selectOption("#halftone [data-name=dots] select", "paper");
   await choose("cmyk");
   assert.deepEqual(await asked(), { color: "cmyk" });
-  for (const name of ["foreground", "invert", "palette"]) assert.ok(await field(name).isHidden(), name);
+  for (const name of ["foreground", "dots", "palette"]) assert.ok(await field(name).isHidden(), name);
   assert.deepEqual(await seen(primary), primary);
   await field("background").locator("input[type=color]").fill("#fff4d6");
   await settled(world.page, "halftone");
@@ -59,7 +59,7 @@ test("prints in CMYK and shines in RGB", async () => {
   assert.ok(await field("background").isHidden());
   assert.deepEqual(await seen(["#ff0000", "#00ff00", "#0000ff"]), ["#ff0000", "#00ff00", "#0000ff"]);
   await choose("gray");
-  assert.deepEqual(await asked(), { invert: "true", background: "#fff4d6" });
+  assert.deepEqual(await asked(), { dots: "paper", background: "#fff4d6" });
 });
 
 test("takes a palette of one to six inks", async () => {

@@ -19,9 +19,9 @@ async function open(address) {
   await settled(world.page, address.slice(1));
 }
 
-/** Options that are no fields: shapes, downloads, boxes and sliders beside the picture, the properties of a map's features. */
+/** Options that are no fields: an older name, shapes, downloads, boxes and sliders beside the picture, the properties of a map's features. */
 const elsewhere = {
-  halftone: ["format"],
+  halftone: ["format", "invert"],
   sample: ["polygon", "holes", "geometry", "domain", "per", "classes", "iterations", "mesh"],
 };
 

@@ -39,6 +39,21 @@ test("the READMEs' lines put dots into a page of another origin", async () => {
   }
 });
 
+test("the API's page draws dots and ground on a canvas, with the picture's tone", async () => {
+  lines = (await examplesOf("api/README.md")).find((example) => example.includes("evenodd"));
+  await world.page.goto(origin.url);
+  const inkOf = () => world.page.evaluate(() => {
+    const { width, height } = document.querySelector("canvas");
+    const { data } = document.querySelector("canvas").getContext("2d").getImageData(0, 0, width, height);
+    let sum = 0;
+    for (let i = 3; i < data.length; i += 4) sum += data[i];
+    return sum / 255 / (width * height);
+  });
+  await world.page.waitForFunction(() => document.querySelector("canvas").height !== 150);
+  const meanLuminance = 0.2023;  // of chelsea.png
+  assert.ok(Math.abs(1 - (await inkOf()) - meanLuminance) < 0.01, String(await inkOf()));
+});
+
 test("the README's page puts a dotted picture into a page of another origin", async () => {
   [lines] = await examplesOf("README.md");
   await world.page.goto(origin.url);

@@ -7,7 +7,7 @@ const server = new URL("/", import.meta.url);
 
 /** Options of /halftone that are attributes; of the flags it is enough that they are there. */
 const options = ["sites", "color", "palette", "foreground", "background", "tone", "levels", "detail", "dot", "scale",
-  "quality", "seed", "iterations", "passes", "antialias", "invert"];
+  "quality", "seed", "iterations", "passes", "antialias", "dots", "invert"];
 const flags = ["antialias", "invert"];
 
 const mostJobs = 2;  // at once, of all elements: browsers have six connections to a server, and a job takes one
@@ -83,7 +83,7 @@ function screensOf(wish) {
     return { paper: "#000", mixing: "lighter",
       inks: [["#f00", 15, (red) => red], ["#0f0", 75, (_, green) => green], ["#00f", 0, (_, __, blue) => blue]] };
   }
-  const light = wish.has("invert");
+  const light = wish.has("invert") || wish.get("dots") === "paper";
   const ink = wish.get("foreground") ?? wish.get("palette")?.split(",")[0] ?? (light ? "#fff" : "#000");
   return { paper: wish.get("background") ?? (light ? "#000" : "#fff"), mixing: "source-over",
     inks: [[ink, 45, light ? luminance : (...rgb) => 1 - luminance(...rgb)]] };

@@ -24,6 +24,10 @@ const samplePath = (name) => `/assets/samples/${name}`;
 const sample = async (name) => ({ name, path: samplePath(name), blob: await (await fetch(samplePath(name))).blob() });
 const ownOf = (file) => ({ name: file.name, blob: file });
 
+/** Tells whether pictures with such options have dots of ink and of paper. */
+const isOfBothSides = ({ color, palette, dots, tone, style, background }) =>
+  !color && !palette && !dots && tone !== "density" && style !== "stroke" && background !== "transparent";
+
 /** How many dots there are or, if the server has chosen that, how large: in pixels of the picture. */
 function describe({ sites }, response) {
   if (sites !== undefined) return `${count(Number(sites))} dots`;
@@ -164,7 +168,7 @@ export class Halftone extends Panel {
     this.fields.offer("width_mm", isInMm);
     this.fields.offer("palette", color === "palette");
     this.fields.offer("foreground", color === "gray");
-    this.fields.offer("invert", color === "gray");
+    this.fields.offer("dots", color === "gray");
     this.fields.offer("background", color !== "rgb");
     this.moreFields.offer("width_mm", !isInMm && !isPlotted);
     this.moreFields.offer("style", !isPlotted);
@@ -191,7 +195,9 @@ export class Halftone extends Panel {
   /** What the panel shows, in a format. */
   async ask(format, signal, told = this.tell) {
     if (!this.#picture) await this.#take(await sample(firstSample));
-    return this.#post({ ...this.#options(), format }, signal, told);
+    const options = this.#options();
+    if (isOfBothSides(options)) options.dots = "both";  // also of lists, whose default is ink
+    return this.#post({ ...options, format }, signal, told);
   }
 
   #post(options, signal, told, blob = this.#picture.blob) {

@@ -1,0 +1,193 @@
+"""Halftones with dots on both sides of the tonal scale: ink dots on white ground, paper dots on black ground."""
+
+import csv
+import io
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+import numpy
+import shapely.geometry
+from PIL import Image, ImageDraw
+
+from harness import PICTURES, ServerCase, file_of, flat, inside, linear, pixels
+from seen import LIGHT
+
+ASTRONAUT = (PICTURES / "astronaut.png").read_bytes()
+CAMERA = (PICTURES / "camera.png").read_bytes()
+
+
+def light(file):
+    """Linear light of a drawing that mixes in linear light."""
+    return LIGHT[pixels(file, "L")]
+
+
+def black_and_white():
+    """Text and noise, in black and white."""
+    picture = Image.new("L", (160, 120), 255)
+    draw = ImageDraw.Draw(picture)
+    draw.rectangle((80, 0, 160, 60), fill=0)
+    for row in range(6, 60, 14):
+        draw.text((6, row), "Quick brown", fill=0)
+    levels = numpy.where(numpy.asarray(picture) < 128, 0, 255)
+    levels[90:, :] = 255 * numpy.random.default_rng(3).integers(0, 2, (30, 160))
+    return levels
+
+
+def rings(answer):
+    return [numpy.array(ring) for ring in answer["ground"]]
+
+
+def is_far_from_boundary(answer):
+    """Whether each dot is farther from the boundary of the ground than the outline is inexact."""
+    boundary = shapely.geometry.MultiLineString([[*ring, ring[0]] for ring in answer["ground"]])
+    return numpy.array([shapely.geometry.Point(point).distance(boundary) > 0.5 for point in answer["points"]])
+
+
+class Tone(ServerCase):
+    def test_flat_greys_keep_their_luminance(self):
+        for share in (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.48, 0.52, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98):
+            level = int(numpy.argmin(abs(LIGHT - share)))
+            with self.subTest(share=share):
+                drawn = self.halftone(file_of(flat(level, 128, 128)), "?sites=2000&scale=4&antialias=true")
+                self.assertAlmostEqual(light(drawn.body).mean(), linear(level), delta=0.004)
+
+    def test_dots_never_cover_more_than_half(self):
+        for level in (60, 120, 180, 190, 200):
+            dots = self.halftone(file_of(flat(level, 128, 128)), "?sites=2000&format=json&dots=both").json()
+            covered = numpy.pi * (numpy.array(dots["radii"]) ** 2).sum() / 128 ** 2
+            self.assertAlmostEqual(covered, min(linear(level), 1 - linear(level)), delta=0.01)
+
+    def test_paper_and_ink_have_the_colours_that_are_asked_for(self):
+        drawn = self.halftone(CAMERA, "?sites=2000&foreground=%23024&background=%23fda").picture("RGB")
+        colours = {tuple(colour) for colour in numpy.unique(drawn.reshape(-1, 3), axis=0).tolist()}
+        self.assertEqual(colours, {(0, 0x22, 0x44), (255, 0xdd, 0xaa)})
+
+    def test_dots_of_a_number_and_a_radius_have_their_factor(self):
+        for dots, radius in ((1000, 1), (3000, 1)):
+            answer = self.halftone(file_of(flat(210, 200, 200)), f"?sites={dots}&scale=4&dot={4 * radius}&antialias=true")
+            tone = float(answer.headers["x-tone"])
+            self.assertLess(tone, 1)
+            seen = 1 - light(answer.body).mean()
+            self.assertAlmostEqual(seen / (1 - linear(210)), tone, delta=0.02 * tone)
+
+
+class BlackAndWhite(ServerCase):
+    def test_is_drawn_by_the_ground_alone(self):
+        picture = black_and_white()
+        for query in ("", "&sites=500", "&detail=0", "&format=webp"):
+            with self.subTest(query=query):
+                drawn = self.halftone(file_of(picture), "?scale=1" + query)
+                numpy.testing.assert_array_equal(pixels(drawn.body, "L"), picture)
+        dots = self.halftone(file_of(picture), "?dots=both&format=json").json()
+        self.assertEqual((dots["sites"], dots["points"], dots["radii"], dots["side"]), (0, [], [], []))
+
+    def test_black_is_solid(self):
+        black = file_of(flat(0, 30, 20))
+        self.assertFalse(self.halftone(black, "?scale=3").picture().any())
+        dots = self.halftone(black, "?dots=both&format=json").json()
+        self.assertEqual(dots["sites"], 0)
+        self.assertAlmostEqual(sum(shapely.geometry.Polygon(ring).area for ring in dots["ground"]), 30 * 20)
+
+
+class Lists(ServerCase):
+    def test_hold_as_many_dots_as_are_asked_for(self):
+        for sites in (1, 7, 1000, 20_000):
+            dots = self.halftone(CAMERA, f"?sites={sites}&dots=both&format=json").json()
+            self.assertEqual(dots["sites"], sites)
+            for member in ("points", "radii", "side"):
+                self.assertEqual(len(dots[member]), sites, member)
+
+    def test_sides_are_those_of_the_ground(self):
+        for data in (CAMERA, ASTRONAUT):
+            dots = self.halftone(data, "?sites=8000&dots=both&format=json").json()
+            on_black = inside(dots["points"], rings(dots))
+            is_paper = numpy.array(dots["side"]) == "paper"
+            self.assertTrue(0.05 < is_paper.mean() < 0.95)
+            far = is_far_from_boundary(dots)
+            self.assertGreater(far.mean(), 0.7)
+            numpy.testing.assert_array_equal(is_paper[far], on_black[far])
+
+    def test_hold_the_same_dots(self):
+        query = "?sites=900&dots=both&format="
+        dots = self.halftone(ASTRONAUT, query + "json").json()
+        expected = numpy.column_stack([dots["points"], dots["radii"], [side == "paper" for side in dots["side"]]])
+        array = numpy.load(io.BytesIO(self.halftone(ASTRONAUT, query + "npy").body), allow_pickle=False)
+        numpy.testing.assert_allclose(array, expected, rtol=1e-6)
+        rows = list(csv.reader(io.StringIO(self.halftone(ASTRONAUT, query + "csv").body.decode(), newline="")))
+        self.assertEqual(rows[0], ["x", "y", "radius", "side"])
+        self.assertEqual([row[3] for row in rows[1:]], dots["side"])
+        numpy.testing.assert_allclose(numpy.array([row[:3] for row in rows[1:]], float), expected[:, :3], rtol=1e-6)
+
+    def test_are_what_is_drawn(self):
+        scale = 8
+        dots = self.halftone(CAMERA, "?sites=2000&dots=both&format=json").json()
+        drawn = self.halftone(CAMERA, f"?sites=2000&scale={scale}").picture()
+        uncut = numpy.flatnonzero(is_far_from_boundary(dots))
+        for i in uncut[::50]:
+            x, y = (numpy.array(dots["points"][i]) * scale).astype(int)
+            self.assertEqual(drawn[y, x], dots["side"][i] == "paper", dots["points"][i])
+
+    def test_are_of_ink_unless_asked_otherwise(self):
+        for form in ("json", "csv", "npy"):
+            usual, ink = (self.halftone(CAMERA, f"?sites=300&seed=4&format={form}{dots}").body
+                          for dots in ("", "&dots=ink"))
+            if form == "json":
+                self.assertNotIn(b'"ground"', usual)
+            else:
+                self.assertEqual(usual, ink)
+
+
+class Drawings(ServerCase):
+    def test_svg_looks_like_png(self):
+        for data, query in ((CAMERA, "?sites=3000&scale=4"), (ASTRONAUT, "?sites=6000&scale=4"),
+                            (file_of(flat(0, 64, 64)), "?scale=4")):
+            with self.subTest(query=query):
+                ours = light(self.halftone(data, query + "&antialias=true").body)
+                with tempfile.TemporaryDirectory() as folder:
+                    source, target = pathlib.Path(folder, "dots.svg"), pathlib.Path(folder, "dots.png")
+                    source.write_bytes(self.halftone(data, query + "&format=svg").body)
+                    subprocess.run(["rsvg-convert", "--width", str(ours.shape[1]), "--height", str(ours.shape[0]),
+                                    "--output", str(target), str(source)], check=True)
+                    theirs = pixels(target.read_bytes(), "L") / 255
+                self.assertLess(abs(ours.mean() - theirs.mean()), 0.01)
+                self.assertLess(numpy.abs(ours - theirs).mean(), 0.02)
+
+
+class Options(ServerCase):
+    def test_that_contradict_each_other_are_refused(self):
+        for query, field, words in (
+                ("dots=both&color=cmyk", "dots", "color=gray"), ("dots=both&palette=%23f00", "dots", "color=gray"),
+                ("dots=both&tone=density", "dots", "tone=density"),
+                ("dots=both&style=stroke&format=svg", "dots", "style=stroke"),
+                ("dots=both&background=transparent&format=svg", "dots", "background"),
+                ("dots=paper&color=rgb", "dots", "color=gray"), ("dots=none", "dots", "'both' or 'ink' or 'paper'"),
+                ("dots=both&invert=true", "invert", "contradicts dots"),
+                ("dots=ink&invert=true", "invert", "contradicts dots"),
+                ("dots=paper&invert=false", "invert", "contradicts dots")):
+            with self.subTest(query=query):
+                problem = self.assert_problem(self.ask("/halftone?" + query, data=CAMERA), 400, words)
+                self.assertEqual(problem["errors"][0]["pointer"], field)
+
+    def test_of_drawings_are_both_by_default(self):
+        for form in ("png", "webp", "tiff", "svg"):
+            usual, both, ink = (self.halftone(CAMERA, f"?sites=300&format={form}{dots}").body
+                                for dots in ("", "&dots=both", "&dots=ink"))
+            self.assertEqual(usual, both)
+            self.assertNotEqual(usual, ink)
+
+    def test_of_pens_and_of_densities_are_ink_by_default(self):
+        for query in ("format=svg&style=stroke", "tone=density", "format=svg&background=transparent", "color=cmyk"):
+            usual, ink = (self.halftone(CAMERA, f"?sites=300&{query}{dots}").body for dots in ("", "&dots=ink"))
+            self.assertEqual(usual, ink, query)
+
+    def test_invert_is_a_name_for_sides(self):
+        for invert, dots in (("true", "paper"), ("false", "ink")):
+            inverted, sided = (self.halftone(CAMERA, "?sites=300&" + query).body
+                               for query in (f"invert={invert}", f"dots={dots}"))
+            self.assertEqual(inverted, sided)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
