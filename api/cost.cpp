@@ -45,23 +45,31 @@ double inks_of(const HalftoneRequest& request) {
     return static_cast<double>(request.palette.inks.size());
 }
 
+/// Counts the cells at most that dots on both sides of the tonal scale are planned in.
+double planned_cells(const HalftoneRequest& request, double sites) {
+    // A quarter of the picture drawn makes 50 cells a dot of half a radius; cells of up to two pixels are pixels.
+    constexpr double kCellsPerDot = 200, kFewest = 64 * 64;
+    return std::min(static_cast<double>(request.image.header.pixels()), kCellsPerDot * sites + kFewest);
+}
+
 /// Divides the picture into grounds, and plans the dots on both of them.
-Estimate dividing(const HalftoneRequest& request) {
-    constexpr double kBytes = 54, kTime = 0.3 * kMicrosecond;
-    return Estimate{kBytes, kTime} * static_cast<double>(request.image.header.pixels());
+Estimate dividing(const HalftoneRequest& request, double sites) {
+    constexpr double kBytes = 54, kTime = 0.3 * kMicrosecond, kReading = 8;
+    return Estimate{kBytes, kTime} * planned_cells(request, sites) +
+           Estimate{kReading, 0} * static_cast<double>(request.image.header.pixels());
 }
 
 /// Fits the sizes of dots on both sides of the tonal scale to the picture.
 Estimate sizing(const HalftoneRequest& request, double sites) {
     constexpr Estimate kPixel{36, 0.2 * kMicrosecond}, kSite{48, 5 * kMicrosecond};
     if (request.dots != Dots::Both) return {};
-    return kPixel * static_cast<double>(request.image.header.pixels()) + kSite * sites;
+    return kPixel * planned_cells(request, sites) + kSite * sites;
 }
 
 /// Sharpens the coverage of one ink after the other, beside those of all; or does what is done instead of that for
 /// dots on both sides of the tonal scale.
-Estimate sharpening(const HalftoneRequest& request) {
-    if (request.dots == Dots::Both) return dividing(request);
+Estimate sharpening(const HalftoneRequest& request, double sites) {
+    if (request.dots == Dots::Both) return dividing(request, sites);
     if (!(request.detail > 0)) return {};
     constexpr double kTime = 0.05 * kMicrosecond;
     const auto pixels = static_cast<double>(request.image.header.pixels());
@@ -333,7 +341,7 @@ std::size_t bytes_of(const ImageFile& file) {
 
 Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
     const double sites = most_sites(request, limits);
-    const Estimate read = then(decoding(request) + levelling(request), sharpening(request));
+    const Estimate read = then(decoding(request) + levelling(request), sharpening(request, sites));
     const Estimate placed = weighing(request) + placing(request, sites) + sizing(request, sites);
     Cost all = cost(then(then(read, placed), writing(request, sites, limits)));
     all.answer = request.sites.value_or(0) * request.format->least;

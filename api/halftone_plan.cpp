@@ -58,7 +58,10 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
                     const Limits& limits) {
     const double pixels = static_cast<double>(size.width) * size.height;
     const std::size_t usual = request.sites ? *request.sites : usual_sites(request, ink, fineness, limits);
-    if (request.sites || !request.dot) return std::sqrt(ink / (std::numbers::pi * static_cast<double>(usual)));
+    // Small dots of a dark or a light picture on both sides need no finer cells than those of a grey one.
+    constexpr double kLeastShare = 0.25;
+    const double drawn = request.dots == Dots::Both ? std::max(ink, kLeastShare * pixels) : ink;
+    if (request.sites || !request.dot) return std::sqrt(drawn / (std::numbers::pi * static_cast<double>(usual)));
     const double chosen = default_scale(ink, static_cast<std::size_t>(pixels), usual);
     return picture_radius(request, size, request.scale.value_or(chosen));
 }

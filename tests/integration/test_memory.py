@@ -81,7 +81,7 @@ def noise(side, form="png", **options):
 class Budget(unittest.TestCase):
     @unittest.skipIf(SANITIZED, "sanitizers take memory of their own")
     def test_is_kept_whatever_comes(self):
-        budget = 640
+        budget = 800
         pictures = [noise(1800), noise(1500, "jpeg", progressive=True), noise(1200, "webp", lossless=True)]
         requests = []
         for index in range(3):
