@@ -8,6 +8,7 @@
 
 #include "api/json/json_document.h"
 #include "api/run/estimate.h"
+#include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/repair.h"
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/dots.h"
@@ -221,6 +222,12 @@ double longer_side(const HalftoneRequest& request) {
     return static_cast<double>(std::max(request.image.header.width, request.image.header.height));
 }
 
+/// Whether a picture is thinner than two dots of so many are apart.
+bool is_thin(const HalftoneRequest& request, std::size_t dots) {
+    const double density = static_cast<double>(dots) / static_cast<double>(request.image.header.pixels());
+    return shorter_side(request) < 2 * hexagonal_spacing(density);
+}
+
 /// Counts dots at most, where their radius decides on it: a solid picture takes twice what it would without overlaps.
 double most_sites(const HalftoneRequest& request, const Limits& limits) {
     if (request.sites) return static_cast<double>(*request.sites);
@@ -350,9 +357,14 @@ Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
 
 std::size_t usual_sites(const HalftoneRequest& request, double ink, double fineness, const Limits& limits) {
     constexpr double kMostSeconds = 2, kFewest = 4096, kMany = 1e6;
+    constexpr double kThin = 4;  // time for a dot of a thin picture, whose mesh is mostly border, over that of others
     const double in_time = kMostSeconds / placing(request, kMany).seconds * kMany;
-    const auto most = static_cast<std::size_t>(std::max(in_time, kFewest));
-    return default_sites(ink, fineness, std::min(most, limits.max_sites));
+    const auto most_in = [&](double dots) {
+        const auto most = static_cast<std::size_t>(std::max(dots, kFewest));
+        return default_sites(ink, fineness, std::min(most, limits.max_sites));
+    };
+    const std::size_t usual = most_in(in_time);
+    return is_thin(request, usual) ? std::min(usual, most_in(in_time / kThin)) : usual;
 }
 
 Cost cost_of(const SampleRequest& request, const Limits& limits) {

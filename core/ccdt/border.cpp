@@ -21,10 +21,17 @@ std::vector<double> spacings_along(Point a, Point b, const CapacityIntegral& cap
     return sums;
 }
 
-double length_in_sites(const Domain& domain, const LengthInSites& length) {
+/// Returns the number of parts into which an edge is divided. One that is short against the spacing stays whole.
+long parts_of(double length_in_sites) {
+    return std::max(1L, std::lround(length_in_sites));
+}
+
+/// Counts the vertices that edges would be given where sites are as far apart along the border as elsewhere.
+double wanted_vertices(const Domain& domain, const LengthInSites& length) {
     double sum = 0;
     for (const Ring& ring : domain.rings()) {
-        for (std::size_t i = 0; i < ring.size(); ++i) sum += length(ring[i], ring[(i + 1) % ring.size()]).back();
+        for (std::size_t i = 0; i < ring.size(); ++i)
+            sum += static_cast<double>(parts_of(length(ring[i], ring[(i + 1) % ring.size()]).back()) - 1);
     }
     return sum;
 }
@@ -38,9 +45,10 @@ Border make_border(const Domain& domain, const CapacityIntegral& capacity, std::
 }
 
 Border make_border(const Domain& domain, const LengthInSites& length, std::size_t sites) {
-    // Along a domain thinner than the spacing of its sites, fewer do.
-    const double most = 4.0 * static_cast<double>(sites) + 64;
-    const double wanted = length_in_sites(domain, length);
+    // Sites of a domain that is thinner than their spacing are farther apart along it. One vertex for each site makes
+    // them more even there than more vertices do, and keeps the mesh small.
+    const double most = static_cast<double>(sites) + 64;
+    const double wanted = wanted_vertices(domain, length);
     const double thinning = wanted > most ? most / wanted : 1;
     Border border;
     for (const Ring& ring : domain.rings()) {
@@ -50,7 +58,7 @@ Border make_border(const Domain& domain, const LengthInSites& length, std::size_
             loop.push_back(a);
             border.corner.push_back(true);
             const auto sums = length(a, b);
-            const auto count = std::lround(thinning * sums.back());
+            const long count = parts_of(thinning * sums.back());
             const auto samples = static_cast<double>(sums.size() - 1);
             std::size_t k = 0;
             for (long j = 1; j < count; ++j) {

@@ -23,8 +23,8 @@ struct Border {
 /// [steps + 1], the first of which is 0.
 using LengthInSites = std::function<std::vector<double>(Point begin, Point end)>;
 
-/// The domain's corners and, between them, vertices about as far apart as sites are there; but no more than a few for
-/// every site.
+/// The domain's corners and, between them, vertices about as far apart as sites are there. Their number without the
+/// corners is at most about that of the sites.
 Border make_border(const Domain& domain, const LengthInSites& length, std::size_t sites);
 Border make_border(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites);
 

@@ -26,7 +26,7 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 /// Time after which a connection looks whether its client still waits.
 constexpr std::chrono::milliseconds kPeek{20};
 
-/// Time after its deadline that a job may take to stop, and to write down what it has.
+/// Time after the deadline that a computation may take to stop and to write a partial answer.
 constexpr std::chrono::seconds kGrace{2};
 
 /// Bytes of a body: longer ones are never for short jobs.
@@ -212,9 +212,10 @@ HttpResult<Response> Computing::answer(const Operation& operation, const Incomin
 
 HttpResult<Response> Computing::compute(const AcceptedPointer& asked, bool compressed, const Incoming& incoming) {
     const auto deadline = Clock::now() + config_.timeout;
-    const auto cost = find_cost(asked, incoming, deadline);
-    if (!cost) return tl::unexpected(cost.error());
-    auto product = run(asked, *cost, compressed, incoming, deadline);
+    const auto forecast = this->forecast(asked, incoming, deadline);
+    if (!forecast) return tl::unexpected(forecast.error());
+    const TimeLimit limit{deadline, forecast->accepts_partial ? kGrace : Clock::duration()};
+    auto product = run(asked, forecast->cost, compressed, incoming, limit);
     if (!product) return tl::unexpected(std::move(product.error()));
     api::Answer& answer = product->answer;
     if (!product->passage && !answer.partial)
@@ -301,39 +302,39 @@ HttpResult<Computing::AcceptedPointer> Computing::take_in(const Operation& opera
 
 /// Makes a job of what is parsed now and computed when its turn comes.
 HttpResult<Response> Computing::defer(const AcceptedPointer& asked, const Incoming& incoming) {
-    const auto cost = find_cost(asked, incoming, Clock::now() + config_.timeout);
-    if (!cost) return tl::unexpected(cost.error());
+    const auto forecast = this->forecast(asked, incoming, Clock::now() + config_.timeout);
+    if (!forecast) return tl::unexpected(forecast.error());
     incoming.record.stages = {};  // the job has its own
     Job job;
     job.owner = incoming.connection.key();
     job.client = incoming.connection.client_name();
     job.traceparent = whole_traceparent(incoming.request.header("traceparent"));
-    job.cost = *cost;
+    job.cost = forecast->cost;
     job.cost.memory += asked->request.body.size();  // its run takes it from the store
     if (job.cost.memory > pool_.memory().total()) return too_large(job.cost.memory);
     return jobs_.accept(std::move(job), asked->request).map(accepted);
 }
 
-/// Finds what a request costs, which is known once it is parsed: a worker does that unless it is quick.
-HttpResult<api::Cost> Computing::find_cost(const AcceptedPointer& asked, const Incoming& incoming,
-                                           Clock::time_point deadline) {
+/// Parses a request, in a worker unless that is quick, and estimates its cost.
+HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& asked, const Incoming& incoming,
+                                                    Clock::time_point deadline) {
     const auto find = [asked, &limits = config_.limits] {
         return asked->operation.parse(asked->request, limits).map([&](const ParsedPointer& parsed) {
-            return cost_of_answering(asked->operation, asked->request, *parsed);
+            return Forecast{cost_of_answering(asked->operation, asked->request, *parsed), parsed->accepts_partial()};
         });
     };
     if (!is_quickly_parsed(asked->operation, asked->request))
-        return have_worker_do<api::Cost>([find](const Control&, api::Timings&, auto&) { return find(); },
-                                         cost_of_parsing(asked->operation, asked->request), incoming, deadline);
-    auto cost = find();
-    if (!cost) return problem(std::move(cost.error()));
-    return *cost;
+        return have_worker_do<Forecast>([find](const Control&, api::Timings&, auto&) { return find(); },
+                                        cost_of_parsing(asked->operation, asked->request), incoming, {deadline});
+    auto found = find();
+    if (!found) return problem(std::move(found.error()));
+    return *found;
 }
 
 /// Has a worker do a task, and waits for the result. The record tells how far it came.
 template <class T>
 HttpResult<T> Computing::have_worker_do(Task<T> task, const api::Cost& cost, const Incoming& incoming,
-                                        Clock::time_point deadline) {
+                                        const TimeLimit& limit) {
     if (cost.memory > pool_.memory().total()) return too_large(cost.memory);
     const auto pending = std::make_shared<PendingResult<T>>();
     const auto job = pool_.submit(
@@ -349,7 +350,7 @@ HttpResult<T> Computing::have_worker_do(Task<T> task, const api::Cost& cost, con
         },
         cost);
     if (!job) return busy(429, "too many requests are waiting");
-    const auto waited = wait_for(*pending, *job, incoming, deadline);
+    const auto waited = wait_for(*pending, *job, incoming, limit);
     incoming.record.stages = pending->stages();
     if (!waited) return tl::unexpected(waited.error());
     auto result = pending->take_result();
@@ -358,12 +359,12 @@ HttpResult<T> Computing::have_worker_do(Task<T> task, const api::Cost& cost, con
     return *std::move(result);
 }
 
-/// Waits for a result until its client leaves, the server shuts down, or the deadline has passed and the job has had
-/// its time to stop.
+/// Waits for a result until the client leaves, the server shuts down, or the deadline and the grace have passed. A
+/// computation that is still running then ends in the background.
 template <class T>
 HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
-                                     Clock::time_point deadline) {
-    while (!pending.wait_until(std::min(Clock::now() + kPeek, deadline))) {
+                                     const TimeLimit& limit) {
+    while (!pending.wait_until(std::min(Clock::now() + kPeek, limit.deadline))) {
         if (incoming.connection.client_gone()) {
             pending.abandon();
             pool_.cancel(job);
@@ -374,17 +375,17 @@ HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobI
             pool_.cancel(job);
             return give_up(busy(503, "the server is shutting down"), "shutdown", incoming.record);
         }
-        if (Clock::now() < deadline) continue;
+        if (Clock::now() < limit.deadline) continue;
         if (pool_.cancel(job) == WorkerPool::Cancelled::Queued)
             return give_up(busy(503, "no worker was free in time"), "deadline", incoming.record);
-        if (!pending.wait_until(deadline + kGrace)) return too_slow(incoming.record);
+        if (!pending.wait_until(limit.deadline + limit.grace)) return too_slow(incoming.record);
     }
     return {};
 }
 
 HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& asked, const api::Cost& cost,
                                                      bool compressed, const Incoming& incoming,
-                                                     Clock::time_point deadline) {
+                                                     const TimeLimit& limit) {
     const std::string key = cache_key(asked->name, compressed, cache_owner(incoming.connection));
     Task<ComputedAnswer> task = [this, asked, compressed, key](const Control& control, api::Timings& timings,
                                                                PendingResult<ComputedAnswer>& pending) {
@@ -402,7 +403,7 @@ HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& aske
         });
     };
     const double waited = incoming.record.stages.queue;
-    auto product = have_worker_do(std::move(task), cost, incoming, deadline);
+    auto product = have_worker_do(std::move(task), cost, incoming, limit);
     incoming.record.stages.queue += waited;
     return product;
 }

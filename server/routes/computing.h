@@ -55,6 +55,18 @@ private:
     class PendingResult;
     class Outlet;
 
+    /// Properties of a parsed request that decide how it is run.
+    struct Forecast {
+        api::Cost cost;
+        bool accepts_partial = false;
+    };
+
+    /// Limits on the wait for a result.
+    struct TimeLimit {
+        Clock::time_point deadline;                 ///< at which the computation is told to stop
+        Clock::duration grace = Clock::duration();  ///< after the deadline, for a result that a stop does not void
+    };
+
     /// What a worker does. The result may be there before it is done: then that is what counts.
     template <class T>
     using Task = std::function<Result<T>(const Control&, api::Timings&, PendingResult<T>&)>;
@@ -64,19 +76,18 @@ private:
     HttpResult<std::string> read_body(const Incoming& incoming, bool deferred) const;
     HttpResult<AcceptedPointer> take_in(const Operation& operation, ComputeRequest request);
     HttpResult<Response> defer(const AcceptedPointer& asked, const Incoming& incoming);
-    HttpResult<api::Cost> find_cost(const AcceptedPointer& asked, const Incoming& incoming, Clock::time_point deadline);
+    HttpResult<Forecast> forecast(const AcceptedPointer& asked, const Incoming& incoming, Clock::time_point deadline);
     template <class T>
-    HttpResult<T> have_worker_do(Task<T> task, const api::Cost& cost, const Incoming& incoming,
-                                 Clock::time_point deadline);
+    HttpResult<T> have_worker_do(Task<T> task, const api::Cost& cost, const Incoming& incoming, const TimeLimit& limit);
     template <class T>
     HttpResult<void> wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
-                              Clock::time_point deadline);
+                              const TimeLimit& limit);
     std::string cache_owner(const Connection& connection) const;
     Stream stream_of(const ComputedAnswer& computed, const Incoming& incoming, Clock::time_point latest) const;
     std::optional<Response> recall(const std::string& name, bool compressed, const Incoming& incoming);
     HttpResult<Response> compute(const AcceptedPointer& asked, bool compressed, const Incoming& incoming);
     HttpResult<ComputedAnswer> run(const AcceptedPointer& asked, const api::Cost& cost, bool compressed,
-                                   const Incoming& incoming, Clock::time_point deadline);
+                                   const Incoming& incoming, const TimeLimit& limit);
 
     const Config config_;
     WorkerPool& pool_;

@@ -46,6 +46,13 @@ api::Cost cost_of(const auto& request, const api::Limits& limits) {
     return api::cost_of(request, limits);
 }
 
+bool accepts_partial(const api::AnalyzeRequest& /*request*/) {
+    return false;
+}
+bool accepts_partial(const auto& request) {
+    return request.on_deadline == api::OnStop::Partial;
+}
+
 Result<api::Answer> compute(const api::HalftoneRequest& request, const api::Limits& limits, const api::Decode& decode,
                             const Control& control, api::Timings& timings, api::BodyTaker* taker) {
     return api::run_halftone(request, limits, decode, control, timings, taker);
@@ -70,6 +77,8 @@ public:
         const auto computing = server::cost_of(request_, limits_);
         return {api::size_of(request_) + computing.memory, computing.seconds, computing.answer};
     }
+
+    bool accepts_partial() const override { return server::accepts_partial(request_); }
 
     Result<api::Answer> run(const api::Decode& decode, const Control& control, api::Timings& timings,
                             api::BodyTaker* taker) const override {

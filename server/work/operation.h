@@ -21,6 +21,9 @@ public:
     /// Cost of computing the answer, with what the request itself holds.
     virtual api::Cost cost() const = 0;
 
+    /// Whether the client asks for a partial answer once the deadline has passed.
+    virtual bool accepts_partial() const = 0;
+
     /// Computes the answer: see Compute.
     virtual Result<api::Answer> run(const api::Decode& decode, const Control& control, api::Timings& timings,
                                     api::BodyTaker* taker) const = 0;

@@ -365,6 +365,22 @@ TEST(UsualSites, ArePlacedInTwoSeconds) {
     }
 }
 
+TEST(UsualSites, AreFewerInAThinPicture) {
+    const auto most = [](std::uint32_t width, std::uint32_t height) {
+        HalftoneRequest request;
+        request.image.header.width = width;
+        request.image.header.height = height;
+        return usual_sites(request, 1e6, 0, {});
+    };
+    const std::size_t square = most(1000, 1000), thin = most(1, 1'000'000);
+    EXPECT_EQ(square, 100'000U);
+    EXPECT_LT(thin, 60'000U);
+    EXPECT_GE(thin, 4096U);
+    EXPECT_EQ(most(1'000'000, 1), thin);
+    EXPECT_EQ(most(2, 500'000), thin);
+    EXPECT_EQ(most(100, 10'000), square);
+}
+
 TEST(UsualSites, AreThoseOfThePictureBelowThat) {
     const auto request = parse_halftone(photograph("camera.png"), {}, "", {});
     EXPECT_EQ(usual_sites(*request, 80'000, 0, {}), 10'000U);

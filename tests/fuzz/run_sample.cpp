@@ -37,6 +37,7 @@ enum class Given : std::uint16_t {
     Buffer = 4096,
     Fixed = 8192,
     Order = 16384,
+    LonLat = 32768,
 };
 
 /// A JSON object of the members that are told one after the other.
@@ -82,6 +83,40 @@ Ring take_ring(Bytes& input) {
         anywhere = {take_number(input), take_number(input)};
     }
     return ring;
+}
+
+/// Returns a usual shape in degrees, anywhere on the globe, with edges up to all around it. One corner may be anywhere.
+Ring take_ring_on_globe(Bytes& input) {
+    constexpr double kTurn = 360, kSteps = 255;
+    const auto degrees = [&](double from, double to) {
+        return from + (to - from) * input.take<std::uint8_t>() / kSteps;
+    };
+    Ring ring = take_ring(input);
+    const auto bits = input.take<std::uint8_t>();
+    if ((bits & 1) != 0) return ring;
+    Box box;
+    for (const Point& p : ring) box.include(p);
+    const Point from{degrees(-kTurn / 2, kTurn / 2), degrees(-90, 90)};
+    const Point size{degrees(0, kTurn), degrees(0, 90 - from.y)};
+    const double finer = (bits & 2) != 0 ? take_number(input) : 1;
+    const auto scaled = [finer](double value, double least, double extent, double wanted) {
+        return extent > 0 && std::isfinite(extent) ? (value - least) / extent * wanted * std::min(finer, 1.0) : 0;
+    };
+    for (Point& p : ring)
+        p = from + Point{scaled(p.x, box.min.x, box.width(), size.x), scaled(p.y, box.min.y, box.height(), size.y)};
+    return ring;
+}
+
+/// Returns a distance in metres from ten micrometres to a million metres.
+double take_metres(Bytes& input) {
+    constexpr double kLeast = -5, kMost = 6, kSteps = 255;
+    return std::pow(10, kLeast + (kMost - kLeast) * input.take<std::uint8_t>() / kSteps);
+}
+
+void take_region(Bytes& input, Members& members) {
+    members.add_word("coordinates", "lonlat");
+    members.add("polygon", coordinates(take_ring_on_globe(input)));
+    if (input.take<std::uint8_t>() % 4 == 0) members.add("holes", '[' + coordinates(take_ring_on_globe(input)) + ']');
 }
 
 void take_domain(Bytes& input, Members& members) {
@@ -132,14 +167,23 @@ std::string take_request(Bytes& input) {
     if (given(Given::Dot)) members.add("dot", take_number(input));
     if (given(Given::Partial)) members.add_word("on_deadline", "partial");
     if (given(Given::Reject)) members.add_word("invalid", "reject");
-    take_domain(input, members);
+    const bool on_globe = given(Given::LonLat);
+    on_globe ? take_region(input, members) : take_domain(input, members);
     take_density(input, members);
     if (given(Given::Fixed)) members.add("fixed", coordinates(take_ring(input)));
-    if (given(Given::Buffer)) members.add("buffer", take_number(input));
+    if (given(Given::Buffer)) members.add("buffer", on_globe ? take_metres(input) : take_number(input));
     if (given(Given::Order)) members.add_word("order", take_one(kOrders, input));
     if (given(Given::Avoid))
         members.add("avoid", '[' + coordinates(take_ring(input)) + ',' + coordinates(take_ring(input)) + ']');
     return members.finish();
+}
+
+/// Checks points in degrees: each is somewhere on the globe, and no two are in one place.
+void check_points_on_globe(const std::vector<Point>& points, std::size_t sites) {
+    constexpr double kFarthest = 540;
+    CCDT_CHECK(points.size() == sites);
+    for (const Point& p : points) CCDT_CHECK(std::abs(p.x) <= kFarthest && std::abs(p.y) <= 90);
+    CCDT_CHECK(test::count_distinct(points) == points.size());
 }
 
 /// What points are checked against: a domain and, if it was valid, what it was made of.
@@ -173,6 +217,7 @@ void check_answer(const api::SampleRequest& request, const api::Answer& answer) 
     CCDT_CHECK(answer.sites == request.run.sites && !answer.partial && !answer.media_type.empty() &&
                !answer.body.empty());
     const auto check = [&](const std::vector<Point>& points) {
+        if (request.coordinates == api::Coordinates::LonLat) return check_points_on_globe(points, request.run.sites);
         const auto made = make(request);
         check_points(points, request.run.sites, made.domain, made.parts);
         check_exclusions(request, made, points);

@@ -57,5 +57,21 @@ TEST(KeepOffBorder, KeepsTheBufferWhereEdgesAreBentCoarsely) {
     }
 }
 
+TEST(KeepOffBorder, TakesAFineBorderForACoarseOne) {
+    constexpr int kCorners = 60'000;
+    constexpr double kRadius = 0.1, kPitch = 1e-2, kBuffer = 1000;
+    Ring ring;
+    for (int i = 0; i < kCorners; ++i) {
+        const double angle = 2 * std::numbers::pi * i / kCorners, radius = kRadius + (i % 2) * 1e-5;
+        ring.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+    }
+    ChartedPart part{Chart(direction_of({10, 45})), Domain::create({{{ring, {}}}}).value(), 0, 0, 1e-3 * kPitch};
+    ASSERT_TRUE(keep_off_border(part, kBuffer));
+    EXPECT_LT(part.domain.corner_count(), 2000U);
+    const double bare = kRadius - kBuffer / 6.37e6, area = part.domain.area() / std::numbers::pi;
+    EXPECT_LT(area, bare * bare);
+    EXPECT_GT(area, std::pow(bare - 3e-2 * kPitch, 2));
+}
+
 }  // namespace
 }  // namespace ccdt

@@ -8,6 +8,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <memory>
 
 #include "server/jobs/sqlite_job_store.h"
@@ -164,6 +165,65 @@ TEST_F(RoutesTest, TellWhichMethodsAPathTakes) {
     EXPECT_EQ(allowed("/jobs/a/result"), "GET, HEAD, OPTIONS");
     EXPECT_EQ(header(ask("PUT /sample HTTP/1.1"), "Allow"), "POST, OPTIONS");
     EXPECT_EQ(ask("PUT /sample HTTP/1.1").status, 405);
+}
+
+/// Routes whose computations a test ends, and clients that ask them at the same time.
+class DeadlineTest : public RoutesTest {
+protected:
+    static constexpr std::chrono::seconds kPatience{60};
+
+    DeadlineTest() {
+        config_.timeout = std::chrono::seconds(1);
+        compute_ = [this](const ComputeRequest& request, const Delivery&, const Control& control, api::Timings&) {
+            return request.body.find("partial") != std::string::npos ? compute_part(control) : compute_nothing();
+        };
+    }
+
+    /// Stops when it is told to, but gives its answer only once the other request has been answered.
+    Result<api::Answer> compute_part(const Control& control) {
+        begun_.set_value();
+        std::promise<void> stopped;
+        const std::stop_callback tell(control.stop, [&stopped] { stopped.set_value(); });
+        stopped.get_future().wait_for(kPatience);
+        other_answered_.get_future().wait_for(kPatience);
+        api::Answer answer;
+        answer.partial = true;
+        return answer;
+    }
+
+    /// Does not stop when it is told to.
+    Result<api::Answer> compute_nothing() {
+        over_.get_future().wait_for(kPatience);
+        return failure(ErrorCode::Stopped, "stopped");
+    }
+
+    static int status(Routes& routes, const std::string& body) {
+        std::array<int, 2> sockets{};
+        EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM, 0, sockets.data()), 0);
+        EXPECT_EQ(write(sockets[1], body.data(), body.size()), static_cast<ssize_t>(body.size()));
+        Connection connection(sockets[0]);
+        const auto request =
+            parse_head("POST /sample HTTP/1.1\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n");
+        const int found = routes.answer(*request, {}, connection).status;
+        for (const int socket : sockets) ::close(socket);
+        return found;
+    }
+
+    std::promise<void> begun_, other_answered_, over_;
+};
+
+TEST_F(DeadlineTest, GrantsTimeBeyondItForPartialAnswersOnly) {
+    WorkerPool pool(2, 2);
+    Routes routes(config_, {gate_, pool, waiting_memory_, compute_, jobs_, metrics_, [] { return ""; }, {}});
+    const std::string common = R"({"sites":1000,"domain":{"type":"rectangle","width":1,"height":1})";
+    auto partial =
+        std::async(std::launch::async, [&] { return status(routes, common + R"(,"on_deadline":"partial"})"); });
+    ASSERT_EQ(begun_.get_future().wait_for(kPatience), std::future_status::ready);
+    EXPECT_EQ(status(routes, common + '}'), 504);
+    other_answered_.set_value();
+    EXPECT_EQ(partial.get(), 200) << "the other request, which began later, was answered first";
+    over_.set_value();
+    pool.drain();
 }
 
 TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
