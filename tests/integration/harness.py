@@ -33,7 +33,7 @@ NODE = TOOLS / "page" / "node"
 PATIENCE = 120
 
 
-def wait_for(condition):
+def wait_until(condition):
     """Waits until a condition holds; returns the value it gave."""
     end = time.monotonic() + PATIENCE
     while not (found := condition()):

@@ -9,7 +9,7 @@ import tempfile
 import time
 import unittest
 
-from harness import PATIENCE, Call, Server, ServerCase, ask, figures_at_rest, file_of, post_json
+from harness import Call, Server, ServerCase, ask, figures_at_rest, file_of, post_json, wait_until
 
 TORUS = {"type": "torus", "width": 1, "height": 1}
 JSON = ("--header", "Content-Type: application/json")
@@ -58,14 +58,6 @@ def resume(process):
         os.kill(process, signal.SIGCONT)
     except ProcessLookupError:
         pass
-
-
-def wait_until(holds):
-    """Asks until it holds; only a fault makes it wait for long."""
-    until = time.monotonic() + PATIENCE
-    while not holds():
-        if time.monotonic() > until:
-            raise AssertionError("it never came to that")
 
 
 class Crashes(ServerCase):

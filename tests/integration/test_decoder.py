@@ -10,7 +10,7 @@ import tempfile
 import threading
 import unittest
 
-from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, file_of, flat, wait_for
+from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, file_of, flat, wait_until
 
 CAMERA = (PICTURES / "camera.png").read_bytes()
 PROC = pathlib.Path("/proc")
@@ -81,7 +81,7 @@ class Family:
         return [process for process in self.server.children() if process.name() == "decoder-keeper"]
 
     def keeper(self):
-        return wait_for(self.keepers)[0]
+        return wait_until(self.keepers)[0]
 
     def helper(self):
         """Once it has a child that waits for a picture."""
@@ -89,7 +89,7 @@ class Family:
             helpers = [process for process in self.keeper().children() if process.name() == "decoder-helper"]
             return helpers and helpers[0].children() and helpers[0]
 
-        return wait_for(find)
+        return wait_until(find)
 
     def spare(self):
         """The child that waits for a picture, once it is alone. One at work has a socket for its output."""
@@ -97,7 +97,7 @@ class Family:
             children = self.helper().children()
             return len(children) == 1 and children[0].output() == "/dev/null" and children[0]
 
-        return wait_for(find)
+        return wait_until(find)
 
     def everyone(self):
         return [self.keeper(), self.helper(), self.spare()]
@@ -134,7 +134,7 @@ class Failures(ServerCase):
         spare = family.spare()
         # A moment's work even for a fast machine.
         call = Call(self.server.url("/halftone?sites=50"), data=file_of(flat(99, 7900, 7900)))
-        wait_for(lambda: len(family.helper().children()) == 2)
+        wait_until(lambda: len(family.helper().children()) == 2)
         spare.kill()
         self.assert_problem(call.answer(), 422, "could not be decoded")
         self.halftone(CAMERA, "?sites=50")
@@ -188,8 +188,8 @@ class Restarts(unittest.TestCase):
                     victim = family.helper() if round_ % 2 == 0 else family.keeper()
                     gone = [family.helper(), *family.helper().children()]
                     victim.kill()
-                    wait_for(lambda count=round_ + 1: restarts(server) == count and is_ready(server))
-                    wait_for(lambda gone=gone: not any(process.is_running() for process in gone))
+                    wait_until(lambda count=round_ + 1: restarts(server) == count and is_ready(server))
+                    wait_until(lambda gone=gone: not any(process.is_running() for process in gone))
             finally:
                 done.set()
                 for client in clients:
@@ -207,10 +207,10 @@ class Restarts(unittest.TestCase):
             helper.kill(signal.SIGSTOP)
             call = Call(server.url("/halftone?sites=50"), data=CAMERA)
             keeper.kill()
-            wait_for(lambda: restarts(server) == 1)
+            wait_until(lambda: restarts(server) == 1)
             self.assertEqual(call.answer().status, 200)
-            wait_for(lambda: is_ready(server))
-            wait_for(lambda: not keeper.is_running())
+            wait_until(lambda: is_ready(server))
+            wait_until(lambda: not keeper.is_running())
             helper.kill()
             self.assertEqual(server.stop(), 0)
 
@@ -236,7 +236,7 @@ class Confinement(ServerCase):
 
         # One that was forked a moment ago has yet to close what it got.
         for process in family.everyone():
-            wait_for(lambda process=process: is_closed(process))
+            wait_until(lambda process=process: is_closed(process))
 
     def test_is_as_told(self):
         told = self.server.wait_for_log("pictures are decoded by user ")
@@ -301,7 +301,7 @@ class Ending(unittest.TestCase):
         with Server() as server:
             everyone = Family(server).everyone()
             self.assertEqual(server.stop(), 0)
-            wait_for(lambda: not any(process.is_running() for process in everyone))
+            wait_until(lambda: not any(process.is_running() for process in everyone))
 
     def test_leaves_no_process_however_it_comes(self):
         with Server() as server:
@@ -310,13 +310,13 @@ class Ending(unittest.TestCase):
             worker = everyone[-1]
             worker.kill(signal.SIGSTOP)  # so that it is still at work when there is another spare
             call = Call(server.url("/halftone"), data=file_of(flat(99, 7900, 7900)))
-            wait_for(lambda: len(family.helper().children()) == 2)
+            wait_until(lambda: len(family.helper().children()) == 2)
             everyone += family.helper().children()
             worker.kill(signal.SIGCONT)
             server.signal(signal.SIGKILL)
             call.abandon()
             self.assertEqual(server.wait(), -signal.SIGKILL)
-            wait_for(lambda: not any(process.is_running() for process in everyone))
+            wait_until(lambda: not any(process.is_running() for process in everyone))
 
     def test_is_the_servers_to_decide(self):
         with Server() as server:

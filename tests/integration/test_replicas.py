@@ -8,12 +8,11 @@ import re
 import signal
 import subprocess
 import tempfile
-import time
 import unittest
 
 import test_jobs
 from engine import Redis, SlowWay
-from harness import PATIENCE, Call, Server, ServerCase, ask, figures_at_rest
+from harness import PATIENCE, Call, Server, ServerCase, ask, figures_at_rest, wait_until
 from test_jobs import ENDLESS, LATER, LONG, SMALL, events, status, submit, wait_for, wait_for_end, without_time
 
 TORUS = {"type": "torus", "width": 1, "height": 1}
@@ -29,15 +28,6 @@ def ends_told(log):
     for job in re.findall(r"job ([0-9a-f]{32}) (?:succeeded|failed)", log):
         counts[job] = counts.get(job, 0) + 1
     return counts
-
-
-def until(holds):
-    """Waits for something that is asked for again and again."""
-    end = time.monotonic() + PATIENCE
-    while not (found := holds()):
-        if time.monotonic() > end:
-            raise AssertionError("it never came to that")
-    return found
 
 
 class JobsByRedis(test_jobs.Jobs):
@@ -80,13 +70,13 @@ class Replicas(unittest.TestCase):
     def test_a_job_is_followed_and_cancelled_from_anywhere(self):
         first, second, third = self.start(), self.start(), self.start()
         job = submit(first, ENDLESS)
-        found = until(lambda: (now := status(second, job))["progress"] > 0 and now)
+        found = wait_until(lambda: (now := status(second, job))["progress"] > 0 and now)
         self.assertEqual(found["status"], "running")
         self.assertIsNotNone(found["variation"])
         streams = [Call(server.url(job + "/events"), "--no-buffer") for server in (first, second, third)]
-        until(lambda: sum(figure(server, "ccdt_event_streams_open") for server in (first, second, third)) == 3)
+        wait_until(lambda: sum(figure(server, "ccdt_event_streams_open") for server in (first, second, third)) == 3)
         iteration = status(third, job)["iteration"]
-        until(lambda: status(third, job)["iteration"] > iteration + 1)
+        wait_until(lambda: status(third, job)["iteration"] > iteration + 1)
         self.assertEqual(ask(third, job, "--request", "DELETE").status, 204)
         for stream in streams:
             told = events(stream.answer().body)
@@ -125,7 +115,7 @@ class Replicas(unittest.TestCase):
         first, second, third = self.start(), self.start(), self.start()
         requests = [{**SMALL, "sites": 3000, "iterations": 20, "seed": seed} for seed in range(30)]
         jobs = [submit((first, second)[seed % 2], request) for seed, request in enumerate(requests)]
-        until(lambda: "succeeded" in first.log())
+        wait_until(lambda: "succeeded" in first.log())
         first.signal(signal.SIGKILL)
         first.wait()
         for job in jobs:
@@ -154,9 +144,9 @@ class Replicas(unittest.TestCase):
         wait_for(first, job, "running")
         second = self.start()
         first.signal(signal.SIGSTOP)
-        until(lambda: figure(second, "ccdt_job_runs_repeated_total") == 1)
+        wait_until(lambda: figure(second, "ccdt_job_runs_repeated_total") == 1)
         first.signal(signal.SIGCONT)
-        until(lambda: figure(first, "ccdt_job_leases_lost_total") == 1)
+        wait_until(lambda: figure(first, "ccdt_job_leases_lost_total") == 1)
         self.assertEqual(wait_for_end(first, job)["status"], "succeeded")
         now = ask(second, "/sample", data=json.dumps(LONG))
         self.assertEqual(without_time(ask(first, job + "/result")), without_time(now))
@@ -182,7 +172,7 @@ class Replicas(unittest.TestCase):
                 self.assertEqual(ask(server, "/sample", data=json.dumps({**SMALL, "seed": 1})).status, 200)
                 server.wait_for_log("jobs have to wait")
                 go_on()
-                until(lambda: ask(server, done).status == 200)
+                wait_until(lambda: ask(server, done).status == 200)
                 self.assertEqual(without_time(ask(server, done + "/result")), without_time(now))
                 self.assertEqual(wait_for_end(server, running)["status"], "succeeded")
                 self.assertEqual(wait_for_end(server, submit(server, SMALL))["status"], "succeeded")
@@ -193,9 +183,9 @@ class Replicas(unittest.TestCase):
         job = submit(server, {**SMALL, "sites": 5000, "iterations": 100})
         wait_for(server, job, "running")
         self.redis.kill()
-        until(lambda: figure(server, "ccdt_workers_busy") == 0)
+        wait_until(lambda: figure(server, "ccdt_workers_busy") == 0)
         self.redis.start()
-        self.assertEqual(until(lambda: (now := ask(server, job)).status == 200 and now.json()["finished"] and now)
+        self.assertEqual(wait_until(lambda: (now := ask(server, job)).status == 200 and now.json()["finished"] and now)
                          .json()["status"], "succeeded")
         self.assertEqual(figure(server, "ccdt_job_runs_repeated_total"), 0)
 
@@ -205,7 +195,7 @@ class Replicas(unittest.TestCase):
         server.wait_for_log("jobs have to wait")
         self.assertEqual(ask(server, "/sample", *LATER, data=json.dumps(SMALL)).status, 503)
         self.redis.start()
-        job = until(lambda: (now := ask(server, "/sample", *LATER, data=json.dumps(SMALL))).status == 202
+        job = wait_until(lambda: (now := ask(server, "/sample", *LATER, data=json.dumps(SMALL))).status == 202
                     and now.headers["location"])
         self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
 
@@ -229,25 +219,25 @@ class Replicas(unittest.TestCase):
         job = submit(server, ENDLESS)
         wait_for(server, job, "running")
         stream = Call(server.url(job + "/events"))
-        until(lambda: figure(server, "ccdt_event_streams_open") == 1)
+        wait_until(lambda: figure(server, "ccdt_event_streams_open") == 1)
         self.redis.cli("FLUSHALL")
         self.redis.cli("SCRIPT", "FLUSH")
         self.assertNotIn(b"event: succeeded", stream.answer().body, "but it ends")
         for path in (job, job + "/result", job + "/events"):
             self.assertEqual(ask(server, path).status, 404)
-        until(lambda: figure(server, "ccdt_workers_busy") == 0)
+        wait_until(lambda: figure(server, "ccdt_workers_busy") == 0)
         self.assertEqual(figure(server, "ccdt_job_leases_lost_total"), 1)
         self.assertEqual(wait_for_end(server, submit(server, SMALL))["status"], "succeeded")
 
     def test_a_copy_that_may_not_be_written_is_waited_for(self):
         with Redis("--replicaof", "127.0.0.1", str(self.redis.port)) as copy:
             with Server("--workers=2", f"--redis={copy.url}") as server:
-                refused = until(lambda: (now := ask(server, "/sample", *LATER, data=json.dumps(SMALL))).status == 503
+                refused = wait_until(lambda: (now := ask(server, "/sample", *LATER, data=json.dumps(SMALL))).status == 503
                                 and now)
                 self.assertGreater(int(refused.headers["retry-after"]), 0)
                 self.assertEqual(ask(server, "/sample", data=json.dumps(SMALL)).status, 200)
                 copy.cli("REPLICAOF", "NO", "ONE")
-                job = until(lambda: (now := ask(server, "/sample", *LATER, data=json.dumps(SMALL))).status == 202
+                job = wait_until(lambda: (now := ask(server, "/sample", *LATER, data=json.dumps(SMALL))).status == 202
                             and now.headers["location"])
                 self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
 
@@ -310,7 +300,7 @@ class Damage(unittest.TestCase):
         asked = Call(server.url("/sample"), "--header", "Prefer: respond-async", data=json.dumps(SMALL)).answer()
         self.assertEqual(asked.status, 202, key)
         self.assert_told(ask(server, running, "--request", "DELETE"), key)
-        ends = [until(lambda: (now := ask(server, job)).status == 404 or now.json()["finished"] and now.json())
+        ends = [wait_until(lambda: (now := ask(server, job)).status == 404 or now.json()["finished"] and now.json())
                 for job in (waiting, asked.headers["location"])]
         if ends[0] is not True and ends[0]["status"] != "succeeded":
             self.assertIn(key.split(":")[2], ("job", "question"), ends)
@@ -339,7 +329,7 @@ class Shared(unittest.TestCase):
             self.assertIn(f"\nccdt_sites_total {2 * SMALL['sites']}\n", figures_at_rest(second))
             self.assertEqual(ask(second, "/health/ready").status, 200)
             redis.start()
-            until(lambda: ask(second, "/sample", data=json.dumps({**SMALL, "seed": 5})).status == 200
+            wait_until(lambda: ask(second, "/sample", data=json.dumps({**SMALL, "seed": 5})).status == 200
                   and redis.cli("KEYS", "ccdt:1:answer:*"))
 
     def test_rates_are_counted_together(self):

@@ -9,7 +9,7 @@ import sys
 import tempfile
 import unittest
 
-from harness import NODE, NODE_MODULES, PATIENCE, ROOT, wait_for
+from harness import NODE, NODE_MODULES, PATIENCE, ROOT, wait_until
 
 SUPERVISE = [sys.executable, str(ROOT / "tests" / "support" / "supervise.py")]
 
@@ -109,7 +109,7 @@ class Supervision(unittest.TestCase):
         process, *others = self.start("sh", "-c", '"$@"; true', "sh", *SUPERVISE, "60")
         process.kill()
         process.wait(PATIENCE)
-        wait_for(lambda: not any(map(is_running, others)))
+        wait_until(lambda: not any(map(is_running, others)))
 
 
 class Limits(unittest.TestCase):
