@@ -222,7 +222,7 @@ double longer_side(const HalftoneRequest& request) {
     return static_cast<double>(std::max(request.image.header.width, request.image.header.height));
 }
 
-/// Whether a picture is thinner than two dots of so many are apart.
+/// Whether the shorter side of a picture is below two spacings of so many dots.
 bool is_thin(const HalftoneRequest& request, std::size_t dots) {
     const double density = static_cast<double>(dots) / static_cast<double>(request.image.header.pixels());
     return shorter_side(request) < 2 * hexagonal_spacing(density);

@@ -111,7 +111,7 @@ void Capacity::leave_locked(const std::string& address) {
 
 Place::Place(Capacity& capacity, std::string address) : capacity_(capacity), address_(std::move(address)) {
     std::unique_lock lock(capacity_.mutex_);
-    // First, lest who has enough has connections of others closed.
+    // Checked first: an address at its own limit must not close the connections of others.
     if (!capacity_.enter_locked(address_)) {
         entry_ = Entry::AddressFull;
         return;

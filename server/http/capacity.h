@@ -25,8 +25,8 @@ enum class Room {
 
 /// Counts how much of the server its clients hold: connections, memory for what is on its way to or from them.
 ///
-/// Says no at its limits, and well before them that it is time to be less patient. Connections without a request keep
-/// nobody out: where places are missing, the one that has been idle longest is closed. May be used from any thread.
+/// Says no at its limits, and well before them that it is time to be less patient. Connections without a request do not
+/// keep others out: at the limit, the one that has been idle longest is closed. May be used from any thread.
 class Capacity {
 public:
     struct Limits {

@@ -13,7 +13,7 @@ inline constexpr std::string_view kLoopback = "loopback";
 /// Entry of a list of hosts or origins that stands for all.
 inline constexpr std::string_view kAny = "*";
 
-/// Whether a host is this machine and no other can mean it: `localhost`, 127.0.0.1, ::1 and their like.
+/// Whether a host always means this machine: `localhost`, 127.0.0.1, ::1 and their like.
 /// @param host  a name in small letters or an address, without brackets
 bool is_loopback(std::string_view host);
 

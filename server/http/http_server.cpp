@@ -180,7 +180,7 @@ HttpServer::Next HttpServer::accept_next(ConnectionThreads& threads, RefusedClie
     return Next::Nobody;
 }
 
-/// Has somebody who is idle leave, as files or memory are missing for newcomers.
+/// Closes the connection that has been idle longest: accept() failed for want of descriptors or memory.
 void HttpServer::recover(int accept_error) {
     capacity_.close_longest_idle();
     std::this_thread::sleep_for(kRecovery);
