@@ -58,9 +58,10 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
                     const Limits& limits) {
     const double pixels = static_cast<double>(size.width) * size.height;
     const std::size_t usual = request.sites ? *request.sites : usual_sites(request, ink, fineness, limits);
-    // Small dots of a dark or a light picture on both sides need no finer cells than those of a grey one.
-    constexpr double kLeastShare = 0.25;
-    const double drawn = request.dots == Dots::Both ? std::max(ink, kLeastShare * pixels) : ink;
+    // What dots on both sides draw depends on the cells that it is measured in. They are those of a picture of which a
+    // quarter is drawn; small dots of a dark or a light one need no finer cells.
+    constexpr double kShare = 0.25;
+    const double drawn = request.dots == Dots::Both ? kShare * pixels : ink;
     if (request.sites || !request.dot) return std::sqrt(drawn / (std::numbers::pi * static_cast<double>(usual)));
     const double chosen = default_scale(ink, static_cast<std::size_t>(pixels), usual);
     return picture_radius(request, size, request.scale.value_or(chosen));

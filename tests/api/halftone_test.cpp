@@ -90,7 +90,7 @@ TEST(Halftone, ReadsAllOfALargePictureThatIsNotLinearInItsLight) {
 
 TEST(Halftone, ReadsALargePictureAgainWhoseDotsTurnOutFine) {
     const std::string image = large_picture(6);
-    const Options options = {{"sites", "15000"}, {"quality", "draft"}};
+    const Options options = {{"sites", "15000"}, {"quality", "draft"}, {"dots", "ink"}};
     const auto means = ask(image, options, true);
     EXPECT_EQ(means.reduced, (std::vector{2, 1}));
     EXPECT_EQ(means.answer.body, ask(image, options, false).answer.body);
