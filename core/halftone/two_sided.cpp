@@ -11,6 +11,7 @@
 #include "core/halftone/bilinear.h"
 #include "core/halftone/blur.h"
 #include "core/halftone/blur_pyramid.h"
+#include "core/halftone/dot_plan.h"
 #include "core/halftone/pixel_ranges.h"
 #include "core/halftone/sharpening.h"
 
@@ -143,8 +144,8 @@ Scale settle(const std::vector<float>& share, const std::vector<float>& area, co
         const double units = sum_of_pixels(team, share.size(), [&](std::size_t i) {
             return static_cast<double>(share[i] / std::max(area[i], scale.least));
         });
-        scale.unit =
-            options.radius ? kPi * *options.radius * *options.radius : units / static_cast<double>(*options.sites);
+        scale.unit = options.radius ? std::max(kPi * *options.radius * *options.radius, kLeastDotArea)
+                                    : units / static_cast<double>(*options.sites);
         if (!(scale.unit > 0)) return {};
         scale.dots = units / scale.unit;
         const double least = kPi * options.least_radius * options.least_radius / scale.unit;

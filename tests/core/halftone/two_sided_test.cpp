@@ -170,6 +170,13 @@ TEST(TwoSided, CountsTheDotsOfARadius) {
     EXPECT_DOUBLE_EQ(plan.radius, 1.0);
 }
 
+TEST(TwoSided, CountsDotsOfNextToNoRadius) {
+    constexpr CellGrid kCells = {8, 8};
+    const double dots = plan_two_sided(flat(kCells, 0.5F), kCells, {{}, 1e-308, 0, 0}).dots;
+    EXPECT_GT(dots, 1e12);
+    EXPECT_TRUE(std::isfinite(dots));
+}
+
 TEST(TwoSided, TakesPicturesOfOnePixel) {
     for (const float light : {0.0F, 0.3F, 1.0F}) {
         const TwoSidedPlan plan = plan_two_sided({light}, {1, 1}, {1, {}, 1, 0});
