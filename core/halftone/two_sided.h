@@ -30,9 +30,9 @@ struct TwoSidedOptions {
 
 /// Plan of a halftone that draws the minority: ink dots on white ground, paper dots on black ground.
 ///
-/// Where the picture has the light Y, ink dots cover 1 - Y of white ground or paper dots Y of black ground, which is at
-/// most about one half: dots hardly ever overlap, and their number times their area is the tone. All dots are one point
-/// set, whose density does not jump where the ground changes near Y = 1/2.
+/// Ink dots cover 1 - Y of white ground, paper dots cover Y of black ground, where Y is the light of the picture. Both
+/// are at most about one half: dots hardly ever overlap, and their number times their area is the tone. All dots are one
+/// point set, whose density does not jump where the ground changes near Y = 1/2.
 struct TwoSidedPlan {
     CellGrid cells;
     Ground ground;
