@@ -84,11 +84,11 @@ class Server:
 
     def wait_for_log(self, text):
         def find():
-            return next((line for line in self.lines if line is None or text in line), False)
+            return next(((line,) for line in self.lines if line is None or text in line), None)
 
         with self.news:
-            line = self.news.wait_for(find, PATIENCE)
-        if not line:
+            (line,) = self.news.wait_for(find, PATIENCE) or (None,)
+        if line is None:
             raise AssertionError(f"no '{text}' in the log:\n{self.log()}")
         return line
 
