@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <optional>
 #include <utility>
 
 #include "api/text/text.h"
@@ -319,6 +320,7 @@ std::string media_type(std::string_view content_type) {
 
 std::string header_parameter(std::string_view value, std::string_view name) {
     api::take_until(value, ";");
+    std::optional<std::string> found;
     while (!value.empty()) {
         const auto key = api::trim(api::take_until(value, "="));
         value = value.substr(std::min(value.find_first_not_of(" \t"), value.size()));
@@ -334,9 +336,11 @@ std::string header_parameter(std::string_view value, std::string_view name) {
         } else {
             content = api::trim(api::take_until(value, ";"));
         }
-        if (equals_ignoring_case(key, name)) return content;
+        if (!equals_ignoring_case(key, name)) continue;
+        if (found) return {};
+        found = std::move(content);
     }
-    return {};
+    return found.value_or("");
 }
 
 std::string_view status_phrase(int status) {

@@ -43,7 +43,8 @@ std::string encode_percent(std::string_view text);
 /// The type and subtype of a Content-Type, in small letters.
 std::string media_type(std::string_view content_type);
 
-/// Value of a parameter such as `boundary` in `multipart/form-data; boundary="x"`; empty if there is none.
+/// Value of a parameter such as `boundary` in `multipart/form-data; boundary="x"`; empty if there is none, or
+/// more than one.
 std::string header_parameter(std::string_view value, std::string_view name);
 
 bool equals_ignoring_case(std::string_view a, std::string_view b);

@@ -36,7 +36,7 @@ HttpResult<std::string> part_name(std::string_view headers) {
         if (name) return problem(400, "a part of the form has more than one Content-Disposition");
         name = header_parameter(line.substr(colon + 1), "name");
     }
-    if (!name || name->empty()) return problem(400, "a part of the form has no name");
+    if (!name || name->empty()) return problem(400, "a part of the form has no name, or more than one");
     return *std::move(name);
 }
 
@@ -58,7 +58,7 @@ HttpResult<std::size_t> skip_headers(std::string_view body, std::size_t at) {
 
 HttpResult<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view content_type) {
     const std::string boundary = header_parameter(content_type, "boundary");
-    if (boundary.empty()) return problem(400, "the form's Content-Type names no boundary");
+    if (boundary.empty()) return problem(400, "the form's Content-Type names no boundary, or more than one");
     if (!is_boundary(boundary))
         return problem(400, "the form's boundary is not 1 to 70 of the characters that RFC 2046 allows there");
     // Only its first character is a CR, so that a search for it looks at each byte of the body twice at most.

@@ -95,6 +95,16 @@ TEST(Multipart, RejectsPartsWithSeveralDispositions) {
     EXPECT_EQ(parts.error().status, 400);
 }
 
+TEST(Multipart, RejectsRepeatedParameters) {
+    const auto part = [](const std::string& parameters) {
+        return "--XX\r\nContent-Disposition: form-data; " + parameters + "\r\n\r\n1\r\n--XX--";
+    };
+    EXPECT_TRUE(parse_multipart(part("name=a; filename=b"), kType));
+    EXPECT_FALSE(parse_multipart(part("name=a; name=b"), kType));
+    EXPECT_FALSE(parse_multipart(part("name=a; Name=\"a\""), kType));
+    EXPECT_FALSE(parse_multipart(part("name=a"), "multipart/form-data; boundary=XX; boundary=YY"));
+}
+
 TEST(Multipart, RefusesFormsWithoutBoundaryOrNames) {
     EXPECT_FALSE(parse_multipart("--XX--", "multipart/form-data"));
     EXPECT_FALSE(parse_multipart("--YY--", kType));
