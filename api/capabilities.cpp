@@ -73,18 +73,32 @@ Json describe_methods(const Limits& limits) {
     return list;
 }
 
+std::string_view name_of(OfferedPictures pictures) {
+    switch (pictures) {
+        case OfferedPictures::Unsigned:
+            return "unsigned";
+        case OfferedPictures::Signed:
+            return "signed";
+        case OfferedPictures::None:
+            break;
+    }
+    return "none";
+}
+
 }  // namespace
 
-std::string capabilities_json(const Limits& limits) {
-    const Json document = {
-        {"limits", {{"max_sites", limits.max_sites}, {"max_pixels", limits.max_pixels}}},
-        {"halftone", {{"formats", describe_all(halftone_formats())}, {"options", halftone_options()}}},
-        {"sample",
-         {{"formats", describe_all(sample_formats())},
-          {"masks", describe_all(mask_formats())},
-          {"options", sample_options()},
-          {"methods", describe_methods(limits)}}},
-        {"analyze", {{"formats", describe_all(analyze_formats())}, {"options", analyze_options()}}}};
+std::string capabilities_json(const Limits& limits, OfferedPictures pictures) {
+    const Json document = {{"limits", {{"max_sites", limits.max_sites}, {"max_pixels", limits.max_pixels}}},
+                           {"halftone",
+                            {{"formats", describe_all(halftone_formats())},
+                             {"options", halftone_options()},
+                             {"pictures", name_of(pictures)}}},
+                           {"sample",
+                            {{"formats", describe_all(sample_formats())},
+                             {"masks", describe_all(mask_formats())},
+                             {"options", sample_options()},
+                             {"methods", describe_methods(limits)}}},
+                           {"analyze", {{"formats", describe_all(analyze_formats())}, {"options", analyze_options()}}}};
     return document.dump() + '\n';
 }
 

@@ -22,12 +22,12 @@ constexpr int kFailed = 1;
 constexpr int kWrongUsage = 2;
 
 void reload_keys(Service& service, const Config& config, const Log& log) {
-    if (config.api_key_file.empty())
-        log.info("SIGHUP is ignored: there is no file of API keys to read again");
+    if (config.api_key_file.empty() && config.signing.file.empty())
+        log.info("SIGHUP is ignored: there is no file of keys to read again");
     else if (const auto read = service.read_keys(); read)
-        log.info("the API keys were read again");
+        log.info("the keys were read again");
     else
-        log.error("the API keys stay as they were: " + read.error().message);
+        log.error("the keys stay as they were: " + read.error().message);
 }
 
 /// Serves until a signal comes, accepting fails, or the programs beside this one do not start.

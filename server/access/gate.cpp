@@ -3,6 +3,8 @@
 #include <string_view>
 #include <utility>
 
+#include "server/access/signed_url.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -18,31 +20,74 @@ tl::unexpected<Problem> no_key(bool none_shown) {
     return refused;
 }
 
+std::shared_ptr<const KeyRing> share(KeyRing ring) {
+    return std::make_shared<const KeyRing>(std::move(ring));
+}
+
+Result<std::shared_ptr<const KeyRing>> read_api_keys(const std::string& file) {
+    if (file.empty()) return nullptr;
+    return KeyRing::read(file).map(share);
+}
+
 }  // namespace
 
+Result<std::shared_ptr<const KeyRing>> read_signing_keys(const Gate::SigningKeys& signing) {
+    constexpr std::string_view kVariable = "CCDT_SIGNING_KEY";
+    if (signing.empty()) return nullptr;
+    if (!signing.file.empty()) return KeyRing::read(signing.file, Gate::kShortestSigningKey).map(share);
+    return KeyRing::of(std::string(kVariable), signing.key, Gate::kShortestSigningKey)
+        .map(share)
+        .map_error([&](Error error) {
+            error.message.insert(0, std::string(kVariable) + ": ");
+            return error;
+        });
+}
+
 Result<void> Gate::read_keys() {
-    if (key_file_.empty()) return {};
-    auto ring = KeyRing::read(key_file_);
-    if (!ring) return tl::unexpected(std::move(ring.error()));
+    auto api = read_api_keys(key_file_);
+    if (!api) return tl::unexpected(std::move(api.error()));
+    auto signing = read_signing_keys(signing_);
+    if (!signing) return tl::unexpected(std::move(signing.error()));
     const std::lock_guard lock(mutex_);
-    keys_ = std::make_shared<const KeyRing>(std::move(*ring));
+    keys_ = {*std::move(api), *std::move(signing)};
     return {};
 }
 
-Gate::Verdict Gate::check(const Request& request, const std::string& address, bool is_free) {
-    if (is_free) return {{}, address, {}};
-    const auto ring = keys();
-    const auto key = bearer_key(request.header("Authorization"));
-    const auto name = ring && !key.empty() ? ring->find(key) : std::nullopt;
+Gate::Verdict Gate::check(const Request& request, const std::string& address, Credential needed) {
+    if (needed == Credential::None) return {{}, address, {}, {}};
+    const Keys keys = this->keys();
+    if (needed == Credential::Signature && keys.signing) return check_signature(*keys.signing, request, address);
+    return check_key(keys.api.get(), request, address);
+}
 
-    Verdict verdict{name.value_or(""), name ? "key " + *name : address, {}};
-    const auto wait = verdict.client.empty() ? std::chrono::seconds(0) : take(verdict.client);
-    if (wait.count() > 0) {
-        verdict.admission = busy(429, "too many requests for this key or address (rate-limit)", wait);
-    } else if (ring && !name && !is_preflight(request)) {
+Gate::Verdict Gate::check_key(const KeyRing* ring, const Request& request, const std::string& address) {
+    const auto key = bearer_key(request.header("Authorization"));
+    const auto name = ring != nullptr && !key.empty() ? ring->find(key) : std::nullopt;
+    Verdict verdict{name.value_or(""), name ? "key " + *name : address, {}, {}};
+    verdict.admission = count(verdict.client);
+    if (verdict.admission && ring != nullptr && !name && !is_preflight(request))
         verdict.admission = no_key(key.empty());
-    }
     return verdict;
+}
+
+Gate::Verdict Gate::check_signature(const KeyRing& ring, const Request& request, const std::string& address) {
+    Verdict verdict{{}, address, count(address), {}};
+    if (!verdict.admission || is_preflight(request)) return verdict;
+    const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+    const auto signer =
+        SignedUrl::parse(request.resource).and_then([&](const SignedUrl& url) { return url.check(ring, now); });
+    if (signer)
+        verdict.signer = *signer;
+    else
+        verdict.admission = tl::unexpected(signer.error());
+    return verdict;
+}
+
+/// Counts a request, and refuses it if it came too soon.
+HttpResult<void> Gate::count(const std::string& client) {
+    const auto wait = client.empty() ? std::chrono::seconds(0) : take(client);
+    if (wait.count() == 0) return {};
+    return busy(429, "too many requests for this key or address (rate-limit)", wait);
 }
 
 /// Counts a request where all servers do, or if that cannot be had here.
@@ -51,7 +96,7 @@ std::chrono::seconds Gate::take(const std::string& client) {
     return wait ? *wait : limiter_.take(client);
 }
 
-std::shared_ptr<const KeyRing> Gate::keys() const {
+Gate::Keys Gate::keys() const {
     const std::lock_guard lock(mutex_);
     return keys_;
 }

@@ -8,11 +8,11 @@
 
 #include "api/text/text.h"
 #include "server/http/http.h"
+#include "server/work/digest.h"
 
 namespace ccdt::server {
 namespace {
 
-constexpr std::size_t kShortestKey = 16;
 constexpr std::size_t kLongestKey = 256;
 constexpr std::size_t kLongestName = 64;
 constexpr std::string_view kBlanks = " \t\r";
@@ -28,9 +28,13 @@ bool is_same(std::string_view real, std::string_view shown) {
     return difference == 0;
 }
 
-bool is_key(std::string_view text) {
-    return text.size() >= kShortestKey && text.size() <= kLongestKey &&
+bool is_key(std::string_view text, std::size_t shortest) {
+    return text.size() >= shortest && text.size() <= kLongestKey &&
            std::ranges::all_of(text, [](char c) { return c > ' ' && c < 0x7f; });
+}
+
+std::string wanted_key(std::size_t shortest) {
+    return "a key has " + std::to_string(shortest) + " to " + std::to_string(kLongestKey) + " visible characters";
 }
 
 tl::unexpected<Error> wrong_line(std::size_t number, const std::string& why) {
@@ -39,7 +43,7 @@ tl::unexpected<Error> wrong_line(std::size_t number, const std::string& why) {
 
 }  // namespace
 
-Result<KeyRing> KeyRing::parse(std::string_view text) {
+Result<KeyRing> KeyRing::parse(std::string_view text, std::size_t shortest) {
     KeyRing ring;
     for (std::size_t number = 1; !text.empty(); ++number) {
         const auto line = api::trim(api::take_until(text, "\n"), kBlanks);
@@ -49,7 +53,7 @@ Result<KeyRing> KeyRing::parse(std::string_view text) {
         const auto key = api::trim(line.substr(std::min(separator + 1, line.size())), kBlanks);
         if (!api::is_plain_name(name, kLongestName))
             return wrong_line(number, "a name has up to 64 letters, digits, dots, dashes");
-        if (!is_key(key)) return wrong_line(number, "a key has 16 to 256 visible characters");
+        if (!is_key(key, shortest)) return wrong_line(number, wanted_key(shortest));
         if (ring.find(key).value_or(std::string(name)) != name) return wrong_line(number, "another name has this key");
         ring.entries_.push_back({std::string(name), std::string(key)});
     }
@@ -57,20 +61,35 @@ Result<KeyRing> KeyRing::parse(std::string_view text) {
     return ring;
 }
 
-Result<KeyRing> KeyRing::read(const std::string& file) {
+Result<KeyRing> KeyRing::read(const std::string& file, std::size_t shortest) {
     std::ifstream stream(file, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(stream), {}};
     if (!stream.is_open() || stream.bad()) return failure(ErrorCode::Unusable, file + ": cannot be read");
-    return parse(text).map_error([&](Error error) {
+    return parse(text, shortest).map_error([&](Error error) {
         error.message.insert(0, file + ": ");
         return error;
     });
 }
 
+Result<KeyRing> KeyRing::of(std::string name, std::string key, std::size_t shortest) {
+    if (!is_key(key, shortest)) return failure(ErrorCode::Malformed, wanted_key(shortest));
+    KeyRing ring;
+    ring.entries_.push_back({std::move(name), std::move(key)});
+    return ring;
+}
+
 std::optional<std::string> KeyRing::find(std::string_view key) const {
+    return find_if([key](std::string_view real) { return is_same(real, key); });
+}
+
+std::optional<std::string> KeyRing::find_signer(std::string_view text, std::string_view signature) const {
+    return find_if([=](std::string_view key) { return is_same(sign(key, text), signature); });
+}
+
+std::optional<std::string> KeyRing::find_if(const std::function<bool(std::string_view key)>& fits) const {
     const Entry* found = nullptr;
     for (const Entry& entry : entries_) {
-        if (is_same(entry.key, key)) found = &entry;
+        if (fits(entry.key)) found = &entry;
     }
     return found == nullptr ? std::nullopt : std::optional(found->name);
 }

@@ -51,7 +51,8 @@ struct Setting {
     std::string_view value;
     std::string_view help;
     Apply apply;
-    bool is_secret = false;  ///< errors do not show the value
+    bool is_secret = false;         ///< errors do not show the value
+    bool only_by_variable = false;  ///< nothing shows the value, not even the list of processes
 };
 
 std::string set_whole(std::size_t& target, std::string_view text, std::uint64_t low, std::uint64_t high) {
@@ -262,6 +263,23 @@ constexpr auto kSettings = std::to_array<Setting>({
          draft.config.api_key_file = text;
          return std::string(text.empty() ? "a file's name" : "");
      }},
+    {"--pictures", "CCDT_PICTURES", "FOLDER", "of pictures that GET /halftone/NAME makes dots of (none)",
+     [](Draft& draft, std::string_view text) {
+         draft.config.pictures = text;
+         return std::string(text.empty() ? "a folder's name" : "");
+     }},
+    {"--signing-key-file", "CCDT_SIGNING_KEY_FILE", "FILE",
+     "lines of name:key, one of which must have signed the URLs of pictures; SIGHUP reads it again",
+     [](Draft& draft, std::string_view text) {
+         draft.config.signing.file = text;
+         return std::string(text.empty() ? "a file's name" : "");
+     }},
+    {"--signing-key", "CCDT_SIGNING_KEY", "KEY", "such a key itself, by the variable only (none)",
+     [](Draft& draft, std::string_view text) {
+         draft.config.signing.key = text;
+         return std::string();
+     },
+     true, true},
     {"--rate-limit", "CCDT_RATE_LIMIT", "N", "requests a second for each key or address, 0 for no limit (0)", set_rate},
     {"--rate-burst", "CCDT_RATE_BURST", "N", "requests that may come at once when there is a limit (20)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.rate.burst, text, 1, 1'000'000); }},
@@ -285,7 +303,8 @@ Result<void> apply(const Setting& setting, std::string_view name, std::string_vi
     if (expected.empty()) {
         const bool by_flag = name == setting.flag;
         const std::string_view origin = by_flag ? setting.flag : setting.variable;
-        draft.given.insert_or_assign(setting.flag, ChosenValue{setting.flag, without_password(value), origin});
+        const std::string shown = setting.only_by_variable ? "***" : without_password(value);
+        draft.given.insert_or_assign(setting.flag, ChosenValue{setting.flag, shown, origin});
         return {};
     }
     if (setting.is_secret) return failure(ErrorCode::Malformed, std::string(name) + ": " + expected);
@@ -316,6 +335,10 @@ Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, D
         const auto setting = std::ranges::find(kSettings, name, &Setting::flag);
         if (setting == kSettings.end())
             return failure(ErrorCode::Malformed, "unknown argument '" + std::string(argument) + "'");
+        if (setting->only_by_variable)
+            return failure(ErrorCode::Malformed, std::string(name) +
+                                                     ": the list of processes shows what stands here; use " +
+                                                     setting->variable + " or --signing-key-file");
         const bool attached = equals != std::string_view::npos;
         if (!attached && ++i == arguments.size())
             return failure(ErrorCode::Malformed, std::string(name) + " needs a value");
@@ -380,6 +403,8 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     draft.config.allowed_hosts = all_allowed_hosts(draft);
     if (draft.config.redis && !draft.config.data_dir.empty())
         return failure(ErrorCode::Malformed, "--data-dir and --redis: jobs are kept in one place");
+    if (!draft.config.signing.file.empty() && !draft.config.signing.key.empty())
+        return failure(ErrorCode::Malformed, "--signing-key-file and CCDT_SIGNING_KEY: only one of them may be given");
     draft.config.threads_per_request = draft.threads_per_request.value_or(std::min(draft.config.workers, cores));
     draft.config.queue = draft.queue.value_or(kQueuePerWorker * draft.config.workers);
     auto& capacity = draft.config.capacity;

@@ -11,6 +11,7 @@
 
 #include "api/run/options.h"
 #include "core/result.h"
+#include "server/access/gate.h"
 #include "server/access/rate_limiter.h"
 #include "server/http/capacity.h"
 #include "server/http/connection.h"
@@ -47,6 +48,8 @@ struct Config {
     std::vector<std::string> cors_origins;    ///< whose pages may call, as cors_headers takes them; empty: none
     std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< that may be asked for, as allows_host takes them
     std::string api_key_file;                                   ///< empty: whoever asks is answered
+    std::string pictures;                                       ///< folder of those asked for by name; empty: none are
+    Gate::SigningKeys signing;                                  ///< empty: pictures are asked for by any URL
     RateLimiter::Rate rate;                                     ///< of requests, for each key or address
     LogFormat log_format = LogFormat::Text;
 };

@@ -109,6 +109,7 @@ HttpResult<void> parse_request_line(std::string_view line, Request& request) {
     if (!parts) return problem(400, "the request target is neither a path nor a URL of http or https");
     request.authority = parts->authority;
     auto rest = parts->resource.substr(0, parts->resource.find('#'));
+    request.resource = rest;
     const auto path = api::take_until(rest, "?");
     request.path = path.empty() ? "/" : decode_percent(path, false);
     request.query = rest;
@@ -351,6 +352,7 @@ std::string_view status_phrase(int status) {
         {304, "Not Modified"},
         {400, "Bad Request"},
         {401, "Unauthorized"},
+        {403, "Forbidden"},
         {404, "Not Found"},
         {405, "Method Not Allowed"},
         {406, "Not Acceptable"},

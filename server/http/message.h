@@ -22,6 +22,7 @@ struct Header {
 struct Request {
     std::string method;
     std::string target;           ///< as sent
+    std::string resource;         ///< path and query as sent, without scheme and host
     std::string path;             ///< percent-decoded
     std::string query;            ///< as sent, without the request mark
     std::string authority;        ///< host and port that are asked: of the target, else of Host; empty: none is named
@@ -56,6 +57,7 @@ struct Record {
     std::string request_id;
     std::string_view route;  ///< the path of what answered; empty: nothing did
     std::string key;         ///< the name of the API key that the client showed; empty: none
+    std::string signer;      ///< the name of the key that signed the URL; empty: none
     std::string cause;       ///< of a failure of ours
     Stages stages;
     std::string_view cancelled;  ///< why a computation was given up: client_gone, deadline or shutdown

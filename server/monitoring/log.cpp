@@ -94,6 +94,7 @@ std::string exchange_line(const Exchange& exchange, LogFormat format) {
     };
     const auto trace = parse_traceparent(request.header("traceparent")).value_or(Trace{});
     add(" key={}", R"(,"key":"{}")", record.key);
+    add(" signer={}", R"(,"signer":"{}")", record.signer);
     add(" cache={}", R"(,"cache":"{}")", record.cached ? "hit" : "");
     add(" trace={}", R"(,"trace":"{}")", trace.id);
     add(" parent={}", R"(,"parent":"{}")", trace.parent);

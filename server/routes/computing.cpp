@@ -29,6 +29,9 @@ constexpr std::chrono::milliseconds kPeek{20};
 /// Time after the deadline that a computation may take to stop and to write a partial answer.
 constexpr std::chrono::seconds kGrace{2};
 
+/// Content type of a picture in a folder: whatever the file holds, it is neither JSON nor a form.
+constexpr const char* kPicture = "image/*";
+
 /// Bytes of a body: longer ones are never for short jobs.
 constexpr std::size_t kLongBody = 65'536;
 
@@ -37,6 +40,11 @@ constexpr std::size_t kLongBody = 65'536;
 /// @param owner  the API key that they are kept for; empty: for all
 std::string cache_key(const std::string& name, bool compressed, const std::string& owner) {
     return (compressed ? name + "-gzip " : name + ' ') + owner;
+}
+
+/// Finds the tag of an answer among those that the client sent.
+std::optional<std::string_view> known_tag(const Incoming& incoming, const std::string& name) {
+    return find_tag(incoming.request.header("If-None-Match"), name);
 }
 
 /// Whether a header says that the body is encoded.
@@ -200,14 +208,38 @@ HttpResult<Response> Computing::answer(const Operation& operation, const Incomin
     auto body = read_body(incoming, deferred);
     if (!body) return tl::unexpected(std::move(body.error()));
     to_compute.body = *std::move(body);
-    const auto asked = take_in(operation, std::move(to_compute));
+    auto lease = take_memory(to_compute.body.size());
+    if (!lease) return tl::unexpected(lease.error());
+    const auto asked = take_in(operation, std::move(to_compute), *std::move(lease));
     if (!asked) return tl::unexpected(asked.error());
-    const std::string& name = (*asked)->name;
-    if (const auto tag = find_tag(request.header("If-None-Match"), name)) return not_modified(*tag);
-    if (deferred) return defer(*asked, incoming);
-    const bool compressed = accepts_gzip(request.header("Accept-Encoding"));
-    if (auto response = recall(name, compressed, incoming)) return *std::move(response);
-    return compute(*asked, compressed, incoming);
+    if (!deferred) return give(*asked, incoming);
+    if (const auto tag = known_tag(incoming, (*asked)->name)) return not_modified(*tag);
+    return defer(*asked, incoming);
+}
+
+HttpResult<Response> Computing::answer(const Operation& operation, PictureFile picture, std::string options,
+                                       const Incoming& incoming) {
+    if (auto checked = check_drain(incoming); !checked) return tl::unexpected(checked.error());
+    auto lease = take_memory(picture.size());
+    if (!lease) return tl::unexpected(lease.error());
+    auto bytes = picture.read();
+    if (!bytes) return tl::unexpected(bytes.error());
+    // All browsers then share an answer whose format is asked for, whatever else they accept.
+    const bool has_format = std::ranges::any_of(parse_query(options),
+                                                [](const api::TextOption& option) { return option.name == "format"; });
+    ComputeRequest request{std::string(operation.path), std::move(options), kPicture,
+                           has_format ? "" : std::string(incoming.request.header("Accept")), *std::move(bytes)};
+    const auto asked = take_in(operation, std::move(request), *std::move(lease));
+    if (!asked) return tl::unexpected(asked.error());
+    return give(*asked, incoming);
+}
+
+/// Gives an answer that the client has already, that is kept, or that is computed while the client waits.
+HttpResult<Response> Computing::give(const AcceptedPointer& asked, const Incoming& incoming) {
+    if (const auto tag = known_tag(incoming, asked->name)) return not_modified(*tag);
+    const bool compressed = accepts_gzip(incoming.request.header("Accept-Encoding"));
+    if (auto response = recall(asked->name, compressed, incoming)) return *std::move(response);
+    return compute(asked, compressed, incoming);
 }
 
 HttpResult<Response> Computing::compute(const AcceptedPointer& asked, bool compressed, const Incoming& incoming) {
@@ -271,14 +303,20 @@ std::optional<Response> Computing::recall(const std::string& name, bool compress
     return response;
 }
 
+/// Refuses to compute while the server shuts down. Whoever connected before that began is served; by a connection that
+/// was kept, others know to ask once more.
+HttpResult<void> Computing::check_drain(const Incoming& incoming) const {
+    if (draining_ && !incoming.connection.is_on_first_request()) return busy(503, "the server is shutting down");
+    return {};
+}
+
 /// Reads the body of a request that is to be computed, unless it is clear already that it will not be.
 HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool deferred) const {
     const Request& request = incoming.request;
     Connection& connection = incoming.connection;
     if (std::ranges::any_of(request.headers, is_encoding))
         return problem(415, "a Content-Encoding is not understood; send the body as it is");
-    // Whoever connected before the end began is served; by a connection that was kept, others know to ask once more.
-    if (draining_ && !connection.is_on_first_request()) return busy(503, "the server is shutting down");
+    if (auto checked = check_drain(incoming); !checked) return tl::unexpected(checked.error());
     const bool may_be_short = request.content_length.value_or(kLongBody) < kLongBody;
     const auto& client = connection.client_name();
     if (deferred && jobs_.is_full(client)) return busy(429, "too many jobs are waiting (job-queue)");
@@ -286,18 +324,23 @@ HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool defe
     return connection.read_body(request, config_.max_body);
 }
 
-/// Takes apart what was asked, and counts its memory from here on until nobody needs it any more.
-HttpResult<Computing::AcceptedPointer> Computing::take_in(const Operation& operation, ComputeRequest request) {
-    const std::size_t size = request.body.size();
+/// Counts the memory of a request from here on until nobody needs it any more.
+HttpResult<MemoryBudget::Lease> Computing::take_memory(std::size_t size) {
     if (size > waiting_memory_.total()) return too_large(size);
     auto lease = waiting_memory_.take(size);
     if (!lease) return busy(429, "too many large requests are waiting");
+    return *std::move(lease);
+}
+
+/// Takes apart what was asked.
+HttpResult<Computing::AcceptedPointer> Computing::take_in(const Operation& operation, ComputeRequest request,
+                                                          MemoryBudget::Lease lease) {
     auto fields = find_fields(request);
     if (!fields) return problem(std::move(fields.error()));
     std::string name = name_of_answer(request, *fields, config_.limits);
     if (auto apart = take_apart(request, *fields); !apart) return problem(std::move(apart.error()));
     return std::make_shared<const AcceptedRequest>(
-        AcceptedRequest{operation, std::move(request), std::move(name), *std::move(lease)});
+        AcceptedRequest{operation, std::move(request), std::move(name), std::move(lease)});
 }
 
 /// Makes a job of what is parsed now and computed when its turn comes.
@@ -387,13 +430,15 @@ HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& aske
                                                      bool compressed, const Incoming& incoming,
                                                      const TimeLimit& limit) {
     const std::string key = cache_key(asked->name, compressed, cache_owner(incoming.connection));
-    Task<ComputedAnswer> task = [this, asked, compressed, key](const Control& control, api::Timings& timings,
-                                                               PendingResult<ComputedAnswer>& pending) {
+    const bool in_pieces = incoming.request.method != "HEAD";
+    Task<ComputedAnswer> task = [this, asked, compressed, key, in_pieces](const Control& control, api::Timings& timings,
+                                                                          PendingResult<ComputedAnswer>& pending) {
         Outlet outlet(pending, timings, cache_.largest(), pool_.memory());
         const std::stop_callback pass_on(control.stop, [&outlet] { outlet.stop().request_stop(); });
         Control own = control;
         own.stop = outlet.stop().get_token();
-        auto answer = compute_(asked->request, {compressed, &outlet, pending.unwanted()}, own, timings);
+        auto answer =
+            compute_(asked->request, {compressed, in_pieces ? &outlet : nullptr, pending.unwanted()}, own, timings);
         if (answer && answer->streamed && outlet.copy() != nullptr && !answer->partial)
             cache_.keep(key, *outlet.copy());
         outlet.close(answer.map([](const api::Answer&) {}));

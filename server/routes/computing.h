@@ -15,6 +15,7 @@
 #include "server/http/message.h"
 #include "server/http/problem.h"
 #include "server/jobs/jobs.h"
+#include "server/pictures/picture_folder.h"
 #include "server/routes/incoming.h"
 #include "server/work/computation.h"
 #include "server/work/memory_budget.h"
@@ -34,6 +35,10 @@ public:
               RedisClient* answers);
 
     HttpResult<Response> answer(const Operation& operation, const Incoming& incoming);
+
+    /// Answers a request for a picture of this server, as if it had been sent with these options in the query.
+    HttpResult<Response> answer(const Operation& operation, PictureFile picture, std::string options,
+                                const Incoming& incoming);
 
     const ResultCache& cache() const { return cache_; }
 
@@ -73,8 +78,11 @@ private:
 
     tl::unexpected<Problem> too_slow(Record& record) const;
     tl::unexpected<Problem> too_large(std::size_t bytes) const;
+    HttpResult<void> check_drain(const Incoming& incoming) const;
     HttpResult<std::string> read_body(const Incoming& incoming, bool deferred) const;
-    HttpResult<AcceptedPointer> take_in(const Operation& operation, ComputeRequest request);
+    HttpResult<MemoryBudget::Lease> take_memory(std::size_t size);
+    HttpResult<AcceptedPointer> take_in(const Operation& operation, ComputeRequest request, MemoryBudget::Lease lease);
+    HttpResult<Response> give(const AcceptedPointer& asked, const Incoming& incoming);
     HttpResult<Response> defer(const AcceptedPointer& asked, const Incoming& incoming);
     HttpResult<Forecast> forecast(const AcceptedPointer& asked, const Incoming& incoming, Clock::time_point deadline);
     template <class T>

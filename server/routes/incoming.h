@@ -12,7 +12,7 @@ struct Operation;
 
 /// Things that the path of a request names besides its route.
 struct Target {
-    std::string_view job;                  ///< the id in the path of a job
+    std::string_view name;                 ///< for the placeholder of the route's path: a job's id, a picture's name
     const PageFile* file = nullptr;        ///< of the page
     const Operation* operation = nullptr;  ///< that computes
 };

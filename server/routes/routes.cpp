@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <exception>
 #include <iterator>
 #include <random>
@@ -12,6 +13,7 @@
 #include "api/capabilities.h"
 #include "api/problem.h"
 #include "api/text/text.h"
+#include "server/access/signed_url.h"
 #include "server/http/compression.h"
 #include "server/http/cors.h"
 #include "server/http/hosts.h"
@@ -64,22 +66,36 @@ void add_entity_tag(Response& response) {
     response.headers.push_back({"ETag", response.tag});
 }
 
-/// Pattern of the paths of jobs.
-constexpr std::string_view kJobs = "/jobs/";
-constexpr std::string_view kId = "{id}";
-
-/// Takes what is a job's id if the path is a job's.
-std::string_view job_id(std::string_view path) {
-    path.remove_prefix(std::min(path.size(), kJobs.size()));
-    return api::take_until(path, "/");
+/// Finds what stands in a path for the placeholder of a pattern, such as `/jobs/{id}/events`.
+/// @returns  none if the path does not match; empty if it does, and the pattern has no placeholder
+std::optional<std::string_view> match(std::string_view pattern, std::string_view path) {
+    const auto begin = pattern.find('{');
+    if (begin == std::string_view::npos) return pattern == path ? std::optional(std::string_view()) : std::nullopt;
+    if (!path.starts_with(pattern.substr(0, begin))) return std::nullopt;
+    const auto name = path.substr(begin, path.find('/', begin) - begin);
+    if (name.empty() || path.substr(begin + name.size()) != pattern.substr(pattern.find('}') + 1)) return std::nullopt;
+    return name;
 }
 
-bool matches(std::string_view pattern, std::string_view path) {
-    const auto place = pattern.find(kId);
-    if (place == std::string_view::npos) return pattern == path;
-    const auto id = job_id(path);
-    return !id.empty() && path.substr(0, place) == pattern.substr(0, place) &&
-           path.substr(place + id.size()) == pattern.substr(place + kId.size());
+/// Whether a route is asked for by its own method, or by HEAD instead of GET.
+bool is_taken(std::string_view method, std::string_view of_route) {
+    return method == of_route || (method == "HEAD" && of_route == "GET");
+}
+
+/// Seconds for which a picture by name is shown again without asking for it.
+constexpr std::int64_t kFreshSeconds = 60;
+
+/// Tells how long an answer about a picture may be kept, and by whom: what a key was needed for by its client alone,
+/// what has a signed URL until that expires. A partial answer, which has no tag, is not to be kept.
+Header cache_control(const Response& response, const SignedUrl& url, bool is_private) {
+    if (response.tag.empty()) return {"Cache-Control", "no-store"};
+    std::int64_t seconds = kFreshSeconds;
+    if (url.expires) {
+        const auto now = static_cast<std::uint64_t>(std::time(nullptr));
+        seconds = static_cast<std::int64_t>(
+            std::min<std::uint64_t>(kFreshSeconds, *url.expires - std::min(now, *url.expires)));
+    }
+    return {"Cache-Control", (is_private ? "private, max-age=" : "public, max-age=") + std::to_string(seconds)};
 }
 
 tl::unexpected<Problem> no_place(Room room) {
@@ -87,6 +103,11 @@ tl::unexpected<Problem> no_place(Room room) {
                 room == Room::Streams ? "too many streams of events are open (max-streams)"
                                       : "too many connections are open (max-connections)",
                 std::chrono::seconds(1));
+}
+
+api::OfferedPictures offered_pictures(const Config& config) {
+    if (config.pictures.empty()) return api::OfferedPictures::None;
+    return config.signing.empty() ? api::OfferedPictures::Unsigned : api::OfferedPictures::Signed;
 }
 
 Response json_response(std::string body) {
@@ -108,6 +129,7 @@ struct Routes::Table {
         {"/health/live", "GET", Room::Reserve, Entrance::Anyone, &Routes::live, nullptr},
         {"/health/ready", "GET", Room::Reserve, Entrance::Anyone, &Routes::ready, nullptr},
         {"/metrics", "GET", Room::Reserve, Entrance::Key, &Routes::metrics, nullptr},
+        {"/halftone/{name}", "GET", Room::Common, Entrance::Signature, &Routes::picture, find_operation("/halftone")},
         {"/jobs/{id}", "GET", Room::Common, Entrance::Key, &Routes::job_status, nullptr},
         {"/jobs/{id}", "DELETE", Room::Common, Entrance::Key, &Routes::remove_job, nullptr},
         {"/jobs/{id}/events", "GET", Room::Streams, Entrance::Key, &Routes::job_events, nullptr},
@@ -135,16 +157,17 @@ Routes::Routes(const Config& config, Parts parts)
       missing_(std::move(parts.missing)),
       warn_(std::move(parts.warn)),
       computing_(config, parts.pool, parts.waiting_memory, std::move(parts.compute), parts.jobs, parts.answers),
+      pictures_(config.pictures.empty() ? std::nullopt : std::optional<PictureFolder>(config.pictures)),
       job_routes_(parts.jobs, parts.pool.memory(), config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
 
 Response Routes::answer(const Request& request, const HttpResult<void>& received, Connection& connection) {
     const auto found = find(request);
+    Record record;
     connection.name_client({}, {});  // as long as it is not known, it is not the last request's either
     const auto admitted = received.and_then([&] { return check_host(found, request); }).and_then([&] {
-        return admit(found, request, connection);
+        return admit(found, request, connection, record);
     });
-    Record record;
     record.request_id = request_id(request);
     record.key = connection.key();
     if (found.route != nullptr) record.route = found.route->path;
@@ -154,7 +177,8 @@ Response Routes::answer(const Request& request, const HttpResult<void>& received
             return dispatch(found.route, {request, connection, record, found.target});
         });
         response = outcome ? std::move(*outcome) : describe(std::move(outcome.error()), record);
-        if (found.route != nullptr && request.method == "POST") response.headers.push_back({"Vary", "Accept"});
+        if (found.target.operation != nullptr && is_taken(request.method, found.route->method))
+            response.headers.push_back({"Vary", "Accept"});
         negotiate_coding(request, response);
         add_entity_tag(response);
     } catch (const std::exception& exception) {
@@ -170,30 +194,34 @@ Response Routes::answer(const Request& request, const HttpResult<void>& received
 Routes::Found Routes::find(const Request& request) {
     Found found;
     for (const Route& route : Table::kRows) {
-        if (!matches(route.path, request.path)) continue;
+        const auto name = match(route.path, request.path);
+        if (!name) continue;
         if (found.route == nullptr || route.method == request.method) found.route = &route;
+        found.target.name = *name;
     }
     if (found.route == nullptr || found.route->handler == &Routes::page)
         found.target.file = find_page_file(request.path);
     if (found.route == nullptr && found.target.file != nullptr)
         found.route = std::ranges::find(Table::kRows, "/", &Route::path);
     if (found.route != nullptr) found.target.operation = found.route->operation;
-    found.target.job = job_id(request.path);
     return found;
 }
 
-/// Whether a request needs no key. That there is nothing below a health check is told without one, too.
-bool Routes::is_free(const Found& found, const Request& request) {
-    if (found.route == nullptr) return request.path.starts_with("/health/");
+/// Tells what a request needs. That there is nothing below a health check is told without a key, too.
+Gate::Credential Routes::needed(const Found& found, const Request& request) {
+    const auto key_unless = [](bool free) { return free ? Gate::Credential::None : Gate::Credential::Key; };
+    if (found.route == nullptr) return key_unless(request.path.starts_with("/health/"));
     switch (found.route->entrance) {
         case Entrance::Key:
-            return false;
+            return Gate::Credential::Key;
+        case Entrance::Signature:
+            return Gate::Credential::Signature;
         case Entrance::Read:
-            return request.method == "GET" || request.method == "HEAD";
+            return key_unless(is_taken(request.method, "GET"));
         case Entrance::Anyone:
             break;
     }
-    return true;
+    return Gate::Credential::None;
 }
 
 /// Refuses requests for hosts that are not this server's. Health checks are answered whatever balancers call it.
@@ -208,10 +236,11 @@ HttpResult<void> Routes::check_host(const Found& found, const Request& request) 
     return problem(421, "this server does not answer for the host " + asked + " (allowed-host)");
 }
 
-/// Lets a request pass the gate, and tells its connection whose it is.
-HttpResult<void> Routes::admit(const Found& found, const Request& request, Connection& connection) {
-    auto verdict = gate_.check(request, connection.client().address, is_free(found, request));
+/// Lets a request pass the gate, and tells its connection and the record whose it is.
+HttpResult<void> Routes::admit(const Found& found, const Request& request, Connection& connection, Record& record) {
+    auto verdict = gate_.check(request, connection.client().address, needed(found, request));
     connection.name_client(std::move(verdict.client), std::move(verdict.key));
+    record.signer = std::move(verdict.signer);
     return std::move(verdict.admission);
 }
 
@@ -233,8 +262,7 @@ HttpResult<Response> Routes::dispatch(const Route* route, const Incoming& incomi
     if (request.method == "OPTIONS" && request.target == "*") return preflight(kAllMethods, request);
     if (route == nullptr) return problem(404, "there is nothing at this path");
     if (request.method == "OPTIONS") return preflight(allowed_methods(*route), request);
-    const bool headers_only = request.method == "HEAD" && route->method == "GET";
-    if (request.method != route->method && !headers_only) {
+    if (!is_taken(request.method, route->method)) {
         const std::string allowed = allowed_methods(*route);
         auto refused = problem(405, "this path takes " + allowed);
         refused.value().headers.push_back({"Allow", allowed});
@@ -248,12 +276,23 @@ HttpResult<Response> Routes::compute(const Incoming& incoming) {
     return computing_.answer(*incoming.target.operation, incoming);
 }
 
+HttpResult<Response> Routes::picture(const Incoming& incoming) {
+    if (!pictures_) return problem(404, "this server has no folder of pictures (pictures)");
+    const auto url = SignedUrl::parse(incoming.request.resource);
+    if (!url) return tl::unexpected(url.error());
+    auto file = pictures_->open(incoming.target.name, config_.max_body);
+    if (!file) return tl::unexpected(file.error());
+    auto response = computing_.answer(*incoming.target.operation, *std::move(file), url->options, incoming);
+    if (response) response->headers.push_back(cache_control(*response, *url, !incoming.connection.key().empty()));
+    return response;
+}
+
 HttpResult<Response> Routes::page(const Incoming& incoming) {
     return page_response(*incoming.target.file, incoming.request.header("If-None-Match"));
 }
 
 HttpResult<Response> Routes::capabilities(const Incoming& /*incoming*/) {
-    return json_response(api::capabilities_json(config_.limits));
+    return json_response(api::capabilities_json(config_.limits, offered_pictures(config_)));
 }
 
 HttpResult<Response> Routes::live(const Incoming& /*incoming*/) {
@@ -279,20 +318,20 @@ HttpResult<Response> Routes::metrics(const Incoming& /*incoming*/) {
 }
 
 HttpResult<Response> Routes::job_status(const Incoming& incoming) {
-    return job_routes_.status(std::string(incoming.target.job), incoming.connection);
+    return job_routes_.status(std::string(incoming.target.name), incoming.connection);
 }
 
 HttpResult<Response> Routes::job_result(const Incoming& incoming) {
-    return job_routes_.result(std::string(incoming.target.job), incoming.request.header("If-None-Match"),
+    return job_routes_.result(std::string(incoming.target.name), incoming.request.header("If-None-Match"),
                               incoming.connection);
 }
 
 HttpResult<Response> Routes::job_events(const Incoming& incoming) {
-    return job_routes_.events(std::string(incoming.target.job), incoming.connection);
+    return job_routes_.events(std::string(incoming.target.name), incoming.connection);
 }
 
 HttpResult<Response> Routes::remove_job(const Incoming& incoming) {
-    return job_routes_.remove(std::string(incoming.target.job), incoming.connection);
+    return job_routes_.remove(std::string(incoming.target.name), incoming.connection);
 }
 
 /// Answers OPTIONS, to people and to browsers that ask before a request from another origin.

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -13,6 +14,7 @@
 #include "server/http/problem.h"
 #include "server/jobs/jobs.h"
 #include "server/monitoring/metrics.h"
+#include "server/pictures/picture_folder.h"
 #include "server/routes/computing.h"
 #include "server/routes/incoming.h"
 #include "server/routes/job_routes.h"
@@ -61,14 +63,15 @@ private:
 
     /// Rule for who is answered although there are API keys.
     enum class Entrance {
-        Key,    ///< who shows one, and asks no more often than the rate allows
-        Read,   ///< who wants to GET, always: a browser that opens the page sends no key
-        Anyone  ///< always: balancers send no keys with health checks
+        Key,        ///< who shows one, and asks no more often than the rate allows
+        Signature,  ///< who has a signed URL where there are signing keys: what embeds a picture sends no key
+        Read,       ///< who wants to GET, always: a browser that opens the page sends no key
+        Anyone      ///< always: balancers send no keys with health checks
     };
 
     /// A row of the table of all that is answered; no column has a default.
     struct Route {
-        std::string_view path;    ///< `{id}` stands for a job's
+        std::string_view path;    ///< a placeholder such as `{id}` stands for anything without a slash
         std::string_view method;  ///< of GET, HEAD as well
         Room room;                ///< in which a connection needs its place
         Entrance entrance;
@@ -84,11 +87,12 @@ private:
     };
     static Found find(const Request& request);
     static std::string allowed_methods(const Route& route);
-    static bool is_free(const Found& found, const Request& request);
+    static Gate::Credential needed(const Found& found, const Request& request);
 
-    HttpResult<void> admit(const Found& found, const Request& request, Connection& connection);
+    HttpResult<void> admit(const Found& found, const Request& request, Connection& connection, Record& record);
     HttpResult<Response> dispatch(const Route* route, const Incoming& incoming);
     HttpResult<Response> compute(const Incoming& incoming);
+    HttpResult<Response> picture(const Incoming& incoming);
     HttpResult<Response> page(const Incoming& incoming);
     HttpResult<Response> capabilities(const Incoming& incoming);
     HttpResult<Response> live(const Incoming& incoming);
@@ -115,6 +119,7 @@ private:
     const Missing missing_;
     const std::function<void(const std::string&)> warn_;
     Computing computing_;
+    const std::optional<PictureFolder> pictures_;  ///< none: no pictures are asked for by name
     JobRoutes job_routes_;
     std::atomic<bool> draining_ = false;
     std::atomic<bool> warned_of_origins_ = false;

@@ -11,6 +11,7 @@
 
 #include <unistd.h>
 
+#include "server/access/gate.h"
 #include "server/access/key_ring.h"
 #include "server/cache/redis_cache.h"
 #include "server/compute/compute_box.h"
@@ -19,6 +20,7 @@
 #include "server/decoder/decoder_box.h"
 #include "server/http/sockets.h"
 #include "server/jobs/redis_job_store.h"
+#include "server/pictures/picture_folder.h"
 #include "server/processes/child_program.h"
 #include "server/processes/process.h"
 #include "server/redis/redis_client.h"
@@ -61,6 +63,20 @@ Found check_keys(const Config& config) {
     if (config.api_key_file.empty()) return {State::Good, "nobody needs one"};
     const auto ring = KeyRing::read(config.api_key_file);
     return ring ? Found{State::Good, "those of " + config.api_key_file} : wrong(ring.error());
+}
+
+Found check_signing(const Config& config) {
+    if (config.signing.empty()) return {State::Good, "no URL needs a signature"};
+    const auto ring = read_signing_keys(config.signing);
+    if (!ring) return wrong(ring.error());
+    return {State::Good,
+            "by " + (config.signing.file.empty() ? "a key of the environment" : "those of " + config.signing.file)};
+}
+
+Found check_pictures(const Config& config) {
+    if (config.pictures.empty()) return {State::Good, "none are asked for by name"};
+    const auto checked = PictureFolder(config.pictures).check();
+    return checked ? Found{State::Good, "those of " + config.pictures} : wrong(checked.error());
 }
 
 Found check_memory(const Config& config) {
@@ -128,9 +144,9 @@ struct Check {
 };
 
 constexpr Check kChecks[] = {
-    {"decoder", check_decoder}, {"worker", check_worker}, {"keys", check_keys},
-    {"memory", check_memory},   {"files", check_files},   {"jobs", check_jobs},
-    {"answers", check_answers}, {"rates", check_rates},   {"address", check_address},
+    {"decoder", check_decoder},   {"worker", check_worker}, {"keys", check_keys},       {"signing", check_signing},
+    {"pictures", check_pictures}, {"memory", check_memory}, {"files", check_files},     {"jobs", check_jobs},
+    {"answers", check_answers},   {"rates", check_rates},   {"address", check_address},
 };
 
 std::string_view name_of(State state) {

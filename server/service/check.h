@@ -20,7 +20,8 @@ struct Finding {
 };
 
 /// Tries what the server needs to start with this configuration, each thing for itself: the programs beside it and
-/// their sandbox, the file of keys, memory, the folder of jobs, what Redis it uses, the address to listen on.
+/// their sandbox, the files of keys, the folder of pictures, memory, the folder of jobs, what Redis it uses, the
+/// address to listen on.
 ///
 /// Nothing is served, taken up or written: jobs that are stored stay as they are, and that another server uses their
 /// folder is not noticed. What is started is ended again.

@@ -7,6 +7,7 @@
 #include "server/config/descriptor_plan.h"
 #include "server/jobs/redis_job_store.h"
 #include "server/jobs/sqlite_job_store.h"
+#include "server/pictures/picture_folder.h"
 #include "server/processes/child_program.h"
 #include "server/processes/process.h"
 #include "server/work/thread_share.h"
@@ -38,8 +39,13 @@ std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& addres
 }
 
 Result<std::unique_ptr<Gate>> start_gate(const Config& config, RedisClient* rates) {
-    auto gate = std::make_unique<Gate>(config.api_key_file, config.rate, rates);
+    auto gate = std::make_unique<Gate>(config.api_key_file, config.rate, rates, config.signing);
     return gate->read_keys().map([&] { return std::move(gate); });
+}
+
+/// Checks the folder of pictures, if there is one.
+Result<void> check_pictures(const Config& config) {
+    return config.pictures.empty() ? Result<void>() : PictureFolder(config.pictures).check();
 }
 
 /// @param redis  null: jobs are kept here
@@ -96,6 +102,7 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
                        client_of(config.cache_redis, kBriefly, log), client_of(config.rate_redis, kBriefly, log)};
     auto gate = start_gate(config, redis.rates.get());
     if (!gate) return tl::unexpected(std::move(gate.error()));
+    if (auto checked = check_pictures(config); !checked) return tl::unexpected(std::move(checked.error()));
     const auto memory = memory_to_compute_with(config, resident_bytes());
     if (!memory) return tl::unexpected(memory.error());
     auto store = start_store(config, redis.jobs.get(), log);

@@ -44,7 +44,7 @@ public:
     /// The place where it listens: a URL, or `unix:` and a path.
     std::string address() const;
 
-    /// Reads the file of API keys again. After an error they are what they were.
+    /// Reads the files of keys again. After an error they are what they were.
     Result<void> read_keys() { return parts_.gate->read_keys(); }
 
     /// Serves until `drain`; returns once all that was accepted is answered.

@@ -1,13 +1,17 @@
 #include "server/work/digest.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <new>
+
+#include <openssl/hmac.h>
 
 namespace ccdt::server {
 namespace {
 
 constexpr int kBytesTold = 18;
+constexpr int kSha256Bytes = 32;
 
 }  // namespace
 
@@ -27,6 +31,20 @@ std::string Digest::finish() {
     std::array<unsigned char, kBytesTold / 3 * 4 + 1> text{};
     EVP_EncodeBlock(text.data(), bytes.data(), kBytesTold);
     return {text.begin(), text.end() - 1};
+}
+
+std::string sign(std::string_view key, std::string_view text) {
+    std::array<unsigned char, kSha256Bytes> bytes{};
+    const auto* const data = reinterpret_cast<const unsigned char*>(text.data());
+    if (HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()), data, text.size(), bytes.data(), nullptr) ==
+        nullptr)
+        throw std::bad_alloc();
+    std::array<unsigned char, (kSha256Bytes + 2) / 3 * 4 + 1> encoded{};
+    EVP_EncodeBlock(encoded.data(), bytes.data(), kSha256Bytes);
+    std::string signature(encoded.begin(), encoded.end() - 2);  // the padding is one character
+    std::ranges::replace(signature, '+', '-');
+    std::ranges::replace(signature, '/', '_');
+    return signature;
 }
 
 }  // namespace ccdt::server

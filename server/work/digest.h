@@ -24,4 +24,8 @@ private:
     std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
 };
 
+/// Signs a text by HMAC-SHA256 (RFC 2104). Throws std::bad_alloc.
+/// @returns  the signature in URL-safe base64 without padding, 43 characters
+std::string sign(std::string_view key, std::string_view text);
+
 }  // namespace ccdt::server

@@ -113,11 +113,6 @@ Result<ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Li
     return pack(api::parse_analyze(request.body, request.accept, limits), limits);
 }
 
-const Operation* find_operation(std::string_view path) {
-    const auto* const found = std::ranges::find(kOperations, path, &Operation::path);
-    return found == kOperations.end() ? nullptr : found;
-}
-
 Result<void> check(const Operation& operation, const ComputeRequest& request) {
     if (operation.takes_pictures) return {};
     const std::string type = media_type(request.content_type);

@@ -51,7 +51,12 @@ inline constexpr auto kOperations = std::to_array<Operation>({
 });
 
 /// Finds the row of a path; null if there is none.
-const Operation* find_operation(std::string_view path);
+constexpr const Operation* find_operation(std::string_view path) {
+    for (const Operation& operation : kOperations) {
+        if (operation.path == path) return &operation;
+    }
+    return nullptr;
+}
 
 /// Checks all but the body. Errors: those that a request has whatever its body.
 Result<void> check(const Operation& operation, const ComputeRequest& request);

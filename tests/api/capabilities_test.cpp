@@ -138,6 +138,15 @@ TEST(Capabilities, TellTheLimits) {
     EXPECT_EQ(method("odt").at("options"), Json::parse(R"(["iterations","tolerance"])"));
 }
 
+TEST(Capabilities, TellWhetherThereArePicturesOfTheServers) {
+    const auto told = [](OfferedPictures pictures) {
+        return Json::parse(capabilities_json({}, pictures)).at("halftone").at("pictures");
+    };
+    EXPECT_EQ(told(OfferedPictures::None), "none");
+    EXPECT_EQ(told(OfferedPictures::Unsigned), "unsigned");
+    EXPECT_EQ(told(OfferedPictures::Signed), "signed");
+}
+
 TEST(Capabilities, TellWhatIsDrawnAndHowLarge) {
     const Json formats = capabilities().at("halftone").at("formats");
     const auto format = [&](const std::string& name) { return row_of(formats, name); };

@@ -15,10 +15,10 @@ bool is_visible(std::string_view text) {
 
 bool equal(const Request& a, const Request& b) {
     const auto same = [](const Header& x, const Header& y) { return x.name == y.name && x.value == y.value; };
-    return a.method == b.method && a.target == b.target && a.path == b.path && a.query == b.query &&
-           std::ranges::equal(a.headers, b.headers, same) && a.content_length == b.content_length &&
-           a.chunked == b.chunked && a.is_http_1_0 == b.is_http_1_0 && a.keep_alive == b.keep_alive &&
-           a.expects_continue == b.expects_continue;
+    return a.method == b.method && a.target == b.target && a.resource == b.resource && a.path == b.path &&
+           a.query == b.query && std::ranges::equal(a.headers, b.headers, same) &&
+           a.content_length == b.content_length && a.chunked == b.chunked && a.is_http_1_0 == b.is_http_1_0 &&
+           a.keep_alive == b.keep_alive && a.expects_continue == b.expects_continue;
 }
 
 std::string write(const Request& request) {

@@ -13,7 +13,7 @@ import unittest
 from engine import Redis
 from harness import PATIENCE, Server, ask
 
-PARTS = ["decoder", "worker", "keys", "memory", "files", "jobs", "answers", "rates", "address"]
+PARTS = ["decoder", "worker", "keys", "signing", "pictures", "memory", "files", "jobs", "answers", "rates", "address"]
 MAY_BE_WRONG = [part for part in PARTS if part not in ("files", "answers", "rates")]
 
 
@@ -65,18 +65,22 @@ class Check(unittest.TestCase):
         shutil.copy(os.environ["CCDT_SERVER"], alone)
         with socket.create_server(("127.0.0.1", 0)) as taken:
             wrong = self.wrong(f"--port={taken.getsockname()[1]}", "--memory=1MiB", "--api-key-file=/none",
+                               "--signing-key-file=/none", "--pictures=/none",
                                f"--data-dir={self.folder / 'file' / 'jobs'}", program=alone)
         self.assertEqual(list(wrong), MAY_BE_WRONG)
         self.assertIn("ccdt-decoder", wrong["decoder"])
         self.assertIn("ccdt-worker", wrong["worker"])
-        self.assertIn("/none", wrong["keys"])
+        for part in ("keys", "signing", "pictures"):
+            self.assertIn("/none", wrong[part])
         self.assertIn("MiB are needed", wrong["memory"])
         self.assertIn("Not a directory", wrong["jobs"])
         self.assertIn("in use", wrong["address"])
 
     def test_tells_what_is_wrong_by_itself(self):
         (self.folder / "file").touch()
-        for part, flag in (("keys", f"--api-key-file={self.folder / 'file'}"), ("memory", "--memory=200MiB"),
+        for part, flag in (("keys", f"--api-key-file={self.folder / 'file'}"),
+                           ("signing", f"--signing-key-file={self.folder / 'file'}"),
+                           ("pictures", f"--pictures={self.folder / 'file'}"), ("memory", "--memory=200MiB"),
                            ("jobs", f"--data-dir={self.folder / 'file'}"), ("address", "--bind=no.such.host.invalid")):
             with self.subTest(part=part):
                 self.assertEqual(list(self.wrong(flag)), [part])

@@ -29,6 +29,11 @@ JOB = "/jobs/" + 32 * "0"
 LATER = ("--header", "Prefer: respond-async")
 
 
+def concrete(path):
+    """A path that the document has, with nothing there by the name that it has."""
+    return path.replace("/jobs/{id}", JOB).replace("{name}", "no-picture")
+
+
 def resolve(node):
     """A node with what it refers to, which its own members go before."""
     while "$ref" in node:
@@ -157,7 +162,8 @@ class Document(ContractCase):
 class Routes(ContractCase):
     def test_are_those_of_the_server(self):
         source = (SERVER / "routes" / "routes.cpp").read_text()
-        found = re.findall(r'\{"(/[^"]*)", "([A-Z]+)", Room::\w+, Entrance::\w+, &Routes::\w+, nullptr\}', source)
+        found = re.findall(r'\{"(/[^"]*)", "([A-Z]+)", Room::\w+, Entrance::\w+, &Routes::\w+, '
+                           r'(?:nullptr|find_operation\("/halftone"\))\}', source)
         self.assertEqual(len(found), source.count('{"/'))
         computed = re.findall(r'\{"(/[^"]*)", \w+, \w+, parse_\w+\}', (SERVER / "work" / "operation.h").read_text())
         self.assertEqual(set(computed), set(COMPUTING))
@@ -169,7 +175,7 @@ class Routes(ContractCase):
             with self.subTest(path=path):
                 methods = {method.upper() for method in item if method != "parameters"} | {"OPTIONS"}
                 methods |= {"HEAD"} if "GET" in methods else set()
-                here = path.replace("/jobs/{id}", JOB)
+                here = concrete(path)
                 allowed = self.ask(here, "--request", "OPTIONS").headers["allow"]
                 self.assertEqual(set(allowed.split(", ")), methods)
                 for method in {"GET", "POST", "PUT", "PATCH", "DELETE"} - methods:
@@ -408,7 +414,7 @@ class Statuses(ContractCase):
             if str(status) in operation["responses"]:
                 arguments = ("--request", method.upper())
                 data = b"{}" if method == "post" else None
-                self.see(path, method, ask(server, path.replace("/jobs/{id}", JOB), *arguments, data=data), status)
+                self.see(path, method, ask(server, concrete(path), *arguments, data=data), status)
 
     def see_late(self):
         with Server("--workers=1", "--timeout=0.3", "--max-connections=4") as server:
@@ -431,7 +437,7 @@ class Statuses(ContractCase):
             self.see_computing(path)
         for path, method, operation in operations():
             if "404" in operation["responses"]:
-                answer = self.ask(path.replace("{id}", 32 * "0"), "--request", method.upper())
+                answer = self.ask(concrete(path), "--request", method.upper())
                 self.see(path, method, answer, 404)
             elif "200" in operation["responses"] and method == "get":
                 answer = self.ask(path)
@@ -459,12 +465,33 @@ class Statuses(ContractCase):
             with Server("--api-key-file=" + file.name) as server:
                 self.see_locked(server, 401)
         self.see_streams()
+        self.see_pictures()
         told = {(path, status) for path, _, operation in operations() for status in operation["responses"]
                 if not status.endswith("XX")}
         # What is alike for all that compute is provoked at one of them.
-        alike = {(path, status) for path in COMPUTING for status in ("503", "504")}
+        alike = {(path, status) for path in (*COMPUTING, "/halftone/{name}") for status in ("503", "504")}
         self.assertEqual(told - self.seen - set(self.ELSEWHERE) - alike, set())
         self.assertEqual({status for _, status in alike} - {status for _, status in self.seen}, set())
+
+    def see_pictures(self):
+        def see(server, target, status, *arguments):
+            answer = ask(server, target, *arguments)
+            self.see("/halftone/{name}", "get", answer, status)
+            return answer
+
+        with tempfile.TemporaryDirectory() as folder:
+            for name, file in (("cat", PICTURE), ("text", b"no picture"), ("white", file_of([[255]]))):
+                (pathlib.Path(folder) / name).write_bytes(file)
+            with Server(f"--pictures={folder}", "--max-sites=100") as server:
+                tag = see(server, "/halftone/cat?sites=20", 200).headers["etag"]
+                see(server, "/halftone/cat?sites=20", 304, "--header", "If-None-Match: " + tag)
+                see(server, "/halftone/cat?sites=0", 400)
+                see(server, "/halftone/cat?sites=20", 406, "--header", "Accept: text/html")
+                see(server, "/halftone/cat?sites=101", 413)
+                see(server, "/halftone/text", 415)
+                see(server, "/halftone/white?sites=20", 422)
+            with Server(f"--pictures={folder}", environment={"CCDT_SIGNING_KEY": 32 * "k"}) as server:
+                see(server, "/halftone/cat?sites=20", 403)
 
     def see_streams(self):
         with Server("--max-streams=1", "--workers=1") as server:

@@ -44,7 +44,7 @@ class Links(unittest.TestCase):
 class Examples(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.server = Server("--cache=64MiB")
+        cls.server = Server("--cache=64MiB", f"--pictures={PICTURES}")
         cls.folder = tempfile.TemporaryDirectory()
         folder = pathlib.Path(cls.folder.name)
         for name in ("server", "tests"):

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "server/work/digest.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -46,7 +48,7 @@ TEST_F(GateTest, LetsPassWhatIsFree) {
     Gate gate(keys_, rate_);
     ASSERT_TRUE(gate.read_keys());
     for (int i = 0; i < 5; ++i) {
-        const auto verdict = gate.check(request(kKey), "a", true);
+        const auto verdict = gate.check(request(kKey), "a", Gate::Credential::None);
         EXPECT_TRUE(verdict.admission);
         EXPECT_EQ(verdict.client, "a");
         EXPECT_EQ(verdict.key, "");
@@ -113,6 +115,82 @@ TEST_F(GateTest, CountsByKeyAndElseByAddress) {
     EXPECT_EQ(gate.check(request("x"), "a").admission.error().status, 401);
     EXPECT_EQ(gate.check(request("y"), "a").admission.error().status, 429);
     EXPECT_EQ(gate.check(request("y"), "").admission.error().status, 401) << "nothing to count by";
+}
+
+const std::string kSigningKey = "0123456789abcdef0123456789abcdef";
+
+/// A request for a URL that was signed with that key.
+Request signed_request(const std::string& key, const std::string& text, const std::string& method = "GET") {
+    return *parse_head(method + ' ' + text + "&signature=" + sign(key, text) + " HTTP/1.1\r\n\r\n");
+}
+
+TEST_F(GateTest, TakesASignatureInsteadOfAKey) {
+    write("alice:" + kKey);
+    Gate gate(keys_, rate_, nullptr, {{}, kSigningKey});
+    ASSERT_TRUE(gate.read_keys());
+    const auto check = [&](const Request& request) { return gate.check(request, "a", Gate::Credential::Signature); };
+    const auto verdict = check(signed_request(kSigningKey, "/halftone/x?sites=5"));
+    EXPECT_TRUE(verdict.admission);
+    EXPECT_EQ(verdict.signer, "CCDT_SIGNING_KEY");
+    EXPECT_EQ(verdict.key, "") << "what is kept for visitors is kept for all of them";
+    EXPECT_EQ(verdict.client, "a");
+    EXPECT_EQ(check(request(kKey, "GET /halftone/x")).admission.error().status, 403) << "an API key is no signature";
+    EXPECT_EQ(check(signed_request(kKey, "/halftone/x?sites=5")).admission.error().status, 403);
+    const auto elsewhere = signed_request(kSigningKey, "/metrics?a=b");
+    EXPECT_EQ(gate.check(elsewhere, "a", Gate::Credential::Key).admission.error().status, 401);
+}
+
+TEST_F(GateTest, AsksForAKeyWhereNothingIsSigned) {
+    write("alice:" + kKey);
+    Gate gate(keys_, rate_);
+    ASSERT_TRUE(gate.read_keys());
+    EXPECT_EQ(gate.check(request(""), "a", Gate::Credential::Signature).admission.error().status, 401);
+    EXPECT_EQ(gate.check(request(kKey), "a", Gate::Credential::Signature).key, "alice");
+}
+
+TEST_F(GateTest, CountsSignedUrlsByAddress) {
+    rate_ = {.per_second = 0.001, .burst = 1};
+    Gate gate({}, rate_, nullptr, {{}, kSigningKey});
+    ASSERT_TRUE(gate.read_keys());
+    const auto status = [&](const std::string& key, const std::string& address) {
+        const auto admission =
+            gate.check(signed_request(key, "/halftone/x?a=b"), address, Gate::Credential::Signature).admission;
+        return admission ? 200 : admission.error().status;
+    };
+    EXPECT_EQ(status(kSigningKey, "a"), 200);
+    EXPECT_EQ(status(kSigningKey, "a"), 429);
+    EXPECT_EQ(status(kSigningKey, "b"), 200);
+    EXPECT_EQ(status(kKey, "c"), 403);
+    EXPECT_EQ(status(kKey, "c"), 429) << "signatures cannot be guessed fast";
+}
+
+TEST_F(GateTest, ReadsSigningKeysAgain) {
+    Gate gate({}, rate_, nullptr, {file_, {}});
+    const std::string second = kSigningKey + "B";
+    const auto signer = [&](const std::string& key) {
+        return gate.check(signed_request(key, "/halftone/x?a=b"), "a", Gate::Credential::Signature).signer;
+    };
+    write("old:" + kSigningKey + "\nnew:" + second);
+    ASSERT_TRUE(gate.read_keys());
+    EXPECT_EQ(signer(kSigningKey), "old");
+    EXPECT_EQ(signer(second), "new");
+    write("new:" + second);
+    ASSERT_TRUE(gate.read_keys());
+    EXPECT_EQ(signer(kSigningKey), "");
+    write("new:" + kKey);
+    const auto read = gate.read_keys();
+    ASSERT_FALSE(read) << "too short to sign with";
+    EXPECT_NE(read.error().message.find("32 to 256"), std::string::npos) << read.error().message;
+    EXPECT_EQ(signer(second), "new");
+}
+
+TEST_F(GateTest, NamesTheVariableOfAWrongSigningKeyButNotTheKey) {
+    for (const std::string& key : {kKey, kSigningKey + " ", kSigningKey + "\nb:" + kSigningKey}) {
+        const auto read = Gate({}, rate_, nullptr, {{}, key}).read_keys();
+        ASSERT_FALSE(read);
+        EXPECT_TRUE(read.error().message.starts_with("CCDT_SIGNING_KEY: ")) << read.error().message;
+        EXPECT_EQ(read.error().message.find(kKey), std::string::npos);
+    }
 }
 
 }  // namespace

@@ -188,6 +188,30 @@ TEST(Config, ReadsWhichProxiesAreTrusted) {
         EXPECT_FALSE(parse({"--trusted-proxy", value})) << value;
 }
 
+TEST(Config, ReadsWhoMayAskForPictures) {
+    EXPECT_EQ(parse({})->config.pictures, "");
+    EXPECT_TRUE(parse({})->config.signing.empty());
+    const auto by_file = parse({"--pictures=photos", "--signing-key-file=keys"});
+    ASSERT_TRUE(by_file) << by_file.error().message;
+    EXPECT_EQ(by_file->config.pictures, "photos");
+    EXPECT_EQ(by_file->config.signing.file, "keys");
+    const auto by_variable = parse({}, {{"CCDT_PICTURES", "photos"}, {"CCDT_SIGNING_KEY", "se:cr@et"}});
+    ASSERT_TRUE(by_variable) << by_variable.error().message;
+    EXPECT_EQ(by_variable->config.signing.key, "se:cr@et");
+    EXPECT_EQ(shown(by_variable, "--signing-key"), "***|CCDT_SIGNING_KEY");
+    EXPECT_EQ(shown(parse({}), "--signing-key"), "none|");
+}
+
+TEST(Config, TakesNoSigningKeyAsAFlag) {
+    for (const auto& flags : {std::vector{"--signing-key=se:cret"}, std::vector{"--signing-key", "se:cret"},
+                              std::vector{"--signing-key"}}) {
+        const auto parsed = parse(flags);
+        ASSERT_FALSE(parsed);
+        EXPECT_NE(parsed.error().message.find("CCDT_SIGNING_KEY"), std::string::npos) << parsed.error().message;
+        EXPECT_EQ(parsed.error().message.find("cret"), std::string::npos) << parsed.error().message;
+    }
+}
+
 TEST(Config, ReadsWhatJobsMayTake) {
     const auto parsed = parse({"--data-dir=jobs", "--job-ttl=5", "--job-queue=0"}, {{"CCDT_JOB_TIMEOUT", "7"}});
     ASSERT_TRUE(parsed) << parsed.error().message;
@@ -306,6 +330,11 @@ TEST(Config, ListsEveryFlagAndVariableInItsHelp) {
                              "CCDT_ALLOWED_HOST",
                              "--api-key-file",
                              "CCDT_API_KEY_FILE",
+                             "--pictures",
+                             "CCDT_PICTURES",
+                             "--signing-key-file",
+                             "CCDT_SIGNING_KEY_FILE",
+                             "CCDT_SIGNING_KEY",
                              "--rate-limit",
                              "CCDT_RATE_LIMIT",
                              "--rate-burst",
@@ -353,6 +382,9 @@ TEST(Config, NamesWhatIsWrong) {
         {{"--max-streams=x"}, {}, "--max-streams"},
         {{"--api-key-file="}, {}, "--api-key-file"},
         {{"--data-dir="}, {}, "--data-dir"},
+        {{"--pictures="}, {}, "--pictures"},
+        {{"--signing-key-file="}, {}, "--signing-key-file"},
+        {{"--signing-key-file=a"}, {{"CCDT_SIGNING_KEY", "b"}}, "--signing-key-file and CCDT_SIGNING_KEY"},
         {{"--redis=http://a"}, {}, "--redis"},
         {{}, {{"CCDT_REDIS", "redis-sentinel://a"}}, "CCDT_REDIS"},
         {{"--redis=redis://a", "--data-dir=b"}, {}, "--data-dir and --redis"},

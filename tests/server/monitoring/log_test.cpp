@@ -45,6 +45,16 @@ TEST(Log, NamesKeyAndTrace) {
             .ends_with(R"(,"key":"alice","trace":"0af7651916cd43dd8448eb211c80319c","parent":"b7ad6b7169203331")"));
 }
 
+TEST(Log, NamesTheKeyOfASignedUrlAndNotItsSignature) {
+    Exchange exchange;
+    exchange.response.record.signer = "site";
+    exchange.request.target = "/halftone/cat.jpg?sites=5&expires=1800000000&signature=c2lnbmF0dXJl";
+    const std::string line = exchange_line(exchange, LogFormat::Text);
+    EXPECT_TRUE(line.ends_with(" signer=site")) << line;
+    EXPECT_NE(line.find(" /halftone/cat.jpg?sites=5&***&*** "), std::string::npos) << line;
+    EXPECT_TRUE(exchange_line(exchange, LogFormat::Json).ends_with(R"(,"signer":"site")"));
+}
+
 TEST(Log, TellsOfAnswersGivenAgain) {
     Exchange exchange;
     exchange.response.record.cached = true;

@@ -145,9 +145,10 @@ TEST_F(RoutesTest, AskForAKeyButForThePageAndHealthChecks) {
     EXPECT_EQ(status("OPTIONS /health"), 204);
     EXPECT_EQ(status("POST /health"), 405);
     EXPECT_EQ(status("GET /health/nothing"), 404);
-    for (const char* line : {"POST /", "OPTIONS /", "GET /assets/", "GET /assets/nothing.js", "GET /healthy",
-                             "GET /metrics", "GET /jobs/a", "DELETE /jobs/a", "GET /jobs/a/events", "POST /halftone",
-                             "POST /sample", "POST /analyze", "OPTIONS /halftone", "OPTIONS *", "GET /nothing"})
+    for (const char* line :
+         {"POST /", "OPTIONS /", "GET /assets/", "GET /assets/nothing.js", "GET /healthy", "GET /metrics",
+          "GET /jobs/a", "DELETE /jobs/a", "GET /jobs/a/events", "POST /halftone", "GET /halftone/a",
+          "POST /halftone/a", "POST /sample", "POST /analyze", "OPTIONS /halftone", "OPTIONS *", "GET /nothing"})
         EXPECT_EQ(status(line), 401) << line;
     EXPECT_EQ(status("GET /metrics", "Authorization: Bearer 0123456789abcdef\r\n"), 200);
 
@@ -157,10 +158,33 @@ TEST_F(RoutesTest, AskForAKeyButForThePageAndHealthChecks) {
     EXPECT_EQ(routes.answer({}, problem(400, "malformed"), connection).record.key, "") << "is not the last one's";
 }
 
+TEST_F(RoutesTest, TakeOneComponentForAName) {
+    const auto route = [&](const std::string& target) {
+        return std::string(ask("GET " + target + " HTTP/1.1").record.route);
+    };
+    for (const char* target : {"/halftone/a", "/halftone/a.b", "/halftone/%00", "/halftone/..", "/halftone/{name}",
+                               "/halftone/a?b/c", "/halftone/%2e%2e"})
+        EXPECT_EQ(route(target), "/halftone/{name}") << target;
+    for (const char* target : {"/halftone/", "/halftone//", "/halftone/a/", "/halftone/a/b", "/halftone/..%2fa",
+                               "/halftones/a", "/x/halftone/a"})
+        EXPECT_EQ(route(target), "") << target;
+    EXPECT_EQ(route("/jobs/a"), "/jobs/{id}");
+    EXPECT_EQ(route("/jobs/a/result"), "/jobs/{id}/result");
+    for (const char* target : {"/jobs/", "/jobs//result", "/jobs/a/", "/jobs/a/results", "/jobs/a/b/result", "/jobs"})
+        EXPECT_EQ(route(target), "") << target;
+}
+
+TEST_F(RoutesTest, HaveNoPicturesUnlessTheyHaveAFolder) {
+    const Response refused = ask("GET /halftone/cat.jpg HTTP/1.1");
+    EXPECT_EQ(refused.status, 404);
+    EXPECT_NE(refused.body.find("(pictures)"), std::string::npos) << refused.body;
+}
+
 TEST_F(RoutesTest, TellWhichMethodsAPathTakes) {
     const auto allowed = [&](const std::string& path) { return header(ask("OPTIONS " + path + " HTTP/1.1"), "Allow"); };
     EXPECT_EQ(allowed("/"), "GET, HEAD, OPTIONS");
     EXPECT_EQ(allowed("/halftone"), "POST, OPTIONS");
+    EXPECT_EQ(allowed("/halftone/cat.jpg"), "GET, HEAD, OPTIONS");
     EXPECT_EQ(allowed("/jobs/a"), "GET, HEAD, DELETE, OPTIONS");
     EXPECT_EQ(allowed("/jobs/a/result"), "GET, HEAD, OPTIONS");
     EXPECT_EQ(header(ask("PUT /sample HTTP/1.1"), "Allow"), "POST, OPTIONS");
@@ -253,7 +277,7 @@ TEST_F(RoutesTest, RefusesHostsThatAreNotAllowed) {
         EXPECT_TRUE(response.status != 421 || response.media_type == "application/problem+json") << head;
         return response.status;
     };
-    for (const char* path : {"/capabilities", "/", "/metrics", "/nothing", "/jobs/1", "/halftone"}) {
+    for (const char* path : {"/capabilities", "/", "/metrics", "/nothing", "/jobs/1", "/halftone", "/halftone/a"}) {
         const std::string line = "GET " + std::string(path) + " HTTP/1.1\r\nHost: ";
         EXPECT_EQ(status(line + "evil.example:8080"), 421) << path;
         EXPECT_NE(status(line + "localhost:8080"), 421) << path;

@@ -1,0 +1,107 @@
+#include "server/pictures/picture_folder.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace ccdt::server {
+namespace {
+
+constexpr std::size_t kLongestName = 255;  // of Linux
+
+/// Time after which a client may try again.
+constexpr std::chrono::seconds kSoon{1};
+
+/// @param cause  for the log; empty: there is nothing to tell whoever runs the server
+tl::unexpected<Problem> no_picture(std::string cause = {}) {
+    auto refused = problem(404, "there is no picture of this name");
+    refused.value().cause = std::move(cause);
+    return refused;
+}
+
+tl::unexpected<Problem> failed(const char* what, int error) {
+    if (error == EMFILE || error == ENFILE || error == ENOMEM) return busy(503, "too many files are open", kSoon);
+    return problem(500, std::string(what) + ": " + std::strerror(error));
+}
+
+/// Answers why a file was not opened. What is not there, is no file, or has a name that the file system does not take
+/// is no picture; neither is what may not be read, of which the log tells.
+tl::unexpected<Problem> not_opened(int error) {
+    switch (error) {
+        case ENOENT:
+        case ELOOP:
+        case ENOTDIR:
+        case ENAMETOOLONG:
+        case ENXIO:
+        case EINVAL:
+        case EILSEQ:
+            return no_picture();
+        case EACCES:
+        case EPERM:
+            return no_picture(std::string("the picture: ") + std::strerror(error));
+        default:
+            return failed("the picture cannot be opened", error);
+    }
+}
+
+}  // namespace
+
+bool is_picture_name(std::string_view name) {
+    const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 0x7f; };
+    return !name.empty() && name.size() <= kLongestName && !name.starts_with('.') &&
+           name.find('/') == std::string_view::npos && std::ranges::none_of(name, is_control);
+}
+
+HttpResult<std::string> PictureFile::read() {
+    const UniqueFd file = std::move(file_);
+    std::string bytes(size_ + 1, '\0');  // one more, which only a file that has grown fills
+    std::size_t done = 0;
+    while (done < bytes.size()) {
+        const ssize_t count = ::read(file.get(), bytes.data() + done, bytes.size() - done);
+        if (count < 0 && errno == EINTR) continue;
+        if (count < 0) return failed("the picture cannot be read", errno);
+        if (count == 0) break;
+        done += static_cast<std::size_t>(count);
+    }
+    if (done != size_) return busy(503, "the picture is being changed", kSoon);
+    bytes.resize(size_);
+    return bytes;
+}
+
+UniqueFd PictureFolder::open_folder() const {
+    return UniqueFd(::open(path_.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+}
+
+Result<void> PictureFolder::check() const {
+    const UniqueFd folder = open_folder();
+    if (folder && faccessat(folder.get(), ".", X_OK, AT_EACCESS) == 0) return {};
+    return failure(ErrorCode::Unusable, path_ + ": " + std::strerror(errno));
+}
+
+/// A name is one component, so that O_NOFOLLOW keeps to the folder as RESOLVE_BENEATH and RESOLVE_NO_SYMLINKS of
+/// openat2 would, which engines of containers may forbid. What is no regular file is not even opened, as devices act on
+/// that.
+HttpResult<PictureFile> PictureFolder::open(std::string_view name, std::size_t largest) const {
+    if (!is_picture_name(name)) return no_picture();
+    const UniqueFd folder = open_folder();
+    if (!folder) return failed("the folder of pictures", errno);
+    const std::string file_name(name);
+    struct stat status {};
+    if (fstatat(folder.get(), file_name.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) return not_opened(errno);
+    if (!S_ISREG(status.st_mode)) return no_picture();
+    UniqueFd file(openat(folder.get(), file_name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+    if (!file) return not_opened(errno);
+    if (fstat(file.get(), &status) != 0) return failed("the picture", errno);
+    if (!S_ISREG(status.st_mode)) return no_picture();
+    const auto size = static_cast<std::size_t>(status.st_size);
+    if (size > largest)
+        return problem(413, "the picture is larger than the limit of " + std::to_string(largest) + " bytes (max-body)");
+    return PictureFile(std::move(file), size);
+}
+
+}  // namespace ccdt::server
