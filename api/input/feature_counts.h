@@ -38,18 +38,18 @@ struct FeatureCounts {
         std::string first;  ///< JSON Pointer to where the first one's should be
     };
 
-    std::vector<std::string> classes;     ///< properties, as they are called
-    bool are_told = false;                ///< answers tell of classes: they were asked for
-    std::vector<std::string> ids;         ///< [features] as JSON; empty where there is none
-    std::vector<std::size_t> counts;      ///< [features * classes]
-    std::vector<Missing> missing;         ///< [classes]
-    std::vector<std::size_t> first_part;  ///< of each feature among the parts of all [features + 1]
-    std::string pointer;                  ///< to the list of features
+    std::vector<std::string> classes;  ///< properties, as they are called
+    bool are_told = false;             ///< answers tell of classes: they were asked for
+    std::vector<std::size_t> counts;   ///< [features * classes]
+    std::vector<Missing> missing;      ///< [classes]
 
-    std::size_t features() const { return ids.size(); }
+    std::size_t features() const { return counts.size() / classes.size(); }
     std::size_t count(std::size_t feature, std::size_t number) const {
         return counts[feature * classes.size() + number];
     }
+
+    /// Counts the points of a feature, of all classes.
+    std::size_t points_of(std::size_t feature) const;
     std::size_t total() const;
 };
 

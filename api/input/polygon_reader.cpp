@@ -157,6 +157,11 @@ Result<void> append_geometry(const Input& object, PolygonInput& polygon) {
                  "must be a Polygon, a MultiPolygon, or a Feature or a collection of such, not a " + excerpt(*type));
 }
 
+bool is_of_type(JsonValue value, std::string_view name) {
+    const auto type = value.is_object() ? value.find("type") : std::nullopt;
+    return type && type->is_string() && type->text() == name;
+}
+
 /// Takes a number off the front of `/3/0/17`.
 std::size_t take_index(std::string_view& field) {
     std::size_t index = 0;
@@ -227,8 +232,11 @@ bool is_geojson(JsonValue value) {
 }
 
 bool is_collection(JsonValue value) {
-    const auto type = value.is_object() ? value.find("type") : std::nullopt;
-    return type && type->is_string() && type->text() == "FeatureCollection";
+    return is_of_type(value, "FeatureCollection");
+}
+
+bool has_features(JsonValue value) {
+    return is_of_type(value, "Feature") || is_collection(value);
 }
 
 Result<PolygonInput> read_geometry(const Input& input) {

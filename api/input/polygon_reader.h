@@ -57,6 +57,9 @@ bool is_geojson(JsonValue value);
 /// Tells whether GeoJSON is a FeatureCollection.
 bool is_collection(JsonValue value);
 
+/// Tells whether GeoJSON is a Feature or a FeatureCollection.
+bool has_features(JsonValue value);
+
 /// Reads GeoJSON (RFC 7946): a Polygon, a MultiPolygon, a Feature of one, or a GeometryCollection or
 /// FeatureCollection of such, whose parts all together are the polygon. Ordinates after the second, members that are
 /// not geometry, and features of a collection that have none are passed over.
