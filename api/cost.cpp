@@ -416,7 +416,10 @@ Cost cost_of_parsing(std::string_view body) {
     const double values = 1 + count(',') + count(':') + count('[') + count('{');
     const double quotes = count('"');
     const auto size = static_cast<double>(body.size());
-    return cost({size * 2 + std::min(values, static_cast<double>(JsonDocument::kMaxValues)) * 64 + quotes / 2 * 96,
+    // Rings of TopoJSON may use the same arcs often.
+    const double corners = body.find("\"Topology\"") == std::string_view::npos ? 0 : PolygonInput::kMaxCorners;
+    return cost({corners * 2 * sizeof(Point) + size * 2 +
+                     std::min(values, static_cast<double>(JsonDocument::kMaxValues)) * 64 + quotes / 2 * 96,
                  size * 0.02 * kMicrosecond});
 }
 

@@ -17,6 +17,7 @@
 #include "api/input/negotiation.h"
 #include "api/input/point_reader.h"
 #include "api/input/run_options.h"
+#include "api/input/topology_reader.h"
 #include "api/map_answer.h"
 #include "api/ordering.h"
 #include "api/output/formats.h"
@@ -59,7 +60,8 @@ struct Draft {
     std::optional<Ring> polygon;
     std::optional<std::vector<Ring>> holes;
     std::optional<PolygonInput> geometry;
-    std::optional<Input> source;  ///< of the geometry, if it has features; as long as the document is there
+    std::optional<FeatureSource> source;  ///< of the geometry, if it has features; as long as the document is there
+    std::optional<std::string> object;    ///< of TopoJSON
     std::optional<Rectangle> rectangle;
     Counting counting;
     std::optional<PropertyChoice> properties;
@@ -158,10 +160,23 @@ Result<void> read_mask(const Input& input, const Limits& limits, Draft& draft) {
     return {};
 }
 
-/// Reads GeoJSON, and keeps where its features are.
+/// Reads an object of TopoJSON, and keeps where its features are.
+Result<void> read_topology(const Input& input, Draft& draft) {
+    const auto object = find_object(input, draft.object);
+    if (!object) return tl::unexpected(object.error());
+    auto read = assign(draft.geometry, read_topology(input, *object));
+    if (read) draft.source = find_geometries(*object);
+    return read;
+}
+
+/// Reads GeoJSON or TopoJSON, and keeps where its features are.
 Result<void> read_geometry(const Input& input, Draft& draft) {
+    if (is_topology(std::get<JsonValue>(input.value))) return read_topology(input, draft);
+    if (draft.object)
+        return failure(ErrorCode::Malformed, "object names a part of TopoJSON, which the geometry is not",
+                       draft.request.field_of("object"));
     auto read = assign(draft.geometry, read_geometry(input));
-    if (read && has_features(std::get<JsonValue>(input.value))) draft.source = input;
+    if (read) draft.source = find_features(input);
     return read;
 }
 
@@ -203,10 +218,11 @@ constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
 }};
 
 /// Members of a JSON body, or parameters beside a GeoJSON document.
-constexpr std::array<OptionRule<Draft>, 22> kOptionRules = {{
+constexpr std::array<OptionRule<Draft>, 23> kOptionRules = {{
     {"sites", read_sites},
     {"per", [](const Input& i, const Limits&, Draft& d) { return read_per(i, d.counting); }},
     {"classes", [](const Input& i, const Limits&, Draft& d) { return assign(d.counting.classes, read_classes(i)); }},
+    {"object", [](const Input& i, const Limits&, Draft& d) { return assign(d.object, read_text(i)); }},
     {"properties", [](const Input& i, const Limits&, Draft& d) { return assign(d.properties, read_properties(i)); }},
     {"multipoint", [](const Input& i, const Limits&, Draft& d) { return assign(d.multipoint, read_boolean(i)); }},
     {"invalid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_invalid, read_invalid(i)); }},
@@ -298,8 +314,8 @@ Result<void> settle_counts(const Limits& limits, Draft& draft) {
         return misfit(draft, "classes", "are properties, but sites is one already");
     if (!counting.property && counting.classes.empty())
         return misfit(draft, option, "is of a property that sites is to name, or of classes");
-    if (!draft.source || !is_collection(std::get<JsonValue>(draft.source->value)))
-        return misfit(draft, option, "wants the features of a GeoJSON FeatureCollection");
+    if (!draft.source || !draft.source->is_collection)
+        return misfit(draft, option, "wants the features of a FeatureCollection, or the geometries of TopoJSON");
     auto counts = count_features(*draft.source, counting, limits, draft.request.field_of("sites"));
     if (!counts) return tl::unexpected(counts.error());
     draft.request.run.sites = counts->total();
@@ -311,7 +327,7 @@ Result<void> settle_counts(const Limits& limits, Draft& draft) {
 Result<void> settle_features(const Limits& limits, Draft& draft) {
     if (auto settled = settle_counts(limits, draft); !settled) return settled;
     if (draft.properties && !draft.source)
-        return misfit(draft, "properties", "are those of a GeoJSON Feature or FeatureCollection");
+        return misfit(draft, "properties", "are those of a Feature, a FeatureCollection or TopoJSON");
     if (!draft.properties && !draft.request.counts) return {};
     auto features =
         list_features(*draft.source, draft.geometry->features, draft.geometry->parts.size(),
@@ -330,8 +346,10 @@ Result<void> read_request(std::string_view body, const std::vector<TextOption>& 
     if (!options.empty())
         return failure(ErrorCode::Malformed, "options are members of the JSON body, unless it is a GeoJSON document",
                        excerpt(options.front().name));
-    const auto inputs = inputs_of(document->root(), "");
+    auto inputs = inputs_of(document->root(), "");
     if (!inputs) return tl::unexpected(inputs.error());
+    // It says what of the geometry is read.
+    std::ranges::stable_partition(*inputs, [](const Input& input) { return input.name == "object"; });
     if (auto read = read_inputs(kRules, *inputs, limits, draft); !read) return read;
     return settle_features(limits, draft);
 }

@@ -8,7 +8,6 @@
 #include <string_view>
 #include <utility>
 
-#include "api/input/feature_list.h"
 #include "api/text/numbers.h"
 #include "api/text/text.h"
 #include "core/halftone/overprint.h"
@@ -30,11 +29,11 @@ std::optional<double> number_of(JsonValue value) {
 }
 
 /// Reads the counts of one class.
-Result<std::vector<double>> read_values(const Input& features, const std::string& property,
+Result<std::vector<double>> read_values(const FeatureSource& features, const std::string& property,
                                         FeatureCounts::Missing& missing) {
     std::vector<double> values;
-    for (const JsonValue feature : std::get<JsonValue>(features.value)) {
-        const std::string own = pointer_below(features.field, values.size());
+    for (const JsonValue feature : features.value) {
+        const std::string own = pointer_below(features.pointer, values.size());
         const auto pointer = [&] { return pointer_below(pointer_below(own, "properties"), property); };
         const auto properties = properties_of(feature, own);
         if (!properties) return tl::unexpected(properties.error());
@@ -117,16 +116,12 @@ std::size_t FeatureCounts::total() const {
     return std::accumulate(counts.begin(), counts.end(), std::size_t{0});
 }
 
-Result<FeatureCounts> count_features(const Input& collection, const Counting& counting, const Limits& limits,
+Result<FeatureCounts> count_features(const FeatureSource& features, const Counting& counting, const Limits& limits,
                                      const std::string& sites) {
-    const JsonValue root = std::get<JsonValue>(collection.value);
-    const std::string pointer = pointer_below(collection.field, "features");
-    const Input features{pointer, pointer, *root.find("features")};
     FeatureCounts result;
     result.are_told = !counting.classes.empty();
     result.classes = result.are_told ? counting.classes : std::vector<std::string>{*counting.property};
-    const std::size_t count = std::get<JsonValue>(features.value).size();
-    result.counts.resize(count * result.classes.size());
+    result.counts.resize(features.value.size() * result.classes.size());
     double total = 0;
     for (std::size_t number = 0; number < result.classes.size(); ++number) {
         result.missing.emplace_back();

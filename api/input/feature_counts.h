@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "api/input/feature_list.h"
 #include "api/input/option_reader.h"
 #include "core/result.h"
 
@@ -57,11 +58,11 @@ struct FeatureCounts {
 /// of largest remainders; of equal ones the first). A number may stand in a string, as in files of a census; null, or
 /// no property, is 0.
 ///
-/// @param collection  a FeatureCollection that read_geometry() has read
-/// @param sites       pointer or name of the option, for errors
+/// @param features  of a collection
+/// @param sites     pointer or name of the option, for errors
 /// Errors: Malformed, with a JSON Pointer to what is no number of at least 0; Unusable if there is no point at all;
 /// LimitExceeded for more than limits.max_sites, naming it.
-Result<FeatureCounts> count_features(const Input& collection, const Counting& counting, const Limits& limits,
+Result<FeatureCounts> count_features(const FeatureSource& features, const Counting& counting, const Limits& limits,
                                      const std::string& sites);
 
 }  // namespace ccdt::api

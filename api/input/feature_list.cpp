@@ -170,13 +170,25 @@ Result<std::optional<JsonValue>> properties_of(JsonValue feature, const std::str
     return failure(ErrorCode::Malformed, own + " must be an object or null", own);
 }
 
-Result<FeatureList> list_features(const Input& geometry, std::vector<std::size_t> first_part, std::size_t parts,
+std::optional<FeatureSource> find_features(const Input& geometry) {
+    const auto value = std::get<JsonValue>(geometry.value);
+    const std::string& type = value.find("type")->text();
+    if (type == "Feature") return FeatureSource{value, geometry.field, false};
+    if (type != "FeatureCollection") return std::nullopt;
+    return FeatureSource{*value.find("features"), pointer_below(geometry.field, "features"), true};
+}
+
+FeatureSource find_geometries(const Input& object) {
+    const auto value = std::get<JsonValue>(object.value);
+    if (const auto list = value.find("geometries")) return {*list, pointer_below(object.field, "geometries"), true};
+    return {value, object.field, false};
+}
+
+Result<FeatureList> list_features(const FeatureSource& source, std::vector<std::size_t> first_part, std::size_t parts,
                                   const PropertyChoice* choice, const std::string& option) {
-    const JsonValue root = std::get<JsonValue>(geometry.value);
-    const auto features = root.find("features");
     FeatureList list;
-    list.is_collection = features.has_value();
-    list.pointer = list.is_collection ? pointer_below(geometry.field, "features") : geometry.field;
+    list.is_collection = source.is_collection;
+    list.pointer = source.pointer;
     list.first_part = std::move(first_part);
     if (!list.is_collection) list.first_part = {0};
     list.first_part.push_back(parts);
@@ -187,9 +199,9 @@ Result<FeatureList> list_features(const Input& geometry, std::vector<std::size_t
         return collector ? collector->add(feature, list.locate(list.size() - 1)) : Result<void>();
     };
     if (!list.is_collection) {
-        if (auto added = add(root); !added) return tl::unexpected(added.error());
+        if (auto added = add(source.value); !added) return tl::unexpected(added.error());
     } else {
-        for (const JsonValue feature : *features) {
+        for (const JsonValue feature : source.value) {
             if (auto added = add(feature); !added) return tl::unexpected(added.error());
         }
     }

@@ -49,6 +49,20 @@ struct CarriedProperties {
     void append_members(std::string& out, std::size_t feature) const;
 };
 
+/// Features as the text of a document has them.
+struct FeatureSource {
+    JsonValue value;      ///< the list of features, or the only one
+    std::string pointer;  ///< to it
+    bool is_collection = true;
+};
+
+/// Finds the features of GeoJSON that read_geometry() has read: those of a FeatureCollection, or the Feature that it
+/// is.
+std::optional<FeatureSource> find_features(const Input& geometry);
+
+/// Finds the features of TopoJSON: the geometries of an object that read_topology() has read, or the only one.
+FeatureSource find_geometries(const Input& object);
+
 /// Features of a GeoJSON document.
 struct FeatureList {
     std::vector<std::string> ids;         ///< [features] as JSON; empty where there is none
@@ -68,9 +82,9 @@ struct FeatureList {
 /// Errors: Malformed for what is neither an object nor null.
 Result<std::optional<JsonValue>> properties_of(JsonValue feature, const std::string& pointer);
 
-/// Lists the features of a FeatureCollection that read_geometry() has read, or the Feature that it is.
+/// Lists features.
 ///
-/// @param first_part  of each feature of a collection, as PolygonInput has them; empty for a Feature
+/// @param first_part  of each feature of a collection, as PolygonInput has them; empty for a Feature alone
 /// @param parts       of all features
 /// @param choice      properties to carry; null: none
 /// @param option      pointer or name of the option that chose them, for errors
@@ -78,7 +92,7 @@ Result<std::optional<JsonValue>> properties_of(JsonValue feature, const std::str
 /// underscore at the end of its name.
 /// Errors: Malformed for properties that are neither an object nor null, and for a name that no feature has;
 /// LimitExceeded for more than PropertyChoice::kMost different names, or CarriedProperties::kMostOfFeature bytes.
-Result<FeatureList> list_features(const Input& geometry, std::vector<std::size_t> first_part, std::size_t parts,
+Result<FeatureList> list_features(const FeatureSource& source, std::vector<std::size_t> first_part, std::size_t parts,
                                   const PropertyChoice* choice, const std::string& option);
 
 /// Checks how much properties take in an answer that has them for each point.

@@ -95,14 +95,6 @@ Result<std::vector<PolygonPart>> read_parts(const Input& input, PolygonInput::Ne
     });
 }
 
-/// Finds a member that must be there.
-Result<Input> require(const Input& object, std::string_view name) {
-    const std::string pointer = pointer_below(object.field, name);
-    const auto value = json_of(object).find(name);
-    if (!value) return wrong(pointer, "is missing");
-    return Input{pointer, pointer, *value};
-}
-
 Result<std::string_view> read_type(const Input& object) {
     if (!json_of(object).is_object()) return wrong(object.field, "must be a GeoJSON object");
     return require(object, "type").and_then([](const Input& type) { return read_text(type); });
@@ -157,11 +149,6 @@ Result<void> append_geometry(const Input& object, PolygonInput& polygon) {
                  "must be a Polygon, a MultiPolygon, or a Feature or a collection of such, not a " + excerpt(*type));
 }
 
-bool is_of_type(JsonValue value, std::string_view name) {
-    const auto type = value.is_object() ? value.find("type") : std::nullopt;
-    return type && type->is_string() && type->text() == name;
-}
-
 /// Takes a number off the front of `/3/0/17`.
 std::size_t take_index(std::string_view& field) {
     std::size_t index = 0;
@@ -169,6 +156,11 @@ std::size_t take_index(std::string_view& field) {
     const auto [stopped, error] = std::from_chars(field.data(), field.data() + field.size(), index);
     field.remove_prefix(static_cast<std::size_t>(stopped - field.data()));
     return index;
+}
+
+/// Drops the vertex of `/ring/vertex`.
+std::string ring_of(std::string_view field) {
+    return std::string(field.substr(0, field.find('/', 1)));
 }
 
 /// Drops the vertex of a field if its ring has no such one.
@@ -211,12 +203,23 @@ std::string PolygonInput::locate(std::string_view field) const {
             return source.coordinates + std::string(field);
         case Nesting::MultiPolygon:
             return pointer_below(source.coordinates, part - source.first_part) + std::string(field);
+        case Nesting::ArcsOfPolygon:
+            return source.coordinates + ring_of(field);
+        case Nesting::ArcsOfMultiPolygon:
+            return pointer_below(source.coordinates, part - source.first_part) + ring_of(field);
         case Nesting::Members:
             break;
     }
     const std::size_t ring = field.empty() ? 0 : take_index(field);
     const std::string pointer = ring == 0 ? "/polygon" : pointer_below("/holes", ring - 1);
     return pointer + std::string(field);
+}
+
+Result<Input> require(const Input& object, std::string_view name) {
+    const std::string pointer = pointer_below(object.field, name);
+    const auto value = json_of(object).find(name);
+    if (!value) return wrong(pointer, "is missing");
+    return Input{pointer, pointer, *value};
 }
 
 Result<Ring> read_ring(const Input& input) {
@@ -229,14 +232,6 @@ Result<std::vector<Ring>> read_rings(const Input& input) {
 
 bool is_geojson(JsonValue value) {
     return value.is_object() && value.find("type");
-}
-
-bool is_collection(JsonValue value) {
-    return is_of_type(value, "FeatureCollection");
-}
-
-bool has_features(JsonValue value) {
-    return is_of_type(value, "Feature") || is_collection(value);
 }
 
 Result<PolygonInput> read_geometry(const Input& input) {

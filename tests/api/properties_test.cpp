@@ -314,5 +314,35 @@ TEST(Multipoint, FalseMakesAFeatureForEachPointOfAMap) {
     EXPECT_EQ(json.at("features")[3].at("properties"), Json({{"feature", 1}}));
 }
 
+const std::string kTopology =
+    R"({"type":"Topology","transform":{"scale":[2,2],"translate":[0,0]},"objects":{"all":{"type":"Polygon","arcs":[[0,1]]},)"
+    R"("two":{"type":"GeometryCollection","geometries":[{"type":"Polygon","arcs":[[0,2]],"id":7,"properties":{"n":30}},)"
+    R"({"type":"Polygon","arcs":[[-3,1]],"properties":{"n":10}}]}},)"
+    R"("arcs":[[[1,1],[-1,0],[0,-1],[1,0]],[[1,0],[1,0],[0,1],[-1,0]],[[1,0],[0,1]]]})";
+
+TEST(TopoJson, IsReadAsADocumentAndAsGeometry) {
+    const std::vector<TextOption> options = {{"sites", "20"}, {"object", "two"}, {"properties", "n"}};
+    const auto document = points_of(kTopology, options);
+    const auto member =
+        Json::parse(answer(R"({"sites":20,"geometry":)" + kTopology + R"(,"properties":["n"],"object":"two"})")->body);
+    EXPECT_EQ(member.at("points").get<std::vector<std::vector<double>>>(), document);
+    EXPECT_EQ(member.at("features").at(0).at("id"), 7);
+    for (std::size_t i = 0; i < document.size(); ++i)
+        EXPECT_EQ(static_cast<int>(document[i][0] / 2), member.at("feature").at(i));
+}
+
+TEST(TopoJson, HasFeaturesThatAreCounted) {
+    const auto json = Json::parse(body_of(kTopology, {{"sites", "n"}, {"object", "two"}}));
+    EXPECT_EQ(json.at("features").at(0).at("sites"), 30);
+    EXPECT_EQ(json.at("features").at(1).at("sites"), 10);
+}
+
+TEST(TopoJson, WantsAnObjectToBeChosen) {
+    EXPECT_EQ(error_of(kTopology, {{"sites", "9"}}).field, "/objects");
+    EXPECT_EQ(error_of(kTopology, {{"sites", "9"}, {"object", "other"}}).field, "/objects");
+    EXPECT_EQ(error_of(kThree, {{"sites", "9"}, {"object", "two"}}).field, "object");
+    EXPECT_TRUE(answer(kTopology, {{"sites", "9"}, {"object", "all"}}));
+}
+
 }  // namespace
 }  // namespace ccdt::api

@@ -12,7 +12,7 @@ namespace {
 Result<FeatureCounts> count(const std::string& features, const Counting& counting, const Limits& limits = {}) {
     const auto document = JsonDocument::parse(R"({"type":"FeatureCollection","features":[)" + features + "]}");
     EXPECT_TRUE(document) << document.error().message;
-    return count_features({"/geometry", "/geometry", document->root()}, counting, limits, "/sites");
+    return count_features(*find_features({"/geometry", "/geometry", document->root()}), counting, limits, "/sites");
 }
 
 std::string feature(const std::string& properties, const std::string& more = "") {

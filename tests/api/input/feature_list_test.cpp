@@ -19,7 +19,7 @@ std::string collection(const std::string& features) {
 Result<FeatureList> list(const std::string& text, const PropertyChoice& choice = {.all = true, .names = {}}) {
     const auto document = JsonDocument::parse(text);
     EXPECT_TRUE(document) << document.error().message;
-    return list_features({"/geometry", "/geometry", document->root()}, {}, 0, &choice, "/properties");
+    return list_features(*find_features({"/geometry", "/geometry", document->root()}), {}, 0, &choice, "/properties");
 }
 
 std::string members(const FeatureList& features, std::size_t feature) {
