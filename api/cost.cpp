@@ -170,6 +170,16 @@ Estimate mapping(const SampleRequest& request) {
            kDot * static_cast<double>(request.run.sites);
 }
 
+/// Finds the feature of each point of an area, and sorts points by these.
+Estimate locating(const SampleRequest& request) {
+    if (!request.features || request.counts) return {};
+    constexpr Estimate kFeature{4'096, 25 * kMicrosecond}, kCorner{300, 0.5 * kMicrosecond};
+    constexpr Estimate kSite{80, 0.5 * kMicrosecond};
+    const std::size_t corners = corners_of(request.domain);
+    return bounding(corners) + kFeature * static_cast<double>(request.features->size()) +
+           kCorner * static_cast<double>(corners) + kSite * static_cast<double>(request.run.sites);
+}
+
 /// Evens out long waves in a polygon, on the mesh itself. Of maps of dots mapping() counts that.
 Estimate evening_out(const SampleRequest& request) {
     const Options& run = request.run;
@@ -334,9 +344,13 @@ std::size_t bytes_of(const PolygonInput& polygon) {
     return polygon.corner_count() * sizeof(Point);
 }
 
-std::size_t bytes_of(const FeatureCounts& counts) {
-    std::size_t size = (counts.counts.size() + counts.first_part.size()) * sizeof(std::size_t);
-    for (const std::string& id : counts.ids) size += sizeof(id) + id.size();
+std::size_t bytes_of(const FeatureList& features) {
+    std::size_t size = features.first_part.size() * sizeof(std::size_t);
+    for (const std::string& id : features.ids) size += sizeof(id) + id.size();
+    for (const auto& values : features.carried.of_feature) {
+        size += sizeof(values);
+        for (const auto& each : values) size += sizeof(each) + each.value.size();
+    }
     return size;
 }
 
@@ -377,7 +391,7 @@ Cost cost_of(const SampleRequest& request, const Limits& limits) {
     const bool is_uniform = image == nullptr && grid == nullptr && request.coordinates == Coordinates::Plane;
     const Estimate placing = bounding(request) + charting(request) + mapping(request) + density +
                              request.method->cost(request.run, is_uniform) + evening_out(request);
-    const Estimate made = then(then(placing, ordering(request)), writing(request, limits));
+    const Estimate made = then(then(placing, ordering(request)), locating(request) + writing(request, limits));
     const Estimate read = image != nullptr ? decoding(image->file) : Estimate{};
     Cost all = cost(then(request.mask ? then(decoding(*request.mask), read) : read, made));
     all.answer = request.run.sites * request.format->least;
@@ -402,7 +416,10 @@ Cost cost_of_parsing(std::string_view body) {
     const double values = 1 + count(',') + count(':') + count('[') + count('{');
     const double quotes = count('"');
     const auto size = static_cast<double>(body.size());
-    return cost({size * 2 + std::min(values, static_cast<double>(JsonDocument::kMaxValues)) * 64 + quotes / 2 * 96,
+    // Rings of TopoJSON may use the same arcs often.
+    const double corners = body.find("\"Topology\"") == std::string_view::npos ? 0 : PolygonInput::kMaxCorners;
+    return cost({corners * 2 * sizeof(Point) + size * 2 +
+                     std::min(values, static_cast<double>(JsonDocument::kMaxValues)) * 64 + quotes / 2 * 96,
                  size * 0.02 * kMicrosecond});
 }
 
@@ -413,7 +430,8 @@ std::size_t size_of(const HalftoneRequest& request) {
 std::size_t size_of(const SampleRequest& request) {
     std::size_t size = bytes_of(request.avoid) + request.run.fixed.size() * sizeof(Point);
     if (const auto* polygon = std::get_if<PolygonInput>(&request.domain)) size += bytes_of(*polygon);
-    if (request.counts) size += bytes_of(*request.counts);
+    if (request.features) size += bytes_of(*request.features);
+    if (request.counts) size += request.counts->counts.size() * sizeof(std::size_t);
     if (const auto* grid = std::get_if<DensityGrid>(&request.density)) size += grid->values.size() * sizeof(double);
     if (const auto* image = std::get_if<DensityImage>(&request.density)) size += bytes_of(image->file);
     if (request.mask) size += bytes_of(*request.mask);

@@ -1,21 +1,19 @@
 #include "api/dot_map.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
-#include <variant>
 
 #include "api/exclusions.h"
-#include "api/image/overlay.h"
+#include "api/feature_points.h"
 #include "api/input/degrees.h"
+#include "api/map_answer.h"
 #include "api/ordering.h"
 #include "api/output/json_writer.h"
-#include "api/output/map_dots.h"
 #include "api/output/point_drawing.h"
 #include "api/run/deadline.h"
 #include "api/run/stopwatch.h"
@@ -23,15 +21,9 @@
 #include "core/dotmap/confine.h"
 #include "core/dotmap/dot_map.h"
 #include "core/dotmap/globe_dots.h"
-#include "core/globe/region.h"
-#include "core/halftone/overprint.h"
 
 namespace ccdt::api {
 namespace {
-
-/// Colours of classes: Okabe and Ito's, which all people tell apart, those first that are easily seen on white.
-constexpr std::array<Colour, kMostInks> kColours = {
-    {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {230, 159, 0}, {86, 180, 233}}};
 
 /// Features that have an area, and what there is to tell of all.
 struct Areas {
@@ -46,33 +38,30 @@ std::string points(std::size_t count) {
     return std::to_string(count) + (count == 1 ? " point" : " points");
 }
 
-std::size_t points_of(const FeatureCounts& counts, std::size_t feature) {
-    std::size_t sum = 0;
-    for (std::size_t number = 0; number < counts.classes.size(); ++number) sum += counts.count(feature, number);
-    return sum;
-}
-
 /// Leaves out the points of a feature, with a word. Errors: the one given, if such features are to be rejected.
 /// @param error  why; its field a pointer
 Result<void> leave_out(const SampleRequest& request, std::size_t feature, const Error& error,
                        std::vector<Warning>& warnings) {
-    const std::size_t count = points_of(*request.counts, feature);
+    const std::size_t count = request.counts->points_of(feature);
     if (count == 0) return {};
     if (request.on_invalid == OnInvalid::Reject) return tl::unexpected(error);
     warnings.push_back({error.field, error.message + ": " + points(count) + " left out"});
     return {};
 }
 
-Result<void> check_points(const Areas& areas, const FeatureCounts& counts) {
+Result<void> check_points(const Areas& areas, const FeatureList& features) {
     if (std::ranges::any_of(areas.features, [](const MapFeature& each) { return dots_of(each) > 0; })) return {};
-    return failure(ErrorCode::Unusable, "no feature that has points has an area", counts.pointer);
+    return failure(ErrorCode::Unusable, "no feature that has points has an area", features.pointer);
 }
 
 /// Makes the areas of features, one after the other.
 class AreaMaker {
 public:
     explicit AreaMaker(const SampleRequest& request)
-        : request_(request), polygon_(std::get<PolygonInput>(request.domain)), counts_(*request.counts) {}
+        : request_(request),
+          polygon_(std::get<PolygonInput>(request.domain)),
+          counts_(*request.counts),
+          features_(*request.features) {}
 
     Result<Areas> execute(const std::stop_token& stop) {
         warn_of_missing();
@@ -80,7 +69,7 @@ public:
             if (auto going = check_stop(stop); !going) return tl::unexpected(going.error());
             if (auto added = add(i, stop); !added) return tl::unexpected(added.error());
         }
-        if (auto any = check_points(areas_, counts_); !any) return tl::unexpected(any.error());
+        if (auto any = check_points(areas_, features_); !any) return tl::unexpected(any.error());
         return std::move(areas_);
     }
 
@@ -96,25 +85,16 @@ private:
         }
     }
 
-    /// Parts of a feature, unrolled if they are on the globe.
-    Result<std::vector<PolygonPart>> parts_of(std::size_t feature) const {
-        const auto begin = polygon_.parts.begin();
-        std::vector<PolygonPart> parts(begin + static_cast<std::ptrdiff_t>(counts_.first_part[feature]),
-                                       begin + static_cast<std::ptrdiff_t>(counts_.first_part[feature + 1]));
-        return request_.coordinates == Coordinates::Plane ? parts : unrolled(std::move(parts));
-    }
-
     /// Makes a field below a feature's parts a pointer.
     std::string locate(std::size_t feature, const std::string& field) const {
-        const std::string own = pointer_below(counts_.pointer, feature);
-        if (field.empty()) return own;
+        if (field.empty()) return features_.locate(feature);
         const std::size_t slash = field.find('/', 1);
-        const std::size_t part = std::stoul(field.substr(1, slash - 1)) + counts_.first_part[feature];
+        const std::size_t part = std::stoul(field.substr(1, slash - 1)) + features_.first_part[feature];
         return polygon_.locate('/' + std::to_string(part) + (slash == std::string::npos ? "" : field.substr(slash)));
     }
 
     Result<void> add(std::size_t feature, const std::stop_token& stop) {
-        const auto parts = parts_of(feature);
+        const auto parts = parts_of(request_, feature);
         if (!parts) return leave_out(feature, parts.error());
         if (parts->empty()) return leave_out(feature, {ErrorCode::Unusable, "the feature has no geometry", ""});
         auto made = Domain::repair(*parts, stop);
@@ -143,6 +123,7 @@ private:
     const SampleRequest& request_;
     const PolygonInput& polygon_;
     const FeatureCounts& counts_;
+    const FeatureList& features_;
     Areas areas_;
 };
 
@@ -157,8 +138,7 @@ Result<Domain> united(const Areas& areas, const std::stop_token& stop) {
 Result<void> leave_out(const SampleRequest& request, std::span<const std::uint32_t> lost, Areas& areas) {
     for (const std::uint32_t i : lost) {
         const std::uint32_t feature = areas.numbers[i];
-        const Error error{ErrorCode::Unusable, "nothing is left of the feature",
-                          pointer_below(request.counts->pointer, feature)};
+        const Error error{ErrorCode::Unusable, "nothing is left of the feature", request.features->locate(feature)};
         if (auto left = leave_out(request, feature, error, areas.warnings); !left) return left;
     }
     return {};
@@ -182,7 +162,7 @@ Result<Domain> exclude(const SampleRequest& request, Domain whole, const Limits&
             : cut_areas(areas.features, [&](const Domain& area) { return without(area, *exclusions, request, stop); });
     if (!lost) return tl::unexpected(lost.error());
     if (auto told = leave_out(request, *lost, areas); !told) return tl::unexpected(told.error());
-    if (auto any = check_points(areas, *request.counts); !any) return tl::unexpected(any.error());
+    if (auto any = check_points(areas, *request.features); !any) return tl::unexpected(any.error());
     std::ranges::move(exclusions->repairs, std::back_inserter(areas.repairs));
     return left;
 }
@@ -213,7 +193,7 @@ Error located(const SampleRequest& request, const Areas& areas, Error error) {
     constexpr std::string_view kFeature = "features/";
     if (!error.field.starts_with(kFeature)) return error_of_options(request, error_below(std::move(error), ""));
     const std::size_t feature = std::stoul(error.field.substr(kFeature.size()));
-    error.field = pointer_below(request.counts->pointer, areas.numbers[feature]);
+    error.field = request.features->locate(areas.numbers[feature]);
     return error;
 }
 
@@ -224,74 +204,10 @@ Result<PlacedDots> place(const SampleRequest& request, const Areas& areas, const
     if (!placed) return tl::unexpected(located(request, areas, placed.error()));
     for (ClassDots& each : placed->classes) {
         if (auto going = check_whole(each.dots, request.on_deadline); !going) return tl::unexpected(going.error());
-        if (auto ordered = order_dots(request, whole, each, control); !ordered)
-            return tl::unexpected(ordered.error());
+        if (auto ordered = order_dots(request, whole, each, control); !ordered) return tl::unexpected(ordered.error());
         for (std::uint32_t& feature : each.feature_of) feature = areas.numbers[feature];
     }
     return placed;
-}
-
-/// Inks of the classes; one black one without a name, if answers tell of none.
-Palette palette_of(const FeatureCounts& counts) {
-    if (!counts.are_told) return {};
-    Palette palette{{}, kWhite, Mixing::Multiply};
-    for (std::size_t i = 0; i < counts.classes.size(); ++i) palette.inks.push_back({counts.classes[i], kColours[i]});
-    return palette;
-}
-
-/// Writes a map in the way that a format's writer takes it.
-class Writing {
-public:
-    Writing(const SampleRequest& request, const Page& page, const Report& report, const Palette& palette,
-            const MapOfDots& map, Body& body, const Control& control)
-        : request_(request),
-          page_(page),
-          report_(report),
-          palette_(palette),
-          map_(map),
-          body_(body),
-          hurry_(control.stop),
-          stop_(stop_of_writing(control, request.on_deadline)) {}
-
-    Result<void> operator()(const ListWriter& writer) const {
-        writer.write_map(map_, report_, body_, stop_);
-        return {};
-    }
-
-    Result<void> operator()(const VectorWriter& writer) const {
-        writer.write_map(map_, palette_, page_, request_.drawing.style, body_, hurry_, stop_);
-        return {};
-    }
-
-    Result<void> operator()(const RasterWriter& writer) const {
-        std::vector<Raster> rasters;
-        for (const MapDots& each : map_.classes)
-            rasters.push_back(draw_points(each.dots.dots.points, page_, each.radius, stop_));
-        auto picture = writer.write(overlay(std::move(rasters), palette_, true, stop_), page_.width_mm, stop_);
-        return std::move(picture).map([&](std::string&& bytes) { body_.text() = std::move(bytes); });
-    }
-
-private:
-    const SampleRequest& request_;
-    const Page& page_;
-    const Report& report_;
-    const Palette& palette_;
-    const MapOfDots& map_;
-    Body& body_;
-    std::stop_token hurry_;
-    std::stop_token stop_;
-};
-
-Result<void> encode(const SampleRequest& request, const Domain& whole, const Page& page,
-                    const std::vector<ClassDots>& dots, const Report& report, const Control& control, Body& body) {
-    const Palette palette = palette_of(*request.counts);
-    std::vector<MapDots> classes;
-    for (std::size_t i = 0; i < dots.size(); ++i)
-        classes.push_back({palette.inks[i], dots[i], radius_of(request, whole)});
-    const MapOfDots map{classes, request.counts->ids};
-    auto written = std::visit(Writing(request, page, report, palette, map, body, control), request.format->writer);
-    if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
-    return written;
 }
 
 void warn_of_degrees(const SampleRequest& request, const Domain& whole, std::vector<Warning>& warnings) {
@@ -340,7 +256,7 @@ Result<Answer> run_dot_map(const SampleRequest& request, const Limits& limits, c
     answer.repeats = request.format->repeats();
     if (request.format->file.name != "json") tell(areas->repairs, areas->warnings, answer);
     Body body(answer, taker, control.stop);
-    auto written = encode(request, *whole, *page, placed->classes, report, control, body);
+    auto written = write_map(request, *whole, *page, placed->classes, report, control, body);
     timings.encode = watch.lap();
     if (!written) return tl::unexpected(written.error());
     return body.finish(std::move(answer));

@@ -10,12 +10,15 @@
 
 #include "api/dot_map.h"
 #include "api/exclusions.h"
+#include "api/feature_points.h"
 #include "api/image/embedded_image.h"
 #include "api/image/overlay.h"
 #include "api/input/degrees.h"
 #include "api/input/negotiation.h"
 #include "api/input/point_reader.h"
 #include "api/input/run_options.h"
+#include "api/input/topology_reader.h"
+#include "api/map_answer.h"
 #include "api/ordering.h"
 #include "api/output/formats.h"
 #include "api/output/json_writer.h"
@@ -57,9 +60,12 @@ struct Draft {
     std::optional<Ring> polygon;
     std::optional<std::vector<Ring>> holes;
     std::optional<PolygonInput> geometry;
-    std::optional<Input> collection;  ///< that the geometry is, as long as the document is there
+    std::optional<FeatureSource> source;  ///< of the geometry, if it has features; as long as the document is there
+    std::optional<std::string> object;    ///< of TopoJSON
     std::optional<Rectangle> rectangle;
     Counting counting;
+    std::optional<PropertyChoice> properties;
+    bool multipoint = true;
     MethodOptions given{};
 };
 
@@ -154,10 +160,23 @@ Result<void> read_mask(const Input& input, const Limits& limits, Draft& draft) {
     return {};
 }
 
-/// Reads GeoJSON, and keeps where the counts of a collection's features are.
+/// Reads an object of TopoJSON, and keeps where its features are.
+Result<void> read_topology(const Input& input, Draft& draft) {
+    const auto object = find_object(input, draft.object);
+    if (!object) return tl::unexpected(object.error());
+    auto read = assign(draft.geometry, read_topology(input, *object));
+    if (read) draft.source = find_geometries(*object);
+    return read;
+}
+
+/// Reads GeoJSON or TopoJSON, and keeps where its features are.
 Result<void> read_geometry(const Input& input, Draft& draft) {
+    if (is_topology(std::get<JsonValue>(input.value))) return read_topology(input, draft);
+    if (draft.object)
+        return failure(ErrorCode::Malformed, "object names a part of TopoJSON, which the geometry is not",
+                       draft.request.field_of("object"));
     auto read = assign(draft.geometry, read_geometry(input));
-    if (read && is_collection(std::get<JsonValue>(input.value))) draft.collection = input;
+    if (read) draft.source = find_features(input);
     return read;
 }
 
@@ -199,10 +218,13 @@ constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
 }};
 
 /// Members of a JSON body, or parameters beside a GeoJSON document.
-constexpr std::array<OptionRule<Draft>, 20> kOptionRules = {{
+constexpr std::array<OptionRule<Draft>, 23> kOptionRules = {{
     {"sites", read_sites},
     {"per", [](const Input& i, const Limits&, Draft& d) { return read_per(i, d.counting); }},
     {"classes", [](const Input& i, const Limits&, Draft& d) { return assign(d.counting.classes, read_classes(i)); }},
+    {"object", [](const Input& i, const Limits&, Draft& d) { return assign(d.object, read_text(i)); }},
+    {"properties", [](const Input& i, const Limits&, Draft& d) { return assign(d.properties, read_properties(i)); }},
+    {"multipoint", [](const Input& i, const Limits&, Draft& d) { return assign(d.multipoint, read_boolean(i)); }},
     {"invalid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_invalid, read_invalid(i)); }},
     {"coordinates",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.coordinates, read_coordinates(i)); }},
@@ -292,14 +314,25 @@ Result<void> settle_counts(const Limits& limits, Draft& draft) {
         return misfit(draft, "classes", "are properties, but sites is one already");
     if (!counting.property && counting.classes.empty())
         return misfit(draft, option, "is of a property that sites is to name, or of classes");
-    if (!draft.collection) return misfit(draft, option, "wants the features of a GeoJSON FeatureCollection");
-    auto counts = count_features(*draft.collection, counting, limits, draft.request.field_of("sites"));
+    if (!draft.source || !draft.source->is_collection)
+        return misfit(draft, option, "wants the features of a FeatureCollection, or the geometries of TopoJSON");
+    auto counts = count_features(*draft.source, counting, limits, draft.request.field_of("sites"));
     if (!counts) return tl::unexpected(counts.error());
-    counts->first_part = draft.geometry->features;
-    counts->first_part.push_back(draft.geometry->parts.size());
     draft.request.run.sites = counts->total();
     draft.request.counts = *std::move(counts);
     return {};
+}
+
+/// Lists the features that points are told by, if there are any.
+Result<void> settle_features(const Limits& limits, Draft& draft) {
+    if (auto settled = settle_counts(limits, draft); !settled) return settled;
+    if (draft.properties && !draft.source)
+        return misfit(draft, "properties", "are those of a Feature, a FeatureCollection or TopoJSON");
+    if (!draft.properties && !draft.request.counts) return {};
+    auto features =
+        list_features(*draft.source, draft.geometry->features, draft.geometry->parts.size(),
+                      draft.properties ? &*draft.properties : nullptr, draft.request.field_of("properties"));
+    return assign(draft.request.features, std::move(features));
 }
 
 Result<void> read_request(std::string_view body, const std::vector<TextOption>& options, const Limits& limits,
@@ -308,15 +341,17 @@ Result<void> read_request(std::string_view body, const std::vector<TextOption>& 
     if (!document) return tl::unexpected(document.error());
     if (is_geojson(document->root())) {
         if (auto read = read_document(document->root(), options, limits, draft); !read) return read;
-        return settle_counts(limits, draft);
+        return settle_features(limits, draft);
     }
     if (!options.empty())
         return failure(ErrorCode::Malformed, "options are members of the JSON body, unless it is a GeoJSON document",
                        excerpt(options.front().name));
-    const auto inputs = inputs_of(document->root(), "");
+    auto inputs = inputs_of(document->root(), "");
     if (!inputs) return tl::unexpected(inputs.error());
+    // It says what of the geometry is read.
+    std::ranges::stable_partition(*inputs, [](const Input& input) { return input.name == "object"; });
     if (auto read = read_inputs(kRules, *inputs, limits, draft); !read) return read;
-    return settle_counts(limits, draft);
+    return settle_features(limits, draft);
 }
 
 Result<void> check_sites(const SampleRequest& request) {
@@ -331,6 +366,25 @@ Result<void> check_map(const Draft& draft) {
         return misfit(draft, "method", "must be " + std::string(methods().front().name) + " for a map of dots");
     if (draft.request.run.keep_mesh) return misfit(draft, "mesh", "is not kept of a map of dots");
     return {};
+}
+
+/// Checks that points that carry properties have no mesh, and take no more room than they may.
+Result<void> check_properties(const Draft& draft) {
+    const SampleRequest& request = draft.request;
+    if (!draft.properties) return {};
+    if (request.run.keep_mesh) return misfit(draft, "mesh", "is not kept of points that carry properties");
+    if (!request.counts || !request.format->repeats_properties) return {};
+    std::vector<std::size_t> points;
+    for (std::size_t i = 0; i < request.features->size(); ++i) points.push_back(request.counts->points_of(i));
+    return check_size(request.features->carried, points, request.field_of("properties"));
+}
+
+/// Chooses the format, by name or by the Accept header.
+Result<void> settle_format(std::string_view accept, Draft& draft) {
+    const PointFormat*& format = draft.request.format;
+    if (auto settled = settle_format(accept, sample_formats(), format); !settled) return settled;
+    if (!draft.multipoint && format->single_points != nullptr) format = format->single_points;
+    return check_properties(draft);
 }
 
 /// Checks what is taken from the domain.
@@ -455,7 +509,7 @@ Result<Density> make_density(const DensityImage& image, const Limits& limits, co
 
 /// Points, and the distance in metres that they would have in a square grid, if they are on the ground.
 struct PlacedPoints {
-    Distribution distribution;
+    ClassDots dots;  ///< told by features, if the request has them
     std::optional<double> pitch;
 };
 
@@ -463,12 +517,12 @@ Result<PlacedPoints> distribute(const SampleRequest& request, const Domain& doma
                                 const Control& control) {
     if (request.coordinates == Coordinates::Plane) {
         return request.method->run(domain, density, request.run, control).map([](Distribution&& distribution) {
-            return PlacedPoints{std::move(distribution), {}};
+            return PlacedPoints{{std::move(distribution), {}}, {}};
         });
     }
     return distribute_on_globe(domain, density, request.run, request.method->run, request.buffer, control)
         .map([](GlobeDistribution&& placed) {
-            return PlacedPoints{std::move(placed.sites), placed.pitch};
+            return PlacedPoints{{std::move(placed.sites), {}}, placed.pitch};
         });
 }
 
@@ -477,8 +531,22 @@ Result<PlacedPoints> place_points(const SampleRequest& request, const Domain& do
     if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
     auto placed = distribute(request, domain, density, control);
     if (!placed) return tl::unexpected(error_of_options(request, error_below(placed.error(), "")));
-    if (auto whole = check_whole(placed->distribution, request.on_deadline); !whole)
-        return tl::unexpected(whole.error());
+    if (auto whole = check_whole(placed->dots.dots, request.on_deadline); !whole) return tl::unexpected(whole.error());
+    return placed;
+}
+
+/// Tells points by features, if the request has them, and puts them into the order that it asks for.
+Result<PlacedPoints> arrange(const SampleRequest& request, const Domain& domain, PlacedPoints placed,
+                             const Control& control) {
+    ClassDots& dots = placed.dots;
+    if (request.features) {
+        auto told = by_features(request, std::move(dots.dots), stop_of_writing(control, request.on_deadline));
+        if (!told) return tl::unexpected(told.error());
+        dots = *std::move(told);
+    }
+    const auto ordered = request.features ? order_dots(request, domain, dots, control)
+                                          : order_points(request, domain, dots.dots, control);
+    if (!ordered) return tl::unexpected(ordered.error());
     return placed;
 }
 
@@ -526,9 +594,10 @@ private:
     std::stop_token stop_;
 };
 
-Result<void> encode(const SampleRequest& request, const Domain& domain, const Page& page,
-                    const Distribution& distribution, const Report& report, const Control& control, Body& body) {
-    const InkDots ink{kBlackOnWhite.inks.front(), distribution, radius_of(request, domain)};
+Result<void> encode(const SampleRequest& request, const Domain& domain, const Page& page, const ClassDots& dots,
+                    const Report& report, const Control& control, Body& body) {
+    if (request.features) return write_map(request, domain, page, {&dots, 1}, report, control, body);
+    const InkDots ink{kBlackOnWhite.inks.front(), dots.dots, radius_of(request, domain)};
     auto written = std::visit(Writing(request, page, report, ink, body, control), request.format->writer);
     if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
     return written;
@@ -613,7 +682,7 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
     const auto domain = settle_domain(draft);
     errors.add(domain);
     if (domain && draft.request.mask_format != nullptr) errors.add(check_mask(draft.request));
-    errors.add(settle_format(accept, sample_formats(), draft.request.format));
+    errors.add(settle_format(accept, draft));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);
 }
@@ -636,13 +705,11 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
 
     auto placed =
         place_points(request, domain, *density, control).and_then([&, &domain = domain](PlacedPoints&& points) {
-            return order_points(request, domain, points.distribution, control).map([&] {
-                return std::move(points);
-            });
+            return arrange(request, domain, std::move(points), control);
         });
     timings.optimise = watch.lap();
     if (!placed) return tl::unexpected(placed.error());
-    Distribution& distribution = placed->distribution;
+    Distribution& distribution = placed->dots.dots;
     if (request.format->is_drawn() && placed->pitch) bring_into(page->box, distribution.points);
 
     const double elapsed = timings.decode + timings.optimise;
@@ -655,7 +722,7 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     answer.repeats = request.format->repeats();
     if (request.format->file.name != "json") tell(repairs, warnings, answer);
     Body body(answer, taker, control.stop);
-    auto written = encode(request, domain, *page, distribution, report, control, body);
+    auto written = encode(request, domain, *page, placed->dots, report, control, body);
     timings.encode = watch.lap();
     if (!written) return tl::unexpected(written.error());
     return body.finish(std::move(answer));

@@ -11,6 +11,7 @@
 #include "api/input/domain_reader.h"
 #include "api/input/drawing_options.h"
 #include "api/input/feature_counts.h"
+#include "api/input/feature_list.h"
 #include "api/input/point_order.h"
 #include "api/input/polygon_reader.h"
 #include "api/input/run_options.h"
@@ -66,7 +67,8 @@ struct SampleRequest {
     std::optional<double> dot;        ///< radius in units of the domain, > 0; none: chosen
     std::optional<PointOrder> order;  ///< none: along a path in drawings of shapes, else as they were placed
     OnStop on_deadline = OnStop::Error;
-    std::optional<FeatureCounts> counts;  ///< of a map of dots, whose features' parts are those of the polygon
+    std::optional<FeatureList> features;  ///< that points are told by; their parts are those of the polygon
+    std::optional<FeatureCounts> counts;  ///< of a map of dots, which has features
     bool is_document = false;             ///< the body is GeoJSON: options came as text
 
     /// Tells whether points may not lie all over the domain.

@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <string_view>
 #include <utility>
@@ -21,11 +20,6 @@ constexpr std::array<OptionRule<Counting>, 2> kRules = {{
     {"/sites/per", [](const Input& i, const Limits&, Counting& c) { return assign(c.per, read_per(i)); }},
 }};
 
-/// Finds a member of an object, if it is one.
-std::optional<JsonValue> member(std::optional<JsonValue> value, std::string_view name) {
-    return value && value->is_object() ? value->find(name) : std::nullopt;
-}
-
 /// Reads a count; none of what is neither a number of at least 0, nor one in a string.
 std::optional<double> number_of(JsonValue value) {
     const auto number = value.is_string()   ? parse_number<double>(trim(value.text()), std::chars_format::general)
@@ -34,27 +28,16 @@ std::optional<double> number_of(JsonValue value) {
     return number && *number >= 0 && std::isfinite(*number) ? number : std::nullopt;
 }
 
-std::string id_of(JsonValue feature) {
-    const auto id = member(feature, "id");
-    if (id && id->is_string()) return nlohmann::json(id->text()).dump();
-    std::string text;
-    if (id && id->is_number()) append_shortest(text, id->number());
-    return text;
-}
-
 /// Reads the counts of one class.
-Result<std::vector<double>> read_values(const Input& features, const std::string& property,
+Result<std::vector<double>> read_values(const FeatureSource& features, const std::string& property,
                                         FeatureCounts::Missing& missing) {
     std::vector<double> values;
-    for (const JsonValue feature : std::get<JsonValue>(features.value)) {
-        const auto properties = member(feature, "properties");
-        const auto pointer_to_all = [&] {
-            return pointer_below(pointer_below(features.field, values.size()), "properties");
-        };
-        const auto pointer = [&] { return pointer_below(pointer_to_all(), property); };
-        if (properties && !properties->is_object() && !properties->is_null())
-            return failure(ErrorCode::Malformed, pointer_to_all() + " must be an object or null", pointer_to_all());
-        const auto value = member(properties, property);
+    for (const JsonValue feature : features.value) {
+        const std::string own = pointer_below(features.pointer, values.size());
+        const auto pointer = [&] { return pointer_below(pointer_below(own, "properties"), property); };
+        const auto properties = properties_of(feature, own);
+        if (!properties) return tl::unexpected(properties.error());
+        const auto value = *properties ? (*properties)->find(property) : std::nullopt;
         if (!value || value->is_null()) {
             if (missing.features++ == 0) missing.first = pointer();
             values.push_back(0);
@@ -120,35 +103,25 @@ Result<double> read_per(const Input& input) {
 }
 
 Result<std::vector<std::string>> read_classes(const Input& input) {
-    const auto parts = read_list(input, kMostInks, "class");
-    if (!parts) return tl::unexpected(parts.error());
-    if (parts->empty()) return malformed(input, "must have 1 to " + std::to_string(kMostInks) + " properties");
-    std::vector<std::string> classes;
-    for (const Input& part : *parts) {
-        const auto name = read_text(part);
-        if (!name) return tl::unexpected(name.error());
-        if (name->empty()) return malformed(part, "must be the name of a property");
-        if (std::ranges::find(classes, *name) != classes.end()) return malformed(part, "is there already");
-        classes.emplace_back(*name);
-    }
-    return classes;
+    return read_names(input, kMostInks, "class");
+}
+
+std::size_t FeatureCounts::points_of(std::size_t feature) const {
+    std::size_t sum = 0;
+    for (std::size_t number = 0; number < classes.size(); ++number) sum += count(feature, number);
+    return sum;
 }
 
 std::size_t FeatureCounts::total() const {
     return std::accumulate(counts.begin(), counts.end(), std::size_t{0});
 }
 
-Result<FeatureCounts> count_features(const Input& collection, const Counting& counting, const Limits& limits,
+Result<FeatureCounts> count_features(const FeatureSource& features, const Counting& counting, const Limits& limits,
                                      const std::string& sites) {
-    const JsonValue root = std::get<JsonValue>(collection.value);
-    const std::string pointer = pointer_below(collection.field, "features");
-    const Input features{pointer, pointer, *root.find("features")};
     FeatureCounts result;
-    result.pointer = pointer;
     result.are_told = !counting.classes.empty();
     result.classes = result.are_told ? counting.classes : std::vector<std::string>{*counting.property};
-    for (const JsonValue feature : std::get<JsonValue>(features.value)) result.ids.push_back(id_of(feature));
-    result.counts.resize(result.ids.size() * result.classes.size());
+    result.counts.resize(features.value.size() * result.classes.size());
     double total = 0;
     for (std::size_t number = 0; number < result.classes.size(); ++number) {
         result.missing.emplace_back();

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "api/input/feature_list.h"
 #include "api/input/option_reader.h"
 #include "core/result.h"
 
@@ -38,18 +39,18 @@ struct FeatureCounts {
         std::string first;  ///< JSON Pointer to where the first one's should be
     };
 
-    std::vector<std::string> classes;     ///< properties, as they are called
-    bool are_told = false;                ///< answers tell of classes: they were asked for
-    std::vector<std::string> ids;         ///< [features] as JSON; empty where there is none
-    std::vector<std::size_t> counts;      ///< [features * classes]
-    std::vector<Missing> missing;         ///< [classes]
-    std::vector<std::size_t> first_part;  ///< of each feature among the parts of all [features + 1]
-    std::string pointer;                  ///< to the list of features
+    std::vector<std::string> classes;  ///< properties, as they are called
+    bool are_told = false;             ///< answers tell of classes: they were asked for
+    std::vector<std::size_t> counts;   ///< [features * classes]
+    std::vector<Missing> missing;      ///< [classes]
 
-    std::size_t features() const { return ids.size(); }
+    std::size_t features() const { return counts.size() / classes.size(); }
     std::size_t count(std::size_t feature, std::size_t number) const {
         return counts[feature * classes.size() + number];
     }
+
+    /// Counts the points of a feature, of all classes.
+    std::size_t points_of(std::size_t feature) const;
     std::size_t total() const;
 };
 
@@ -57,11 +58,11 @@ struct FeatureCounts {
 /// of largest remainders; of equal ones the first). A number may stand in a string, as in files of a census; null, or
 /// no property, is 0.
 ///
-/// @param collection  a FeatureCollection that read_geometry() has read
-/// @param sites       pointer or name of the option, for errors
+/// @param features  of a collection
+/// @param sites     pointer or name of the option, for errors
 /// Errors: Malformed, with a JSON Pointer to what is no number of at least 0; Unusable if there is no point at all;
 /// LimitExceeded for more than limits.max_sites, naming it.
-Result<FeatureCounts> count_features(const Input& collection, const Counting& counting, const Limits& limits,
+Result<FeatureCounts> count_features(const FeatureSource& features, const Counting& counting, const Limits& limits,
                                      const std::string& sites);
 
 }  // namespace ccdt::api

@@ -95,14 +95,6 @@ Result<std::vector<PolygonPart>> read_parts(const Input& input, PolygonInput::Ne
     });
 }
 
-/// Finds a member that must be there.
-Result<Input> require(const Input& object, std::string_view name) {
-    const std::string pointer = pointer_below(object.field, name);
-    const auto value = json_of(object).find(name);
-    if (!value) return wrong(pointer, "is missing");
-    return Input{pointer, pointer, *value};
-}
-
 Result<std::string_view> read_type(const Input& object) {
     if (!json_of(object).is_object()) return wrong(object.field, "must be a GeoJSON object");
     return require(object, "type").and_then([](const Input& type) { return read_text(type); });
@@ -166,6 +158,11 @@ std::size_t take_index(std::string_view& field) {
     return index;
 }
 
+/// Drops the vertex of `/ring/vertex`.
+std::string ring_of(std::string_view field) {
+    return std::string(field.substr(0, field.find('/', 1)));
+}
+
 /// Drops the vertex of a field if its ring has no such one.
 std::string_view without_added(std::string_view field, const std::vector<PolygonPart>& parts) {
     std::string_view rest = field;
@@ -206,12 +203,23 @@ std::string PolygonInput::locate(std::string_view field) const {
             return source.coordinates + std::string(field);
         case Nesting::MultiPolygon:
             return pointer_below(source.coordinates, part - source.first_part) + std::string(field);
+        case Nesting::ArcsOfPolygon:
+            return source.coordinates + ring_of(field);
+        case Nesting::ArcsOfMultiPolygon:
+            return pointer_below(source.coordinates, part - source.first_part) + ring_of(field);
         case Nesting::Members:
             break;
     }
     const std::size_t ring = field.empty() ? 0 : take_index(field);
     const std::string pointer = ring == 0 ? "/polygon" : pointer_below("/holes", ring - 1);
     return pointer + std::string(field);
+}
+
+Result<Input> require(const Input& object, std::string_view name) {
+    const std::string pointer = pointer_below(object.field, name);
+    const auto value = json_of(object).find(name);
+    if (!value) return wrong(pointer, "is missing");
+    return Input{pointer, pointer, *value};
 }
 
 Result<Ring> read_ring(const Input& input) {
@@ -224,11 +232,6 @@ Result<std::vector<Ring>> read_rings(const Input& input) {
 
 bool is_geojson(JsonValue value) {
     return value.is_object() && value.find("type");
-}
-
-bool is_collection(JsonValue value) {
-    const auto type = value.is_object() ? value.find("type") : std::nullopt;
-    return type && type->is_string() && type->text() == "FeatureCollection";
 }
 
 Result<PolygonInput> read_geometry(const Input& input) {

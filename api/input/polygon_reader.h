@@ -15,10 +15,12 @@ namespace ccdt::api {
 struct PolygonInput {
     /// Nesting of positions in the request.
     enum class Nesting {
-        Members,       ///< /polygon/vertex and /holes/ring/vertex
-        Rings,         ///< .../part/vertex
-        Polygon,       ///< .../coordinates/ring/vertex
-        MultiPolygon,  ///< .../coordinates/part/ring/vertex
+        Members,             ///< /polygon/vertex and /holes/ring/vertex
+        Rings,               ///< .../part/vertex
+        Polygon,             ///< .../coordinates/ring/vertex
+        MultiPolygon,        ///< .../coordinates/part/ring/vertex
+        ArcsOfPolygon,       ///< .../arcs/ring, of TopoJSON
+        ArcsOfMultiPolygon,  ///< .../arcs/part/ring
     };
 
     static constexpr std::size_t kMaxCorners = 1'000'000;
@@ -44,6 +46,9 @@ struct PolygonInput {
     std::string locate(std::string_view field) const;
 };
 
+/// Finds a member that must be there. Errors: Malformed.
+Result<Input> require(const Input& object, std::string_view name);
+
 /// Reads `[[x,y],...]`.
 /// Errors: Malformed, with a JSON Pointer to what is wrong.
 Result<Ring> read_ring(const Input& input);
@@ -53,9 +58,6 @@ Result<std::vector<Ring>> read_rings(const Input& input);
 
 /// Tells whether an object is GeoJSON: no request has a member `type`, which every GeoJSON object has.
 bool is_geojson(JsonValue value);
-
-/// Tells whether GeoJSON is a FeatureCollection.
-bool is_collection(JsonValue value);
 
 /// Reads GeoJSON (RFC 7946): a Polygon, a MultiPolygon, a Feature of one, or a GeometryCollection or
 /// FeatureCollection of such, whose parts all together are the polygon. Ordinates after the second, members that are

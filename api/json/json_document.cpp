@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/text/numbers.h"
+
 namespace ccdt::api {
 namespace {
 
@@ -150,6 +152,40 @@ std::optional<JsonValue> JsonValue::find(std::string_view name) const {
         if (found) return *i;
     }
     return std::nullopt;
+}
+
+void append_json(std::string& out, JsonValue value) {
+    if (value.is_null()) {
+        out += "null";
+    } else if (value.is_boolean()) {
+        out += value.boolean() ? "true" : "false";
+    } else if (value.is_number()) {
+        append_shortest(out, value.number());
+    } else if (value.is_string()) {
+        append_json_text(out, value.text());
+    } else if (value.is_array()) {
+        out += '[';
+        const char* comma = "";
+        for (const JsonValue element : value) {
+            out += std::exchange(comma, ",");
+            append_json(out, element);
+        }
+        out += ']';
+    } else {
+        out += '{';
+        const char* comma = "";
+        for (const auto& [name, member] : value.members()) {
+            out += std::exchange(comma, ",");
+            append_json_text(out, name);
+            out += ':';
+            append_json(out, member);
+        }
+        out += '}';
+    }
+}
+
+void append_json_text(std::string& out, std::string_view text) {
+    out += nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 std::string pointer_below(std::string_view pointer, std::string_view member) {

@@ -105,6 +105,12 @@ struct JsonValue::Member {
     JsonValue value;
 };
 
+/// Appends a value as JSON text; numbers are the shortest that read back to the same double.
+void append_json(std::string& out, JsonValue value);
+
+/// Appends a text as a JSON string; bytes that are not UTF-8 are replaced.
+void append_json_text(std::string& out, std::string_view text);
+
 /// Makes a JSON Pointer (RFC 6901) one step below another.
 std::string pointer_below(std::string_view pointer, std::string_view member);
 std::string pointer_below(std::string_view pointer, std::size_t element);

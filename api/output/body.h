@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <stop_token>
 #include <string>
@@ -64,5 +65,12 @@ private:
     bool begun_ = false;
     Result<void> taken_;
 };
+
+/// Chooses after how many elements of a list hand_on() is called again.
+/// @param extra  bytes that each takes besides a few numbers
+inline std::size_t stride_of(std::size_t extra) {
+    constexpr std::size_t kMost = 4'096;
+    return std::clamp(Body::kPiece / (extra + 1), std::size_t{1}, kMost);
+}
 
 }  // namespace ccdt::api

@@ -14,11 +14,16 @@ namespace {
 
 constexpr std::size_t kLeastText = 5;  ///< bytes of a site: `1,2` and the end of the line
 
+/// Bytes of a site with a Feature of its own.
+constexpr std::size_t kLeastFeature =
+    std::string_view(R"({"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[0,0]}})").size();
+
 constexpr int kAnySide = std::numeric_limits<int>::max();
 
-constexpr Estimate kNumbers{150, 0.3 * kMicrosecond};  ///< of a site, as text or in binary
-constexpr Estimate kPath{360, 3.5 * kMicrosecond};     ///< of a site, with ordering it along a short path
-constexpr Estimate kColours{16, 0.1 * kMicrosecond};   ///< of a pixel as libwebp holds it
+constexpr Estimate kNumbers{150, 0.3 * kMicrosecond};   ///< of a site, as text or in binary
+constexpr Estimate kFeatures{400, 0.5 * kMicrosecond};  ///< of a site, with a Feature of its own
+constexpr Estimate kPath{360, 3.5 * kMicrosecond};      ///< of a site, with ordering it along a short path
+constexpr Estimate kColours{16, 0.1 * kMicrosecond};    ///< of a pixel as libwebp holds it
 
 void list_csv(std::span<const InkDots> inks, const Report&, Body& body, const std::stop_token& stop) {
     write_csv(inks, body, stop);
@@ -43,16 +48,31 @@ constexpr PointFormat kWebPPoints{
     {"webp", "WebP", "webp", "image/webp", ""}, 0, {}, kColours, RasterWriter{kMaxWebPSide, write_webp, nullptr}};
 constexpr PointFormat kSvgPoints{kSvg, 0, kPath, {}, VectorWriter{write_svg, write_map_svg}};
 constexpr PointFormat kJsonPoints{kJson, kLeastText, kNumbers, {}, ListWriter{false, write_json, write_map_json}};
-constexpr PointFormat kGeoJsonPoints{{"geojson", "GeoJSON", "geojson", "application/geo+json", ""},
-                                     kLeastText,
-                                     kNumbers,
-                                     {},
-                                     ListWriter{true, write_feature, write_map_features}};
+constexpr FileFormat kGeoJson{"geojson", "GeoJSON", "geojson", "application/geo+json", ""};
+constexpr PointFormat kGeoJsonSinglePoints{
+    kGeoJson, kLeastFeature, kFeatures, {}, ListWriter{true, write_point_features, write_map_point_features}, true};
+constexpr PointFormat kGeoJsonPoints{
+    kGeoJson, kLeastText,           kNumbers, {}, ListWriter{true, write_feature, write_map_features},
+    false,    &kGeoJsonSinglePoints};
+// The media type is the usual one; none is registered.
+constexpr PointFormat kJsonLines{{"ndjson", "GeoJSON, a Feature per line", "ndjson", "application/x-ndjson", ""},
+                                 kLeastFeature,
+                                 kFeatures,
+                                 {},
+                                 ListWriter{true, write_point_lines, write_map_point_lines},
+                                 true};
+constexpr PointFormat kJsonSequence{{"geojsonseq", "GeoJSON text sequence", "geojsons", "application/geo+json-seq", ""},
+                                    kLeastFeature,
+                                    kFeatures,
+                                    {},
+                                    ListWriter{true, write_point_sequence, write_map_point_sequence},
+                                    true};
 constexpr PointFormat kCsvPoints{{"csv", "CSV", "csv", "text/csv", "; header=present"},
                                  kLeastText,
                                  kNumbers,
                                  {},
-                                 ListWriter{true, list_csv, list_map_csv}};
+                                 ListWriter{true, list_csv, list_map_csv},
+                                 true};
 // NumPy has registered no media type.
 constexpr PointFormat kNpyPoints{{"npy", "NPY", "npy", "application/x-npy", ""},
                                  2 * sizeof(double),
@@ -62,8 +82,8 @@ constexpr PointFormat kNpyPoints{{"npy", "NPY", "npy", "application/x-npy", ""},
 
 constexpr const PointFormat* kHalftoneFormats[] = {&kPngPoints, &kJsonPoints, &kSvgPoints, &kCsvPoints,
                                                    &kNpyPoints, &kWebPPoints, &kTiffPoints};
-constexpr const PointFormat* kSampleFormats[] = {&kJsonPoints, &kCsvPoints, &kGeoJsonPoints,
-                                                 &kNpyPoints,  &kSvgPoints, &kPngPoints};
+constexpr const PointFormat* kSampleFormats[] = {&kJsonPoints,   &kCsvPoints, &kGeoJsonPoints, &kJsonLines,
+                                                 &kJsonSequence, &kNpyPoints, &kSvgPoints,     &kPngPoints};
 
 }  // namespace
 

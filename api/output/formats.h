@@ -53,6 +53,11 @@ struct PointFormat {
     Estimate per_pixel;  ///< of writing, besides the raster
     std::variant<ListWriter, VectorWriter, RasterWriter> writer;
 
+    bool repeats_properties = false;  ///< of a feature, for each of its points
+
+    /// The same with a GeoJSON Feature for each point; null: there is none, or each has one already.
+    const PointFormat* single_points = nullptr;
+
     bool is_drawn() const { return !std::holds_alternative<ListWriter>(writer); }
     const RasterWriter* raster() const { return std::get_if<RasterWriter>(&writer); }
 

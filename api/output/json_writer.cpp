@@ -4,13 +4,13 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "api/json/json_document.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::api {
@@ -239,11 +239,6 @@ void write_inks(Body& body, std::span<const InkDots> inks, const Report& report,
     append_report(out, report);
 }
 
-/// Appends a text in quotes, with escapes where it needs them.
-void append_text(std::string& out, std::string_view text) {
-    out += nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
 /// Appends members that tell where the points of a map come from.
 void append_map_run(std::string& out, const MapOfDots& map, const Report& report) {
     append_order(out, map.size(), report);
@@ -288,11 +283,12 @@ std::vector<std::vector<std::uint64_t>> counts_of(const MapOfDots& map) {
     return counts;
 }
 
-/// Appends the features and how many points each has.
-void append_features(std::string& out, const MapOfDots& map) {
+/// Writes the features and how many points each has. If nobody takes it, it ends early.
+void write_features(Body& body, const MapOfDots& map) {
     const auto counts = counts_of(map);
     std::size_t feature = 0;
-    append_array(out, map.feature_ids, [&](std::string& to, const std::string& id) {
+    append_array(body.text(), map.feature_ids, [&](std::string& to, const std::string& id) {
+        if (!body.hand_on()) return;
         to += '{';
         if (!id.empty()) to.append("\"id\":").append(id).append(",");
         std::uint64_t all = 0;
@@ -303,6 +299,11 @@ void append_features(std::string& out, const MapOfDots& map) {
             to += ",\"classes\":";
             append_array(to, counts, [&](std::string& list, const auto& each) { append_number(list, each[feature]); });
         }
+        if (map.properties != nullptr) {
+            to += ",\"properties\":{";
+            map.properties->append_members(to, feature);
+            to += '}';
+        }
         to += '}';
         ++feature;
     });
@@ -311,11 +312,28 @@ void append_features(std::string& out, const MapOfDots& map) {
 void append_classes(std::string& out, const MapOfDots& map) {
     append_array(out, map.classes, [](std::string& to, const MapDots& each) {
         to += "{\"name\":";
-        append_text(to, each.ink.name);
+        append_json_text(to, each.ink.name);
         to.append(",\"color\":\"").append(hexadecimal(each.ink.colour)).append("\"");
         append_member(to, "sites", std::uint64_t{each.dots.dots.points.size()});
         to += '}';
     });
+}
+
+/// Appends properties that tell of which feature and class dots are, each with a comma behind it: those that are
+/// carried come first.
+void append_origin(std::string& out, const MapOfDots& map, const MapDots& dots, std::uint32_t feature) {
+    if (map.properties != nullptr) {
+        const std::size_t before = out.size();
+        map.properties->append_members(out, feature);
+        if (out.size() > before) out += ',';
+    }
+    out += "\"feature\":";
+    append_number(out, std::uint64_t{feature});
+    out += ',';
+    if (!map.are_named()) return;
+    out += "\"class\":";
+    append_json_text(out, dots.ink.name);
+    out.append(",\"color\":\"").append(hexadecimal(dots.ink.colour)).append("\",");
 }
 
 /// Writes the points of one class in one feature, as a Feature.
@@ -324,18 +342,68 @@ void write_feature(Body& body, const MapOfDots& map, const MapDots& dots, std::u
     std::string& out = body.text();
     out += R"({"type":"Feature")";
     if (!map.feature_ids[feature].empty()) out.append(",\"id\":").append(map.feature_ids[feature]);
-    out += R"(,"properties":{"feature":)";
-    append_number(out, std::uint64_t{feature});
-    if (map.are_named()) {
-        out += ",\"class\":";
-        append_text(out, dots.ink.name);
-        out.append(",\"color\":\"").append(hexadecimal(dots.ink.colour)).append("\"");
-    }
-    append_member(out, "sites", std::uint64_t{count});
+    out += R"(,"properties":{)";
+    append_origin(out, map, dots, feature);
+    out += "\"sites\":";
+    append_number(out, std::uint64_t{count});
     write_ranks(body, ranks_of(dots.dots.dots, first, count), stop);
     out += R"(},"geometry":{"type":"MultiPoint","coordinates":)";
     write_list(body, std::span(dots.dots.dots.points).subspan(first, count), append_point, stop);
     out += "}}";
+}
+
+/// Texts around the Features of single points.
+struct Separators {
+    std::string_view before_first, before_others, after;
+};
+
+constexpr Separators kListed{"", ",\n", ""};
+constexpr Separators kLines{"", "", "\n"};
+constexpr Separators kSequence{"\x1e", "\x1e", "\n"};
+
+/// Writes a Feature for each point. Stopped, or if nobody takes it, it ends early.
+/// @param ranks       of the points, or none
+/// @param properties  of all of them, each with a comma behind it
+/// @param is_first    of the answer
+void write_single_points(Body& body, std::span<const Point> points, std::span<const std::uint32_t> ranks,
+                         std::string_view properties, const Separators& separators, bool is_first,
+                         const std::stop_token& stop) {
+    const std::size_t stride = stride_of(properties.size());
+    const std::string_view all = properties.substr(0, properties.size() - (ranks.empty() && !properties.empty()));
+    std::string& out = body.text();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (i % stride == 0 && (!body.hand_on() || stop.stop_requested())) break;
+        out += is_first && i == 0 ? separators.before_first : separators.before_others;
+        out.append(R"({"type":"Feature","properties":{)").append(all);
+        if (!ranks.empty()) {
+            out += "\"rank\":";
+            append_index(out, ranks[i]);
+        }
+        out += R"(},"geometry":{"type":"Point","coordinates":)";
+        append_point(out, points[i]);
+        out.append("}}").append(separators.after);
+    }
+}
+
+/// Writes a Feature for each point of a map.
+void write_single_points(Body& body, const MapOfDots& map, const Separators& separators, const std::stop_token& stop) {
+    bool first = true;
+    for (const MapDots& each : map.classes) {
+        for_features(each.dots, [&](std::uint32_t feature, std::size_t begin, std::size_t count) {
+            std::string properties;
+            append_origin(properties, map, each, feature);
+            if (const std::string& id = map.feature_ids[feature]; !id.empty())
+                properties.append("\"feature_id\":").append(id).append(",");
+            write_single_points(body, std::span(each.dots.dots.points).subspan(begin, count),
+                                ranks_of(each.dots.dots, begin, count), properties, separators,
+                                std::exchange(first, false), stop);
+        });
+    }
+}
+
+/// Writes a Feature for each point of the only ink.
+void write_single_points(Body& body, const InkDots& ink, const Separators& separators, const std::stop_token& stop) {
+    write_single_points(body, ink.dots.points, ink.dots.ranks, {}, separators, true, stop);
 }
 
 }  // namespace
@@ -397,7 +465,7 @@ void write_map_json(const MapOfDots& map, const Report& report, Body& body, cons
         append_classes(out, map);
     }
     out += ",\"features\":";
-    append_features(out, map);
+    write_features(body, map);
     out += ',';
     append_map_run(out, map, report);
     append_report(out, report);
@@ -418,6 +486,39 @@ void write_map_features(const MapOfDots& map, const Report& report, Body& body, 
         });
     }
     out += "]}\n";
+}
+
+void write_point_features(std::span<const InkDots> inks, const Report& report, Body& body,
+                          const std::stop_token& stop) {
+    body.text() += R"({"type":"FeatureCollection",)";
+    append_run(body.text(), inks.front().dots, report);
+    body.text() += ",\"features\":[";
+    write_single_points(body, inks.front(), kListed, stop);
+    body.text() += "]}\n";
+}
+
+void write_map_point_features(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop) {
+    body.text() += R"({"type":"FeatureCollection",)";
+    append_map_run(body.text(), map, report);
+    body.text() += ",\"features\":[";
+    write_single_points(body, map, kListed, stop);
+    body.text() += "]}\n";
+}
+
+void write_point_lines(std::span<const InkDots> inks, const Report&, Body& body, const std::stop_token& stop) {
+    write_single_points(body, inks.front(), kLines, stop);
+}
+
+void write_map_point_lines(const MapOfDots& map, const Report&, Body& body, const std::stop_token& stop) {
+    write_single_points(body, map, kLines, stop);
+}
+
+void write_point_sequence(std::span<const InkDots> inks, const Report&, Body& body, const std::stop_token& stop) {
+    write_single_points(body, inks.front(), kSequence, stop);
+}
+
+void write_map_point_sequence(const MapOfDots& map, const Report&, Body& body, const std::stop_token& stop) {
+    write_single_points(body, map, kSequence, stop);
 }
 
 std::string write_analysis(const Analysis& analysis, bool with_spectrum) {

@@ -60,13 +60,30 @@ void write_feature(std::span<const InkDots> inks, const Report& report, Body& bo
 
 /// Writes the JSON answer of a map of dots: points of one class after the other, and of one feature after the other;
 /// of each point the index of its feature, and of its class if these have names; how many points each feature has, with
-/// its id. Otherwise as write_json().
+/// its id and the properties that are carried. Otherwise as write_json().
 void write_map_json(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes the dots of a map as GeoJSON: a FeatureCollection with a Feature for all points of a feature, or of one class
-/// in it, whose geometry is a MultiPoint. Its id is that of the feature. What the report tells, but for times, is a
-/// member of the collection. Stopped, it ends early, with nothing of use.
+/// in it, whose geometry is a MultiPoint. It has the id of the feature, and its properties that are carried. What the
+/// report tells, but for times, is a member of the collection. Stopped, it ends early, with nothing of use.
 void write_map_features(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
+
+/// Writes points as GeoJSON: a FeatureCollection with a Feature of one Point for each. What the report tells, but for
+/// times, is a member of the collection. Of a map each has the properties of its feature that are carried, `feature`,
+/// and `feature_id` if the feature has an id. Stopped, it ends early, with nothing of use.
+void write_point_features(std::span<const InkDots> inks, const Report& report, Body& body,
+                          const std::stop_token& stop = {});
+void write_map_point_features(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
+
+/// Writes the same Features alone, one to a line.
+void write_point_lines(std::span<const InkDots> inks, const Report& report, Body& body,
+                       const std::stop_token& stop = {});
+void write_map_point_lines(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
+
+/// Writes the same lines as a sequence of JSON texts (RFC 8142): each begins with a record separator.
+void write_point_sequence(std::span<const InkDots> inks, const Report& report, Body& body,
+                          const std::stop_token& stop = {});
+void write_map_point_sequence(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes the JSON answer of /analyze, the spectrum only if it is asked for. Same input, same bytes.
 std::string write_analysis(const Analysis& analysis, bool with_spectrum);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "api/input/feature_list.h"
 #include "api/input/palette.h"
 #include "api/output/ink_dots.h"
 #include "core/dotmap/dot_map.h"
@@ -21,8 +22,9 @@ struct MapDots {
 
 /// Dots of a map, of all classes, and its features.
 struct MapOfDots {
-    std::span<const MapDots> classes;          ///< at least one
-    std::span<const std::string> feature_ids;  ///< [features] as JSON; empty where there is none
+    std::span<const MapDots> classes;               ///< at least one
+    std::span<const std::string> feature_ids;       ///< [features] as JSON; empty where there is none
+    const CarriedProperties* properties = nullptr;  ///< of the features; null: none are carried
 
     bool are_named() const { return !classes.front().ink.name.empty(); }
     bool are_ranked() const {

@@ -20,8 +20,9 @@ constexpr std::size_t kNpyAlignment = 64;   ///< of where the numbers begin
 void write_lines(Body& body, std::span<const Point> points, std::span<const std::uint32_t> ranks, std::string_view end,
                  const std::stop_token& stop) {
     std::string& out = body.text();
+    const std::size_t stride = stride_of(end.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (i % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) break;
+        if (i % stride == 0 && (!body.hand_on() || stop.stop_requested())) break;
         append_shortest(out, points[i].x);
         out += ',';
         append_shortest(out, points[i].y);
@@ -84,6 +85,18 @@ std::string quoted(std::string_view text) {
     return out + '"';
 }
 
+/// Appends the columns of a feature's properties: texts as they are, nothing for null and for what is missing, JSON for
+/// all else.
+void append_columns(std::string& out, const CarriedProperties& properties, std::size_t feature) {
+    std::size_t column = 0;
+    for (const auto& [name, is_text, value] : properties.of_feature[feature]) {
+        out.append(name + 1 - column, ',');
+        column = name + 1;
+        if (is_text || value != "null") out += quoted(value);
+    }
+    out.append(properties.names.size() - column, ',');
+}
+
 }  // namespace
 
 void write_csv(std::span<const InkDots> inks, Body& body, const std::stop_token& stop) {
@@ -125,12 +138,18 @@ void write_map_csv(const MapOfDots& map, Body& body, const std::stop_token& stop
     const bool named = map.are_named();
     body.expect((map.size() + 1) * (kUsualLine + kUsualName));
     body.text().append("x,y").append(map.are_ranked() ? ",rank" : "").append(named ? ",feature,class" : ",feature");
+    if (map.properties != nullptr) {
+        for (const std::string& name : map.properties->names) body.text().append(",").append(quoted(name));
+    }
     body.text() += "\r\n";
     for (const MapDots& each : map.classes) {
-        const std::string end = named ? ',' + quoted(each.ink.name) + "\r\n" : "\r\n";
+        const std::string of_class = named ? ',' + quoted(each.ink.name) : "";
         for_features(each.dots, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
+            std::string end = ',' + std::to_string(feature) + of_class;
+            if (map.properties != nullptr) append_columns(end, *map.properties, feature);
+            end += "\r\n";
             write_lines(body, std::span(each.dots.dots.points).subspan(first, count),
-                        ranks_of(each.dots.dots, first, count), ',' + std::to_string(feature) + end, stop);
+                        ranks_of(each.dots.dots, first, count), end, stop);
         });
     }
 }

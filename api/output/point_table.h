@@ -23,7 +23,8 @@ void write_csv(std::span<const InkDots> inks, Body& body, const std::stop_token&
 void write_npy(std::span<const InkDots> inks, Body& body, const std::stop_token& stop = {});
 
 /// Writes the dots of a map as comma-separated values, with a third column `feature`, its index, and of classes with
-/// names a fourth one `class`; `rank`, if dots have it, stands before these. Stopped, it ends early, with nothing of
+/// names a fourth one `class`; `rank`, if dots have it, stands before these, and properties that are carried behind:
+/// texts as they are, objects and arrays as JSON, null as nothing. Stopped, it ends early, with nothing of
 /// use.
 void write_map_csv(const MapOfDots& map, Body& body, const std::stop_token& stop = {});
 

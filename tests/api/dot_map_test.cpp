@@ -65,7 +65,7 @@ TEST(DotMapRequest, CountsAProperty) {
         ASSERT_TRUE(read->counts);
         EXPECT_EQ(read->run.sites, 25U);
         EXPECT_EQ(read->counts->counts, (std::vector<std::size_t>{20, 5}));
-        EXPECT_EQ(read->counts->first_part, (std::vector<std::size_t>{0, 1, 2}));
+        EXPECT_EQ(read->features->first_part, (std::vector<std::size_t>{0, 1, 2}));
     }
     EXPECT_EQ(parse(request(R"("sites":"people")"))->run.sites, 2500U);
 }

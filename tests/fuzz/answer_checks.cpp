@@ -80,10 +80,19 @@ std::vector<Point> points_of_feature(const std::string& body) {
     return points;
 }
 
+std::vector<Point> points_of_lines(std::string_view body) {
+    std::vector<Point> points;
+    while (!body.empty()) {
+        auto line = api::take_until(body, "\n");
+        if (line.starts_with('\x1e')) line.remove_prefix(1);
+        append_points(Json::array({parse(std::string(line)).at("geometry").at("coordinates")}), points);
+    }
+    return points;
+}
+
 std::vector<Point> points_of_csv(std::string_view body) {
     const auto title = api::take_until(body, "\r\n");
-    CCDT_CHECK(title == "x,y" || title == "x,y,ink" || title == "x,y,rank" ||
-               title == "x,y,radius,side");
+    CCDT_CHECK(title == "x,y" || title == "x,y,ink" || title == "x,y,rank" || title == "x,y,radius,side");
     std::vector<Point> points;
     while (!body.empty()) {
         auto line = api::take_until(body, "\r\n");

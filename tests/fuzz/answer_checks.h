@@ -18,6 +18,9 @@ std::vector<Point> points_of_json(const std::string& body);
 /// Those of GeoJSON, which holds numbers as well.
 std::vector<Point> points_of_feature(const std::string& body);
 
+/// Those of GeoJSON in lines, a Feature each.
+std::vector<Point> points_of_lines(std::string_view body);
+
 /// Those of CSV.
 std::vector<Point> points_of_csv(std::string_view body);
 

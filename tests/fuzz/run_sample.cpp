@@ -227,6 +227,7 @@ void check_answer(const api::SampleRequest& request, const api::Answer& answer) 
     if (format == "png") return check_signature(answer.body, "\x89PNG\r\n");
     if (format == "json") return check(points_of_json(answer.body));
     if (format == "geojson") return check(points_of_feature(answer.body));
+    if (format == "ndjson" || format == "geojsonseq") return check(points_of_lines(answer.body));
     if (format == "csv") return check(points_of_csv(answer.body));
     if (format == "npy")
         return check(points_of_npy(answer.body, request.order == api::PointOrder::Progressive ? 3 : 2));

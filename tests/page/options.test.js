@@ -19,10 +19,10 @@ async function open(address) {
   await settled(world.page, address.slice(1));
 }
 
-/** Options that are no fields: an older name, shapes, downloads, boxes and sliders beside the picture, the properties of a map's features. */
+/** Options that are no fields: an older name, shapes, downloads, boxes and sliders beside the picture, the properties of a map's features, and what files for GIS have. */
 const elsewhere = {
   halftone: ["format", "invert"],
-  sample: ["polygon", "holes", "geometry", "domain", "per", "classes", "iterations", "mesh"],
+  sample: ["polygon", "holes", "geometry", "domain", "per", "classes", "properties", "object", "multipoint", "iterations", "mesh"],
 };
 
 test("has a field for each option", async () => {

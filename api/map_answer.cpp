@@ -1,0 +1,92 @@
+#include "api/map_answer.h"
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "api/image/overlay.h"
+#include "api/output/formats.h"
+#include "api/output/map_dots.h"
+#include "api/run/deadline.h"
+#include "api/sample_steps.h"
+#include "core/halftone/overprint.h"
+
+namespace ccdt::api {
+namespace {
+
+/// Colours of classes: Okabe and Ito's, which all people tell apart, those first that are easily seen on white.
+constexpr std::array<Colour, kMostInks> kColours = {
+    {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {230, 159, 0}, {86, 180, 233}}};
+
+/// Inks of the classes; one black one without a name, if answers tell of none.
+Palette palette_of(const SampleRequest& request) {
+    if (!request.counts || !request.counts->are_told) return {};
+    const FeatureCounts& counts = *request.counts;
+    Palette palette{{}, kWhite, Mixing::Multiply};
+    for (std::size_t i = 0; i < counts.classes.size(); ++i) palette.inks.push_back({counts.classes[i], kColours[i]});
+    return palette;
+}
+
+/// Writes a map in the way that a format's writer takes it.
+class Writing {
+public:
+    Writing(const SampleRequest& request, const Page& page, const Report& report, const Palette& palette,
+            const MapOfDots& map, Body& body, const Control& control)
+        : request_(request),
+          page_(page),
+          report_(report),
+          palette_(palette),
+          map_(map),
+          body_(body),
+          hurry_(control.stop),
+          stop_(stop_of_writing(control, request.on_deadline)) {}
+
+    Result<void> operator()(const ListWriter& writer) const {
+        writer.write_map(map_, report_, body_, stop_);
+        return {};
+    }
+
+    Result<void> operator()(const VectorWriter& writer) const {
+        writer.write_map(map_, palette_, page_, request_.drawing.style, body_, hurry_, stop_);
+        return {};
+    }
+
+    Result<void> operator()(const RasterWriter& writer) const {
+        std::vector<Raster> rasters;
+        for (const MapDots& each : map_.classes)
+            rasters.push_back(draw_points(each.dots.dots.points, page_, each.radius, stop_));
+        auto picture = writer.write(overlay(std::move(rasters), palette_, true, stop_), page_.width_mm, stop_);
+        return std::move(picture).map([&](std::string&& bytes) { body_.text() = std::move(bytes); });
+    }
+
+private:
+    const SampleRequest& request_;
+    const Page& page_;
+    const Report& report_;
+    const Palette& palette_;
+    const MapOfDots& map_;
+    Body& body_;
+    std::stop_token hurry_;
+    std::stop_token stop_;
+};
+
+}  // namespace
+
+Result<void> write_map(const SampleRequest& request, const Domain& whole, const Page& page,
+                       std::span<const ClassDots> dots, const Report& report, const Control& control, Body& body) {
+    const Palette palette = palette_of(request);
+    std::vector<MapDots> classes;
+    for (std::size_t i = 0; i < dots.size(); ++i)
+        classes.push_back({palette.inks[i], dots[i], radius_of(request, whole)});
+    const FeatureList& features = *request.features;
+    const bool carries = !features.carried.of_feature.empty();
+    const MapOfDots map{classes, features.ids, carries ? &features.carried : nullptr};
+    auto written = std::visit(Writing(request, page, report, palette, map, body, control), request.format->writer);
+    if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
+    return written;
+}
+
+}  // namespace ccdt::api

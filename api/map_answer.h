@@ -1,0 +1,25 @@
+#pragma once
+
+#include <span>
+
+#include "api/output/body.h"
+#include "api/output/json_writer.h"
+#include "api/output/point_drawing.h"
+#include "api/sample.h"
+#include "core/ccdt/ccdt.h"
+#include "core/dotmap/dot_map.h"
+#include "core/geometry/domain.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Writes points that are told by features, as the request wants them: those of a map of dots, or of an area.
+///
+/// @param whole  all features together
+/// @param page   that a drawing is on
+/// @param dots   of each class, or of all points; features are those of the request, which must have them
+/// Errors: those of the format's writer; Stopped.
+Result<void> write_map(const SampleRequest& request, const Domain& whole, const Page& page,
+                       std::span<const ClassDots> dots, const Report& report, const Control& control, Body& body);
+
+}  // namespace ccdt::api

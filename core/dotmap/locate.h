@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/geometry/domain.h"
+#include "core/geometry/point.h"
+#include "core/result.h"
+
+namespace ccdt {
+
+/// Finds the area in which each of several points lies: the first of those that overlap there. A point in none of them,
+/// as one on a border that two areas share, belongs to the area whose border is nearest.
+///
+/// @param areas   [n >= 1], none of them a torus
+/// @param period  distance along x after which places repeat, as 360 degrees of longitude; 0: they do not
+/// @returns       indices of areas [points]
+/// Errors: Stopped. O(edges in the row of a point) each.
+Result<std::vector<std::uint32_t>> locate(std::span<const Domain* const> areas, std::span<const Point> points,
+                                          double period = 0, const std::stop_token& stop = {});
+
+}  // namespace ccdt
