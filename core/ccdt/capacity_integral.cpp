@@ -124,8 +124,8 @@ CCDT_INLINE inline void CapacityIntegral::sweep_by(std::span<const Segment> segm
             Pairs below = before + (x - column) * value;
             if constexpr (kRepeated) {
                 const Pairs end = j * stride + width;
-                const Pairs row_sum = each<Lanes>(
-                    [&](std::size_t k) CCDT_INLINE { return all_sums[static_cast<std::size_t>(end[k])]; });
+                const Pairs row_sum =
+                    each<Lanes>([&](std::size_t k) CCDT_INLINE { return all_sums[static_cast<std::size_t>(end[k])]; });
                 below += (copies - static_cast<double>(kRepeats)) * row_sum;
             }
             flow += below * length;

@@ -364,8 +364,7 @@ void Relaxation::for_groups(int times, const std::stop_token& stop, Move&& move)
             for (int time = 0; time < in_turn && !stop.stop_requested(); ++time) step();
         };
         for (std::size_t level = 0; level < groups_.size(); ++level) {
-            mesh_.team().run(groups_[level].size(),
-                             [&](std::size_t number) { repeat([&] { move(level, number); }); });
+            mesh_.team().run(groups_[level].size(), [&](std::size_t number) { repeat([&] { move(level, number); }); });
         }
         repeat([&] {
             for (const Fan& fan : border_.all) slide(border_, fan);

@@ -42,7 +42,8 @@ CCDT_INLINE inline void walk_pieces(const Segments<Lanes>& segments, int columns
         const Pairs along = b - a, ahead = along > none ? one : none;
         const auto moves = (along > kShortest + none) | (along < none - kShortest);
         const Pairs cell = within(Lanes::whole(a), count);
-        return Axis{2.0 * ahead - 1.0, cell, cell + ahead - a, moves ? one / along : none, moves ? none : none + kNever};
+        return Axis{2.0 * ahead - 1.0, cell, cell + ahead - a, moves ? one / along : none,
+                    moves ? none : none + kNever};
     };
     Axis x = axis(segments.ax, segments.bx, columns), y = axis(segments.ay, segments.by, rows);
     Pairs next_x = x.next(), next_y = y.next(), from = none;

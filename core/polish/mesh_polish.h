@@ -64,8 +64,8 @@ public:
     /// the next pushes push them apart, too.
     bool find_nearer(const Triangulation& mesh, double least);
 
-    /// Returns the pairs of sites that find_nearer() has found; each site is the first of one pair at most. Drops what is
-    /// cached of the mesh, since either site of a pair may be relocated.
+    /// Returns the pairs of sites that find_nearer() has found; each site is the first of one pair at most. Drops what
+    /// is cached of the mesh, since either site of a pair may be relocated.
     std::vector<std::array<std::uint32_t, 2>> take_nearer(const Triangulation& mesh, double least);
 
     /// Undoes long waves of density error. Nothing happens in polygons if the density is not smooth.

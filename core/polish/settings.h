@@ -33,8 +33,8 @@ struct PolishSettings {
     double ink_nearest = 0;  ///< and between inks
     double least = 0;        ///< distance of neighbours below which they are pushed so again, found anew each time,
     int most_again = 0;      ///< so often at most;
-    int take_after = 0;   ///< after so many of these, in polygons, each begins by relocating one of two that are as near
-    int last_rounds = 0;  ///< then, that even out what these have left behind
+    int take_after = 0;  ///< after so many of these, in polygons, each begins by relocating one of two that are as near
+    int last_rounds = 0;     ///< then, that even out what these have left behind
     int retouch_rounds = 0;  ///< last, of moves that the caller chooses by what is seen of all inks together
     int stealth_rounds = 0;  ///< at most, that silence low frequencies
 

@@ -291,9 +291,9 @@ void SplineGrid::gradients(std::span<const Point> points, std::span<Point> gradi
     for (; done < points.size(); ++done) gradients[done] = gradient(points[done]);
 }
 
-/// Calls add(numbers) with the points that count, some at a time. The rows of the grid are divided into bands: points of
-/// one band follow each other, and are added at the same time as those of the bands beyond the next, which their taps do
-/// not reach.
+/// Calls add(numbers) with the points that count, some at a time. The rows of the grid are divided into bands: points
+/// of one band follow each other, and are added at the same time as those of the bands beyond the next, which their
+/// taps do not reach.
 template <class Counts, class Add>
 void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& add) {
     constexpr std::size_t kFew = 8192;  // of which the lists below take longer than they are worth; also of a task

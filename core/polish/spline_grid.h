@@ -155,7 +155,7 @@ private:
     Point sides_;
     int columns_;
     int rows_;
-    int kept_;  ///< columns of coefficients
+    int kept_;        ///< columns of coefficients
     Pair half_cell_;  ///< over the box's sides
     std::size_t stride_;
     std::vector<double> column_windows_, row_windows_;

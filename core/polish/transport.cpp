@@ -204,7 +204,8 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
     spacings_.resize(masses.size());
     const auto fine = smooth(masses, kSmoothing * finest_);
     for_ranges(team_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t cell = begin; cell < end; ++cell) spacings_[cell] = shortened(spacing_at(fine[cell]) / finest_);
+        for (std::size_t cell = begin; cell < end; ++cell)
+            spacings_[cell] = shortened(spacing_at(fine[cell]) / finest_);
     });
     const auto coarse = smooth(masses, kLevelSmoothing * finest_);
     std::vector<double> highest((masses.size() + kCells - 1) / kCells, 0);

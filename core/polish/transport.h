@@ -104,7 +104,7 @@ private:
     std::variant<std::vector<float>, std::vector<std::complex<float>>> targets_;
     std::vector<std::uint16_t> levels_;    ///< [cells of octave 0] octave that sites there belong to, in kLevels
     std::vector<std::uint16_t> spacings_;  ///< [cells of octave 0] over octave 0's, shortened()
-    std::optional<LocalSpacing> denser_;  ///< if sites are closer somewhere than octave 0 resolves
+    std::optional<LocalSpacing> denser_;   ///< if sites are closer somewhere than octave 0 resolves
 };
 
 }  // namespace ccdt
