@@ -16,7 +16,7 @@ public:
     }
 };
 
-/// Waits for what mostly comes soon, one step after the other: to be woken takes tens of microseconds.
+/// Spins for a short time, since the condition mostly comes true soon and waking a thread takes tens of microseconds.
 template <class Predicate>
 void wait_awake(Predicate&& has_come) {
     constexpr auto kSoon = std::chrono::microseconds(50);
@@ -62,13 +62,13 @@ void ThreadTeam::run(std::size_t count, const std::function<void(std::size_t)>& 
     if (work.failure) std::rethrow_exception(work.failure);
 }
 
-/// Makes threads until there are so many.
+/// Starts threads until there are `helpers` of them.
 void ThreadTeam::hire(std::size_t helpers) {
     try {
         while (helpers_.size() < helpers) {
             helpers_.emplace_back([this](const std::stop_token& stop) { help(stop); });
         }
-    } catch (const std::system_error&) {  // of threads, at a limit
+    } catch (const std::system_error&) {  // no more threads available
     }
 }
 
