@@ -9,24 +9,26 @@
 
 namespace ccdt {
 
-/// Room that points which are there already take from sites to come.
+/// The area that fixed points take from the new sites.
 struct FixedRoom {
-    double sites = 0;             ///< the domain's capacity over what each site to come has of it
-    std::vector<double> weights;  ///< [fixed] what each has, over what a site to come has: at most 1, 0 if far outside
+    double sites = 0;  ///< capacity of the domain relative to that of each new site
+    /// [fixed] capacity that each takes, relative to that of a new site: at most 1, 0 if far outside.
+    std::vector<double> weights;
 };
 
-/// Points in the unit frame of a domain, in an order in which neighbours are near, those far outside left out; on a
-/// torus in its box.
+/// Converts points to the unit frame and sorts them so that neighbours are close. Drops points far outside; on a torus,
+/// wraps points into the box.
 /// @param points  in the domain's coordinates
 std::vector<Point> to_unit_frame(const Domain& domain, std::span<const Point> points);
 
-/// Takes from a grid's capacities what fixed points take: around each a disc that holds as much as a site to come has,
-/// to each place that of its own density, but what is nearer to another fixed point is that one's. So one alone takes
-/// as much as a site, and a cluster no more than its area and a rim. Sites to come have equal shares of the rest.
+/// Subtracts the area of fixed points from a grid of capacities. Each point takes a disc with the capacity of a new
+/// site at the local density, except for what is nearer to another fixed point. So an isolated point takes as much as a
+/// site, and a cluster no more than its area and a rim. The new sites share the rest equally.
 ///
-/// @param fixed   in the unit frame; also outside of the domain
-/// @param sites   to come, >= 1
-/// @param masses  [rows * columns] capacities of cells over the domain's box; out: what is left of them
+/// @param fixed   in the unit frame; may lie outside the domain
+/// @param sites   number of new sites, >= 1
+/// @param masses  [rows * columns] capacities of cells over the domain's box; reduced in place
+///
 /// O(cells). The nearest points are found by sweeps: Danielsson, Euclidean distance mapping, Computer Graphics and
 /// Image Processing 14 (1980).
 FixedRoom take_room(const Domain& domain, std::span<const Point> fixed, std::size_t sites, int columns, int rows,

@@ -14,7 +14,7 @@ namespace ccdt {
 
 namespace {
 
-/// Inserts sites where the start draws them, or wherever there is room.
+/// Inserts sites where the start draws them, or else wherever there is space.
 class Placement {
 public:
     Placement(Triangulation& mesh, std::span<const Point> first, const StartSites& start, std::vector<std::size_t> room,
@@ -22,7 +22,7 @@ public:
         : mesh_(mesh), first_(first), start_(start), room_(std::move(room)), seed_(seed), margin_(margin) {}
 
     /// Places sites, given in ascending order.
-    /// @returns  false if there is no place for one; of no use once a stop is asked for
+    /// @returns  false if there is no place for one of them; after a stop it must not be used
     bool place(std::span<const std::uint32_t> sites, const std::stop_token& stop) {
         const auto draw = [this](std::uint32_t site, int attempt) { return this->draw(site, attempt); };
         if (room_.empty()) {
@@ -33,8 +33,8 @@ public:
     }
 
 private:
-    static constexpr int kAttempts =
-        16;  ///< where the domain covers half of a site's cell, 1 of 65,536 is still unplaced
+    /// Where the domain covers half of a site's cell, 1 site of 65,536 is still unplaced after so many attempts.
+    static constexpr int kAttempts = 16;
 
     Point draw(std::uint32_t site, int attempt) const {
         return attempt == 0 && !first_.empty() ? first_[site] : start_.draw(site, attempt);
@@ -47,7 +47,7 @@ private:
         return place_anywhere(site);
     }
 
-    /// Places a site next to nothing of whose cell lies where there is room.
+    /// Places a site whose own cell has almost no usable area.
     bool place_anywhere(std::uint32_t site) {
         while (!room_.empty()) {
             const auto most = std::ranges::max_element(room_);
@@ -70,10 +70,10 @@ private:
         return true;
     }
 
-    /// Places a site anywhere in a part; of kNone, in the domain.
+    /// Places a site anywhere in a part; for kNone, anywhere in the domain.
     bool place_in(std::uint32_t part, std::uint32_t site) {
         constexpr int kTries = 1000;
-        constexpr std::uint64_t kStream = 0x616e797768657265;  // keeps these draws apart from the start's
+        constexpr std::uint64_t kStream = 0x616e797768657265;  // keeps these random numbers independent of the start's
         if (!interior_ || part_ != part) interior_.emplace(mesh_.inside_triangles(part_ = part));
         Random random(seed_ ^ kStream, site);
         for (int attempt = 0; attempt < kTries; ++attempt) {
@@ -88,7 +88,7 @@ private:
     std::vector<std::size_t> room_;
     std::uint64_t seed_;
     double margin_;
-    std::optional<InteriorSampler> interior_;  ///< of one part
+    std::optional<InteriorSampler> interior_;  ///< for part_
     std::uint32_t part_ = Triangulation::kNone;
 };
 

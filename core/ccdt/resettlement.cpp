@@ -19,8 +19,8 @@ bool has_site(const Triangulation& mesh, std::uint32_t triangle) {
     return std::ranges::any_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_site(v); });
 }
 
-/// The site that each triangle without any goes with, that of the nearest one which has one [triangles]; kNone for
-/// those with sites, and where a part has none.
+/// Returns the site to which each triangle without a site is assigned: the one of the nearest triangle that has one
+/// [triangles]. kNone for triangles with sites, and in parts without any.
 std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     std::vector<std::uint32_t> owner(mesh.triangle_count(), kNone), reached;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -45,7 +45,7 @@ std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     return owner;
 }
 
-/// Calls function(triangle, neighbour) with the triangles around a site and, of each, its next vertex.
+/// Calls function(triangle, neighbour) for each triangle around a site and its next vertex.
 template <class Function>
 void for_fan(const Triangulation& mesh, std::uint32_t site, Function&& function) {
     const std::uint32_t first = mesh.edge_of(site);
@@ -70,7 +70,7 @@ Resettlement::Resettlement(Triangulation& mesh, const TriangleGoals& goals, doub
     sum_around();
 }
 
-/// Shares each triangle's capacity out among its sites.
+/// Divides each triangle's capacity among its sites.
 void Resettlement::share_out() {
     const auto owner = owners(mesh_);
     std::vector<double> most(mesh_.site_count(), 0);
@@ -99,17 +99,17 @@ void Resettlement::sum_around() {
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
         const auto corners = mesh_.corners(t);
         for (std::uint32_t i = 0; i < 3; ++i) {
-            // Each edge between sites is met once from either end.
+            // Each edge between sites is visited once from either end.
             const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
             if (mesh_.is_site(a) && mesh_.is_site(b)) around_[a] += surplus_[b];
         }
     }
 }
 
-/// Lists sites around which there are too many, or too few, by parts, those with most first.
+/// Lists sites with too many or too few sites around them, by part, in descending order of the amount.
 /// @param sign  1: too many; -1: too few
 std::vector<Resettlement::Candidate> Resettlement::candidates(double sign) const {
-    constexpr double kLeast = 0.5;  // sites; what is less is a wave's, or noise
+    constexpr double kLeast = 0.5;  // in sites; smaller amounts are due to waves or noise
     std::vector<Candidate> found;
     for (std::uint32_t v = 0; v < surplus_.size(); ++v) {
         if (sign * around_[v] > kLeast && sign * surplus_[v] > 0) found.push_back({sign * around_[v], v});
@@ -121,7 +121,7 @@ std::vector<Resettlement::Candidate> Resettlement::candidates(double sign) const
 }
 
 std::size_t Resettlement::even_out() {
-    constexpr double kGain = 1.1;  // at one site, taking it from one place to the other would gain nothing
+    constexpr double kGain = 1.1;  // a gain of one site would only move the error
     const auto many = candidates(1), few = candidates(-1);
     std::size_t taken = 0;
     auto to = few.begin();
@@ -159,7 +159,8 @@ bool Resettlement::take_away(std::uint32_t site, double least, double enough) {
     return clearest != kNone && relocate(site, clearest);
 }
 
-/// Squared distance to the nearest other site that a site would have where relocate() takes it; negative if nowhere.
+/// Returns the squared distance to the nearest other site that a site would have after relocate(); negative if there is
+/// no place.
 double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) const {
     const std::uint32_t triangle = room_beside(to, site);
     if (triangle == kNone) return -1;
@@ -173,7 +174,7 @@ double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) cons
     return squared;
 }
 
-/// The largest triangle that goes with a site, without another one; kNone if there is none.
+/// Returns the largest triangle assigned to a site that does not have `other` as a corner; kNone if there is none.
 std::uint32_t Resettlement::room_beside(std::uint32_t site, std::uint32_t other) const {
     const auto is_without = [&](std::uint32_t t) {
         return std::ranges::none_of(mesh_.corners(t), [&](std::uint32_t v) { return v == other; });
@@ -197,10 +198,10 @@ bool Resettlement::relocate(std::uint32_t site, std::uint32_t beside) {
     return mesh_.relocate(site, triangle, kThird * (a + b + c));
 }
 
-/// Tells whether a triangle is large enough to be divided.
-/// @param share  of its area, that the smallest of the three parts has
+/// Whether a triangle is large enough to be divided.
+/// @param share  share of its area that the smallest of the three parts gets
 bool Resettlement::has_room(std::uint32_t triangle, double share) const {
-    constexpr double kLeastShape = 1e-5;  // doubled area of a part over the longest edge squared
+    constexpr double kLeastShape = 1e-5;  // doubled area of a part relative to the longest edge squared
     const auto [a, b, c] = mesh_.places(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
     const double least = std::max(kLeastShape * longest, least_height_ * std::sqrt(longest));
@@ -225,8 +226,8 @@ bool Resettlement::is_in_small_part(std::uint32_t site) {
     return !small_parts().triangles[mesh_.part_of(site)].empty();
 }
 
-/// Finds the place in a site's small part that is farthest from all other sites; of those that are far enough, the one
-/// in the largest triangle.
+/// Returns the place in a site's small part that is farthest from all other sites; among places that are far enough,
+/// the one in the largest triangle.
 Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
     constexpr double kThird = 1.0 / 3, kSixth = 1.0 / 6;
     constexpr std::array<std::array<double, 3>, 4> kPlaces{{{kThird, kThird, kThird},
@@ -254,14 +255,14 @@ Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
     return best;
 }
 
-/// Squared distance from which on two sites are apart as they should be.
+/// Returns the squared distance that two sites should have.
 double Resettlement::enough_squared(std::uint32_t site) const {
-    constexpr double kEnough = 0.84;  // of the hexagonal distance, as of the last pushes: polish/settings.cpp
+    constexpr double kEnough = 0.84;  // of the hexagonal distance, as in the last near pushes: polish/settings.cpp
     const double least = kEnough * hexagonal_spacing(goals_.of(Triangulation::triangle_of(mesh_.edge_of(site))).weight);
     return least * least;
 }
 
-/// Places of all sites but one in the bounding box of some triangles, and up to `reach` around it.
+/// Returns the positions of all sites but one in the bounding box of some triangles, and up to `reach` around it.
 std::vector<Point> Resettlement::sites_near(std::span<const std::uint32_t> triangles, std::uint32_t but,
                                             double reach) const {
     Box box{mesh_.point(but), mesh_.point(but)};
@@ -292,7 +293,8 @@ bool Resettlement::separate(std::array<std::uint32_t, 2> pair) {
         moved = site;
     }
     if (best.squared < enough) {
-        constexpr double kClear = 0.6;  // of enough: the middle of a hexagonal grid's triangle has 0.69
+        // Relative to the distance above; the centre of a triangle in a hexagonal grid has 0.69.
+        constexpr double kClear = 0.6;
         const double least = std::sqrt(dot(apart, apart)), clear = kClear * std::sqrt(enough);
         for (const std::uint32_t site : pair) {
             if (!is_in_small_part(site) && take_away(site, least, clear)) return true;
@@ -301,7 +303,7 @@ bool Resettlement::separate(std::array<std::uint32_t, 2> pair) {
     return moved != kNone && mesh_.relocate(moved, best.triangle, best.point);
 }
 
-/// Remembers that what is told of a site, its neighbours and theirs is true no more.
+/// Marks the data of a site, of its neighbours and of their neighbours as outdated.
 void Resettlement::settle(std::uint32_t site) {
     for_fan(mesh_, site, [&](std::uint32_t, std::uint32_t near) {
         settled_[site] = true;

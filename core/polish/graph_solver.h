@@ -48,9 +48,8 @@ public:
 
 private:
     struct Level {
-        std::vector<std::uint32_t>
-            /// [vertices + 1] start of each vertex' links: first those within its block in order, then the others.
-            first;
+        /// [vertices + 1] start of each vertex' links: first those within its block in order, then the others.
+        std::vector<std::uint32_t> first;
         /// [vertices] first of these links that leads to a vertex with a larger number.
         std::vector<std::uint32_t> later;
         std::vector<std::uint32_t> beyond;  ///< [vertices] first of these links that leaves the block
