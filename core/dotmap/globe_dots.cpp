@@ -24,7 +24,7 @@ std::size_t all_dots(std::span<const MapFeature> features) {
     return sum;
 }
 
-/// Features on the chart of all, and in one turn of the globe.
+/// Features in the plane of their common chart, and in degrees within one turn of the globe.
 struct Charted {
     std::vector<MapFeature> plane;
     std::vector<Domain> degrees;
