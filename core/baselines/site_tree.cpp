@@ -7,7 +7,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::uint32_t kLeaf = 6;  // sites
+constexpr std::uint32_t kLeaf = 6;  // sites per leaf
 
 double squared_distance(Point a, Point b) {
     return dot(a - b, a - b);
@@ -52,7 +52,8 @@ void SiteTree::build(std::size_t node, std::uint32_t begin, std::uint32_t end) {
     build(2 * node + 2, middle, end);
 }
 
-/// The copies of the box that the nearest copy of any site to a place in it may lie in, its own first.
+/// Calls visit(shift) for the periodic copies of the box that can contain the nearest copy of a site, the box itself
+/// first.
 template <class Visit>
 void SiteTree::for_each_copy(Visit&& visit) const {
     visit(Point{0, 0});
