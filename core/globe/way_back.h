@@ -7,8 +7,8 @@
 
 namespace ccdt {
 
-/// Takes points of a chart's plane back to a region of the globe, and what the plane's polygon, whose edges are
-/// straight, has more than the region, into it.
+/// Maps points of a chart's plane back to a region of the globe. The plane's polygon has straight edges and can extend
+/// slightly beyond the region; points there are moved into the region.
 class WayBack {
 public:
     /// @param degrees  the region in longitude and latitude, in one turn
