@@ -29,7 +29,9 @@ std::vector<Complex> complex_noise(std::size_t size) {
 /// What all transforms make of some numbers, one after the other.
 std::vector<double> transformed(const LineTransforms& transforms, const LineSet& lines) {
     std::vector<double> found;
-    const auto keep = [&](const std::vector<double>& values) { found.insert(found.end(), values.begin(), values.end()); };
+    const auto keep = [&](const std::vector<double>& values) {
+        found.insert(found.end(), values.begin(), values.end());
+    };
     const auto keep_complex = [&](const std::vector<Complex>& values) {
         for (const Complex value : values) keep({value.real(), value.imag()});
     };

@@ -171,7 +171,8 @@ TEST(SplineGrid, SpreadsMoves) {
 TEST(SplineGrid, GivesTheSameBytesForManyAsForEach) {
     const Point sides{2, 0.7};
     auto points = random_points(sides, 301);
-    for (const Point p : {Point{0, 0}, Point{2, 0.7}, Point{0, 0.7}, Point{2, 0}, Point{-0.0, 0.35}, Point{1e-308, 0.1}})
+    for (const Point p :
+         {Point{0, 0}, Point{2, 0.7}, Point{0, 0.7}, Point{2, 0}, Point{-0.0, 0.35}, Point{1e-308, 0.1}})
         points.push_back({p, 1});
     std::vector<Point> places;
     std::vector<double> values;
