@@ -67,7 +67,7 @@ Means means_of(const Analysis& analysis) {
     return means;
 }
 
-TEST(Analysis, ReadsWhiteNoiseAsOneAndIsotropic) {
+TEST(Analysis, MeasuresWhiteNoiseAsOneAndIsotropic) {
     // 64,000 frequencies or so: their mean deviates by 0.4 % over the root of the number of sets.
     for (const std::size_t count : {1, 10}) {
         for (const Point sides : {Point{1, 1}, Point{300, 100}}) {
@@ -86,7 +86,7 @@ TEST(Analysis, ReadsWhiteNoiseAsOneAndIsotropic) {
     }
 }
 
-TEST(Analysis, ReadsWhiteNoiseAsOneInAWindow) {
+TEST(Analysis, MeasuresWhiteNoiseAsOneInAWindow) {
     for (const Point sides : {Point{1, 1}, Point{300, 100}}) {
         const auto analysis = measured(white_noise(10, 2500, sides), window(sides.x, sides.y));
         EXPECT_NEAR(means_of(analysis).power, 1, 0.02);
@@ -132,7 +132,7 @@ TEST(Analysis, RemovesTheMeanFromAWindow) {
     EXPECT_GT(*std::ranges::max_element(analysis.power), 10);
 }
 
-TEST(Analysis, DoesNotSeeScale) {
+TEST(Analysis, IsInvariantUnderScaling) {
     const auto small = measured(white_noise(2, 300, {2, 1}), torus(2, 1));
     const auto large = measured(white_noise(2, 300, {2048, 1024}), torus(2048, 1024));
     EXPECT_EQ(small.power, large.power);
@@ -140,7 +140,7 @@ TEST(Analysis, DoesNotSeeScale) {
     EXPECT_EQ(small.min_distance, large.min_distance);
 }
 
-TEST(Analysis, DoesNotSeeShiftsOnATorus) {
+TEST(Analysis, IsInvariantUnderShiftsOnATorus) {
     const Sets sets = white_noise(1, 400);
     Sets shifted = sets;
     for (Point& p : shifted[0]) p = {std::fmod(p.x + 0.3, 1), std::fmod(p.y + 0.7, 1)};
@@ -150,7 +150,7 @@ TEST(Analysis, DoesNotSeeShiftsOnATorus) {
     EXPECT_NEAR(after.mean_distance, before.mean_distance, 1e-12);
 }
 
-TEST(Analysis, TurnsWithThePoints) {
+TEST(Analysis, RotatesWithThePoints) {
     const Sets sets = white_noise(1, 200, {3, 1});
     Sets turned = sets;
     for (Point& p : turned[0]) p = {p.y, p.x};
@@ -179,7 +179,7 @@ TEST(Analysis, AveragesPowersAndDistances) {
     }
 }
 
-TEST(Analysis, GoesAsFarAsToldTo) {
+TEST(Analysis, ReachesTheRequestedFrequency) {
     for (const double most : {1.0, 2.5, 6.0}) {
         const auto analysis = measured(white_noise(1, 400), torus(), {most});
         EXPECT_DOUBLE_EQ(analysis.frequency.front(), 1 / 20.0);
@@ -189,7 +189,7 @@ TEST(Analysis, GoesAsFarAsToldTo) {
     }
 }
 
-TEST(Analysis, MakesDoWithTwoPoints) {
+TEST(Analysis, AcceptsTwoPoints) {
     const auto analysis = measured({{{0.25, 0.5}, {0.75, 0.5}}}, torus());
     EXPECT_FALSE(analysis.low_frequency_power);
     EXPECT_DOUBLE_EQ(analysis.min_distance, 0.5 / std::sqrt(1 / std::sqrt(3.0)));
@@ -198,7 +198,7 @@ TEST(Analysis, MakesDoWithTwoPoints) {
     EXPECT_EQ(analysis.spectrum.at(0, 0), 0);
 }
 
-TEST(Analysis, TakesDomainsOfExtremeShapeAndSize) {
+TEST(Analysis, AcceptsDomainsOfExtremeShapeAndSize) {
     for (const Point sides : {Point{1000, 1}, Point{1e-100, 1e-100}, Point{1e100, 2e100}}) {
         const auto analysis = measured(white_noise(1, 200, sides), torus(sides.x, sides.y));
         EXPECT_DOUBLE_EQ(analysis.unit, std::sqrt(200 / sides.x / sides.y));
@@ -251,7 +251,7 @@ void expect_refused(const Sets& sets, const Domain& domain, ErrorCode code, cons
     EXPECT_FALSE(analysis.error().message.empty());
 }
 
-TEST(Analysis, RefusesWhatItCannotMeasure) {
+TEST(Analysis, RefusesInvalidSets) {
     const Sets good = white_noise(3, 10);
     Sets bad = good;
     bad[2].pop_back();
@@ -290,7 +290,7 @@ TEST(Analysis, RefusesATransformThatIsTooLarge) {
     expect_refused(sets, torus(), ErrorCode::LimitExceeded, "max_frequency", {16});
 }
 
-TEST(Analysis, StopsWhenAsked) {
+TEST(Analysis, StopsOnRequest) {
     std::stop_source stop;
     stop.request_stop();
     const auto analysis = analyse(white_noise(2, 1000), torus(), {}, stop.get_token());
@@ -298,7 +298,7 @@ TEST(Analysis, StopsWhenAsked) {
     EXPECT_EQ(analysis.error().code, ErrorCode::Stopped);
 }
 
-TEST(Analysis, IsTheSameEveryTime) {
+TEST(Analysis, IsDeterministic) {
     const Sets sets = white_noise(2, 500);
     const auto first = measured(sets, torus()), second = measured(sets, torus());
     EXPECT_EQ(first.power, second.power);

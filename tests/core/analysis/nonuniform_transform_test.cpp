@@ -60,18 +60,18 @@ double largest_error(const std::vector<WeightedPoint>& points, int highest_x, in
     return largest;
 }
 
-TEST(NonuniformTransform, IsTheSumOverPointsWithoutStructure) {
+TEST(NonuniformTransform, EqualsTheSumOverRandomPoints) {
     const auto points = noise(400);
     EXPECT_LT(largest_error(points, 40, 40), kErrorOfNoise * std::sqrt(400));
 }
 
-TEST(NonuniformTransform, IsTheSumUnderAnyWeights) {
+TEST(NonuniformTransform, EqualsTheSumForAnyWeights) {
     auto points = noise(300);
     const double sum = weigh(points, 8);
     EXPECT_LT(largest_error(points, 30, 30), kError * sum);
 }
 
-TEST(NonuniformTransform, IsTheSumOnGridsOfAnyShape) {
+TEST(NonuniformTransform, EqualsTheSumOnGridsOfAnyShape) {
     const auto points = noise(100);
     EXPECT_LT(largest_error(points, 0, 0), kError * 100);
     EXPECT_LT(largest_error(points, 200, 0), kError * 100);
@@ -79,7 +79,7 @@ TEST(NonuniformTransform, IsTheSumOnGridsOfAnyShape) {
     EXPECT_LT(largest_error(points, 31, 47), kError * 100);
 }
 
-TEST(NonuniformTransform, IsTheSumAtTheBorder) {
+TEST(NonuniformTransform, EqualsTheSumAtTheBorder) {
     std::vector<WeightedPoint> points;
     for (const double x : {0.0, 0x1p-60, 0.5, 1 - 0x1p-53, 1.0}) {
         for (const double y : {0.0, 0.25, 1.0}) points.push_back({{x, y}, 1});
@@ -87,7 +87,7 @@ TEST(NonuniformTransform, IsTheSumAtTheBorder) {
     EXPECT_LT(largest_error(points, 25, 25), kError * static_cast<double>(points.size()));
 }
 
-TEST(NonuniformTransform, IsTheSumOverALattice) {
+TEST(NonuniformTransform, EqualsTheSumOverALattice) {
     // All terms agree at some frequencies, beyond the highest one too: the most that can be folded back.
     std::vector<WeightedPoint> points;
     for (int r = 0; r < 16; ++r) {
@@ -96,7 +96,7 @@ TEST(NonuniformTransform, IsTheSumOverALattice) {
     EXPECT_LT(largest_error(points, 40, 40), kError * 256);
 }
 
-TEST(NonuniformTransform, ForgetsTheRunBefore) {
+TEST(NonuniformTransform, IsIndependentOfThePreviousRun) {
     const auto points = noise(50);
     NonuniformTransform fresh(10, 10), used(10, 10);
     used.run(noise(80), {});
@@ -107,7 +107,7 @@ TEST(NonuniformTransform, ForgetsTheRunBefore) {
     }
 }
 
-TEST(ShiftedTransform, IsTheSumAroundAnyFrequency) {
+TEST(ShiftedTransform, EqualsTheSumAroundAnyFrequency) {
     auto points = noise(300);
     const double sum = weigh(points, 9);
     ShiftedTransform transform(20, 11);
@@ -120,7 +120,7 @@ TEST(ShiftedTransform, IsTheSumAroundAnyFrequency) {
     }
 }
 
-TEST(NonuniformTransform, TellsItsSizeBeforehand) {
+TEST(NonuniformTransform, PredictsItsSize) {
     EXPECT_EQ(NonuniformTransform::cells(100, 50), 400 * 200);
     EXPECT_EQ(NonuniformTransform::cells(0, 0), 24 * 24);
     EXPECT_GT(NonuniformTransform::cells(1e200, 1), 1e200);

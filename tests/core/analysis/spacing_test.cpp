@@ -51,7 +51,7 @@ std::vector<Point> noise(std::size_t count, Point sides, double power, std::uint
     return points;
 }
 
-TEST(Spacing, FindsTheNearestOfAllPairs) {
+TEST(Spacing, EqualsTheMinimumOverAllPairs) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         for (const std::size_t count : {2, 3, 5, 17, 100, 300}) {
             expect_right(noise(count, {1, 1}, 1, seed), {1, 1});
@@ -61,7 +61,7 @@ TEST(Spacing, FindsTheNearestOfAllPairs) {
     }
 }
 
-TEST(Spacing, FindsTheNearestInCrowds) {
+TEST(Spacing, EqualsTheMinimumOverAllPairsInCrowds) {
     expect_right(noise(300, {1, 1}, 8, 1), {1, 1});
     auto points = noise(200, {1e-6, 1e-6}, 1, 2);
     points.push_back({0.9, 0.95});
@@ -74,18 +74,18 @@ TEST(Spacing, MeasuresAcrossTheBorderOfATorus) {
     EXPECT_NEAR(measure_spacing(points, {3, 1}, false, {}).min, 2.9, 1e-15);
 }
 
-TEST(Spacing, TakesPointsOnTheBorder) {
+TEST(Spacing, AcceptsPointsOnTheBorder) {
     expect_right({{0, 0}, {1, 1}, {1, 0}, {0.5, 1}}, {1, 1});
 }
 
-TEST(Spacing, IsZeroForTwins) {
+TEST(Spacing, IsZeroForCoincidentPoints) {
     const std::vector<Point> points = {{0.3, 0.3}, {0.3, 0.3}, {0.3, 0.8}};
     const Spacing spacing = measure_spacing(points, {1, 1}, false, {});
     EXPECT_EQ(spacing.min, 0);
     EXPECT_DOUBLE_EQ(spacing.mean, 0.5 / 3);
 }
 
-TEST(Spacing, TakesManyPointsInOnePlaceOrOnOneLine) {
+TEST(Spacing, AcceptsManyCoincidentOrCollinearPoints) {
     // Looking at every pair would take minutes.
     std::vector<Point> points(200'000, Point{0.5, 0.5});
     EXPECT_EQ(measure_spacing(points, {1, 1}, true, {}).mean, 0);

@@ -59,7 +59,7 @@ TEST(Cvt, LowersTheEnergy) {
     }
 }
 
-TEST(Cvt, BringsSitesToTheCentroidsOfTheirCells) {
+TEST(Cvt, MovesSitesToTheCentroidsOfTheirCells) {
     const Density ramp = grid_of(kCells, kCells, [](int i, int) { return 50.0 + i; });
     for (const bool around : {false, true}) {
         const Domain domain = (around ? Domain::torus(1, 1) : Domain::rectangle(1, 1)).value();

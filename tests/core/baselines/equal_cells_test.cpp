@@ -67,7 +67,7 @@ double best_gain(const EqualCells& cells, const PeriodicImages& images, std::siz
     return most(i, j) + most(j, i);
 }
 
-TEST(EqualCells, DealOutAllSamplesEvenly) {
+TEST(EqualCells, AssignEqualNumbersOfSamples) {
     for (const auto& [name, images] : settings()) {
         EqualCells cells = start(images);
         const auto given = sorted(random_points(kSites * kCapacity, 1));
@@ -96,7 +96,7 @@ TEST(EqualCells, LowerTheEnergyUntilNoSwapIsLeft) {
     }
 }
 
-TEST(EqualCells, HaveTheirSitesAtTheCentroids) {
+TEST(EqualCells, HaveSitesAtTheCentroids) {
     for (const auto& [name, images] : settings()) {
         EqualCells cells = start(images);
         for (int sweep = 0; sweep < 4; ++sweep) {
@@ -112,7 +112,7 @@ TEST(EqualCells, HaveTheirSitesAtTheCentroids) {
     }
 }
 
-TEST(EqualCells, TakeAnyNumberOfSamples) {
+TEST(EqualCells, AcceptAnyNumberOfSamples) {
     for (const std::size_t capacity : {1, 2, 3, 7, 64}) {
         for (const std::size_t sites : {1, 2, 6}) {
             EqualCells cells(random_points(sites * capacity, 1), random_points(sites, 2), settings()[0].images, {});
@@ -122,7 +122,7 @@ TEST(EqualCells, TakeAnyNumberOfSamples) {
     }
 }
 
-TEST(EqualCells, StopWhenAsked) {
+TEST(EqualCells, StopOnRequest) {
     std::stop_source stop;
     stop.request_stop();
     EqualCells cells = start(settings()[0].images);

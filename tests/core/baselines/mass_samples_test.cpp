@@ -66,14 +66,14 @@ TEST(MassSamples, LieInThePolygon) {
     }
 }
 
-TEST(MassSamples, FindTheOnlyPixelWithInk) {
+TEST(MassSamples, FindTheOnlyPixelWithDensity) {
     const Density pixel = grid_of(1000, 1000, [](int i, int j) { return i == 700 && j == 500 ? 1.0 : 0.0; });
     for (const Point& p : samples_of(Domain::rectangle(1, 1).value(), pixel, 1000)) {
         EXPECT_TRUE(p.x >= 0.7 && p.x <= 0.701 && p.y >= 0.5 && p.y <= 0.501) << p.x << " " << p.y;
     }
 }
 
-TEST(MassSamples, KeepOffTheWhite) {
+TEST(MassSamples, AvoidWhite) {
     const Density board = grid_of(16, 16, [](int i, int j) { return (i + j) % 2 == 0 ? 0.0 : 1.0; });
     for (const Point& p : samples_of(Domain::rectangle(1, 1).value(), board, 1000)) {
         EXPECT_EQ((static_cast<int>(16 * p.x) + static_cast<int>(16 * p.y)) % 2, 1);
@@ -87,7 +87,7 @@ TEST(MassSamples, DependOnTheSeed) {
     EXPECT_NE(samples_of(square, Density::uniform(), 1000, 2), samples);
 }
 
-TEST(MassSamples, StopWhenAsked) {
+TEST(MassSamples, StopOnRequest) {
     const Domain square = Domain::rectangle(1, 1).value();
     const auto sites = SiteMesh::create(square, Density::uniform(), {.sites = 10}, {}).value();
     std::stop_source stop;

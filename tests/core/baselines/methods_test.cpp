@@ -103,7 +103,7 @@ TEST_P(Baselines, PlaceAllSitesOnATorus) {
     }
 }
 
-TEST_P(Baselines, GiveTheSamePointsForTheSameSeed) {
+TEST_P(Baselines, AreDeterministicForASeed) {
     const Density ramp = densities()[1].second;
     for (const Domain& domain : {square_, torus_}) {
         const Options options{.sites = 200, .seed = 11, .iterations = 5};
@@ -113,7 +113,7 @@ TEST_P(Baselines, GiveTheSamePointsForTheSameSeed) {
     }
 }
 
-TEST_P(Baselines, DependOnRatiosOfTheDensityAlone) {
+TEST_P(Baselines, DependOnRatiosOfTheDensityOnly) {
     const Density ramp = grid_of(16, 16, [](int i, int j) { return 1.0 + i * j; });
     const Density scaled = grid_of(16, 16, [](int i, int j) { return 0x1p40 * (1.0 + i * j); });
     const Options options{.sites = 200, .seed = 4, .iterations = 5};
@@ -238,7 +238,7 @@ TEST_P(Baselines, ReportEachIteration) {
     }
 }
 
-TEST_P(Baselines, StopOnTheWay) {
+TEST_P(Baselines, StopBetweenIterations) {
     std::stop_source source;
     Control control{.stop = source.get_token(), .progress = {}};
     control.progress = [&](const Progress& progress) {
@@ -251,7 +251,7 @@ TEST_P(Baselines, StopOnTheWay) {
     EXPECT_EQ(test::count_outside(kSquare, result->points), 0u);
 }
 
-TEST_P(Baselines, StopBeforeTheyHaveBegun) {
+TEST_P(Baselines, StopBeforeTheStart) {
     std::stop_source source;
     source.request_stop();
     for (const std::size_t sites : {100, 5000}) {

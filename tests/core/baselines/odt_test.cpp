@@ -60,7 +60,7 @@ Point circumcentre(Point p, Point q) {
     return {(q.y * dot(p, p) - p.y * dot(q, q)) / d, (p.x * dot(q, q) - q.x * dot(p, p)) / d};
 }
 
-TEST(Odt, BringsSitesToTheMeanOfTheCircumcentres) {
+TEST(Odt, MovesSitesToTheMeanCircumcentre) {
     const TriangleMesh mesh = mesh_after(1000, 50);
     std::vector<Point> moments(50);
     std::vector<double> areas(50, 0);

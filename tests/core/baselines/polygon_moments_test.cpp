@@ -67,7 +67,7 @@ Moments sum_over(const std::vector<Point>& corners, const Density& density, Poin
     return sum;
 }
 
-TEST(SquaredDensity, AgreesWithASum) {
+TEST(SquaredDensity, AgreesWithANumericalSum) {
     Random random(5, 0);
     const Density density = grid_of(17, 11, [&](int, int) { return random.uniform(); });
     const SquaredDensity weight(rectangle(), density);

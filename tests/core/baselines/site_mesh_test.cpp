@@ -33,7 +33,7 @@ double folded(double x) {
     return std::abs(x - 2 * std::round(x / 2));
 }
 
-TEST(SiteMesh, MovesSitesWhereTheyAreWanted) {
+TEST(SiteMesh, MovesSitesToTheWantedPositions) {
     const Domain square = Domain::rectangle(1, 1).value();
     const Density uniform = Density::uniform();
     // Small moves keep the triangles, large ones turn many over.
@@ -67,7 +67,7 @@ TEST(SiteMesh, KeepsSitesInTheDomain) {
     }
 }
 
-TEST(SiteMesh, KeepsOffTheBorderAsFarAsCoordinatesAreExact) {
+TEST(SiteMesh, KeepsTheMarginOfCoordinateResolution) {
     const Domain far = domain_of(test::moved({{test::box(0, 0, 1, 1), {}}}, {5e8, 5e8}));
     const Density uniform = Density::uniform();
     SiteMesh sites = start(far, uniform, 1);
@@ -77,7 +77,7 @@ TEST(SiteMesh, KeepsOffTheBorderAsFarAsCoordinatesAreExact) {
     }
 }
 
-TEST(SiteMesh, TakesTheShorterWayAroundATorus) {
+TEST(SiteMesh, MovesTheShorterWayOnATorus) {
     const Domain torus = Domain::torus(1, 1).value();
     const Density uniform = Density::uniform();
     SiteMesh sites = start(torus, uniform, 100);

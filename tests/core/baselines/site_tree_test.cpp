@@ -40,7 +40,7 @@ double distance(const PeriodicImages& images, Point a, Point b) {
     return std::sqrt(dot(way, way));
 }
 
-TEST(SiteTree, FindsTheNearestSiteLeft) {
+TEST(SiteTree, FindsTheNearestSiteNotHidden) {
     for (const auto& [name, images, sides] : settings()) {
         for (const std::size_t count : {1, 2, 7, 100}) {
             const auto sites = sites_in(sides, count);
@@ -94,7 +94,7 @@ TEST(SiteTree, FindsAllSitesWithinADistance) {
     }
 }
 
-TEST(SiteTree, TakesSitesBeyondTheSeam) {
+TEST(SiteTree, FindsSitesAcrossTheSeam) {
     const PeriodicImages images(Domain::torus(1, 1).value());
     const std::vector<Point> sites{{-0.1, 1.2}, {0.4, 0.6}};
     EXPECT_EQ(SiteTree(sites, images).nearest({0.9, 0.2})->site, 0u);

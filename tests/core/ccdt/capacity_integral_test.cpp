@@ -122,7 +122,7 @@ TEST(CapacityIntegral, IsExactForTrianglesSmallerThanACell) {
     EXPECT_NEAR(sum_of(capacities), capacity.total(), 1e-12 * capacity.total());
 }
 
-TEST(CapacityIntegral, TurnsWithItsDensity) {
+TEST(CapacityIntegral, RotatesWithItsDensity) {
     const Domain domain = domain_of(kSquare);
     const Density density = grid_of(5, 5, [](int i, int j) { return 1.0 + 3 * i + 7 * j; });
     const Density turned = grid_of(5, 5, [](int i, int j) { return 1.0 + 3 * j + 7 * (4 - i); });
@@ -189,7 +189,7 @@ TEST(CapacityIntegral, AddsUpWhereVerticesLieOnCellLines) {
 }
 
 /// A triangle's capacity changes with a small move of a corner as the sweeps of its edges there say, to first order.
-TEST(CapacityIntegral, ChangesByWhatEdgesSweep) {
+TEST(CapacityIntegral, ChangesByTheSweptIntegrals) {
     Random random(11, 0);
     const Density density = grid_of(24, 16, [&](int, int) { return random.uniform() < 0.3 ? 0.0 : random.uniform(); });
     for (const Domain& domain : {Domain::rectangle(3, 2).value(), Domain::torus(3, 2).value()}) {
@@ -238,7 +238,7 @@ std::vector<double> flows_of(const CapacityIntegral& capacity, const Triangulati
     return numbers;
 }
 
-TEST(CapacityIntegral, FollowsFourEdgesAtOnceAsTwo) {
+TEST(CapacityIntegral, IntegratesFourEdgesAtOnceAsTwo) {
     Random random(13, 0);
     const Density density = grid_of(37, 23, [&](int, int) { return random.uniform() < 0.3 ? 0.0 : random.uniform(); });
     for (const Domain& domain :

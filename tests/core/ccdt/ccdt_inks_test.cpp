@@ -29,7 +29,7 @@ std::vector<Density> ramps() {
     return {ramp(1, 0), ramp(-0.1, 0.8), ramp(0, 0)};
 }
 
-TEST(DistributeInks, GivesEachInkItsSitesInside) {
+TEST(DistributeInks, GivesEachInkItsSitesInsideTheDomain) {
     const std::vector<std::size_t> counts{500, 0, 1};
     const auto inks = distribute_inks(kSquare, ramps(), counts, {.seed = 3}).value();
     ASSERT_EQ(inks.size(), counts.size());
@@ -54,7 +54,7 @@ TEST(DistributeInks, GivesOneInkTheDotsOfGrey) {
     }
 }
 
-TEST(DistributeInks, TellsOfAllInksAsOneRun) {
+TEST(DistributeInks, ReportsProgressOfAllInksAsOneRun) {
     std::vector<Progress> told;
     const Control control{{}, [&](const Progress& progress) { told.push_back(progress); }};
     const Options options{.iterations = 3};
@@ -75,7 +75,7 @@ TEST(DistributeInks, TellsOfAllInksAsOneRun) {
     }
 }
 
-TEST(DistributeInks, ReturnsAllInksAsTheyStandWhenStopped) {
+TEST(DistributeInks, ReturnsTheCurrentSitesOfAllInksWhenStopped) {
     std::stop_source source;
     const Control control{source.get_token(), [&](const Progress& progress) {
                               if (progress.iteration == 2) source.request_stop();
@@ -98,7 +98,7 @@ TEST(DistributeInks, FailsIfStoppedDuringTheStart) {
     EXPECT_EQ(inks.error().code, ErrorCode::Stopped);
 }
 
-TEST(DistributeInks, GivesTheSameBytesAgain) {
+TEST(DistributeInks, IsDeterministic) {
     const std::vector<std::size_t> counts{400, 300, 200};
     const auto once = distribute_inks(kSquare, ramps(), counts, {.seed = 9}).value();
     const auto again = distribute_inks(kSquare, ramps(), counts, {.seed = 9}).value();
@@ -180,7 +180,7 @@ TEST(DistributeInks, KeepsTheToneOfEachInk) {
     EXPECT_LT(error, 1.3e-5);
 }
 
-TEST(DistributeInks, KnowsAllKindsOfDomains) {
+TEST(DistributeInks, AcceptsAllKindsOfDomains) {
     const std::vector<std::size_t> counts{300, 200, 100};
     const std::vector<Density> uniform(3, Density::uniform());
     for (const Domain& domain : {Domain::torus(1, 1).value(), test::domain_of({{test::l_shape(), {}}})}) {
@@ -235,7 +235,7 @@ TEST(DistributeInks, RetouchesNeitherDraftsNorOneInk) {
     EXPECT_TRUE(distribute_inks(kSquare, ramps(), one, {}, {}, retouch));
 }
 
-TEST(DistributeInks, LeavesOutThePolishWhenStoppedBeforeIt) {
+TEST(DistributeInks, SkipsThePolishWhenStoppedBeforeIt) {
     std::stop_source source;
     const Control control{source.get_token(), [&](const Progress& progress) {
                               if (progress.iteration == progress.iterations) source.request_stop();
@@ -258,7 +258,7 @@ TEST(DistributeInks, RefusesDensitiesOfDifferentGrids) {
     EXPECT_TRUE(distribute_inks(kSquare, densities, std::vector<std::size_t>{9, 0}, {}));
 }
 
-TEST(DistributeInks, RefusesWhatDistributeRefuses) {
+TEST(DistributeInks, RefusesTheSameInputsAsDistribute) {
     const std::vector<Density> densities = ramps();
     const auto none = distribute_inks(kSquare, densities, std::vector<std::size_t>{0, 0, 0}, {});
     ASSERT_FALSE(none);

@@ -81,7 +81,7 @@ std::vector<std::pair<std::string, Density>> densities() {
 class Distribute : public testing::TestWithParam<std::size_t> {};
 
 /// The promise to callers: n sites, each its own place, strictly inside.
-TEST_P(Distribute, KeepsItsPromise) {
+TEST_P(Distribute, PlacesDistinctSitesStrictlyInside) {
     const Place place = places()[GetParam()];
     const Domain domain = domain_of(place.parts);
     for (const auto& [name, density] : densities()) {
@@ -117,7 +117,7 @@ TEST(Distribute, PlacesAThousandSites) {
     }
 }
 
-TEST(Distribute, FillsASinglePixel) {
+TEST(Distribute, FillsASinglePixelWithInk) {
     const Density dot = grid_of(100, 100, [](int i, int j) { return i == 70 && j == 50 ? 1.0 : 0.0; });
     const auto result = run(kSquare, dot, {.sites = 1000, .seed = 3});
     EXPECT_EQ(test::count_outside(kSquare, result.points), 0u);
@@ -128,14 +128,14 @@ TEST(Distribute, FillsASinglePixel) {
     EXPECT_GT(in_pixel, 950);
 }
 
-TEST(Distribute, StartsInTheOnlyPixelWithInk) {
+TEST(Distribute, StartsInTheOnlyPixelWithDensity) {
     const Density pixel = grid_of(1000, 1000, [](int i, int j) { return i == 700 && j == 500 ? 1.0 : 0.0; });
     for (const Point& p : run(kSquare, pixel, {.sites = 1000, .seed = 1, .iterations = 0}).points) {
         EXPECT_TRUE(p.x >= 0.700 && p.x <= 0.701 && p.y >= 0.500 && p.y <= 0.501) << p.x << " " << p.y;
     }
 }
 
-TEST(Distribute, StandsVerticesOfTheBorderThatMeetAHole) {
+TEST(Distribute, HandlesBorderVerticesThatMeetAHole) {
     // A vertex set on the outer edge rounds to the very corner of the hole.
     const Parts parts{{{{0, 0}, {1, 0.67211498554141436}, {0.16277443304464762, 1}},
                        {{{0.056603773584905662, 0.038044244464608364}, {0.4, 0.5}, {0.41, 0.52}}}}};
@@ -150,7 +150,7 @@ TEST(Distribute, SetsFewVerticesOnTheBorderOfASliver) {
 }
 
 /// Part of this corner of the density reaches the triangle's box, none of it the triangle.
-TEST(Distribute, RefusesADensityThatOnlyRoundingPutsInside) {
+TEST(Distribute, RefusesADensityInsideOnlyByRounding) {
     const Parts triangle{{{{1, 0}, {1, 1}, {0, 1}}, {}}};
     Random random(1, 1);
     for (int i = 0; i < 200; ++i) {
@@ -195,7 +195,7 @@ TEST(Distribute, RefusesOptionsOutOfRange) {
     for (const double bad : {0.0, -1.0, std::nan("")}) expect_refused({.sites = 5, .tolerance = bad}, "tolerance");
 }
 
-TEST(Distribute, GivesTheSameBytesForTheSameSeed) {
+TEST(Distribute, IsDeterministicForASeed) {
     const Density picture = portrait();
     for (const Density& density : {Density::uniform(), picture}) {
         const Options options{.sites = 2000, .seed = 11};
@@ -205,7 +205,7 @@ TEST(Distribute, GivesTheSameBytesForTheSameSeed) {
     }
 }
 
-TEST(Distribute, GivesTheSameBytesOnAllThreads) {
+TEST(Distribute, IsIdenticalInConcurrentRuns) {
     const Domain domain = domain_of(test::read_geojson("South-Africa-50m.geojson"));
     const Density density = portrait();
     const Options options{.sites = 1500, .seed = 11};
@@ -230,7 +230,7 @@ public:
     int runs = 0;
 };
 
-TEST(Distribute, HasTheTeamPolishToo) {
+TEST(Distribute, RunsThePolishOnTheExecutorToo) {
     const auto runs_of = [](Quality quality) {
         CountingTeam team;
         Control control;
@@ -245,7 +245,7 @@ TEST(Distribute, HasTheTeamPolishToo) {
     EXPECT_GT(standard, draft + 100) << "a polish of 15 rounds, each of several steps";
 }
 
-TEST(Distribute, GivesTheSameBytesByAnyTeam) {
+TEST(Distribute, IsIdenticalOnAnyNumberOfThreads) {
     constexpr std::size_t kSites = 20'000;  // enough for several blocks of sites, on several levels
     const Domain land = domain_of(test::read_geojson("South-Africa-50m.geojson"));
     const Domain square = domain_of(kSquare), torus = Domain::torus(1, 0.8).value();
@@ -283,7 +283,7 @@ TEST(Distribute, GivesTheSameBytesByAnyTeam) {
     }
 }
 
-TEST(Distribute, MovesAndGrowsWithItsDomain) {
+TEST(Distribute, IsEquivariantUnderTranslationAndScaling) {
     for (const char* name : {"Italy-110m.geojson", "Switzerland-10m.geojson"}) {
         // Coordinates on a lattice, so that moving them is exact.
         Parts parts = test::scaled(test::read_geojson(name), 0x1p20);
@@ -304,14 +304,14 @@ TEST(Distribute, MovesAndGrowsWithItsDomain) {
     }
 }
 
-TEST(Distribute, DependsOnRatiosOfTheDensityAlone) {
+TEST(Distribute, DependsOnRatiosOfTheDensityOnly) {
     const Density ramp = grid_of(16, 16, [](int i, int j) { return 1.0 + i * j; });
     const Density scaled = grid_of(16, 16, [](int i, int j) { return 0x1p40 * (1.0 + i * j); });
     const Options options{.sites = 500, .seed = 4};
     EXPECT_TRUE(same_bytes(run(kSquare, ramp, options).points, run(kSquare, scaled, options).points));
 }
 
-TEST(Distribute, WorksAsWellTurned) {
+TEST(Distribute, WorksEquallyWellWhenRotated) {
     const Density density = portrait();
     const Density turned =
         grid_of(128, 96, [&](int i, int j) { return density.value(j, 127 - i); });  // clockwise by a right angle
@@ -392,7 +392,7 @@ TEST(Distribute, DoesNotStallNextToWhite) {
     }
 }
 
-TEST(Distribute, TellsTheVariationOfThePolishedPoints) {
+TEST(Distribute, ReportsTheVariationOfThePolishedPoints) {
     const Options options{.sites = 1000, .seed = 2, .quality = Quality::Draft};
     const auto draft = run(kSquare, portrait(), options);
     EXPECT_FALSE(draft.polished);
@@ -465,7 +465,7 @@ TEST(Distribute, ReportsNoPolishOfDrafts) {
     EXPECT_EQ(seen.back().done(), 5.0 / 6);
 }
 
-TEST(Distribute, StopsBeforeItHasBegun) {
+TEST(Distribute, StopsBeforeTheStart) {
     std::stop_source source;
     source.request_stop();
     for (const std::size_t sites : {100, 20000}) {
@@ -481,7 +481,7 @@ TEST(Distribute, StopsBeforeItHasBegun) {
     }
 }
 
-TEST(Distribute, StopsOnTheWay) {
+TEST(Distribute, StopsBetweenIterations) {
     std::stop_source source;
     Control control{.stop = source.get_token(), .progress = {}};
     control.progress = [&](const Progress& progress) {
@@ -496,7 +496,7 @@ TEST(Distribute, StopsOnTheWay) {
     EXPECT_EQ(test::count_distinct(result->points), 1000u);
 }
 
-TEST(Distribute, StopsInThePolish) {
+TEST(Distribute, StopsDuringThePolish) {
     std::stop_source source;
     Control control{.stop = source.get_token(), .progress = {}};
     control.progress = [&](const Progress& progress) {

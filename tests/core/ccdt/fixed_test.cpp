@@ -66,17 +66,17 @@ FixedRoom room_of(const std::vector<Point>& fixed, std::size_t sites) {
     return take_room(square(), fixed, sites, kSide, kSide, masses);
 }
 
-TEST(FixedRoom, OfOneAloneIsThatOfASite) {
+TEST(FixedRoom, OfAnIsolatedPointEqualsThatOfASite) {
     EXPECT_NEAR(room_of({{0.5, 0.5}}, 100).sites, 101, 0.1);
     EXPECT_NEAR(room_of({{0.2, 0.3}, {0.8, 0.9}}, 100).sites, 102, 0.2);
     EXPECT_NEAR(room_of({{0.2, 0.3}, {0.8, 0.9}}, 100).weights[1], 1, 0.1);
 }
 
-TEST(FixedRoom, OfManyInAPlaceIsThatOfOne) {
+TEST(FixedRoom, OfCoincidentPointsEqualsThatOfOne) {
     EXPECT_NEAR(room_of(std::vector<Point>(1000, {0.5, 0.5}), 100).sites, 101, 0.1);
 }
 
-TEST(FixedRoom, OfAClusterIsItsAreaAndARim) {
+TEST(FixedRoom, OfAClusterIsItsOwnAreaAndARim) {
     // A tenth of the square's side squared, and half a site's distance around it.
     const double sites = 10'000, rim = std::sqrt(1 / (sites * std::acos(-1)));
     const double area = 0.01 + 0.4 * rim;
@@ -84,14 +84,14 @@ TEST(FixedRoom, OfAClusterIsItsAreaAndARim) {
     EXPECT_NEAR(found, sites / (1 - area), 0.003 * sites);
 }
 
-TEST(FixedRoom, ReachesInFromOutside) {
+TEST(FixedRoom, OfPointsOutsideReachesIntoTheDomain) {
     const double sites = room_of({{-0.02, 0.5}}, 100).sites;
     EXPECT_GT(sites, 100.1);
     EXPECT_LT(sites, 100.5);
     EXPECT_NEAR(room_of({{-0.2, 0.5}}, 100).sites, 100, 1e-6);
 }
 
-TEST(Fixed, AreKeptClearOfEverywhere) {
+TEST(Fixed, KeepTheirDistanceFromSites) {
     const Domain torus = Domain::torus(1, 1).value();
     const Domain polygon =
         Domain::create({{{{0, 0}, {1, 0}, {1, 1}, {0.5, 0.4}, {0, 1}}, {box(0.2, 0.2, 0.1, 0.1)}}}).value();
@@ -108,7 +108,7 @@ TEST(Fixed, AreKeptClearOfEverywhere) {
     }
 }
 
-TEST(Fixed, MayBeClustersAndCopies) {
+TEST(Fixed, CanBeClusteredAndCoincident) {
     std::vector<Point> fixed = drawn(300, {0.45, 0.45}, 0.1);
     fixed.insert(fixed.end(), 50, {0.2, 0.2});
     for (int i = 0; i < 100; ++i) fixed.push_back({0.8 + 1e-9 * i, 0.8});
@@ -126,7 +126,7 @@ TEST(Fixed, MayBeClustersAndCopies) {
     }
 }
 
-TEST(Fixed, LeaveTheRestEven) {
+TEST(Fixed, LeaveTheOtherSitesEven) {
     // In the half without fixed points there are as many as in as large a part of the other half's rest.
     const std::vector<Point> fixed = drawn(5000, {0.5, 0}, 0.25);
     const auto points = place(square(), 4000, fixed);
@@ -134,7 +134,7 @@ TEST(Fixed, LeaveTheRestEven) {
     EXPECT_NEAR(static_cast<double>(left) / 4000, 0.5 / (1 - 0.0625), 0.01);
 }
 
-TEST(Fixed, MayBeManyMoreThanTheSites) {
+TEST(Fixed, CanOutnumberTheSites) {
     std::vector<Point> fixed;
     constexpr int kSide = 30;
     for (int i = 0; i < kSide * kSide; ++i) fixed.push_back({(i % kSide + 0.5) / kSide, (i / kSide + 0.5) / kSide});
@@ -144,7 +144,7 @@ TEST(Fixed, MayBeManyMoreThanTheSites) {
     }
 }
 
-TEST(Fixed, FollowADensity) {
+TEST(Fixed, TakeAreaByTheDensity) {
     const std::vector<double> values = {1, 4};
     const auto density = Density::grid(2, 1, values).value();
     const std::vector<Point> fixed = drawn(60);
@@ -155,7 +155,7 @@ TEST(Fixed, FollowADensity) {
     EXPECT_NEAR(static_cast<double>(right + fixed_right), 0.8 * 1060, 15);
 }
 
-TEST(Fixed, MayLieAnywhereAndComeInAnyOrder) {
+TEST(Fixed, CanLieAnywhereInAnyOrder) {
     const double most = std::numeric_limits<double>::max();
     std::vector<Point> fixed = drawn(20);
     for (const Point& p : {Point{most, most}, {-most, 0}, {1e-308, 1}, {0, 0}, {1, 0.5}, {-0.01, 0.3}, {7, 7}})
@@ -169,7 +169,7 @@ TEST(Fixed, MayLieAnywhereAndComeInAnyOrder) {
     }
 }
 
-TEST(Fixed, AreVerticesOfTheMeshBehindTheSites) {
+TEST(Fixed, AreMeshVerticesAfterTheSites) {
     Options options;
     options.sites = 100;
     options.fixed = {{0.5, 0.5}, {0.25, 0.75}};

@@ -22,7 +22,7 @@ std::vector<std::pair<std::string, Domain>> domains() {
 }
 
 /// Goals of a uniform density are those that its triangles would have by their areas, be they stored for each or not.
-TEST(EvenGoals, AreThoseOfEachTriangle) {
+TEST(EvenGoals, EqualTheGoalsOfEachTriangle) {
     for (const bool fixed : {false, true}) {
         for (auto& [name, domain] : domains()) {
             StartMesh start(std::move(domain), Density::uniform(), {.sites = 400, .seed = 5});
@@ -41,13 +41,13 @@ TEST(EvenGoals, AreThoseOfEachTriangle) {
 }
 
 /// If each triangle added up all edges that its site faces, this would take hours.
-TEST(Goals, AddUpTheEdgesThatASiteFacesOnce) {
+TEST(Goals, SumTheEdgesThatASiteFacesOnce) {
     StartMesh start(domain_of({{test::circle({0, 0}, 1, 200'000), {}}}), Density::uniform(), {.sites = 2, .seed = 5});
     start.measure();
     EXPECT_EQ(start.goals.size(), start.mesh.triangle_count());
 }
 
-TEST(TriangleGoals, KnowNothingOfNone) {
+TEST(TriangleGoals, AreNeutralForNoTriangle) {
     const TriangleGoals each(std::vector<TriangleGoal>{{3, 1, 1}}), rare(TriangleGoal{2, 1, 1}, {4}, {{5, 0.5, 0.5}});
     const TriangleGoals weights(std::vector<double>{2, 0, 3}, {1}, {{5, 0.5, 0.5}});
     EXPECT_EQ(each.of(0).weight, 3);

@@ -109,7 +109,7 @@ std::vector<Point> relaxed(const Domain& domain, const Density& density, std::si
     return start.mesh.points();
 }
 
-TEST(Relaxation, MovesTwoSitesAtOnceAsOneAfterTheOther) {
+TEST(Relaxation, MovesTwoSitesAtOnceAsInSequence) {
     for (const std::size_t sites : {1, 2, 5, 9, 64, 700, 6000}) {
         SCOPED_TRACE(sites);
         for (const Density& density : {Density::uniform(), spot_and_corner()}) {
@@ -149,7 +149,7 @@ double reached(const Domain& domain, const Density& density, bool exact) {
     return start.measure();
 }
 
-TEST(Relaxation, GetsPastWhiteByExactPasses) {
+TEST(Relaxation, DoesNotStallNextToWhiteInExactPasses) {
     for (const Domain& domain : {domain_of(kSquare), Domain::torus(1, 1).value()}) {
         SCOPED_TRACE(domain.is_torus() ? "torus" : "box");
         EXPECT_LT(reached(domain, test::pear(), true), 0.07);
@@ -164,7 +164,7 @@ TEST(Relaxation, KeepsExactPassesInsideTheBorder) {
     EXPECT_GT(reached(domain_of(kSquare), cut, false), 0.1);
 }
 
-TEST(Relaxation, RestsWhereExactPassesHaveNothingToGain) {
+TEST(Relaxation, RestsAtTheMinimumOfExactPasses) {
     // A uniform density written as a grid: an exact pass is a plain one that moves no further than the minimum.
     const Density one = grid_of(20, 20, [](int, int) { return 1.0; });
     StartMesh start(domain_of(kSquare), one, {.sites = 120, .seed = 10});
@@ -182,7 +182,7 @@ TEST(Relaxation, RestsWhereExactPassesHaveNothingToGain) {
     }
 }
 
-TEST(Relaxation, BringsALoneSiteToTheMiddle) {
+TEST(Relaxation, MovesASingleSiteToTheCentre) {
     const Domain domain = domain_of(kSquare);
     Triangulation mesh(1, triangulate(bare_border(domain)).value());
     ASSERT_TRUE(mesh.insert(0, {0.3, 0.8}));
@@ -248,7 +248,7 @@ TEST(Relaxation, CountsAFanAsOneTriangle) {
     EXPECT_NEAR(height_above_pieces(40), whole, 0.02);
 }
 
-TEST(Relaxation, KeepsTheBorderWhereItIs) {
+TEST(Relaxation, KeepsVerticesOnTheBorder) {
     const Domain domain = domain_of(kSquare);
     StartMesh start(domain, Density::uniform(), {.sites = 500, .seed = 8});
     start.measure();
@@ -280,7 +280,7 @@ TEST(Relaxation, MovesNothingWithoutWeight) {
 
 /// Both layouts of a site's surroundings, the plain one and that with a goal for each triangle, solve the same
 /// equations: where one of them has come to rest, the other one rests too.
-TEST(Relaxation, RestsInTheSamePlaceOnAllPaths) {
+TEST(Relaxation, ConvergesToTheSamePositionsOnAllPaths) {
     StartMesh start(domain_of(kSquare), Density::uniform(), {.sites = 120, .seed = 10});
     start.measure();
     Relaxation plain(start.mesh, start.border.corner, true, {});

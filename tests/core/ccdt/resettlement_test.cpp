@@ -42,7 +42,7 @@ void crowd(Triangulation& mesh, Point from, Point to, int count) {
     }
 }
 
-TEST(Resettlement, TakesSitesToWhereTheyAreMissing) {
+TEST(Resettlement, MovesSitesToWhereTheyAreMissing) {
     constexpr std::size_t kSites = 60;
     StartMesh start(domain_of(kStrip), Density::uniform(), {.sites = kSites, .seed = 2});
     crowd(start.mesh, {0, 0.05}, {0.95, 0.05}, 5);
@@ -57,7 +57,7 @@ TEST(Resettlement, TakesSitesToWhereTheyAreMissing) {
     EXPECT_EQ(test::count_not_delaunay(start.mesh), 0u);
 }
 
-TEST(Resettlement, LeavesWhatIsEven) {
+TEST(Resettlement, KeepsEvenSites) {
     StartMesh start(domain_of(kStrip), Density::uniform(), {.sites = 60, .seed = 2});
     for (int round = 0; round < 5; ++round) {
         start.measure();
@@ -72,7 +72,7 @@ TEST(Resettlement, LeavesWhatIsEven) {
     EXPECT_EQ(start.mesh.points(), before);
 }
 
-TEST(Resettlement, CrossesNoWater) {
+TEST(Resettlement, StaysWithinAPart) {
     StartMesh start(domain_of({{test::box(0, 0, 0.45, 0.1), {}}, {test::box(0.55, 0, 0.45, 0.1), {}}}),
                     Density::uniform(), {.sites = 60, .seed = 2});
     crowd(start.mesh, {0, 0.05}, {0.95, 0.05}, 10);
@@ -84,7 +84,7 @@ TEST(Resettlement, CrossesNoWater) {
     }
 }
 
-TEST(Resettlement, TakesASiteToTheRoomiestPlace) {
+TEST(Resettlement, MovesASiteToTheSparsestPlace) {
     StartMesh start(domain_of(kStrip), Density::uniform(), {.sites = 60, .seed = 2});
     crowd(start.mesh, {0, 0.05}, {0.95, 0.05}, 4);
     start.measure();
@@ -114,7 +114,7 @@ TEST(Resettlement, SeparatesTheOnlySitesOfTwoIslands) {
     EXPECT_FALSE(Resettlement(start.mesh, start.goals).separate({0, 1})) << "neither has a better place";
 }
 
-TEST(Resettlement, MakesNoTrianglesThatAreTooFlat) {
+TEST(Resettlement, MakesNoFlatTriangles) {
     StartMesh start(domain_of(kStrip), Density::uniform(), {.sites = 60, .seed = 2});
     crowd(start.mesh, {0, 0.05}, {0.95, 0.05}, 5);
     start.measure();

@@ -39,7 +39,7 @@ TEST(StartSites, SpreadEvenlyWhenStratified) {
     EXPECT_LT(mean_dispersion(Density::uniform(), Start::Stratified, kEven), 0.15);
 }
 
-TEST(StartSites, SpreadLikePoissonWhenRandom) {
+TEST(StartSites, AreAPoissonProcessWhenRandom) {
     const double random = mean_dispersion(Density::uniform(), Start::Random, kEven);
     EXPECT_GT(random, 0.8);
     EXPECT_LT(random, 1.2);
@@ -59,7 +59,7 @@ TEST(StartSites, FollowTheDensity) {
     }
 }
 
-TEST(StartSites, KeepOffTheWhite) {
+TEST(StartSites, AvoidWhite) {
     const Density half = grid_of(16, 16, [](int i, int j) { return (i + j) % 2 == 0 ? 0.0 : 1.0; });
     const Domain domain = Domain::rectangle(1, 1).value();
     for (const Start kind : {Start::Stratified, Start::Random}) {
@@ -71,7 +71,7 @@ TEST(StartSites, KeepOffTheWhite) {
     }
 }
 
-TEST(StartSites, KeepOffFineWhite) {
+TEST(StartSites, AvoidFineWhite) {
     // Lines of one pixel, thirty pixels apart, in a picture far finer than the sites.
     const Density lines = grid_of(1200, 1200, [](int i, int) { return i % 30 == 7 ? 1.0 : 0.0; });
     const Domain domain = Domain::rectangle(1, 1).value();
@@ -96,7 +96,7 @@ TEST(StartSites, StayInTheBox) {
     }
 }
 
-TEST(StartSites, DependOnSeedSiteAndAttemptAlone) {
+TEST(StartSites, DependOnSeedSiteAndAttemptOnly) {
     const Domain domain = Domain::rectangle(1, 1).value();
     const Density uniform = Density::uniform();
     const StartSites start(domain, uniform, Options{.sites = 100, .seed = 1});

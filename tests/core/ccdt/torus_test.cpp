@@ -128,7 +128,7 @@ Distribution run(const Domain& domain, const Density& density, const Options& op
 
 constexpr std::array kQualities = {Quality::Draft, Quality::Standard, Quality::Best};
 
-TEST(TorusDistribute, KeepsItsPromise) {
+TEST(TorusDistribute, PlacesDistinctSitesInTheBox) {
     Random random(2, 0);
     const std::vector<Density> densities{
         Density::uniform(), noise(), hills(0), grid_of(64, 64, [](int i, int) { return i < 32 ? 0.0 : 1.0; }),
@@ -163,7 +163,7 @@ TEST(TorusDistribute, LowersTheVariation) {
     EXPECT_LT(run(torus(3, 2), hills(0), options).variation(), 0.08);
 }
 
-TEST(TorusDistribute, GivesTheSameBytesForTheSameSeed) {
+TEST(TorusDistribute, IsDeterministicForASeed) {
     for (const Quality quality : kQualities) {
         for (const Density& density : {Density::uniform(), hills(0)}) {
             const Options options{.sites = 800, .seed = 4, .quality = quality};
@@ -212,7 +212,7 @@ TEST(TorusDistribute, HasNoSeam) {
 }
 
 /// A density moved by half a period gives sets as good, moved by half a period.
-TEST(TorusDistribute, TurnsWithItsDensity) {
+TEST(TorusDistribute, ShiftsWithItsDensity) {
     constexpr std::uint64_t kSeeds = 4;
     for (const Quality quality : kQualities) {
         double variation = 0, moved_variation = 0, x = 0, moved_x = 0;

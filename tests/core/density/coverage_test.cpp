@@ -22,7 +22,7 @@ std::vector<BorderEdge> areas() {
     return border;
 }
 
-TEST(Coverage, IsTheShareOfEachCell) {
+TEST(Coverage, IsTheCoveredShareOfEachCell) {
     const auto share = coverage(areas(), {8, 6}, 8, 6);
     ASSERT_EQ(share.size(), 48u);
     EXPECT_NEAR(share[1], 0.5, 1e-12);
@@ -32,7 +32,7 @@ TEST(Coverage, IsTheShareOfEachCell) {
     EXPECT_NEAR(std::accumulate(share.begin(), share.end(), 0.0), 0.5 + 2 * 8, 1e-12);
 }
 
-TEST(Coverage, HoldsCellsBetweenBordersAlone) {
+TEST(Coverage, ListsOnlyCellsBetweenBorders) {
     const CrossedCells cells = crossed_coverage(areas(), {8, 6}, 16, 12);
     ASSERT_EQ(cells.rows.size(), 12u);
     EXPECT_EQ(cells.rows[0].end - cells.rows[0].first, 3u) << "from 1 to 2, and the column that begins at 2";

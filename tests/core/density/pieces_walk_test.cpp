@@ -79,7 +79,7 @@ TEST(PiecesWalk, CoversSegmentsCellByCell) {
 
 /// Along lines of the grid, through its points, of no length, thinner than any inverse can be told, and beyond the
 /// grid by rounding.
-TEST(PiecesWalk, CoversSegmentsAtTheEndsOfRanges) {
+TEST(PiecesWalk, CoversDegenerateSegments) {
     constexpr double kLeast = std::numeric_limits<double>::denorm_min(), kTiny = 1e-308, kOff = 1e-15;
     const std::vector<double> xs{
         0, kLeast, kTiny, -kTiny, -kOff, 7, 7 + kOff, 7.5, kColumns - kOff, kColumns, kColumns * (1 + kOff)};

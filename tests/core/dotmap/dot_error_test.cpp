@@ -62,7 +62,7 @@ private:
     std::vector<FeatureDot> dots_;
 };
 
-TEST(DotError, FindsNoneInGrids) {
+TEST(DotError, FindsNoErrorInGrids) {
     const Squares squares({20, 20});
     const auto errors = squares.errors();
     for (std::size_t dot = 0; dot < errors.size(); ++dot) {
@@ -73,7 +73,7 @@ TEST(DotError, FindsNoneInGrids) {
     }
 }
 
-TEST(DotError, TellsWhereThereAreTooMany) {
+TEST(DotError, LocatesASurplus) {
     const Squares squares({20, 20});
     std::vector<Point> places;
     for (const FeatureDot& dot : squares.dots()) places.push_back({dot.place.x, dot.place.y * dot.place.y});
@@ -89,7 +89,7 @@ TEST(DotError, TellsWhereThereAreTooMany) {
 }
 
 /// Of what crowds at the border of two features each knows, be their spacings of one octave or of two.
-TEST(DotError, LooksAcrossBorders) {
+TEST(DotError, IncludesNeighbouringFeatures) {
     for (const int rows : {20, 28}) {
         const Squares squares({20, rows});
         std::vector<Point> places;
@@ -106,7 +106,7 @@ TEST(DotError, LooksAcrossBorders) {
 }
 
 /// Next to ground so dense that its dots would count for many, and next to a desert.
-TEST(DotError, LeavesContrastsAlone) {
+TEST(DotError, IgnoresFeaturesOfVeryDifferentDensity) {
     for (const int rows : {200, 3}) {
         const Squares squares({20, rows});
         const auto errors = squares.errors();

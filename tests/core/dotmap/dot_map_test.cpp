@@ -116,7 +116,7 @@ TEST(DistributeDots, LeavesNoStripAlongBorders) {
     for (const int count : rows) EXPECT_NEAR(count, mean, 0.35 * mean);
 }
 
-TEST(DistributeDots, KeepsCountsOfWhatOverlaps) {
+TEST(DistributeDots, KeepsTheCountsOfOverlappingFeatures) {
     const std::vector<Given> given = {{{{box(0, 0, 2, 2), {}}}, {200}},
                                       {{{box(1, 1, 2, 2), {}}}, {300}},
                                       {{{box(1, 1, 2, 2), {}}}, {50}},
@@ -127,7 +127,7 @@ TEST(DistributeDots, KeepsCountsOfWhatOverlaps) {
     check(given, classes->front());
 }
 
-TEST(DistributeDots, ReachesContrastsOfACity) {
+TEST(DistributeDots, HandlesStrongContrasts) {
     const std::vector<Given> given = {{{{box(0, 0, 100, 100), {box(50, 50, 1, 1)}}}, {100}},
                                       {{{box(50, 50, 1, 1), {}}}, {700}}};
     const auto features = features_of(given);
@@ -138,7 +138,7 @@ TEST(DistributeDots, ReachesContrastsOfACity) {
     EXPECT_GT(within[within.size() / 100], 0.7);
 }
 
-TEST(DistributeDots, PassesOverFeaturesWithoutDots) {
+TEST(DistributeDots, SkipsFeaturesWithoutDots) {
     const std::vector<Given> given = {
         {{{box(0, 0, 1, 1), {}}}, {1}}, {{{box(1, 0, 1, 1), {}}}, {0}}, {{{box(2, 0, 1, 1), {}}}, {2}}};
     const auto features = features_of(given);
@@ -147,7 +147,7 @@ TEST(DistributeDots, PassesOverFeaturesWithoutDots) {
     check(given, classes->front());
 }
 
-TEST(DistributeDots, KeepsSliversAndIslands) {
+TEST(DistributeDots, FillsSliversAndIslands) {
     Given islands{{}, {60}};
     for (int i = 0; i < 20; ++i) islands.parts.push_back({box(3 * i, 0, 1, 0.5), {}});
     const std::vector<Given> given = {
@@ -178,7 +178,7 @@ TEST(DistributeDots, KeepsClassesApart) {
 }
 
 /// Of 60 fixed points at random, on two features of which one is twice as dense, and a hundred in one place.
-TEST(DistributeDots, KeepsClearOfFixedPoints) {
+TEST(DistributeDots, KeepsDistanceFromFixedPoints) {
     const std::vector<Given> given = {{{{box(0, 0, 1, 1), {}}}, {400, 30}}, {{{box(1, 0, 1, 1), {}}}, {800, 0}}};
     Options options;
     Random random(7, 0);
@@ -231,7 +231,7 @@ TEST(DistributeDots, RefusesAFeatureWithoutDensity) {
     EXPECT_EQ(classes.error().field, "features/0");
 }
 
-TEST(DistributeDots, RepeatsItself) {
+TEST(DistributeDots, IsDeterministic) {
     const auto features = features_of(kNeighbours);
     const auto once = distribute(features), again = distribute(features);
     EXPECT_EQ(once->front().dots.points, again->front().dots.points);
@@ -240,7 +240,7 @@ TEST(DistributeDots, RepeatsItself) {
     EXPECT_NE(once->front().dots.points, distribute(features, Density::uniform(), other)->front().dots.points);
 }
 
-TEST(DistributeDots, IsTheSameByAnyTeam) {
+TEST(DistributeDots, IsIdenticalOnAnyNumberOfThreads) {
     const auto features = features_of({{{{box(0, 0, 1, 1), {}}}, {9000, 500}},
                                        {{{box(1, 0, 1, 1), {}}}, {6000, 2500}},
                                        {{{box(0, 1, 2, 1), {}}}, {12000, 0}},
@@ -265,7 +265,7 @@ TEST(DistributeDots, IsTheSameByAnyTeam) {
     }
 }
 
-TEST(DistributeDots, TellsItsProgressAndStops) {
+TEST(DistributeDots, ReportsProgressAndStops) {
     const auto features = features_of(kNeighbours);
     std::vector<double> done;
     std::stop_source source;

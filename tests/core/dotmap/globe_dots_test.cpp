@@ -65,7 +65,7 @@ TEST(DistributeDotsOnGlobe, CrossesTheAntimeridian) {
     EXPECT_GT(least, 0.4 * std::sqrt(200.0 / 600));
 }
 
-TEST(DistributeDotsOnGlobe, KeepsOffTheBorderOfAll) {
+TEST(DistributeDotsOnGlobe, KeepsTheBufferFromTheOuterBorder) {
     // A degree of latitude has 111 km; on the border of the two dots may lie.
     const std::vector<Given> given = {
         {{{box(0, 0, 2, 2), {}}}, 200}, {{{box(2, 0, 2, 2), {}}}, 200}, {{{box(4, 0.5, 0.5, 0.5), {}}}, 5}};
@@ -87,7 +87,7 @@ TEST(DistributeDotsOnGlobe, KeepsOffTheBorderOfAll) {
     EXPECT_EQ(distribute({given[2]}, 50'000).error().field, "buffer");
 }
 
-TEST(DistributeDotsOnGlobe, RefusesAllOfTheGlobe) {
+TEST(DistributeDotsOnGlobe, RefusesTheWholeGlobe) {
     const auto placed = distribute({{{{box(-180, -90, 180, 180), {}}}, 10}, {{{box(0, -90, 180, 180), {}}}, 10}});
     ASSERT_FALSE(placed);
     EXPECT_EQ(placed.error().code, ErrorCode::Unusable);

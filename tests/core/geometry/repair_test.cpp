@@ -151,7 +151,7 @@ std::vector<Case> cases() {
     };
 }
 
-TEST(Repair, PutsRightWhatIsWrong) {
+TEST(Repair, RepairsEachKindOfFault) {
     for (const Case& each : cases()) {
         SCOPED_TRACE(each.name);
         const RepairedDomain result = repaired(each.parts);
@@ -167,7 +167,7 @@ TEST(Repair, PutsRightWhatIsWrong) {
     }
 }
 
-TEST(Repair, TellsNothingOfWhatIsValid) {
+TEST(Repair, ReportsNoFaultsOfValidPolygons) {
     const Ring square = box(0, 0, 4, 4);
     const std::vector<Parts> valid{{{square, {}}},
                                    {{square, {{{0, 0}, {2, 1}, {1, 2}}}}},
@@ -184,7 +184,7 @@ TEST(Repair, TellsNothingOfWhatIsValid) {
 }
 
 /// Where three fans of the inside meet, and where a point of one ring lies on the edge of another.
-TEST(Repair, KeepsFansApart) {
+TEST(Repair, SeparatesFansAtACommonCorner) {
     Parts fans;
     for (int i = 0; i < 3; ++i) {
         const double from = 2.1 * i, to = from + 1;
@@ -198,7 +198,7 @@ TEST(Repair, KeepsFansApart) {
 }
 
 /// Touching in the caller's coordinates is touching, whichever way the unit frame rounds it.
-TEST(Repair, TakesRoundingForTouching) {
+TEST(Repair, TreatsRoundedContactsAsTouching) {
     Random random(3, 0);
     for (int i = 0; i < 200; ++i) {
         const double x = random.uniform() * 1000, y = random.uniform() * 1000, side = 1 + random.uniform();
@@ -211,7 +211,7 @@ TEST(Repair, TakesRoundingForTouching) {
     }
 }
 
-TEST(Repair, DropsWhatLiesFarOut) {
+TEST(Repair, DropsDistantSpikes) {
     const Ring spiked{{0, 0}, {1, 0}, {1e6, 1e6}, {1, 0}, {1, 1}, {0, 1}};
     const RepairedDomain result = repaired({{spiked, {}}});
     EXPECT_EQ(result.domain.bounds().max, (Point{1, 1}));
@@ -221,7 +221,7 @@ TEST(Repair, DropsWhatLiesFarOut) {
 }
 
 /// Rings that cross everywhere, many of them through what rounding made of other crossings.
-TEST(Repair, PutsScribblesRight) {
+TEST(Repair, RepairsScribbles) {
     for (const int corners : {5, 8, 20, 60, 120}) {
         for (std::uint64_t seed = 0; seed < 12; ++seed) {
             Random random(seed, static_cast<std::uint64_t>(corners));
@@ -243,7 +243,7 @@ TEST(Repair, PutsScribblesRight) {
     }
 }
 
-TEST(Repair, RefusesWhatHasNoArea) {
+TEST(Repair, RefusesPolygonsWithoutArea) {
     const std::vector<std::pair<Parts, std::string>> flat{
         {{{{{0, 0}, {1, 1}, {2, 2}}, {}}}, "/0/0"},
         {{{{{0, 0}, {3, 0}, {1, 0}, {2, 0}}, {}}}, "/0/0"},
@@ -261,7 +261,7 @@ TEST(Repair, RefusesWhatHasNoArea) {
     }
 }
 
-TEST(Repair, RefusesWhatCrossesTooOften) {
+TEST(Repair, RefusesTooManyCrossings) {
     Random random(1, 0);
     Ring ring;
     for (int i = 0; i < 20'000; ++i) ring.push_back({random.uniform(), random.uniform()});
@@ -271,7 +271,7 @@ TEST(Repair, RefusesWhatCrossesTooOften) {
     EXPECT_NE(result.error().message.find("too often"), std::string::npos) << result.error().message;
 }
 
-TEST(Repair, TellsAHundredFaultsAndCountsTheOthers) {
+TEST(Repair, ListsAHundredFaultsAndCountsTheRest) {
     Parts parts;
     for (int i = 0; i < 250; ++i)
         parts.push_back({{{2.0 * i, 0}, {2.0 * i + 1, 1}, {2.0 * i + 1, 0}, {2.0 * i, 1}}, {}});
@@ -282,7 +282,7 @@ TEST(Repair, TellsAHundredFaultsAndCountsTheOthers) {
     EXPECT_EQ(result.repairs.back().detail, "150 more such faults");
 }
 
-TEST(Repair, StopsWhenItIsToldTo) {
+TEST(Repair, StopsOnRequest) {
     std::stop_source stop;
     stop.request_stop();
     const auto result = Domain::repair({{{{0, 0}, {4, 4}, {4, 0}, {0, 4}}, {}}}, stop.get_token());

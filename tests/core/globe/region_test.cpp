@@ -75,7 +75,7 @@ TEST(Unrolled, FollowsRingsAcrossTheMeridianOf180Degrees) {
     EXPECT_EQ(unrolled({{kGlobe, {}}})->front().outer, kGlobe) << "an edge all around stays";
 }
 
-TEST(Unrolled, BringsHolesToTheirRing) {
+TEST(Unrolled, ShiftsHolesToTheirRing) {
     const Ring outer{{170, 0}, {200, 0}, {200, 20}, {170, 20}}, hole = box(-175, 5, -170, 10);
     EXPECT_EQ(unrolled({{outer, {hole}}})->front().holes.front(), box(185, 5, 190, 10));
 }
@@ -91,7 +91,7 @@ TEST(Unrolled, ClosesRingsAroundAPole) {
     EXPECT_EQ(sewn->front().outer, expected);
 }
 
-TEST(Unrolled, RefusesWhatIsNotOnTheGlobe) {
+TEST(Unrolled, RefusesPositionsOffTheGlobe) {
     const double nothing = std::numeric_limits<double>::quiet_NaN();
     for (const Point wrong : {Point{0, 91}, Point{0, -1e308}, Point{541, 0}, Point{-1e308, 0}, Point{nothing, 0}}) {
         const auto refused = unrolled({{{{0, 0}, {1, 0}, {1, 1}}, {{{0, 0}, wrong, {1, 1}}}}});
@@ -101,14 +101,14 @@ TEST(Unrolled, RefusesWhatIsNotOnTheGlobe) {
     }
 }
 
-TEST(ChartRegion, BendsEdges) {
+TEST(ChartRegion, ApproximatesCurvedEdges) {
     const auto parts = charted({{box(-100, 40, -60, 50), {}}});
     ASSERT_EQ(parts.size(), 1u);
     EXPECT_GT(parts.front().domain.corner_count(), 10u);
     EXPECT_NEAR(area(parts.front()) / area_of_box(-100, 40, -60, 50), 1, 3e-3);
 }
 
-TEST(ChartRegion, BendsEdgesNoFurtherThanIsOfUse) {
+TEST(ChartRegion, LimitsTheAccuracyOfCurvedEdges) {
     const Domain degrees = Domain::create({{{{0, 0}, {2, 0}, {2, 1}, {0, 1}}, {}}}).value();
     const auto corners = [&](double buffer) {
         return chart_region(degrees, 100, buffer)->front().domain.corner_count();
@@ -117,7 +117,7 @@ TEST(ChartRegion, BendsEdgesNoFurtherThanIsOfUse) {
     EXPECT_LT(corners(1e-300), 1'000'000U);
 }
 
-TEST(ChartRegion, LimitsThePiecesThatASmallBufferAsksFor) {
+TEST(ChartRegion, LimitsThePiecesForASmallBuffer) {
     const Domain cap = region({{box(-180, 85, 180, 90), {}}});
     for (const double buffer : {10.0, 1.0, 1e-3, 1e-300}) {
         const ChartedPart part = std::move(chart_region(cap, 50, buffer)->front());
@@ -128,7 +128,7 @@ TEST(ChartRegion, LimitsThePiecesThatASmallBufferAsksFor) {
     EXPECT_EQ(chart_region(cap, 50, 1000)->front().error, 0);
 }
 
-TEST(ChartRegion, JoinsWhatMeetsAtTheMeridianOf180Degrees) {
+TEST(ChartRegion, JoinsPartsAtTheMeridianOf180Degrees) {
     const Ring whole = box(170, -20, 190, 10);
     const Ring west = box(170, -20, 180, 10), east{{-180, -20}, {-170, -20}, {-170, 10}, {-180, 10}, {-180, 0}};
     for (const Parts& parts : {Parts{{whole, {}}}, Parts{{west, {}}, {east, {}}}}) {
@@ -139,7 +139,7 @@ TEST(ChartRegion, JoinsWhatMeetsAtTheMeridianOf180Degrees) {
     }
 }
 
-TEST(ChartRegion, JoinsWhatGoesAroundAPole) {
+TEST(ChartRegion, JoinsRegionsAroundAPole) {
     for (const Ring& cap : {box(-180, -90, 180, -70), Ring{{0, -70}, {120, -70}, {240, -70}}}) {
         const auto laid = charted({{cap, {}}});
         ASSERT_EQ(laid.size(), 1u);
@@ -148,7 +148,7 @@ TEST(ChartRegion, JoinsWhatGoesAroundAPole) {
     }
 }
 
-TEST(InOneTurn, CutsWhatLiesBeyond) {
+TEST(InOneTurn, WrapsPartsBeyondOneTurn) {
     const Domain wide = region({{box(-190, 0, -170, 10), {box(-182, 2, -178, 4)}}, {box(170, 20, 200, 30), {}}});
     const auto cut = in_one_turn(wide);
     ASSERT_TRUE(cut) << cut.error().message;
@@ -162,7 +162,7 @@ TEST(InOneTurn, CutsWhatLiesBeyond) {
     EXPECT_EQ(in_one_turn(narrow)->bounds().max.x, 200);
 }
 
-TEST(ChartRegion, CutsWhatCoversTheGlobe) {
+TEST(ChartRegion, CutsRegionsThatCoverTheGlobe) {
     for (const Parts& parts :
          {Parts{{kGlobe, {}}}, Parts{{kGlobe, {box(10, 40, 12, 42)}}}, Parts{{box(-180, -89, 180, 89), {}}}}) {
         const auto laid = charted(parts);
@@ -172,7 +172,7 @@ TEST(ChartRegion, CutsWhatCoversTheGlobe) {
     EXPECT_EQ(charted({{box(-180, -60, 180, 85), {}}}).size(), 1u) << "the south is free";
 }
 
-TEST(ChartRegion, RefusesWhatItCannotLay) {
+TEST(ChartRegion, RefusesTinyRegionsAndStops) {
     const auto message = [](const Parts& parts) { return chart_region(region(parts), 10).error().message; };
     EXPECT_EQ(message({{box(0, 0, 1e-9, 1e-9), {}}}), "the polygon is too small on the globe");
     std::stop_source stop;

@@ -30,7 +30,7 @@ double unevenness(const std::vector<std::uint32_t>& ranks, int side, int block, 
     return sum / count / (share * (1 - share) * block * block);
 }
 
-TEST(ThresholdMask, HasEachRankOnce) {
+TEST(ThresholdMask, ContainsEachRankOnce) {
     for (const auto& [width, height] : {std::pair{8, 8}, {9, 13}, {64, 16}, {31, 97}}) {
         auto ranks = threshold_mask(width, height, 1);
         std::ranges::sort(ranks);
@@ -52,12 +52,12 @@ TEST(ThresholdMask, IsEvenAtEveryThreshold) {
     }
 }
 
-TEST(ThresholdMask, RepeatsAndDependsOnTheSeed) {
+TEST(ThresholdMask, IsDeterministicForASeed) {
     EXPECT_EQ(threshold_mask(32, 24, 1), threshold_mask(32, 24, 1));
     EXPECT_NE(threshold_mask(32, 24, 1), threshold_mask(32, 24, 2));
 }
 
-TEST(ThresholdMask, EndsWhenItIsStopped) {
+TEST(ThresholdMask, StopsOnRequest) {
     std::stop_source source;
     source.request_stop();
     EXPECT_EQ(threshold_mask(64, 64, 1, source.get_token()).size(), 4'096U);

@@ -27,7 +27,7 @@ double distance(const Domain& domain, Point a, Point b) {
     return std::sqrt(dot(apart, apart));
 }
 
-TEST(CellList, FindsAllThatAreNear) {
+TEST(CellList, FindsAllPointsNearby) {
     const std::vector<Point> places = crowds(2000);
     for (const Domain& domain : {Domain::rectangle(1, 1).value(), Domain::torus(1, 1).value()}) {
         const CellList cells(domain, places);
@@ -48,7 +48,7 @@ TEST(CellList, FindsAllThatAreNear) {
     }
 }
 
-TEST(CellList, LooksAtFewWherePlacesCrowd) {
+TEST(CellList, VisitsFewPointsInCrowds) {
     const std::vector<Point> places = crowds(80'000);
     const CellList cells(Domain::rectangle(1, 1).value(), places);
     for (std::size_t i = 2; i < places.size(); i += 101) {
@@ -59,7 +59,7 @@ TEST(CellList, LooksAtFewWherePlacesCrowd) {
     }
 }
 
-TEST(CellList, TakesManyOnOnePlace) {
+TEST(CellList, AcceptsManyCoincidentPoints) {
     for (const std::size_t many : {100, 100'000}) {
         const std::vector<Point> places(many, Point{0.7, 0.3});
         std::size_t found = 0;

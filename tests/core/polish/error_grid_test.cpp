@@ -25,7 +25,7 @@ std::vector<Point> lattice(int side) {
     return sites;
 }
 
-TEST(ErrorGrid, FindsNoneInALattice) {
+TEST(ErrorGrid, FindsNoErrorInALattice) {
     constexpr int kSide = 40;
     ErrorGrid grid({1, 1}, 0.8 / kSide, kSide * kSide, square(), Density::uniform());
     const auto sites = lattice(kSide);
@@ -36,7 +36,7 @@ TEST(ErrorGrid, FindsNoneInALattice) {
     }
 }
 
-TEST(ErrorGrid, LosesNothing) {
+TEST(ErrorGrid, AssignsTheWholeError) {
     for (const Density& density : {Density::uniform(), test::grid_of(3, 2, [](int i, int j) { return 1.0 + i + j; })}) {
         std::vector<Point> sites;
         for (std::uint64_t i = 0; i < 900; ++i) {
@@ -55,7 +55,7 @@ TEST(ErrorGrid, LosesNothing) {
     }
 }
 
-TEST(ErrorGrid, TellsWhereThereAreTooMany) {
+TEST(ErrorGrid, LocatesASurplus) {
     constexpr int kSide = 40;
     auto sites = lattice(kSide);
     for (Point& p : sites) p.x = 0.1 + 0.8 * std::pow((p.x - 0.1) / 0.8, 1.2);

@@ -117,7 +117,7 @@ TEST(Polish, EvensOutSmallSpots) {
 }
 
 /// Shifted places are exact only while none lies far from the box: few sites on a steep density wander, together.
-TEST(Polish, KeepsPlacesNearTheBoxOfATorus) {
+TEST(Polish, KeepsPositionsNearTheBoxOfATorus) {
     const Domain torus = Domain::torus(1, 1).value();
     for (std::uint64_t seed = 3300; seed < 3340; ++seed) {
         Random random(seed, 0);
@@ -151,7 +151,7 @@ TEST(Polish, ClearsGapsOfAnyProportions) {
     }
 }
 
-TEST(Polish, MovesNothingOnceStopped) {
+TEST(Polish, MovesNothingAfterAStop) {
     std::stop_source source;
     source.request_stop();
     StartMesh start(domain_of(kSquare), spot_and_corner(), {.sites = 200, .seed = 1});
@@ -330,7 +330,7 @@ TEST(Polish, EvensOutSmoothDensities) {
     EXPECT_LT(error(Quality::Best), 0.85 * error(Quality::Draft));
 }
 
-TEST(Polish, GivesTheSameBytesAgain) {
+TEST(Polish, IsDeterministic) {
     for (const Domain& domain : {Domain::torus(2, 1).value(), Domain::rectangle(2, 1).value()}) {
         for (const Quality quality : {Quality::Draft, Quality::Standard, Quality::Best}) {
             for (const Density& density : {Density::uniform(), test::pear()}) {

@@ -98,14 +98,14 @@ TEST(SplineGrid, SumsWavesOfPointsOnItsSides) {
     }
 }
 
-TEST(SplineGrid, TakesPointsAnywhereAroundATorus) {
+TEST(SplineGrid, AcceptsAnyPeriodicCopyOfAPoint) {
     // The last one is so little below 0 that its share of the period rounds to 1.
     const std::vector<Weighted> around{{{-0.25, 1.5}, 1}, {{1.75, -0.875}, 1}, {{-1, 2}, 1}, {{-1e-18, -1e-18}, 1}};
     SplineGrid grid(true, {1, 1}, 30, 30);
     EXPECT_LT(largest_error(grid, true, around), kError);
 }
 
-TEST(SplineGrid, KeepsWhatWasSpread) {
+TEST(SplineGrid, PreservesTheSumOfSpreadValues) {
     for (const bool torus : {true, false}) {
         SplineGrid grid(torus, {1, 0.5}, 16, 8);
         const auto points = random_points({1, 0.5}, 100);
@@ -168,7 +168,7 @@ TEST(SplineGrid, SpreadsMoves) {
 }
 
 /// Two are handled at once where the processor can.
-TEST(SplineGrid, GivesTheSameBytesForManyAsForEach) {
+TEST(SplineGrid, ReadsManyGradientsAsItReadsEach) {
     const Point sides{2, 0.7};
     auto points = random_points(sides, 301);
     for (const Point p :

@@ -49,7 +49,7 @@ std::vector<Point> distributed(const Domain& domain, std::size_t sites, Quality 
     return distribute(domain, Density::uniform(), {.sites = sites, .seed = 3, .quality = quality}, control)->points;
 }
 
-TEST(Stealth, LeavesNoPowerBelowAHalf) {
+TEST(Stealth, LeavesNoPowerBelowTheLimit) {
     for (const auto& [sides, sites] :
          {std::pair(Point{1, 1}, 16U), {{1, 1}, 17U}, {{1, 1}, 300U}, {{3, 1}, 48U}, {{300, 5}, 1'000U}}) {
         const Domain torus = Domain::torus(sides.x, sides.y).value();
@@ -74,7 +74,7 @@ TEST(Stealth, MovesSitesLittle) {
     }
 }
 
-TEST(Stealth, TakesTheSmallestMoves) {
+TEST(Stealth, FindsTheSmallestMoves) {
     // They are a gradient: whatever else does the same is longer by what has no effect.
     const Domain torus = Domain::torus(1, 1).value();
     const auto sites = distributed(torus, 200, Quality::Draft);
@@ -93,7 +93,7 @@ TEST(Stealth, TakesTheSmallestMoves) {
     EXPECT_LT(std::abs(after - 0.99 * before), 0.001 * std::abs(before));
 }
 
-TEST(Stealth, IsForTheDomainsThatItIsDefinedFor) {
+TEST(Stealth, AppliesOnlyToSuitableDomains) {
     EXPECT_TRUE(Stealth::fits(Domain::torus(1, 1).value(), 16));
     EXPECT_FALSE(Stealth::fits(Domain::torus(1, 1).value(), 15));
     EXPECT_FALSE(Stealth::fits(Domain::torus(1e-3, 1).value(), 15'000));
@@ -101,12 +101,12 @@ TEST(Stealth, IsForTheDomainsThatItIsDefinedFor) {
         EXPECT_EQ(distributed(other, 100, Quality::Stealthy), distributed(other, 100, Quality::Best));
 }
 
-TEST(Stealth, GivesTheSameBytesEachTime) {
+TEST(Stealth, IsDeterministic) {
     const Domain torus = Domain::torus(1, 1).value();
     EXPECT_EQ(distributed(torus, 400, Quality::Stealthy), distributed(torus, 400, Quality::Stealthy));
 }
 
-TEST(Stealth, EndsWhenItIsStopped) {
+TEST(Stealth, StopsOnRequest) {
     const Domain torus = Domain::torus(1, 1).value();
     Stealth stealth(torus, 64);
     std::vector<Point> sites, moves(64);
@@ -117,7 +117,7 @@ TEST(Stealth, EndsWhenItIsStopped) {
     EXPECT_FALSE(stealth.displacements(sites, moves, source.get_token()));
 }
 
-TEST(Stealth, TellsProgressToItsEnd) {
+TEST(Stealth, ReportsProgressToTheEnd) {
     int round = 0, rounds = -1;
     Control control;
     control.progress = [&](const Progress& progress) {

@@ -72,7 +72,7 @@ TEST(Transport, RemovesALongWave) {
     EXPECT_LT(left_of_wave(box, waves(), 5), 0.1);
 }
 
-TEST(Transport, TellsThatItWasStopped) {
+TEST(Transport, ReportsAStop) {
     const Domain domain = Domain::rectangle(1, 1).value();
     const auto sites = distribute(domain, Density::uniform(), {.sites = 100, .iterations = 0})->points;
     std::vector<Point> moves(sites.size());
@@ -83,7 +83,7 @@ TEST(Transport, TellsThatItWasStopped) {
     EXPECT_FALSE(transport.displacements(sites, moves, source.get_token()));
 }
 
-TEST(Transport, GoesOnAfterARest) {
+TEST(Transport, ContinuesAfterAReleaseOfMemory) {
     for (const Domain& domain : {Domain::rectangle(1, 1).value(), Domain::torus(1, 1).value()}) {
         const Density density = waves();
         const auto sites = distribute(domain, density, {.sites = kSites, .seed = 4, .quality = Quality::Draft})->points;
@@ -96,7 +96,7 @@ TEST(Transport, GoesOnAfterARest) {
     }
 }
 
-TEST(Transport, LeavesALatticeWhereItIs) {
+TEST(Transport, KeepsALattice) {
     constexpr int kSide = 60;
     std::vector<Point> sites;
     for (int j = 0; j < kSide; ++j) {
@@ -110,7 +110,7 @@ TEST(Transport, LeavesALatticeWhereItIs) {
     }
 }
 
-TEST(Transport, MovesNoSiteFurtherThanAQuarterOfItsSpacing) {
+TEST(Transport, LimitsMovesToAQuarterOfTheSpacing) {
     Random random(4, 0);
     const Density noise = grid_of(40, 40, [&](int, int) { return std::pow(10.0, -4 * random.uniform()); });
     std::vector<Point> sites(kSites), moves(kSites);
@@ -129,7 +129,7 @@ TEST(Transport, MovesNoSiteFurtherThanAQuarterOfItsSpacing) {
     }
 }
 
-TEST(Transport, KnowsTheSpacing) {
+TEST(Transport, ComputesTheLocalSpacing) {
     const Domain box = Domain::rectangle(2, 1).value();
     EXPECT_DOUBLE_EQ(Transport(box, Density::uniform(), 200).spacing({0.3, 0.2}), 0.05);
     const Density halves = grid_of(2, 1, [](int i, int) { return i == 0 ? 1.0 : 4.0; });
@@ -138,7 +138,7 @@ TEST(Transport, KnowsTheSpacing) {
     EXPECT_NEAR(transport.spacing({0.75, 0.25}), std::sqrt(0.25 / 8000), 1e-3 * std::sqrt(0.25 / 8000));
 }
 
-TEST(Transport, KnowsTheSpacingWhereSitesCrowd) {
+TEST(Transport, ComputesTheLocalSpacingInCrowds) {
     const Domain box = Domain::rectangle(1, 1).value();
     const Density spots =
         grid_of(500, 500, [](int i, int j) { return (i < 5 && j < 5) || (i >= 490 && j >= 490) ? 1.0 : 0.0; });
@@ -147,7 +147,7 @@ TEST(Transport, KnowsTheSpacingWhereSitesCrowd) {
         EXPECT_NEAR(transport.spacing(p), 0.0002, 1e-6) << "100 sites a cell";
 }
 
-TEST(Transport, DoesNotCareForMargins) {
+TEST(Transport, IgnoresEmptyMargins) {
     const auto wave = [](int i, int j) { return 1 + 0.5 * std::sin(0.3 * i) * std::cos(0.2 * j); };
     const Density tight = grid_of(40, 40, wave);
     const Density wide = grid_of(
@@ -168,7 +168,7 @@ TEST(Transport, DoesNotCareForMargins) {
 }
 
 /// What a site's move is does not depend on where a torus is cut.
-TEST(Transport, HasNoSeam) {
+TEST(Transport, IsInvariantUnderShifts) {
     const Domain torus = Domain::torus(1, 1).value();
     Random random(5, 0);
     std::vector<Point> sites(500), moves(500), moved_moves(500);
@@ -192,7 +192,7 @@ TEST(Transport, HasNoSeam) {
 }
 
 /// Cells as wide as such a box is high, or so, would be millions: gigabytes.
-TEST(Transport, TakesNoMoreRoomForAThinBoxThanItsSitesNeed) {
+TEST(Transport, LimitsTheMemoryForThinBoxes) {
     constexpr std::size_t kInLine = 100'000;
     const double height = 1e-10;
     const Domain domain = Domain::rectangle(1, height).value();

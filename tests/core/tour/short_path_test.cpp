@@ -64,7 +64,7 @@ TEST(ShortPath, VisitsEachPointOnce) {
     }
 }
 
-TEST(ShortPath, TakesPointsThatCoincide) {
+TEST(ShortPath, AcceptsCoincidentPoints) {
     std::vector<Point> points = random_points(50);
     points.insert(points.end(), points.begin(), points.begin() + 25);
     EXPECT_TRUE(is_permutation_of(short_path(points), 75));
@@ -72,13 +72,13 @@ TEST(ShortPath, TakesPointsThatCoincide) {
     EXPECT_TRUE(is_permutation_of(short_path(same), 20));
 }
 
-TEST(ShortPath, GoesStraightAlongALine) {
+TEST(ShortPath, FollowsALine) {
     std::vector<Point> points;
     for (int i = 0; i < 100; ++i) points.push_back({(i * 37) % 100 * 3.0, (i * 37) % 100 * 4.0});
     EXPECT_NEAR(shortened(points), 99 * 5, 1e-9);
 }
 
-TEST(ShortPath, IsHardlyLongerThanTheShortest) {
+TEST(ShortPath, IsCloseToTheShortestPath) {
     for (std::size_t count = 2; count <= 8; ++count) {
         const std::vector<Point> points = random_points(count);
         EXPECT_LT(shortened(points), 1.1 * shortest(points)) << count;
@@ -88,13 +88,13 @@ TEST(ShortPath, IsHardlyLongerThanTheShortest) {
 }
 
 /// The shortest way through many random points of a unit square is 0.7124 sqrt(n) long (Johnson, McGeoch 1996).
-TEST(ShortPath, IsAsShortAsItsHeaderSays) {
+TEST(ShortPath, ReachesTheDocumentedLength) {
     const std::vector<Point> points = random_points(20'000);
     EXPECT_LT(shortened(points), 1.1 * 0.7124 * std::sqrt(20'000));
     EXPECT_GT(shortened(points), 0.7124 * std::sqrt(20'000));
 }
 
-TEST(ShortPath, FindsItsWayAmongCrowds) {
+TEST(ShortPath, HandlesCrowdedPoints) {
     std::vector<Point> points = random_points(4'000);
     for (std::size_t i = 0; i < 2'000; ++i) points[i] = Point{0.5, 0.5} + 1e-5 * points[i];
     const auto order = short_path(points);
@@ -102,14 +102,14 @@ TEST(ShortPath, FindsItsWayAmongCrowds) {
     EXPECT_LT(path_length(in_order(points, order)), 1.15 * 0.7124 * std::sqrt(2'000));
 }
 
-TEST(ShortPath, DoesNotDependOnWhereAndHowLargeThePointsAre) {
+TEST(ShortPath, IsInvariantUnderTranslationAndScaling) {
     const std::vector<Point> points = random_points(2'000);
     std::vector<Point> others;
     for (const Point& p : points) others.push_back(1024 * p);
     EXPECT_EQ(short_path(points), short_path(others));
 }
 
-TEST(ShortPath, StoppedIsAPathAllTheSame) {
+TEST(ShortPath, IsAPermutationAfterAStop) {
     std::stop_source source;
     source.request_stop();
     const std::vector<Point> points = random_points(10'000);
