@@ -35,7 +35,7 @@ Sets white_noise(std::size_t sets, std::size_t points, Point sides = {1, 1}) {
     return result;
 }
 
-/// columns x rows points, one in the middle of each cell.
+/// Returns columns x rows points, one at the centre of each cell.
 Set lattice(int columns, int rows, Point sides) {
     Set points;
     for (int r = 0; r < rows; ++r) {
@@ -50,7 +50,7 @@ Analysis measured(const Sets& sets, const Domain& domain, const AnalysisOptions&
     return std::move(analysis).value_or(Analysis());
 }
 
-/// Means over all rings but the innermost few, which hold too few frequencies for their variance to mean much.
+/// Means over all rings except the innermost few, which have too few frequencies for a reliable variance.
 struct Means {
     double power = 0;
     double anisotropy = 0;
@@ -68,7 +68,7 @@ Means means_of(const Analysis& analysis) {
 }
 
 TEST(Analysis, MeasuresWhiteNoiseAsOneAndIsotropic) {
-    // 64,000 frequencies or so: their mean deviates by 0.4 % over the root of the number of sets.
+    // About 64,000 frequencies: their mean deviates by 0.4 % divided by the square root of the number of sets.
     for (const std::size_t count : {1, 10}) {
         for (const Point sides : {Point{1, 1}, Point{300, 100}}) {
             const auto analysis = measured(white_noise(count, 2500, sides), torus(sides.x, sides.y));
@@ -80,7 +80,7 @@ TEST(Analysis, MeasuresWhiteNoiseAsOneAndIsotropic) {
             EXPECT_NEAR(means.power, 1, 0.02 / std::sqrt(sets));
             EXPECT_NEAR(means.anisotropy, -10 * std::log10(sets), 0.15);
             EXPECT_NEAR(*analysis.low_frequency_power, 1, 0.1);
-            // The nearest of n points at random: half over the root of n on average, at unit area.
+            // The mean nearest distance of n random points is half of 1 / sqrt(n) at unit area.
             EXPECT_NEAR(analysis.mean_distance, 0.5 / std::sqrt(2 / std::sqrt(3.0)), 0.015);
         }
     }
@@ -108,7 +108,7 @@ TEST(Analysis, FindsTheReciprocalPointsOfALattice) {
     }
     EXPECT_GT(peaks, 40);
     EXPECT_NEAR(*analysis.low_frequency_power, 0, 1e-12);
-    // The rows lie closer than the columns.
+    // The rows are closer together than the columns.
     const double densest = std::sqrt(2 / std::sqrt(3.0) * 24 / (kColumns * kRows));
     EXPECT_NEAR(analysis.min_distance, 0.4 / densest, 1e-12);
     EXPECT_NEAR(analysis.mean_distance, 0.4 / densest, 1e-12);
@@ -121,7 +121,7 @@ TEST(Analysis, PutsThePrincipalFrequencyOfASquareLatticeAtOne) {
 }
 
 TEST(Analysis, RemovesTheMeanFromAWindow) {
-    // A lattice has power nowhere but at its reciprocal points, which the window widens by two frequencies or so.
+    // A lattice has power only at its reciprocal points, which the window widens by about two frequencies.
     const auto analysis = measured({lattice(30, 30, {2, 2})}, window(2, 2));
     EXPECT_LT(*analysis.low_frequency_power, 1e-6);
     for (std::size_t r = 0; r < analysis.frequency.size(); ++r) {
@@ -213,13 +213,13 @@ nlohmann::json read_data(const std::string& name) {
     return nlohmann::json::parse(file);
 }
 
-/// By how much numbers differ from what they should be, in shares of it.
+/// Returns the relative difference of a number from its expected value.
 double relative_error(double found, double expected) {
     return std::abs(found / expected - 1);
 }
 
 TEST(Analysis, AgreesWithAnIndependentProgram) {
-    constexpr double kTolerance = 1e-7;  // they are written with 9 digits
+    constexpr double kTolerance = 1e-7;  // the numbers are written with 9 digits
     for (const std::string kind : {"torus", "rectangle"}) {
         const auto request = read_data(kind);
         Sets sets;

@@ -16,8 +16,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kError = 1e-10;        // of the sum of |weights|
-constexpr double kErrorOfNoise = 1e-9;  // of its root
+constexpr double kError = 1e-10;        // relative to the sum of |weights|
+constexpr double kErrorOfNoise = 1e-9;  // relative to its square root
 
 std::vector<WeightedPoint> noise(std::size_t count) {
     Random random(7, 0);
@@ -26,7 +26,7 @@ std::vector<WeightedPoint> noise(std::size_t count) {
     return points;
 }
 
-/// Gives points weights of both signs.
+/// Assigns weights of both signs.
 /// @returns  the sum of |weights|
 double weigh(std::vector<WeightedPoint>& points, std::uint64_t seed) {
     double sum = 0;
@@ -38,7 +38,7 @@ double weigh(std::vector<WeightedPoint>& points, std::uint64_t seed) {
     return sum;
 }
 
-/// The sum itself, point by point.
+/// Computes the sum directly, point by point.
 Complex direct_sum(const std::vector<WeightedPoint>& points, int i, int j) {
     Complex sum;
     for (const auto& [position, weight] : points) {
@@ -47,7 +47,7 @@ Complex direct_sum(const std::vector<WeightedPoint>& points, int i, int j) {
     return sum;
 }
 
-/// The largest difference from the sums over all frequencies.
+/// Returns the largest difference from the direct sums over all frequencies.
 double largest_error(const std::vector<WeightedPoint>& points, int highest_x, int highest_y) {
     NonuniformTransform transform(highest_x, highest_y);
     transform.run(points, {});
@@ -88,7 +88,7 @@ TEST(NonuniformTransform, EqualsTheSumAtTheBorder) {
 }
 
 TEST(NonuniformTransform, EqualsTheSumOverALattice) {
-    // All terms agree at some frequencies, beyond the highest one too: the most that can be folded back.
+    // All terms are in phase at some frequencies, including one beyond the highest: the worst case of aliasing.
     std::vector<WeightedPoint> points;
     for (int r = 0; r < 16; ++r) {
         for (int c = 0; c < 16; ++c) points.push_back({{c / 16.0, r / 16.0}, 1});

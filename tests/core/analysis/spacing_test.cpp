@@ -12,7 +12,7 @@
 namespace ccdt {
 namespace {
 
-/// Every pair measured.
+/// Measures all pairs.
 Spacing by_hand(const std::vector<Point>& points, Point sides, bool periodic) {
     Spacing spacing{std::numeric_limits<double>::infinity(), 0};
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -41,7 +41,7 @@ void expect_right(const std::vector<Point>& points, Point sides) {
     }
 }
 
-/// @param power  1 spreads evenly; more crowds towards the origin
+/// @param power  1: uniform; a larger power crowds points towards the origin
 std::vector<Point> noise(std::size_t count, Point sides, double power, std::uint64_t seed) {
     Random random(seed, 0);
     std::vector<Point> points(count);
@@ -86,7 +86,7 @@ TEST(Spacing, IsZeroForCoincidentPoints) {
 }
 
 TEST(Spacing, AcceptsManyCoincidentOrCollinearPoints) {
-    // Looking at every pair would take minutes.
+    // Comparing all pairs would take minutes.
     std::vector<Point> points(200'000, Point{0.5, 0.5});
     EXPECT_EQ(measure_spacing(points, {1, 1}, true, {}).mean, 0);
     for (std::size_t i = 0; i < points.size(); ++i) points[i].y = 0.25 + 0x1p-30 * static_cast<double>(i);

@@ -21,7 +21,7 @@ TEST(Ccvt, EndsByItself) {
     }
 }
 
-/// Around the unit torus, over the distance in the densest packing.
+/// Returns the least distance on the unit torus, relative to that of the densest packing.
 double least_distance(const std::vector<Point>& points) {
     double least = 1;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -52,7 +52,7 @@ TEST(Ccvt, PlacesASingleSiteAtTheCentroid) {
     EXPECT_NEAR(p.y, 1, 0.02);
 }
 
-/// Every site stands for the same capacity, so that a part of the domain holds its share of the sites almost exactly.
+/// Each site represents the same capacity, so a part of the domain has its share of the sites almost exactly.
 TEST(Ccvt, GivesEachPartItsShare) {
     const Density steps = test::grid_of(4, 1, [](int i, int) { return 1.0 + i; });
     const auto points =

@@ -54,7 +54,7 @@ double squared(const PeriodicImages& images, Point a, Point b) {
     return dot(way, way);
 }
 
-/// What the best swap between two cells would gain.
+/// Returns the gain of the best swap between two cells.
 double best_gain(const EqualCells& cells, const PeriodicImages& images, std::size_t i, std::size_t j) {
     const auto most = [&](std::size_t own, std::size_t other) {
         double gain = -1;
@@ -103,7 +103,7 @@ TEST(EqualCells, HaveSitesAtTheCentroids) {
             for (std::size_t i = 0; i < kSites; ++i) {
                 Point sum;
                 for (const Point& p : cells.cell(i)) sum = sum + images.shortest(p - cells.centroids()[i]);
-                // Around a torus the moving centroid may change which copy of a far sample is nearest.
+                // On a torus the moving centroid can change which copy of a distant sample is nearest.
                 const double limit = images.is_torus() && sweep == 0 ? 0.1 : 1e-12;
                 EXPECT_LT(std::sqrt(dot(sum, sum)) / kCapacity, limit) << name << ", " << sweep;
             }

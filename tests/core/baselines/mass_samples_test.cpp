@@ -19,8 +19,8 @@ std::vector<Point> samples_of(const Domain& domain, const Density& density, std:
     return mass_samples(domain, sites.mesh(), density, count, seed, {});
 }
 
-/// Mean of the squared differences from the numbers expected in 8 x 8 cells of the unit square, over those numbers; 1
-/// for independent samples.
+/// Returns the mean squared deviation from the expected numbers in 8 x 8 cells of the unit square, relative to these
+/// numbers; 1 for independent samples.
 template <class Expected>
 double dispersion(const std::vector<Point>& samples, Expected&& expected) {
     std::vector<double> counts(64, 0);
@@ -43,7 +43,7 @@ TEST(MassSamples, AreSpreadEvenly) {
 }
 
 TEST(MassSamples, FollowTheDensity) {
-    // The second density is the first one, on a grid whose cells the samples are larger than.
+    // The second density is the first one on a grid finer than the spacing of samples.
     for (const int cells : {8, 512}) {
         const Density ramp = grid_of(cells, cells, [&](int i, int) { return 8 * i / cells + 0.5; });
         for (const Domain& domain : {Domain::rectangle(1, 1).value(), Domain::torus(1, 1).value()}) {

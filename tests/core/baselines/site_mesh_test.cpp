@@ -28,7 +28,7 @@ std::vector<Point> moved_at_random(const SiteMesh& sites, double size, std::uint
     return wanted;
 }
 
-/// Into [0, 1], as at mirrors.
+/// Reflects a number into [0, 1].
 double folded(double x) {
     return std::abs(x - 2 * std::round(x / 2));
 }
@@ -36,7 +36,7 @@ double folded(double x) {
 TEST(SiteMesh, MovesSitesToTheWantedPositions) {
     const Domain square = Domain::rectangle(1, 1).value();
     const Density uniform = Density::uniform();
-    // Small moves keep the triangles, large ones turn many over.
+    // Small moves keep the triangles, large ones invert many of them.
     for (const double size : {1e-4, 1e-2, 2.0}) {
         SiteMesh sites = start(square, uniform, 500);
         for (std::uint64_t round = 0; round < 5; ++round) {

@@ -42,7 +42,7 @@ TEST(VoronoiCells, FillTheDomain) {
     }
 }
 
-/// Of a fine grid of places in the unit square, those nearest to each site.
+/// Sums over the points of a fine grid in the unit square, for each site over the points nearest to it.
 std::vector<Moments> sums_of(const std::vector<Point>& sites, const Density& density, bool around) {
     constexpr int kPlaces = 1000;
     std::vector<Moments> sums(sites.size());
@@ -98,7 +98,7 @@ TEST(VoronoiCells, AreClippedAtTheBorder) {
     const auto cells = VoronoiCells(half, mesh.mesh(), uniform).integrate(sites, {});
     EXPECT_NEAR(cells[0].mass, 0.125, 1e-12);
     EXPECT_NEAR(cells[1].mass, 0.375, 1e-12);
-    // The first one's centroid is (1/3, 1/6).
+    // The centroid of the first cell is (1/3, 1/6).
     EXPECT_NEAR(cells[0].first.x, 0.125 * (1.0 / 3 - 0.3), 1e-12);
     EXPECT_NEAR(cells[0].first.y, 0.125 * (1.0 / 6 - 0.1), 1e-12);
 }

@@ -21,7 +21,7 @@ bool same_bytes(const std::vector<Point>& a, const std::vector<Point>& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Point)) == 0;
 }
 
-/// Three inks, each dense where another one is not.
+/// Three inks, each dense where another one is sparse.
 std::vector<Density> ramps() {
     const auto ramp = [](double x, double y) {
         return grid_of(64, 64, [=](int i, int j) { return 0.2 + x * i / 64 + y * j / 64; });
@@ -106,7 +106,7 @@ TEST(DistributeInks, IsDeterministic) {
     EXPECT_FALSE(same_bytes(once[0].points, distribute_inks(kSquare, ramps(), counts, {}).value()[0].points));
 }
 
-/// Each ink by itself, and seeds that have nothing to do with each other.
+/// Distributes each ink separately, with independent seeds.
 std::vector<Distribution> each_alone(const Domain& domain, const std::vector<Density>& densities,
                                      const std::vector<std::size_t>& counts) {
     std::vector<Distribution> inks;
@@ -116,7 +116,7 @@ std::vector<Distribution> each_alone(const Domain& domain, const std::vector<Den
     return inks;
 }
 
-/// Distances from each site to the nearest one of another ink, from the smallest.
+/// Returns the distances from each site to the nearest site of another ink, in ascending order.
 std::vector<double> distances_between(const std::vector<Distribution>& inks) {
     std::vector<double> distances;
     for (std::size_t a = 0; a < inks.size(); ++a) {
@@ -142,9 +142,9 @@ TEST(DistributeInks, KeepsDotsOfDifferentInksApart) {
     EXPECT_GT(distances[tenth], 1.8 * alone[tenth]);
 }
 
-/// Mean power of the sites' waves of up to 4 periods a side that the density does not have; 1 for independent sites.
+/// Returns the mean power of the error of tone in waves of up to 4 periods per side; 1 for independent sites.
 double tone_error(const Density& density, const std::vector<Point>& points) {
-    constexpr int kWaves = 8;  // half periods
+    constexpr int kWaves = 8;  // in half periods
     constexpr double kPi = 3.141592653589793;
     const double scale = static_cast<double>(points.size()) / density.total();
     double power = 0;
@@ -169,7 +169,7 @@ TEST(DistributeInks, KeepsTheToneOfEachInk) {
     const std::vector<Density> densities = ramps();
     const std::vector<std::size_t> counts{1200, 900, 600};
     constexpr int kSeeds = 4;
-    double error = 0;  // the mean one
+    double error = 0;  // mean error
     for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
         const auto inks = distribute_inks(kSquare, densities, counts, {.seed = seed}).value();
         for (std::size_t i = 0; i < counts.size(); ++i) {
@@ -194,7 +194,7 @@ TEST(DistributeInks, AcceptsAllKindsOfDomains) {
     }
 }
 
-/// Moves all sites by as much.
+/// Returns the same move for all sites.
 std::vector<std::vector<Point>> moved_by(Point move, std::span<const std::vector<Point>> sites) {
     std::vector<std::vector<Point>> moves;
     for (const auto& ink : sites) moves.emplace_back(ink.size(), move);

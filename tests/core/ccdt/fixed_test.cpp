@@ -44,7 +44,7 @@ std::vector<Point> place(const Domain& domain, std::size_t sites, const std::vec
     return placed->points;
 }
 
-/// Distances from points to the nearest of others, in order.
+/// Returns the distances from points to the nearest of other points, in ascending order.
 std::vector<double> distances(const std::vector<Point>& points, const std::vector<Point>& others, bool torus = false) {
     std::vector<double> nearest;
     for (const Point& p : points) {
@@ -77,7 +77,7 @@ TEST(FixedRoom, OfCoincidentPointsEqualsThatOfOne) {
 }
 
 TEST(FixedRoom, OfAClusterIsItsOwnAreaAndARim) {
-    // A tenth of the square's side squared, and half a site's distance around it.
+    // A tenth of the square's side squared, plus a rim of half a site's distance.
     const double sites = 10'000, rim = std::sqrt(1 / (sites * std::acos(-1)));
     const double area = 0.01 + 0.4 * rim;
     const double found = room_of(drawn(20'000, {0.4, 0.4}, 0.1), 10'000).sites;
@@ -102,7 +102,7 @@ TEST(Fixed, KeepTheirDistanceFromSites) {
         const auto to_fixed = distances(points, fixed, domain.is_torus());
         EXPECT_GT(to_fixed.front(), 0.7 * hexagonal);
         EXPECT_GT(distances(points, points, domain.is_torus()).front(), 0.7 * hexagonal);
-        // No hole is left around them either.
+        // No hole is left around the fixed points either.
         const auto from_fixed = distances(fixed, points, domain.is_torus());
         EXPECT_LT(from_fixed[from_fixed.size() / 2], 1.1 * hexagonal);
     }
@@ -116,7 +116,7 @@ TEST(Fixed, CanBeClusteredAndCoincident) {
         const auto points = place(domain, 1000, fixed);
         const double hexagonal = hexagonal_spacing(1010);
         EXPECT_GT(distances(points, fixed, domain.is_torus()).front(), 0.7 * hexagonal);
-        // As many around the copies as around one point: none is drawn in, none kept out.
+        // Coincident points have as many sites around them as a single point: none are attracted or repelled.
         for (const Point& copies : {Point{0.2, 0.2}, Point{0.8, 0.8}}) {
             const auto near = std::ranges::count_if(
                 points, [&](const Point& p) { return std::sqrt(dot(p - copies, p - copies)) < 1.5 * hexagonal; });
@@ -127,7 +127,7 @@ TEST(Fixed, CanBeClusteredAndCoincident) {
 }
 
 TEST(Fixed, LeaveTheOtherSitesEven) {
-    // In the half without fixed points there are as many as in as large a part of the other half's rest.
+    // The half without fixed points has the same density of sites as the rest of the other half.
     const std::vector<Point> fixed = drawn(5000, {0.5, 0}, 0.25);
     const auto points = place(square(), 4000, fixed);
     const auto left = std::ranges::count_if(points, [](const Point& p) { return p.x < 0.5; });
@@ -138,7 +138,7 @@ TEST(Fixed, CanOutnumberTheSites) {
     std::vector<Point> fixed;
     constexpr int kSide = 30;
     for (int i = 0; i < kSide * kSide; ++i) fixed.push_back({(i % kSide + 0.5) / kSide, (i / kSide + 0.5) / kSide});
-    // There is no place farther from all points of a square lattice than the middle of a square.
+    // No place is farther from all points of a square lattice than the centre of a square.
     for (const std::size_t sites : {1, 10}) {
         EXPECT_GT(distances(place(square(), sites, fixed), fixed).front(), 0.85 * std::sqrt(0.5) / kSide);
     }

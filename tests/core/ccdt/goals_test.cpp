@@ -21,7 +21,8 @@ std::vector<std::pair<std::string, Domain>> domains() {
             {"ring", domain_of(test::Parts{{outer, {hole}}})}};
 }
 
-/// Goals of a uniform density are those that its triangles would have by their areas, be they stored for each or not.
+/// The goals of a uniform density equal those derived from the triangles' areas, whether or not they are stored
+/// individually.
 TEST(EvenGoals, EqualTheGoalsOfEachTriangle) {
     for (const bool fixed : {false, true}) {
         for (auto& [name, domain] : domains()) {
@@ -40,7 +41,7 @@ TEST(EvenGoals, EqualTheGoalsOfEachTriangle) {
     }
 }
 
-/// If each triangle added up all edges that its site faces, this would take hours.
+/// This would take hours if each triangle summed all edges that its site faces.
 TEST(Goals, SumTheEdgesThatASiteFacesOnce) {
     StartMesh start(domain_of({{test::circle({0, 0}, 1, 200'000), {}}}), Density::uniform(), {.sites = 2, .seed = 5});
     start.measure();

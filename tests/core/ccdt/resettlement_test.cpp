@@ -23,7 +23,7 @@ std::ptrdiff_t count_left_of(const Triangulation& mesh, double x) {
                          [x](Point p) { return p.x < x; });
 }
 
-/// Takes sites from one place to a triangle at another one.
+/// Moves sites from around one place to a triangle at another place.
 void crowd(Triangulation& mesh, Point from, Point to, int count) {
     const auto distance = [](Point a, Point b) { return std::sqrt(dot(a - b, a - b)); };
     for (int i = 0; i < count; ++i) {

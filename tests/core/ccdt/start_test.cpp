@@ -12,7 +12,7 @@ namespace {
 using test::domain_of;
 using test::grid_of;
 
-/// Variance over mean of the sites' counts in 8 x 8 cells of the unit square; 1 for independent sites.
+/// Returns the variance over the mean of the sites' counts in 8 x 8 cells of the unit square; 1 for independent sites.
 double dispersion(const Density& density, Start kind, std::size_t sites, std::uint64_t seed,
                   const std::vector<double>& expected) {
     const Domain domain = Domain::rectangle(1, 1).value();
@@ -46,7 +46,7 @@ TEST(StartSites, AreAPoissonProcessWhenRandom) {
 }
 
 TEST(StartSites, FollowTheDensity) {
-    // Grids coarser and finer than the cells, and finer than what is summed up in blocks.
+    // Grids coarser and finer than the cells, and finer than the summation blocks.
     for (const int cells : {8, 64, 1024}) {
         const auto ramp = [&](int i, int) { return i + 0.5; };
         const Density density = grid_of(cells, cells, ramp);
@@ -72,7 +72,7 @@ TEST(StartSites, AvoidWhite) {
 }
 
 TEST(StartSites, AvoidFineWhite) {
-    // Lines of one pixel, thirty pixels apart, in a picture far finer than the sites.
+    // Lines of one pixel, thirty pixels apart, in a picture much finer than the spacing of sites.
     const Density lines = grid_of(1200, 1200, [](int i, int) { return i % 30 == 7 ? 1.0 : 0.0; });
     const Domain domain = Domain::rectangle(1, 1).value();
     for (const Start kind : {Start::Stratified, Start::Random}) {

@@ -37,7 +37,7 @@ double sum_of(const std::vector<double>& values) {
 
 using Corners = std::vector<Point>;
 
-/// What of a convex polygon lies where axis . p <= level.
+/// Clips a convex polygon to axis . p <= level.
 Corners clipped(const Corners& polygon, Point axis, double level) {
     Corners kept;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -57,7 +57,7 @@ double area_of(const Corners& polygon) {
     return doubled / 2;
 }
 
-/// Integral over a triangle, in cells, of a density that repeats itself: what of the triangle lies in each cell.
+/// Integrates a periodic density over a triangle, in cells, by clipping the triangle to each cell.
 double integral(const Density& density, const std::array<Point, 3>& triangle) {
     const auto range = [&](double Point::*axis) {
         const auto [low, high] = std::minmax({triangle[0].*axis, triangle[1].*axis, triangle[2].*axis});
@@ -174,7 +174,7 @@ TEST(TorusDistribute, IsDeterministicForASeed) {
     }
 }
 
-/// Distance of each point to the nearest other one around the torus.
+/// Returns the distance of each point to its nearest neighbour on the torus.
 std::vector<double> nearest_distances(const std::vector<Point>& points, Point sides) {
     std::vector<double> distances;
     for (const Point p : points) {
@@ -211,7 +211,7 @@ TEST(TorusDistribute, HasNoSeam) {
     }
 }
 
-/// A density moved by half a period gives sets as good, moved by half a period.
+/// A density shifted by half a period gives equally good sets, shifted by half a period.
 TEST(TorusDistribute, ShiftsWithItsDensity) {
     constexpr std::uint64_t kSeeds = 4;
     for (const Quality quality : kQualities) {

@@ -27,7 +27,7 @@ struct Segment {
     Point a, b;
 };
 
-/// Pieces of two segments side by side, but for those of length 0.
+/// Returns the pieces of two segments processed together, without those of length 0.
 std::array<std::vector<Piece>, 2> pieces_of(const std::array<Segment, 2>& two) {
     const Segments<OneLane> segments{
         {two[0].a.x, two[1].a.x}, {two[0].a.y, two[1].a.y}, {two[0].b.x, two[1].b.x}, {two[0].b.y, two[1].b.y}};
@@ -77,8 +77,8 @@ TEST(PiecesWalk, CoversSegmentsCellByCell) {
     }
 }
 
-/// Along lines of the grid, through its points, of no length, thinner than any inverse can be told, and beyond the
-/// grid by rounding.
+/// Segments along grid lines, through grid points, of length 0, too thin for a finite inverse, and beyond the grid by
+/// rounding.
 TEST(PiecesWalk, CoversDegenerateSegments) {
     constexpr double kLeast = std::numeric_limits<double>::denorm_min(), kTiny = 1e-308, kOff = 1e-15;
     const std::vector<double> xs{

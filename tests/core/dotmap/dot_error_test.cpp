@@ -12,10 +12,10 @@ namespace {
 
 using test::box;
 
-/// Squares side by side, and dots on a square grid in each.
+/// Adjacent squares, with dots on a square grid in each.
 class Squares {
 public:
-    /// @param rows  of dots in each square [squares]
+    /// @param rows  [squares] rows of dots in each square
     explicit Squares(const std::vector<int>& rows) {
         for (std::size_t i = 0; i < rows.size(); ++i) {
             const auto west = static_cast<double>(i);
@@ -88,7 +88,8 @@ TEST(DotError, LocatesASurplus) {
     }
 }
 
-/// Of what crowds at the border of two features each knows, be their spacings of one octave or of two.
+/// Features account for each other's dots at the common border, whether their spacings are in one octave or in adjacent
+/// ones.
 TEST(DotError, IncludesNeighbouringFeatures) {
     for (const int rows : {20, 28}) {
         const Squares squares({20, rows});
@@ -105,7 +106,7 @@ TEST(DotError, IncludesNeighbouringFeatures) {
     }
 }
 
-/// Next to ground so dense that its dots would count for many, and next to a desert.
+/// One feature adjoins ground so dense that its dots would count for many, and almost empty ground.
 TEST(DotError, IgnoresFeaturesOfVeryDifferentDensity) {
     for (const int rows : {200, 3}) {
         const Squares squares({20, rows});

@@ -57,7 +57,8 @@ void check(const std::vector<Given>& given, const ClassDots& dots, std::size_t n
     EXPECT_EQ(test::count_distinct(dots.dots.points), dots.dots.points.size());
 }
 
-/// Nearest distance of each dot that has one of another feature near, over the mean of both hexagonal ones.
+/// Returns the nearest distance of each dot with a dot of another feature nearby, relative to the mean of both
+/// hexagonal distances.
 std::vector<double> distances(const ClassDots& dots, const std::vector<MapFeature>& features, bool across) {
     std::vector<double> found;
     const auto spacing = [&](std::size_t i) {
@@ -104,7 +105,7 @@ TEST(DistributeDots, LeavesNoStripAlongBorders) {
     const auto features = features_of(kNeighbours);
     const auto classes = distribute(features);
     ASSERT_TRUE(classes);
-    // The half of a row that lies at the border between the two upper and lower halves, and the next ones.
+    // Counts the dots in strips of one row's height above the border at y = 1.
     const auto& points = classes->front().dots.points;
     const double row = hexagonal_spacing(600.0 / 2) * std::sqrt(0.75);
     std::vector<int> rows(6, 0);
@@ -173,11 +174,11 @@ TEST(DistributeDots, KeepsClassesApart) {
         found.push_back(least / hexagonal_spacing(325));
     }
     std::ranges::sort(found);
-    // Of dots that know nothing of each other it is 0.1.
+    // For independent dots it would be 0.1.
     EXPECT_GT(found[found.size() / 20], 0.4);
 }
 
-/// Of 60 fixed points at random, on two features of which one is twice as dense, and a hundred in one place.
+/// 60 random fixed points on two features, one of them twice as dense, and a hundred coincident ones.
 TEST(DistributeDots, KeepsDistanceFromFixedPoints) {
     const std::vector<Given> given = {{{{box(0, 0, 1, 1), {}}}, {400, 30}}, {{{box(1, 0, 1, 1), {}}}, {800, 0}}};
     Options options;
@@ -203,7 +204,7 @@ TEST(DistributeDots, KeepsDistanceFromFixedPoints) {
         }
         std::ranges::sort(from_fixed);
         EXPECT_GT(from_fixed.front(), 0.6);
-        // No hole is left around them either.
+        // No hole is left around the fixed points either.
         EXPECT_LT(from_fixed[from_fixed.size() / 2], 1.1);
     }
 }

@@ -20,7 +20,7 @@ using Complex = std::complex<double>;
 
 constexpr double kPi = std::numbers::pi;
 
-/// Even and odd, prime and composite, flat and of one cell.
+/// Even and odd, prime and composite, one-dimensional and single-cell sizes.
 constexpr std::pair<int, int> kSizes[] = {{12, 10}, {9, 16}, {7, 13}, {1, 6}, {6, 1}, {1, 1}};
 
 std::vector<double> noise(std::size_t size) {
@@ -30,7 +30,7 @@ std::vector<double> noise(std::size_t size) {
     return values;
 }
 
-/// The product of all that is not 2, 3 or 5 in a number.
+/// Returns a number divided by all its factors 2, 3 and 5.
 int rough_part(int number) {
     for (const int prime : {2, 3, 5}) {
         while (number % prime == 0) number /= prime;
@@ -192,7 +192,7 @@ TEST(CosineTransform, FindsASingleWave) {
             }
         }
         transform.forward();
-        // A cosine's squares have mean a half, but for the constant one.
+        // The mean square of a cosine is a half, except for the constant.
         const double expected = columns * rows * (u == 0 ? 2.0 : 1.0) * (v == 0 ? 2.0 : 1.0);
         for (int y = 0; y < rows; ++y) {
             for (int x = 0; x < columns; ++x) {

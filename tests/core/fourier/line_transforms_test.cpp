@@ -26,7 +26,7 @@ std::vector<Complex> complex_noise(std::size_t size) {
     return values;
 }
 
-/// What all transforms make of some numbers, one after the other.
+/// Returns the results of all transforms of some numbers, concatenated.
 std::vector<double> transformed(const LineTransforms& transforms, const LineSet& lines) {
     std::vector<double> found;
     const auto keep = [&](const std::vector<double>& values) {

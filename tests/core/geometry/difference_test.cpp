@@ -58,7 +58,7 @@ TEST(Without, RefusesAFullyCoveredDomain) {
 }
 
 TEST(Without, ClipsDistantCornersAlongTheirEdges) {
-    // The edge through the middle of the square runs from one far corner to another.
+    // The edge through the centre of the square joins two distant corners.
     for (const double far : {1e3, 1e9, 1e140}) {
         const std::vector<Area> areas = {{{{-far, -far}, {far, far}, {far, -far}}}};
         const auto left = without(square(), areas);

@@ -27,7 +27,7 @@ void expect_refused(const Parts& parts, const std::string& field) {
     EXPECT_FALSE(domain.error().message.empty());
 }
 
-/// For errors that may be named by either of two rings or vertices.
+/// Accepts any of several fields, for errors that may name either of two rings or vertices.
 void expect_refused(const Parts& parts, const std::vector<std::string>& fields) {
     const auto domain = Domain::create(parts);
     ASSERT_FALSE(domain);
@@ -260,7 +260,7 @@ TEST(Domain, RefusesSpikes) {
 }
 
 TEST(Domain, CountsVerticesAsTheCallerDoes) {
-    // Repeated and closing vertices count, and a turned ring keeps its numbers.
+    // Repeated and closing vertices count, and a reversed ring keeps its numbers.
     const Ring ring{{0, 0}, {0, 0}, {0, 4}, {2, 2}, {4, 4}, {4, 0}, {2, 2}, {0, 0}};
     expect_refused({{ring, {}}}, std::vector<std::string>{"/0/0/3", "/0/0/6"});
 }
@@ -352,14 +352,14 @@ TEST(Domain, StopsOnRequest) {
 
 TEST(Domain, IsEnclosedByChainsInAnyOrder) {
     const Ring outer = box(0, 0, 4, 2), hole{{1, 1}, {2, 1}, {2, 1.5}, {1, 1.5}};
-    // There and back, in and out of the rest.
+    // A spike that runs back and forth across the ring.
     const Ring spike{{3, 1}, {9, 9}};
     const auto domain = Domain::enclosed_by({hole, spike, outer});
     ASSERT_TRUE(domain) << domain.error().message;
     EXPECT_DOUBLE_EQ(domain->area(), 7.5);
     EXPECT_EQ(domain->rings().size(), 2u);
     EXPECT_EQ(domain->bounds().max, (Point{4, 2}));
-    // Edges that two have in common enclose nothing.
+    // Shared edges enclose nothing.
     const auto joined = Domain::enclosed_by({box(0, 0, 1, 1), box(1, 0, 1, 1)});
     ASSERT_TRUE(joined) << joined.error().message;
     EXPECT_EQ(joined->rings().size(), 1u);

@@ -23,7 +23,8 @@ Domain inset_of(const Parts& parts, double distance) {
     return *left;
 }
 
-/// Corners of the border are as far from the old one as they should be, and no farther than slices of arcs are.
+/// Checks that corners of the new border keep their distance from the old one, and exceed it by no more than the slices
+/// of arcs allow.
 void expect_distance(const Domain& left, const Parts& parts, double distance) {
     double least = 1e300, most = 0;
     for (const Ring& ring : left.rings()) {
@@ -55,7 +56,7 @@ TEST(Inset, SurroundsHolesByArcs) {
 }
 
 TEST(Inset, SplitsWhereTheDomainIsNarrow) {
-    // Two squares, and a corridor of width 1 between them.
+    // Two squares joined by a corridor of width 1.
     const Parts parts = {
         {{{0, 0}, {4, 0}, {4, 1}, {8, 1}, {8, 0}, {12, 0}, {12, 4}, {8, 4}, {8, 2}, {4, 2}, {4, 4}, {0, 4}}, {}}};
     EXPECT_EQ(inset_of(parts, 0.4).rings().size(), 1U);
@@ -81,7 +82,7 @@ TEST(Inset, OfAFineCircleIsACircle) {
     expect_distance(left, parts, 0.5);
 }
 
-/// A circle whose corners reach in, each by another share of a depth.
+/// A circle with reflex corners, each with a different share of the depth.
 Parts ragged_circle(int corners, double depth) {
     Ring ring = test::circle({0, 0}, 1, corners);
     double share = 0.5;
@@ -130,7 +131,7 @@ TEST(Inset, AcceptsManyCorners) {
 }
 
 TEST(Inset, KeepsDistanceWithManyCorners) {
-    // From lines beside all edges, which meet nowhere, to such as are too long for many of them.
+    // Covers the cases from offset lines that do not meet to distances too long for many edges.
     const Parts parts = ragged_circle(12'000, 0.1);
     for (const double distance : {1e-8, 1e-6, 1e-5, 1e-4}) {
         const Domain left = inset_of(parts, distance);
@@ -160,7 +161,7 @@ TEST(Inset, RemovesAStripWithManyCorners) {
 }
 
 TEST(Inset, DropsSeparateLinesThatAreTooNear) {
-    // A ring thinner than the distance, within whose hole there is the line of its outer border; and a disc beside it.
+    // A ring thinner than the distance, whose hole contains the offset line of its outer border; and a separate disc.
     const Parts parts = {{test::circle({0, 0}, 1, 12'000), {test::circle({0, 0}, 0.9999, 12'000)}},
                          {test::circle({3, 0}, 1, 12'000), {}}};
     const Domain left = inset_of(parts, 2e-4);
@@ -206,7 +207,7 @@ TEST(Inset, KeepsOutOfOffCentreDiscs) {
 }
 
 TEST(Inset, UsesOneDistanceForSimilarDiscs) {
-    // Radii differ by a tenth from west to east, and discs lie beside their points by a thousandth of them.
+    // Radii differ by a tenth from west to east, and the discs are off their points by a thousandth of the radius.
     const Parts parts = ragged_circle(6'000, 0.1);
     const Domain domain = Domain::create(parts).value();
     for (const double size : {1e-6, 1e-4, 1e-2}) {

@@ -12,7 +12,7 @@
 namespace ccdt {
 namespace {
 
-/// Rows from the top, separated by /; # is marked.
+/// Parses rows from the top, separated by /; # marks a pixel.
 PixelSet pixels_of(std::string_view rows) {
     PixelSet pixels;
     int column = 0;

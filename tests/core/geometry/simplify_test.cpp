@@ -8,7 +8,7 @@
 namespace ccdt {
 namespace {
 
-/// A circle whose corners are by turns a little farther out.
+/// A circle with every other corner slightly farther out.
 Ring jagged_circle(int corners, double depth) {
     Ring ring;
     for (int i = 0; i < corners; ++i) {

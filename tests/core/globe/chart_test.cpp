@@ -47,7 +47,8 @@ TEST(Chart, RoundTripsThroughThePlane) {
     }
 }
 
-/// What `proj +proj=stere +lat_0=65 +lon_0=15 +ellps=WGS84` of PROJ 9.1 has, with the areal scale.
+/// The expected values, with the areal scale, are those of `proj +proj=stere +lat_0=65 +lon_0=15 +ellps=WGS84` of PROJ
+/// 9.1.
 TEST(Chart, EqualsTheStereographicProjectionOfProj) {
     struct Row {
         Point place, metres;

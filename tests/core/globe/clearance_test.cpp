@@ -11,7 +11,7 @@ namespace {
 
 TEST(DiscOnGround, ContainsNearerPointsAndLittleElse) {
     const Chart chart(direction_of({10, 50}));
-    constexpr double kEquator = 6'378'137, kPole = 6'399'594;  // metres to a radian of the conformal sphere
+    constexpr double kEquator = 6'378'137, kPole = 6'399'594;  // metres per radian of the conformal sphere
     for (const double metres : {1.0, 1e4, 1e6}) {
         for (const Point place : {Point{0, 0}, Point{0.1, 0}, Point{-0.3, 0.4}, Point{0, -1.5}, Point{20, 0}}) {
             const auto [centre, radius] = disc_on_ground(chart, place, metres);

@@ -11,7 +11,7 @@
 namespace ccdt {
 namespace {
 
-/// Between two longitudes and two latitudes.
+/// Returns the box between two longitudes and two latitudes.
 Ring box(double west, double south, double east, double north) {
     return {{west, south}, {east, south}, {east, north}, {west, north}};
 }
@@ -98,7 +98,7 @@ TEST(DistributeOnGlobe, JoinsTheMeshesOfTwoCharts) {
     }
 }
 
-/// Points on the ground around a place, evenly.
+/// Returns points around a place, evenly distributed on the ground.
 std::vector<Point> cap_of_points(Point centre, double angle, int count) {
     const Chart chart(direction_of(centre));
     std::vector<Point> points;
@@ -111,7 +111,7 @@ std::vector<Point> cap_of_points(Point centre, double angle, int count) {
 }
 
 TEST(DistributeOnGlobe, DividesSitesByTheGroundThatFixedPointsLeave) {
-    constexpr double kCap = 20 * std::numbers::pi / 180;  // that of the second chart
+    constexpr double kCap = 20 * std::numbers::pi / 180;  // the cap of the second chart
     const Direction middle = direction_of({-150, -30});
     const auto is_in_cap = [&](Point p) { return dot(direction_of(p), middle) > std::cos(kCap); };
     const double all = 2000, due = (1 - std::cos(kCap)) / 2;  // share of the ground

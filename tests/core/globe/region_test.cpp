@@ -8,7 +8,7 @@
 namespace ccdt {
 namespace {
 
-/// Between two longitudes and two latitudes.
+/// Returns the box between two longitudes and two latitudes.
 Ring box(double west, double south, double east, double north) {
     return {{west, south}, {east, south}, {east, north}, {west, north}};
 }
@@ -17,7 +17,7 @@ using Parts = std::vector<PolygonPart>;
 
 const Ring kGlobe = box(-180, -90, 180, 90);
 
-/// Region of parts in degrees, as a request brings them.
+/// Returns the region of parts in degrees, processed as in a request.
 Domain region(const Parts& parts) {
     return Domain::repair(unrolled(parts).value()).value().domain;
 }
@@ -28,7 +28,7 @@ std::vector<ChartedPart> charted(const Parts& parts) {
     return result ? *std::move(result) : std::vector<ChartedPart>();
 }
 
-/// Square kilometres of the ground, by a mean over rows of the box that a part lies in.
+/// Returns the area on the ground in square kilometres, by means over rows of the part's box.
 double area(const ChartedPart& part) {
     constexpr int kRows = 400;
     const Box& box = part.domain.bounds();
@@ -51,7 +51,8 @@ double area(const ChartedPart& part) {
     return sum * box.width() * box.height() / kRows / kRows / 1e6;
 }
 
-/// Square kilometres between two longitudes and two latitudes, by Simpson's rule on the radii of the ellipsoid.
+/// Returns the area in square kilometres between two longitudes and two latitudes, by Simpson's rule on the radii of
+/// the ellipsoid.
 double area_of_box(double west, double south, double east, double north) {
     constexpr double kDegree = 3.14159265358979323846 / 180, kRadius = 6378.137, kSquare = 0.00669437999014;
     constexpr int kSteps = 1000;
@@ -85,7 +86,7 @@ TEST(Unrolled, ClosesRingsAroundAPole) {
     const Ring expected{{-120, -70}, {0, -65}, {120, -75}, {240, -70}, {240, -90}, {-120, -90}};
     EXPECT_EQ(unrolled({{south, {}}})->front().outer, expected);
     EXPECT_EQ(unrolled({{{{0, 80}, {120, 80}, {-120, 80}}, {}}})->front().outer.back(), (Point{0, 90}));
-    // Cut out of its hole, as maps that were sewn together have it.
+    // The tip was cut out of the hole, as in maps assembled from several pieces.
     const Ring tip{{-120, -89}, {0, -89}, {120, -89}};
     const auto sewn = unrolled({{tip, {south}}});
     EXPECT_EQ(sewn->front().outer, expected);

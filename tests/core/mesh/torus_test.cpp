@@ -19,7 +19,7 @@ Point period_of(double width, double height) {
     return Domain::torus(width, height).value().unit_bounds().max;
 }
 
-/// Triangulation of a torus with given sites on it.
+/// Returns the triangulation of a torus with given sites.
 Triangulation mesh_of(Point period, const std::vector<Point>& sites) {
     Triangulation mesh(sites.size(), period);
     for (std::uint32_t i = 0; i < sites.size(); ++i) EXPECT_TRUE(mesh.insert(i, sites[i])) << i;
@@ -34,7 +34,7 @@ std::vector<Point> random_sites(Point period, std::size_t count, std::uint64_t s
     return sites;
 }
 
-/// How many copies of sites lie strictly inside the circle of a triangle: all that are near enough are looked at.
+/// Counts the copies of sites strictly inside the circumcircle of a triangle, among all copies near enough.
 std::size_t count_in_circles(const Triangulation& mesh) {
     constexpr double kRoom = 1e-6;
     const Point period = mesh.period();
@@ -92,7 +92,7 @@ TEST(TorusTriangulation, IsValidOnStretchedTori) {
 }
 
 TEST(TorusTriangulation, IsValidForALattice) {
-    // Four at a time on a circle, and some on the seam itself.
+    // Groups of four cocircular sites, some of them on the seam.
     constexpr int kSide = 16;
     std::vector<Point> sites;
     for (int j = 0; j < kSide; ++j) {
@@ -157,7 +157,7 @@ TEST(TorusTriangulation, IsDelaunayAgainAfterMoves) {
     }
 }
 
-/// A set and the same one moved around the torus have the same triangles.
+/// A set of sites and its shifted copy have the same triangles.
 TEST(TorusTriangulation, IsInvariantUnderShifts) {
     const Point period = period_of(1, 1);
     const std::vector<Point> sites = random_sites(period, 300, 9);

@@ -69,7 +69,7 @@ TEST(Triangulation, RefusesAnOccupiedPosition) {
 }
 
 TEST(Triangulation, AcceptsSitesOnEdgesAndCircles) {
-    // Every site of a lattice lies on edges of the ones before, and four at a time on a circle.
+    // Each site of the lattice lies on edges of earlier sites, and groups of four are cocircular.
     constexpr int kSide = 31;
     Triangulation mesh = empty_mesh(kSquare, kSide * kSide);
     std::uint32_t site = 0;
@@ -144,7 +144,7 @@ TEST(Triangulation, InsertsAllSitesOnAnyNumberOfThreads) {
 }
 
 TEST(Triangulation, ReturnsSitesWithoutAPosition) {
-    // Half of the sites are drawn outside: they are told, and the others are all there.
+    // Half of the sites are drawn outside: these are returned, and all others are inserted.
     constexpr std::size_t kSites = 10'000;
     Triangulation mesh = empty_mesh(kSquare, kSites);
     std::vector<std::uint32_t> sites(kSites);
@@ -232,7 +232,7 @@ TEST(Triangulation, RelocatesSitesWithinTheirOwnTriangles) {
     EXPECT_EQ(mesh.restore_delaunay(), 0u);
 }
 
-/// On both diagonals of a square an edge turned away from the site would end in a flat triangle.
+/// On both diagonals of a square, flipping an edge away from the site would create a flat triangle.
 TEST(Triangulation, KeepsSitesWhoseEdgesCannotBeFlipped) {
     Triangulation mesh = empty_mesh({{test::box(0, 0, 0.5, 0.5), {}}, {test::box(0.75, 0, 0.25, 0.25), {}}}, 1);
     ASSERT_TRUE(mesh.insert(0, {0.25, 0.25}));
@@ -254,7 +254,7 @@ TEST(Triangulation, ReportsVerticesChangedByFlips) {
     mesh.trim();
     EXPECT_EQ(mesh.restore_delaunay(), 0u);
     for (std::uint32_t v = 0; v < 4; ++v) EXPECT_FALSE(mesh.has_changed(v));
-    // The short diagonal of the four was 0-1; now it is 2-3.
+    // The short diagonal of the four was 0-1 before the move and is 2-3 after it.
     mesh.points()[2] = {0.45, 0.5};
     mesh.points()[3] = {0.55, 0.5};
     EXPECT_GE(mesh.restore_delaunay(), 1u);

@@ -106,7 +106,7 @@ TEST(ProgressiveOrder, KeepsTheFirstPointsApartAtThePole) {
     const auto order = progressive_order_on_globe(points);
     ASSERT_TRUE(is_permutation(order, points.size()));
     const auto first = first_of(points, order, 250);
-    // A cap of 20 degrees has 2 pi (1 - cos 20) of the unit sphere.
+    // A cap of 20 degrees has the area 2 pi (1 - cos 20 degrees) on the unit sphere.
     const double hexagonal = std::sqrt(2 / std::sqrt(3.0) * 2 * 3.14159265 * (1 - std::cos(0.349066)) / 250);
     double sum = 0;
     for (const Point p : first) {
@@ -116,7 +116,7 @@ TEST(ProgressiveOrder, KeepsTheFirstPointsApartAtThePole) {
         }
         sum += std::acos(most) / hexagonal;
     }
-    EXPECT_GT(sum / 250, 0.65);  // of the first 250 as they were drawn 0.47
+    EXPECT_GT(sum / 250, 0.65);  // the first 250 points in their original order have 0.47
 }
 
 TEST(ProgressiveOrder, AcceptsDegeneratePoints) {
@@ -164,7 +164,7 @@ TEST(Reorder, ReordersTheMesh) {
                       given.mesh->vertices[given.mesh->triangles[t][corner]]);
         }
     }
-    EXPECT_EQ(ordered.mesh->boundary, given.mesh->boundary);  // of vertices behind the points
+    EXPECT_EQ(ordered.mesh->boundary, given.mesh->boundary);  // these vertices follow the points
 }
 
 }  // namespace

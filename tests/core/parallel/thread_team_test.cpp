@@ -25,7 +25,7 @@ TEST(ThreadTeam, CallsEachTaskOnce) {
 }
 
 TEST(ThreadTeam, RunsTasksInParallel) {
-    // Three tasks that wait for each other end only if three threads have them.
+    // Three tasks that wait for each other end only if three threads run them.
     ThreadTeam team(3);
     std::barrier together(3);
     team.run(3, [&](std::size_t) { together.arrive_and_wait(); });

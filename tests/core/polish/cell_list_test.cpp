@@ -9,7 +9,7 @@
 namespace ccdt {
 namespace {
 
-/// Some anywhere, most crowded around two places at two scales.
+/// Some points anywhere, most of them crowded around two places at two scales.
 std::vector<Point> crowds(std::size_t count) {
     Random random(6, 0);
     std::vector<Point> places;
@@ -20,7 +20,7 @@ std::vector<Point> crowds(std::size_t count) {
     return places;
 }
 
-/// Of all copies of a place on a torus the nearest.
+/// Returns the distance to the nearest periodic copy.
 double distance(const Domain& domain, Point a, Point b) {
     Point apart = a - b;
     if (domain.is_torus()) apart = {apart.x - std::round(apart.x), apart.y - std::round(apart.y)};

@@ -16,7 +16,7 @@ namespace {
 
 using Edge = GraphSolver::Edge;
 
-/// A square grid, its edges conducting 1.
+/// A square grid with conductances 1.
 std::vector<Edge> grid(std::uint32_t side) {
     std::vector<Edge> edges;
     for (std::uint32_t j = 0; j < side; ++j) {
@@ -54,7 +54,7 @@ TEST(GraphSolver, AddsUpParallelEdges) {
     EXPECT_NEAR(potential[0] - potential[1], 0.25, 1e-12);
 }
 
-/// Whatever the size: of 16 times as many vertices about as many steps.
+/// 16 times as many vertices need about the same number of steps.
 TEST(GraphSolver, ConvergesInFewStepsAtAnySize) {
     for (const std::uint32_t side : {32u, 128u}) {
         std::vector<double> inflow, potential(side * side);

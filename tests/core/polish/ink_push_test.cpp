@@ -51,7 +51,7 @@ TEST(InkPush, SeparatesCoincidentSites) {
     EXPECT_GT(dot(between, between), std::pow(0.25 * kNeighbour, 2));
 }
 
-/// All against all.
+/// Computes the moves by comparing all pairs.
 std::vector<Point> pushed_one_by_one(bool torus, const std::vector<InkSite>& sites, double reach, double push) {
     std::vector<Point> moves(sites.size());
     for (std::size_t a = 0; a < sites.size(); ++a) {

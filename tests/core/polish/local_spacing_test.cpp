@@ -23,7 +23,7 @@ TEST(LocalSpacing, IsTheSpacingOfABlockWithOneSite) {
     for (const double sites : {0.5, 1.0, 7.0, 1000.0, 1e6}) {
         EXPECT_NEAR(LocalSpacing({1, 1}, even, sites).at({0.3, 0.9}), 1 / std::sqrt(sites), 1e-6) << sites;
     }
-    // Of 5 x 3 cells blocks at the far sides are cut.
+    // Blocks of 5 x 3 cells at the far sides are cut off.
     const Density cut = grid_of(5, 3, [](int, int) { return 1.0; });
     for (const double sites : {1.0, 4.0, 15.0, 60.0}) {
         EXPECT_NEAR(LocalSpacing({5, 3}, cut, sites).at({4.5, 2.5}), std::sqrt(15 / sites), 1e-6) << sites;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTau = 6.283185307179586;
 
-/// Largest power among the frequencies that are to be silent, summed directly.
+/// Returns the largest power of the frequencies below the limit, by direct sums.
 double loudest(const Domain& torus, const std::vector<Point>& points) {
     const Point sides = torus.bounds().max - torus.bounds().min;
     const auto count = static_cast<double>(points.size());
@@ -32,7 +32,7 @@ double loudest(const Domain& torus, const std::vector<Point>& points) {
     return loudest;
 }
 
-/// Least distance over that of neighbours in a hexagonal grid.
+/// Returns the least distance relative to that of neighbours in a hexagonal grid.
 double least_distance(const Domain& torus, const std::vector<Point>& points) {
     const Point sides = torus.bounds().max - torus.bounds().min;
     double least = 1e9;
@@ -75,14 +75,14 @@ TEST(Stealth, MovesSitesLittle) {
 }
 
 TEST(Stealth, FindsTheSmallestMoves) {
-    // They are a gradient: whatever else does the same is longer by what has no effect.
+    // The moves are a gradient, so any other solution is longer by a part without effect.
     const Domain torus = Domain::torus(1, 1).value();
     const auto sites = distributed(torus, 200, Quality::Draft);
     Stealth stealth(torus, sites.size());
     std::vector<Point> moves(sites.size());
     ASSERT_TRUE(stealth.displacements(sites, moves));
     EXPECT_GT(stealth.loudest(), 1e-5);
-    // To first order these moves undo all sums: a hundredth of them a hundredth of it.
+    // To first order the moves cancel all sums, so a hundredth of the moves cancels a hundredth.
     std::vector<Point> there = sites;
     for (std::size_t i = 0; i < there.size(); ++i) there[i] = there[i] + 0.01 * moves[i];
     std::complex<double> before, after;

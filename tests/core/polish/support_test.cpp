@@ -18,7 +18,7 @@ using test::grid_of;
 
 const Domain kSquare = Domain::rectangle(1, 1).value();
 
-/// Distance from a point of the grid to the nearest cell with density, in cells.
+/// Returns the distance from a grid point to the nearest cell with density, in cells.
 double distance_to_density(const Density& density, Point g) {
     double nearest = std::numeric_limits<double>::infinity();
     for (int j = 0; j < density.height(); ++j) {
@@ -49,7 +49,7 @@ TEST(Support, FindsDensityWithinReach) {
                 if (found == p) continue;
             }
             ASSERT_EQ(count_on_white(domain, density, {2 * found}), 0u) << p.x << ' ' << p.y;
-            // Cells are looked at in squares, whose corners lie further away than their sides.
+            // Cells are searched in squares, whose corners are farther away than their sides.
             ASSERT_LE(std::sqrt(dot(q - g, q - g)), std::sqrt(2.0) * distance + 0.2) << p.x << ' ' << p.y;
         }
     }

@@ -24,7 +24,7 @@ Density waves() {
     });
 }
 
-/// How much of the wave cos(pi x column) there is in sites, and would be if they stood as the density wants.
+/// Returns the amplitude of the wave cos(pi x column) in sites, or in the wanted density.
 double amplitude(const std::vector<Point>& sites, int column) {
     double sum = 0;
     for (const Point p : sites) sum += std::cos(kPi * column * p.x);
@@ -42,11 +42,11 @@ double amplitude(const Density& density, int column) {
     return sum / density.total();
 }
 
-/// Share of a long wave's error that is left after a round.
+/// Returns the share of a long wave's error that is left after one round.
 double left_of_wave(const Domain& domain, const Density& density, int column) {
     auto sites = distribute(domain, density, {.sites = kSites, .seed = 3})->points;
-    // To first order these moves, shorter than a round may make, add pi column longest cos(pi column x) to a uniform
-    // density.
+    // To first order these moves, shorter than the limit of a round, add pi column longest cos(pi column x) to a
+    // uniform density.
     const double longest = 0.15 / std::sqrt(static_cast<double>(kSites));
     for (Point& p : sites) p.x -= longest * std::sin(kPi * column * p.x);
     const double wanted = amplitude(density, column), before = amplitude(sites, column) - wanted;
@@ -67,7 +67,7 @@ TEST(Transport, RemovesALongWave) {
         EXPECT_LT(left_of_wave(box, waves(), column), 0.1);
         EXPECT_LT(left_of_wave(torus, waves(), column), 0.1);
     }
-    // A box has waves of which only half fits.
+    // A box also has waves with half a period.
     EXPECT_LT(left_of_wave(box, Density::uniform(), 3), 0.05);
     EXPECT_LT(left_of_wave(box, waves(), 5), 0.1);
 }
@@ -167,13 +167,13 @@ TEST(Transport, IgnoresEmptyMargins) {
     EXPECT_GT(longest, 1e-4);
 }
 
-/// What a site's move is does not depend on where a torus is cut.
+/// A site's move does not depend on where the torus is cut.
 TEST(Transport, IsInvariantUnderShifts) {
     const Domain torus = Domain::torus(1, 1).value();
     Random random(5, 0);
     std::vector<Point> sites(500), moves(500), moved_moves(500);
     for (Point& p : sites) p = {random.uniform(), random.uniform()};
-    // By whole cells of any grid that is a multiple of 2 on a side: the spline's own error is the same.
+    // Shifts by whole cells of any grid whose size is a multiple of 2, so that the spline's own error is the same.
     std::vector<Point> moved = sites;
     for (Point& p : moved) p = p + Point{0.5, -0.5};
     for (const bool uniform : {true, false}) {
@@ -191,7 +191,7 @@ TEST(Transport, IsInvariantUnderShifts) {
     }
 }
 
-/// Cells as wide as such a box is high, or so, would be millions: gigabytes.
+/// Cells as wide as such a box is high would be millions, i.e. gigabytes.
 TEST(Transport, LimitsTheMemoryForThinBoxes) {
     constexpr std::size_t kInLine = 100'000;
     const double height = 1e-10;

@@ -19,7 +19,7 @@ std::vector<Point> random_points(std::size_t count) {
     return points;
 }
 
-/// Points of a grid of unit spacing, in no order that helps.
+/// Returns the points of a grid of unit spacing, in an unhelpful order.
 std::vector<Point> grid(std::size_t side) {
     std::vector<Point> points;
     for (std::size_t i = 0; i < side * side; ++i) {
@@ -39,7 +39,7 @@ double shortened(const std::vector<Point>& points) {
     return path_length(in_order(points, short_path(points)));
 }
 
-/// By trying all orders.
+/// Returns the length of the shortest path, by trying all orders.
 double shortest(const std::vector<Point>& points) {
     std::vector<std::uint32_t> order(points.size());
     std::iota(order.begin(), order.end(), 0U);
@@ -83,11 +83,11 @@ TEST(ShortPath, IsCloseToTheShortestPath) {
         const std::vector<Point> points = random_points(count);
         EXPECT_LT(shortened(points), 1.1 * shortest(points)) << count;
     }
-    // A boustrophedon is the shortest through a grid.
+    // A boustrophedon is the shortest path through a grid.
     EXPECT_LT(shortened(grid(60)), 1.05 * (60 * 60 - 1));
 }
 
-/// The shortest way through many random points of a unit square is 0.7124 sqrt(n) long (Johnson, McGeoch 1996).
+/// The shortest path through many random points of a unit square has length 0.7124 sqrt(n) (Johnson, McGeoch 1996).
 TEST(ShortPath, ReachesTheDocumentedLength) {
     const std::vector<Point> points = random_points(20'000);
     EXPECT_LT(shortened(points), 1.1 * 0.7124 * std::sqrt(20'000));
