@@ -145,7 +145,7 @@ void DotMap::iterate() {
 void DotMap::polish() {
     if (!settings_ || stopping()) return;
     constexpr double kNearPush = 0.5;  // each of the two dots moves half of the missing distance
-    constexpr int kMostAgain = 3;
+    constexpr int kMaxRetries = 3;
     const PolishSettings& s = *settings_;
     for_each(&DotLayer::begin);
     repeat(s.rounds, [&](int round) {
@@ -159,7 +159,7 @@ void DotMap::polish() {
     });
     repeat(s.even_rounds, [&](int) { for_each(&DotLayer::even_out); });
     repeat(s.near_rounds, [&](int) { push_apart(s.nearest, kNearPush, s.ink_nearest, s.push); });
-    for (int round = 0; round < kMostAgain && !stopping() && is_any_nearer(s.least); ++round) {
+    for (int round = 0; round < kMaxRetries && !stopping() && is_any_nearer(s.least); ++round) {
         for_each(&DotLayer::restore);
         push_apart(s.nearest, kNearPush, s.ink_nearest, s.push);
     }

@@ -70,7 +70,7 @@ void Polish::refine(const PolishSettings& settings, const std::stop_token& stop,
     repeat(settings.even_rounds, stop, after, [&](int) {
         even_out_together(stop);
         even_out_each(stop);
-        for (int push = 0; push < settings.even_pushes; ++push) push_near();
+        for (int push = 0; push < settings.near_pushes_per_even_round; ++push) push_near();
     });
     repeat(settings.near_rounds, stop, after, [&](int) { push_near(); });
     push_again(settings, push_near, stop);
@@ -124,10 +124,10 @@ bool Polish::is_any_nearer(double least) {
 /// enclosed by others or by the two shores of a neck; one of them is relocated.
 void Polish::push_again(const PolishSettings& settings, const std::function<void()>& push,
                         const std::stop_token& stop) {
-    for (int round = 0; round < settings.most_again && !stop.stop_requested() && is_any_nearer(settings.least);
+    for (int round = 0; round < settings.max_retries && !stop.stop_requested() && is_any_nearer(settings.least);
          ++round) {
         for (const Layer& layer : layers_) {
-            if (round < settings.take_after || !layer.separate) continue;
+            if (round < settings.relocate_after || !layer.separate) continue;
             layer.separate(layer.steps->take_nearer(*layer.mesh, settings.least));
         }
         restore_meshes(stop);

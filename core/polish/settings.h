@@ -19,25 +19,25 @@ enum class Quality {
 struct PolishSettings {
     /// In dot maps only: number of iterations, the last ones, that begin with a round that pushes and removes waves.
     int early = 0;
-    int rounds = 0;          ///< rounds that push near sites apart and remove long waves
-    int even_every = 1;      ///< only every even_every-th of these rounds removes waves; also in the relax rounds
-    int mesh_every = 0;      ///< number of these rounds after which neighbours are found again; 0: never
-    double reach = 0;        ///< distance below which neighbours of one ink are pushed
-    double push = 0;         ///< share of the missing distance by which each of the two sites moves
-    double ink_reach = 0;    ///< distance below which sites of different inks are pushed
-    int relax_rounds = 0;    ///< next: rounds that also make triangles equal again
-    int relax_passes = 0;    ///< passes of relaxation in each relax round
-    int relax_evens = 1;     ///< number of times that such a round removes waves, if it does
-    int even_rounds = 0;     ///< next: even rounds, which only remove waves
-    int even_pushes = 0;     ///< near pushes after each even round
-    int near_rounds = 0;     ///< next: near pushes alone, of too few sites to create waves
-    double nearest = 0;      ///< reach of a near push within an ink
-    double ink_nearest = 0;  ///< reach of a near push between inks
+    int rounds = 0;        ///< rounds that push near sites apart and remove long waves
+    int even_every = 1;    ///< only every even_every-th of these rounds removes waves; also in the relax rounds
+    int mesh_every = 0;    ///< number of these rounds after which neighbours are found again; 0: never
+    double reach = 0;      ///< distance below which neighbours of one ink are pushed
+    double push = 0;       ///< share of the missing distance by which each of the two sites moves
+    double ink_reach = 0;  ///< distance below which sites of different inks are pushed
+    int relax_rounds = 0;  ///< next: rounds that also make triangles equal again
+    int relax_passes = 0;  ///< passes of relaxation in each relax round
+    int relax_evens = 1;   ///< number of times that such a round removes waves, if it does
+    int even_rounds = 0;   ///< next: even rounds, which only remove waves
+    int near_pushes_per_even_round = 0;  ///< near pushes after each even round
+    int near_rounds = 0;                 ///< next: near pushes alone, of too few sites to create waves
+    double nearest = 0;                  ///< reach of a near push within an ink
+    double ink_nearest = 0;              ///< reach of a near push between inks
     /// Near pushes are repeated, with neighbours found again, while any two are closer than this.
     double least = 0;
-    int most_again = 0;  ///< limit on these repetitions
+    int max_retries = 0;  ///< limit on these repetitions
     /// In polygons, number of repetitions after which each one first relocates one site of every such pair.
-    int take_after = 0;
+    int relocate_after = 0;
     int last_rounds = 0;     ///< next: even rounds that remove the waves which these pushes create
     int retouch_rounds = 0;  ///< last: rounds of moves that the caller computes from all inks together
     int stealth_rounds = 0;  ///< at most: rounds that remove the power of low frequencies
