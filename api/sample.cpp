@@ -571,7 +571,7 @@ Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const
 
 void bring_into(const Box& box, std::vector<Point>& points) {
     if (box.min.x >= -kTurn / 2 && box.max.x <= kTurn / 2) return;
-    for (Point& p : points) p.x += shift_to(p.x, box.min.x);
+    for (Point& p : points) p.x += longitude_wrap_offset(p.x, box.min.x);
 }
 
 double radius_of(const SampleRequest& request, const Domain& domain) {
@@ -636,9 +636,7 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
 
     auto placed =
         place_points(request, domain, *density, control).and_then([&, &domain = domain](PlacedPoints&& points) {
-            return order_points(request, domain, points.distribution, control).map([&] {
-                return std::move(points);
-            });
+            return order_points(request, domain, points.distribution, control).map([&] { return std::move(points); });
         });
     timings.optimise = watch.lap();
     if (!placed) return tl::unexpected(placed.error());

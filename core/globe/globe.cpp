@@ -10,9 +10,9 @@
 #include "core/ccdt/start.h"
 #include "core/globe/chart.h"
 #include "core/globe/clearance.h"
+#include "core/globe/inverse_projection.h"
 #include "core/globe/plane_density.h"
 #include "core/globe/region.h"
-#include "core/globe/way_back.h"
 
 namespace ccdt {
 
@@ -61,7 +61,7 @@ std::vector<Options> options_of_parts(const std::vector<ChartedPart>& parts, con
     }
 }
 
-void to_degrees(const Chart& chart, const WayBack& back, Distribution& placed) {
+void to_degrees(const Chart& chart, const InverseProjection& back, Distribution& placed) {
     for (Point& p : placed.points) p = back(chart, p);
     if (!placed.mesh) return;
     std::vector<Point>& vertices = placed.mesh->vertices;
@@ -129,7 +129,7 @@ Result<GlobeDistribution> distribute_on_globe(const Domain& region, const Densit
         ground += bare->total;
     }
     const auto own = options_of_parts(*parts, densities, options, control.stop);
-    const WayBack back(degrees);
+    const InverseProjection back(degrees);
     std::optional<Distribution> all;
     for (std::size_t i = 0; i < parts->size(); ++i) {
         if (own[i].sites == 0) continue;

@@ -39,7 +39,7 @@ public:
     Wanted(const Domain& degrees, const Density& density) : box_(degrees.bounds()), density_(density) {}
 
     double operator()(Point place) const {
-        place.x += shift_to(place.x, box_.min.x);
+        place.x += longitude_wrap_offset(place.x, box_.min.x);
         // A position slightly west of the box belongs to its west side, if it is nearer to that than to the east side.
         if (place.x - box_.max.x > (kTurn - box_.width()) / 2) place.x -= kTurn;
         const auto index = [](double share, int cells) {

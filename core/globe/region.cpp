@@ -95,7 +95,7 @@ void follow(const Ring& outer, Ring& hole) {
     const auto [west, east] = std::ranges::minmax(outer, by_longitude);
     const auto [least, most] = std::ranges::minmax(hole, by_longitude);
     if (least.x <= east.x && most.x >= west.x) return;
-    const double shift = shift_to(least.x, west.x);
+    const double shift = longitude_wrap_offset(least.x, west.x);
     for (Point& p : hole) p.x += shift;
 }
 
@@ -246,7 +246,7 @@ void Charting::sample_border() {
 
 bool Charting::contains(Direction direction) const {
     Point place = place_of(direction);
-    place.x += shift_to(place.x, west_);
+    place.x += longitude_wrap_offset(place.x, west_);
     bool inside = false;
     for_edges([&](Point a, Point b) {
         if ((a.x <= place.x) == (b.x <= place.x)) return;

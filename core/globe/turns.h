@@ -9,7 +9,7 @@ inline constexpr double kTurn = 360;                       ///< one turn around 
 inline constexpr double kDegree = std::numbers::pi / 180;  ///< in radians
 
 /// Returns the multiple of 360 degrees that shifts a longitude to its first equivalent at or east of `least`.
-inline double shift_to(double longitude, double least) {
+inline double longitude_wrap_offset(double longitude, double least) {
     return kTurn * std::ceil((least - longitude) / kTurn);
 }
 
