@@ -73,14 +73,14 @@ double Construction::site_share() const {
 Result<void> Construction::choose_fixed() {
     const std::vector<Point>& points = start_sites().fixed();
     if (points.empty()) return {};
-    fixed_.sites = start_->room().sites;
+    fixed_.sites = start_->fixed_area().sites;
     double densest = capacity_.total() / domain_.unit_area();
     for (const Point& p : points) densest = std::max(densest, capacity_.at(p));
     const double spacing = std::sqrt(capacity_.total() * site_share() / densest);
     auto trial = mesh_for(points.size());
     if (!trial) return tl::unexpected(trial.error());
     const double sites = fixed_.sites;
-    fixed_ = ccdt::choose_fixed(domain_, points, start_->room().weights, spacing, trial->mesh);
+    fixed_ = ccdt::choose_fixed(domain_, points, start_->fixed_area().weights, spacing, trial->mesh);
     fixed_.sites = sites;
     return {};
 }

@@ -127,7 +127,7 @@ std::vector<double> StartSites::masses_left(const Domain& domain, const std::vec
         density_.resample_row(density_.cells(), columns_, rows_, static_cast<int>(row),
                               std::span(masses).subspan(row * width, width));
     for (std::size_t cell = 0; cell < share.size(); ++cell) masses[cell] *= share[cell];
-    room_ = take_room(domain, fixed_, sites, columns_, rows_, masses);
+    fixed_area_ = subtract_fixed_area(domain, fixed_, sites, columns_, rows_, masses);
     return masses;
 }
 

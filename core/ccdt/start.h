@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/ccdt/ccdt.h"
-#include "core/ccdt/fixed_room.h"
+#include "core/ccdt/fixed_area.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
@@ -32,7 +32,7 @@ public:
     const std::vector<Point>& fixed() const { return fixed_; }
 
     /// The area that these take, where no site is drawn.
-    const FixedRoom& room() const { return room_; }
+    const FixedArea& fixed_area() const { return fixed_area_; }
 
 private:
     struct Rectangle {
@@ -57,7 +57,7 @@ private:
     int columns_ = 1;
     int rows_ = 1;
     std::vector<Point> fixed_;
-    FixedRoom room_;
+    FixedArea fixed_area_;
     std::vector<double> sums_;  ///< capacity left of and below each grid point [rows + 1][columns + 1]
     std::vector<Rectangle> cells_;
     std::vector<std::uint32_t> cell_of_;    ///< [sites]

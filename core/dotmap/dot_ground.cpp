@@ -77,7 +77,7 @@ Result<DotGround> DotGround::create(const Map& map, std::size_t number, Team& te
         if (dots > 0 && !ground.fixed_.empty() && !ground.fixed_[i].empty()) {
             const auto own = ground.density_of(each);
             if (!own) return tl::unexpected(own.error());
-            sites = StartSites(feature.area, *own, ground.start_options(each, 0)).room().sites;
+            sites = StartSites(feature.area, *own, ground.start_options(each, 0)).fixed_area().sites;
         }
         ground.wanted_.push_back(sites / capacity);
     }

@@ -9,8 +9,8 @@
 
 #include "core/ccdt/border.h"
 #include "core/ccdt/construction.h"
+#include "core/ccdt/fixed_area.h"
 #include "core/ccdt/fixed_choice.h"
-#include "core/ccdt/fixed_room.h"
 #include "core/ccdt/goals.h"
 #include "core/dotmap/dot_error.h"
 #include "core/geometry/hexagonal_spacing.h"

@@ -46,17 +46,17 @@ std::vector<Options> options_of_parts(const std::vector<ChartedPart>& parts, con
         for (Point& p : own[i].fixed) p = parts[i].chart.to_plane(direction_of(p));
     }
     std::vector<double> taken(parts.size(), 0);
-    const bool shares_room = parts.size() > 1 && !options.fixed.empty();
+    const bool shares_ground = parts.size() > 1 && !options.fixed.empty();
     for (int round = 0;; ++round) {
         const auto shares = shared_out(options.sites, densities, taken);
         for (std::size_t i = 0; i < parts.size(); ++i) own[i].sites = shares[i];
-        if (!shares_room || round == kRounds || stop.stop_requested()) return own;
+        if (!shares_ground || round == kRounds || stop.stop_requested()) return own;
         for (std::size_t i = 0; i < parts.size(); ++i) {
             if (!(densities[i].total > 0)) continue;
             Options some = own[i];
             some.sites = std::max<std::size_t>(1, some.sites);
-            const double room = StartSites(parts[i].domain, densities[i].density, some).room().sites;
-            taken[i] = room - static_cast<double>(some.sites);
+            const double whole = StartSites(parts[i].domain, densities[i].density, some).fixed_area().sites;
+            taken[i] = whole - static_cast<double>(some.sites);
         }
     }
 }

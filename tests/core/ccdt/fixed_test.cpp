@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/ccdt/ccdt.h"
-#include "core/ccdt/fixed_room.h"
+#include "core/ccdt/fixed_area.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/random.h"
 #include "tests/support/shapes.h"
@@ -60,35 +60,35 @@ std::vector<double> distances(const std::vector<Point>& points, const std::vecto
     return nearest;
 }
 
-FixedRoom room_of(const std::vector<Point>& fixed, std::size_t sites) {
+FixedArea area_of(const std::vector<Point>& fixed, std::size_t sites) {
     constexpr int kSide = 256;
     std::vector<double> masses(kSide * kSide, 1);
-    return take_room(square(), fixed, sites, kSide, kSide, masses);
+    return subtract_fixed_area(square(), fixed, sites, kSide, kSide, masses);
 }
 
-TEST(FixedRoom, OfAnIsolatedPointEqualsThatOfASite) {
-    EXPECT_NEAR(room_of({{0.5, 0.5}}, 100).sites, 101, 0.1);
-    EXPECT_NEAR(room_of({{0.2, 0.3}, {0.8, 0.9}}, 100).sites, 102, 0.2);
-    EXPECT_NEAR(room_of({{0.2, 0.3}, {0.8, 0.9}}, 100).weights[1], 1, 0.1);
+TEST(FixedArea, OfAnIsolatedPointEqualsThatOfASite) {
+    EXPECT_NEAR(area_of({{0.5, 0.5}}, 100).sites, 101, 0.1);
+    EXPECT_NEAR(area_of({{0.2, 0.3}, {0.8, 0.9}}, 100).sites, 102, 0.2);
+    EXPECT_NEAR(area_of({{0.2, 0.3}, {0.8, 0.9}}, 100).weights[1], 1, 0.1);
 }
 
-TEST(FixedRoom, OfCoincidentPointsEqualsThatOfOne) {
-    EXPECT_NEAR(room_of(std::vector<Point>(1000, {0.5, 0.5}), 100).sites, 101, 0.1);
+TEST(FixedArea, OfCoincidentPointsEqualsThatOfOne) {
+    EXPECT_NEAR(area_of(std::vector<Point>(1000, {0.5, 0.5}), 100).sites, 101, 0.1);
 }
 
-TEST(FixedRoom, OfAClusterIsItsOwnAreaAndARim) {
+TEST(FixedArea, OfAClusterIsItsOwnAreaAndARim) {
     // A tenth of the square's side squared, plus a rim of half a site's distance.
     const double sites = 10'000, rim = std::sqrt(1 / (sites * std::acos(-1)));
     const double area = 0.01 + 0.4 * rim;
-    const double found = room_of(drawn(20'000, {0.4, 0.4}, 0.1), 10'000).sites;
+    const double found = area_of(drawn(20'000, {0.4, 0.4}, 0.1), 10'000).sites;
     EXPECT_NEAR(found, sites / (1 - area), 0.003 * sites);
 }
 
-TEST(FixedRoom, OfPointsOutsideReachesIntoTheDomain) {
-    const double sites = room_of({{-0.02, 0.5}}, 100).sites;
+TEST(FixedArea, OfPointsOutsideReachesIntoTheDomain) {
+    const double sites = area_of({{-0.02, 0.5}}, 100).sites;
     EXPECT_GT(sites, 100.1);
     EXPECT_LT(sites, 100.5);
-    EXPECT_NEAR(room_of({{-0.2, 0.5}}, 100).sites, 100, 1e-6);
+    EXPECT_NEAR(area_of({{-0.2, 0.5}}, 100).sites, 100, 1e-6);
 }
 
 TEST(Fixed, KeepTheirDistanceFromSites) {

@@ -1,4 +1,4 @@
-#include "core/ccdt/fixed_room.h"
+#include "core/ccdt/fixed_area.h"
 
 #include <algorithm>
 #include <cmath>
@@ -115,8 +115,8 @@ std::vector<Point> to_unit_frame(const Domain& domain, std::span<const Point> po
     return result;
 }
 
-FixedRoom take_room(const Domain& domain, std::span<const Point> fixed, std::size_t sites, int columns, int rows,
-                    std::span<double> masses) {
+FixedArea subtract_fixed_area(const Domain& domain, std::span<const Point> fixed, std::size_t sites, int columns,
+                              int rows, std::span<double> masses) {
     constexpr int kHalvings = 40;
     const NearestFixed nearest(domain, fixed, columns, rows);
     const Point side{domain.unit_bounds().width() / columns, domain.unit_bounds().height() / rows};
@@ -136,15 +136,15 @@ FixedRoom take_room(const Domain& domain, std::span<const Point> fixed, std::siz
     double least = 0, most = total / count;
     for (int i = 0; i < kHalvings; ++i) {
         const double each = (least + most) / 2;
-        double room = 0;
+        double covered = 0;
         for (std::size_t k = 0; k < masses.size(); ++k) {
-            if (masses[k] > 0) room += taken(k, each);
+            if (masses[k] > 0) covered += taken(k, each);
         }
-        (count * each + room > total ? most : least) = each;
+        (count * each + covered > total ? most : least) = each;
     }
     // At the lower end, some area is left for the new sites, however little.
     const double each = least > 0 ? least : most;
-    FixedRoom result{total / each, std::vector<double>(fixed.size(), 0)};
+    FixedArea result{total / each, std::vector<double>(fixed.size(), 0)};
     for (std::size_t i = 0; i < masses.size(); ++i) {
         if (!(masses[i] > 0)) continue;
         const double part = taken(i, each);

@@ -10,7 +10,7 @@
 namespace ccdt {
 
 /// The area that fixed points take from the new sites.
-struct FixedRoom {
+struct FixedArea {
     double sites = 0;  ///< capacity of the domain relative to that of each new site
     /// [fixed] capacity that each takes, relative to that of a new site: at most 1, 0 if far outside.
     std::vector<double> weights;
@@ -31,7 +31,7 @@ std::vector<Point> to_unit_frame(const Domain& domain, std::span<const Point> po
 ///
 /// O(cells). The nearest points are found by sweeps: Danielsson, Euclidean distance mapping, Computer Graphics and
 /// Image Processing 14 (1980).
-FixedRoom take_room(const Domain& domain, std::span<const Point> fixed, std::size_t sites, int columns, int rows,
-                    std::span<double> masses);
+FixedArea subtract_fixed_area(const Domain& domain, std::span<const Point> fixed, std::size_t sites, int columns,
+                              int rows, std::span<double> masses);
 
 }  // namespace ccdt
