@@ -64,8 +64,8 @@ Resettlement::Resettlement(Triangulation& mesh, const TriangleGoals& goals, doub
       least_height_(least_height),
       surplus_(mesh.site_count(), 1),
       around_(mesh.site_count(), 0),
-      roomiest_(mesh.site_count(), kNone),
-      settled_(mesh.site_count(), false) {
+      largest_triangle_(mesh.site_count(), kNone),
+      outdated_(mesh.site_count(), false) {
     share_out();
     sum_around();
 }
@@ -80,7 +80,7 @@ void Resettlement::share_out() {
             surplus_[site] -= share;
             if (capacity <= most[site]) return;
             most[site] = capacity;
-            roomiest_[site] = t;
+            largest_triangle_[site] = t;
         };
         if (owner[t] != kNone) {
             give(owner[t], capacity);
@@ -126,9 +126,9 @@ std::size_t Resettlement::even_out() {
     std::size_t taken = 0;
     auto to = few.begin();
     for (const Candidate& from : many) {
-        if (settled_[from.site]) continue;
+        if (outdated_[from.site]) continue;
         const std::uint32_t part = mesh_.part_of(from.site);
-        while (to != few.end() && (mesh_.part_of(to->site) < part || settled_[to->site])) ++to;
+        while (to != few.end() && (mesh_.part_of(to->site) < part || outdated_[to->site])) ++to;
         if (to == few.end()) break;
         if (mesh_.part_of(to->site) != part || from.sites + to->sites < kGain) continue;
         if (relocate(from.site, to->site)) ++taken;
@@ -136,16 +136,16 @@ std::size_t Resettlement::even_out() {
     return taken;
 }
 
-bool Resettlement::take_away(std::uint32_t site, double least, double enough) {
+bool Resettlement::move_away(std::uint32_t site, double least, double enough) {
     constexpr int kTries = 8;
-    if (settled_[site]) return false;
+    if (outdated_[site]) return false;
     std::uint32_t clearest = kNone;
     double most = least * least;
     std::vector<std::uint32_t> tried;
     for (int i = 0; i < kTries && (clearest == kNone || most < enough * enough); ++i) {
         std::uint32_t to = kNone;
         for (std::uint32_t v = 0; v < surplus_.size(); ++v) {
-            if (v == site || settled_[v] || mesh_.part_of(v) != mesh_.part_of(site)) continue;
+            if (v == site || outdated_[v] || mesh_.part_of(v) != mesh_.part_of(site)) continue;
             if (std::ranges::find(tried, v) != tried.end()) continue;
             if (to == kNone || surplus_[v] < surplus_[to]) to = v;
         }
@@ -162,7 +162,7 @@ bool Resettlement::take_away(std::uint32_t site, double least, double enough) {
 /// Returns the squared distance to the nearest other site that a site would have after relocate(); negative if there is
 /// no place.
 double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) const {
-    const std::uint32_t triangle = room_beside(to, site);
+    const std::uint32_t triangle = triangle_beside(to, site);
     if (triangle == kNone) return -1;
     const auto [a, b, c] = mesh_.places(triangle);
     const Point place = 1.0 / 3 * (a + b + c);
@@ -175,11 +175,11 @@ double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) cons
 }
 
 /// Returns the largest triangle assigned to a site that does not have `other` as a corner; kNone if there is none.
-std::uint32_t Resettlement::room_beside(std::uint32_t site, std::uint32_t other) const {
+std::uint32_t Resettlement::triangle_beside(std::uint32_t site, std::uint32_t other) const {
     const auto is_without = [&](std::uint32_t t) {
         return std::ranges::none_of(mesh_.corners(t), [&](std::uint32_t v) { return v == other; });
     };
-    if (roomiest_[site] != kNone && is_without(roomiest_[site])) return roomiest_[site];
+    if (largest_triangle_[site] != kNone && is_without(largest_triangle_[site])) return largest_triangle_[site];
     std::uint32_t largest = kNone;
     for_fan(mesh_, site, [&](std::uint32_t t, std::uint32_t) {
         if (is_without(t) && (largest == kNone || mesh_.doubled_area(t) > mesh_.doubled_area(largest))) largest = t;
@@ -188,19 +188,19 @@ std::uint32_t Resettlement::room_beside(std::uint32_t site, std::uint32_t other)
 }
 
 bool Resettlement::relocate(std::uint32_t site, std::uint32_t beside) {
-    const std::uint32_t triangle = room_beside(beside, site);
-    settle(site);
+    const std::uint32_t triangle = triangle_beside(beside, site);
+    mark_outdated(site);
     if (triangle == kNone) return false;
-    settle(beside);
+    mark_outdated(beside);
     constexpr double kThird = 1.0 / 3;
-    if (!has_room(triangle, kThird)) return false;
+    if (!can_be_divided(triangle, kThird)) return false;
     const auto [a, b, c] = mesh_.places(triangle);
     return mesh_.relocate(site, triangle, kThird * (a + b + c));
 }
 
 /// Whether a triangle is large enough to be divided.
 /// @param share  share of its area that the smallest of the three parts gets
-bool Resettlement::has_room(std::uint32_t triangle, double share) const {
+bool Resettlement::can_be_divided(std::uint32_t triangle, double share) const {
     constexpr double kLeastShape = 1e-5;  // doubled area of a part relative to the longest edge squared
     const auto [a, b, c] = mesh_.places(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
@@ -240,7 +240,7 @@ Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
     Place best;
     double best_area = 0;
     for (const std::uint32_t t : triangles) {
-        if (!has_room(t, kSixth)) continue;
+        if (!can_be_divided(t, kSixth)) continue;
         const auto [a, b, c] = mesh_.places(t);
         const double area = mesh_.doubled_area(t);
         for (const auto& [u, v, w] : kPlaces) {
@@ -297,20 +297,20 @@ bool Resettlement::separate(std::array<std::uint32_t, 2> pair) {
         constexpr double kClear = 0.6;
         const double least = std::sqrt(dot(apart, apart)), clear = kClear * std::sqrt(enough);
         for (const std::uint32_t site : pair) {
-            if (!is_in_small_part(site) && take_away(site, least, clear)) return true;
+            if (!is_in_small_part(site) && move_away(site, least, clear)) return true;
         }
     }
     return moved != kNone && mesh_.relocate(moved, best.triangle, best.point);
 }
 
 /// Marks the data of a site, of its neighbours and of their neighbours as outdated.
-void Resettlement::settle(std::uint32_t site) {
+void Resettlement::mark_outdated(std::uint32_t site) {
     for_fan(mesh_, site, [&](std::uint32_t, std::uint32_t near) {
-        settled_[site] = true;
+        outdated_[site] = true;
         if (!mesh_.is_site(near)) return;
         for_fan(mesh_, near, [&](std::uint32_t, std::uint32_t next) {
-            settled_[near] = true;
-            if (mesh_.is_site(next)) settled_[next] = true;
+            outdated_[near] = true;
+            if (mesh_.is_site(next)) outdated_[next] = true;
         });
     });
 }

@@ -41,11 +41,11 @@ public:
     ///               site's old or new place
     ///
     /// O(sites).
-    bool take_away(std::uint32_t site, double least = 0, double enough = 0);
+    bool move_away(std::uint32_t site, double least = 0, double enough = 0);
 
     /// Relocates one of two sites that are too close. The second site may be in another part. In a part of few sites
     /// the site moves to the place farthest from all other sites, including those of other parts; in a larger part as
-    /// by take_away().
+    /// by move_away().
     /// @returns  false, and both stay, if no place is farther from other sites than the two are from each other
     ///
     /// O(sites), and O(triangles) for the first call; in a small part O(its triangles) times the sites nearby.
@@ -71,25 +71,25 @@ private:
     void share_out();
     void sum_around();
     std::vector<Candidate> candidates(double sign) const;
-    std::uint32_t room_beside(std::uint32_t site, std::uint32_t other) const;
+    std::uint32_t triangle_beside(std::uint32_t site, std::uint32_t other) const;
     double clearance_beside(std::uint32_t to, std::uint32_t site) const;
     bool relocate(std::uint32_t site, std::uint32_t beside);
-    void settle(std::uint32_t site);
+    void mark_outdated(std::uint32_t site);
     const SmallParts& small_parts();
     bool is_in_small_part(std::uint32_t site);
     Place farthest_place(std::uint32_t site);
     double enough_squared(std::uint32_t site) const;
     std::vector<Point> sites_near(std::span<const std::uint32_t> triangles, std::uint32_t but, double reach) const;
-    bool has_room(std::uint32_t triangle, double share) const;
+    bool can_be_divided(std::uint32_t triangle, double share) const;
 
     Triangulation& mesh_;
     const TriangleGoals& goals_;
     double least_height_;
-    std::optional<SmallParts> small_parts_;  ///< created when first needed
-    std::vector<double> surplus_;            ///< [sites] 1 - the site's own capacity, in sites
-    std::vector<double> around_;             ///< [sites] its own surplus plus that of its neighbours
-    std::vector<std::uint32_t> roomiest_;    ///< [sites] its largest triangle
-    std::vector<bool> settled_;              ///< [sites] whether its data is outdated by a relocation
+    std::optional<SmallParts> small_parts_;        ///< created when first needed
+    std::vector<double> surplus_;                  ///< [sites] 1 - the site's own capacity, in sites
+    std::vector<double> around_;                   ///< [sites] its own surplus plus that of its neighbours
+    std::vector<std::uint32_t> largest_triangle_;  ///< [sites] its largest triangle
+    std::vector<bool> outdated_;                   ///< [sites] whether its data is outdated by a relocation
 };
 
 }  // namespace ccdt

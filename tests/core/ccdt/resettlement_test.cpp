@@ -93,9 +93,9 @@ TEST(Resettlement, MovesASiteToTheSparsestPlace) {
         if (start.mesh.point(v).x > start.mesh.point(last).x) last = v;
     }
     Resettlement resettlement(start.mesh, start.goals);
-    EXPECT_TRUE(resettlement.take_away(last));
+    EXPECT_TRUE(resettlement.move_away(last));
     EXPECT_LT(start.mesh.point(last).x, 0.2);
-    EXPECT_FALSE(resettlement.take_away(last)) << "what is told of it is true no more";
+    EXPECT_FALSE(resettlement.move_away(last)) << "what is told of it is true no more";
 }
 
 /// One site on each of two islands, both next to the strait between them.
