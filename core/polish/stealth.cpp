@@ -44,8 +44,8 @@ Stealth::Stealth(const Domain& torus, std::size_t sites, Team& team)
     : team_(team),
       sides_(torus.unit_bounds().max),
       sites_(static_cast<double>(sites)),
-      listener_(highest(end_of(torus, sites), sides_.x), highest(end_of(torus, sites), sides_.y)),
-      listened_(sites),
+      transform_(highest(end_of(torus, sites), sides_.x), highest(end_of(torus, sites), sides_.y)),
+      positions_(sites),
       grid_(true, sides_, cells_for(end_of(torus, sites), sides_.x), cells_for(end_of(torus, sites), sides_.y), team) {
     const double end = end_of(torus, sites);
     const int columns = highest(end, sides_.x), rows = highest(end, sides_.y);
@@ -61,7 +61,7 @@ Stealth::Stealth(const Domain& torus, std::size_t sites, Team& team)
 }
 
 bool Stealth::displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop) {
-    if (!listen(sites, stop) || loudest_ < kSilence) return false;
+    if (!measure(sites, stop) || largest_power_ < kSilence) return false;
     Coefficients left(waves_.size()), eased(waves_.size()), changed(waves_.size()), potential(waves_.size());
     std::ranges::transform(sums_, left.begin(), [](const auto& sum) { return -sum; });
     precondition(left, eased);
@@ -89,20 +89,20 @@ bool Stealth::displacements(std::span<const Point> sites, std::span<Point> moves
 }
 
 /// Computes F and its largest power. Returns false after a stop.
-bool Stealth::listen(std::span<const Point> sites, const std::stop_token& stop) {
+bool Stealth::measure(std::span<const Point> sites, const std::stop_token& stop) {
     const auto share = [](double place, double side) {
         const double periods = place / side;
         return std::clamp(periods - std::floor(periods), 0.0, 1.0);
     };
-    std::ranges::transform(sites, listened_.begin(), [&](Point p) {
+    std::ranges::transform(sites, positions_.begin(), [&](Point p) {
         return WeightedPoint{{share(p.x, sides_.x), share(p.y, sides_.y)}, 1};
     });
-    listener_.run(listened_, stop);
+    transform_.run(positions_, stop);
     if (stop.stop_requested()) return false;
-    loudest_ = 0;
+    largest_power_ = 0;
     for (std::size_t k = 0; k < waves_.size(); ++k) {
-        sums_[k] = listener_.value(waves_[k].column, waves_[k].row);
-        loudest_ = std::max(loudest_, std::norm(sums_[k]) / sites_);
+        sums_[k] = transform_.value(waves_[k].column, waves_[k].row);
+        largest_power_ = std::max(largest_power_, std::norm(sums_[k]) / sites_);
     }
     return true;
 }

@@ -54,7 +54,7 @@ public:
     bool displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop = {});
 
     /// The largest power among the low frequencies, of the sites before the last moves.
-    double loudest() const { return loudest_; }
+    double largest_power() const { return largest_power_; }
 
 private:
     using Coefficients = std::vector<std::complex<double>>;  ///< [waves_]
@@ -64,7 +64,7 @@ private:
         double diagonal;  ///< diagonal element of J J*
     };
 
-    bool listen(std::span<const Point> sites, const std::stop_token& stop);
+    bool measure(std::span<const Point> sites, const std::stop_token& stop);
     void find_moves(const Coefficients& potential, std::span<const Point> sites, std::span<Point> moves);
     void change_of(std::span<const Point> sites, std::span<const Point> moves, Coefficients& change);
     double product(const Coefficients& a, const Coefficients& b) const;
@@ -74,10 +74,10 @@ private:
     Point sides_;
     double sites_;
     std::vector<Wave> waves_;  ///< one of each pair k, -k
-    NonuniformTransform listener_;
-    std::vector<WeightedPoint> listened_;  ///< [sites] sites relative to the torus' sides
+    NonuniformTransform transform_;
+    std::vector<WeightedPoint> positions_;  ///< [sites] sites relative to the torus' sides
     SplineGrid grid_;
-    double loudest_ = 0;
+    double largest_power_ = 0;
     Coefficients sums_;  ///< F
 };
 

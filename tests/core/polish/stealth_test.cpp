@@ -15,21 +15,21 @@ namespace {
 constexpr double kTau = 6.283185307179586;
 
 /// Returns the largest power of the frequencies below the limit, by direct sums.
-double loudest(const Domain& torus, const std::vector<Point>& points) {
+double largest_power(const Domain& torus, const std::vector<Point>& points) {
     const Point sides = torus.bounds().max - torus.bounds().min;
     const auto count = static_cast<double>(points.size());
     const double end = Stealth::kLimit * std::sqrt(count / (sides.x * sides.y));
-    double loudest = 0;
+    double largest_power = 0;
     for (int j = static_cast<int>(-end * sides.y); j <= end * sides.y; ++j) {
         for (int i = 0; i <= end * sides.x; ++i) {
             const Point f{i / sides.x, j / sides.y};
             if ((i == 0 && j == 0) || dot(f, f) >= end * end) continue;
             std::complex<double> sum;
             for (const Point& p : points) sum += std::polar(1.0, -kTau * dot(f, p));
-            loudest = std::max(loudest, std::norm(sum) / count);
+            largest_power = std::max(largest_power, std::norm(sum) / count);
         }
     }
-    return loudest;
+    return largest_power;
 }
 
 /// Returns the least distance relative to that of neighbours in a hexagonal grid.
@@ -54,8 +54,8 @@ TEST(Stealth, LeavesNoPowerBelowTheLimit) {
          {std::pair(Point{1, 1}, 16U), {{1, 1}, 17U}, {{1, 1}, 300U}, {{3, 1}, 48U}, {{300, 5}, 1'000U}}) {
         const Domain torus = Domain::torus(sides.x, sides.y).value();
         const auto points = distributed(torus, sites, Quality::Stealthy);
-        EXPECT_LT(loudest(torus, points), 2 * Stealth::kSilence) << sites;
-        EXPECT_GT(loudest(torus, distributed(torus, sites, Quality::Best)), 1e-9) << sites;
+        EXPECT_LT(largest_power(torus, points), 2 * Stealth::kSilence) << sites;
+        EXPECT_GT(largest_power(torus, distributed(torus, sites, Quality::Best)), 1e-9) << sites;
     }
 }
 
@@ -81,7 +81,7 @@ TEST(Stealth, FindsTheSmallestMoves) {
     Stealth stealth(torus, sites.size());
     std::vector<Point> moves(sites.size());
     ASSERT_TRUE(stealth.displacements(sites, moves));
-    EXPECT_GT(stealth.loudest(), 1e-5);
+    EXPECT_GT(stealth.largest_power(), 1e-5);
     // To first order the moves cancel all sums, so a hundredth of the moves cancels a hundredth.
     std::vector<Point> there = sites;
     for (std::size_t i = 0; i < there.size(); ++i) there[i] = there[i] + 0.01 * moves[i];
