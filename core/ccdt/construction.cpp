@@ -103,8 +103,8 @@ Result<DomainMesh> Construction::triangulate_sites(std::vector<Point> first) {
     // Sites drawn independently, as in the paper, are not divided among parts either.
     const bool shares_out =
         placed->mesh.part_count() > 1 && options_.start != Start::Random && first.empty() && fixed_.sites == 0;
-    auto room = shares_out ? sites_of_parts(*placed, capacity_) : std::vector<std::size_t>{};
-    if (auto error = place_sites(placed->mesh, first, start_sites(), std::move(room), options_.seed,
+    auto vacancies = shares_out ? sites_of_parts(*placed, capacity_) : std::vector<std::size_t>{};
+    if (auto error = place_sites(placed->mesh, first, start_sites(), std::move(vacancies), options_.seed,
                                  domain_.resolution(), stop_)) {
         return tl::unexpected(*error);
     }

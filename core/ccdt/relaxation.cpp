@@ -114,7 +114,7 @@ void Relaxation::prepare_exact(TriangleGoals goals, const std::stop_token& stop)
     const bool first_time = levels_.empty();
     make_groups();
     kinds_ = std::vector<std::uint8_t>();
-    room_ = std::vector<std::uint32_t>();
+    record_memory_ = std::vector<std::uint32_t>();
     levels_.resize(mesh_.blocks().sites());
     mesh_.team().run(groups_[0].size(), [&](std::size_t number) {
         if (!stop.stop_requested()) find_levels(number, first_time);
@@ -149,7 +149,7 @@ void Relaxation::make_groups() {
 void Relaxation::list_sites(const std::stop_token& stop) {
     const SiteBlocks& blocks = mesh_.blocks();
     const bool first_time = kinds_.empty();
-    room_.resize(room_of(blocks.sites()));
+    record_memory_.resize(record_memory_of(blocks.sites()));
     kinds_.resize(blocks.sites(), kFanKind);
     levels_.resize(blocks.sites());
     mesh_.team().run(blocks.count(0), [&](std::size_t number) {
@@ -174,12 +174,12 @@ void Relaxation::Group::clear() {
     others.clear();
 }
 
-/// Stores new records, in `room` if they fit.
-void Relaxation::Group::keep(const Batches& batches, std::span<std::uint32_t> room) {
+/// Stores new records, in `memory` if they fit.
+void Relaxation::Group::keep(const Batches& batches, std::span<std::uint32_t> memory) {
     for (std::size_t kind = 0; kind < kKinds; ++kind)
         begins[kind + 1] = begins[kind] + static_cast<std::uint32_t>(batches[kind].size());
-    std::uint32_t* to = room.data();
-    if (begins.back() > room.size()) {
+    std::uint32_t* to = memory.data();
+    if (begins.back() > memory.size()) {
         own.resize(begins.back());
         to = own.data();
     }
@@ -189,7 +189,7 @@ void Relaxation::Group::keep(const Batches& batches, std::span<std::uint32_t> ro
 
 /// Returns the memory reserved for the records of a number of sites. The mean number of neighbours is 6, and the last
 /// pair may be half empty; a block may need a little more.
-std::size_t Relaxation::room_of(std::size_t sites) const {
+std::size_t Relaxation::record_memory_of(std::size_t sites) const {
     constexpr double kSpare = 1.06;
     const double neighbours = 6.5, plain = 2 + neighbours, general = plain + neighbours;
     return static_cast<std::size_t>(kSpare * (uniform_ ? plain : general) * static_cast<double>(sites));
@@ -228,7 +228,9 @@ void Relaxation::list_block(std::size_t number, bool first_time) {
             group.others.push_back(v);
         }
     }
-    group.keep(batches, std::span(room_).subspan(room_of(begin), room_of(end) - room_of(begin)));
+    group.keep(
+        batches,
+        std::span(record_memory_).subspan(record_memory_of(begin), record_memory_of(end) - record_memory_of(begin)));
 }
 
 /// Determines the levels of a block's sites, except those with unchanged neighbours, and collects those above level 0.

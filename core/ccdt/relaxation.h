@@ -140,7 +140,7 @@ private:
             return {records + begins[kind], begins[kind + std::size_t{1}] - begins[kind]};
         }
         void clear();
-        void keep(const Batches& batches, std::span<std::uint32_t> room);
+        void keep(const Batches& batches, std::span<std::uint32_t> memory);
     };
 
     /// A triangle (site, from, to) in an exact pass.
@@ -169,7 +169,7 @@ private:
     void make_groups();
     void list_sites(const std::stop_token& stop);
     void list_border();
-    std::size_t room_of(std::size_t sites) const;
+    std::size_t record_memory_of(std::size_t sites) const;
     void list_block(std::size_t number, bool first_time);
     void find_levels(std::size_t number, bool first_time);
     void list_larger(std::size_t level, std::size_t number, bool exact);
@@ -216,7 +216,7 @@ private:
     std::vector<std::vector<Group>> groups_;  ///< [levels][blocks]
     /// Memory for the records of each level-0 block. One piece, since it is returned to the allocator as such; freed
     /// pieces of block size would hardly fit later needs.
-    std::vector<std::uint32_t> room_;
+    std::vector<std::uint32_t> record_memory_;
     Fans border_;
     std::vector<TriangleFlows> flows_;  ///< [triangles] current capacities, and swept integrals as last measured
     double unit_ = 0;                   ///< factor from capacities to the units of the terms

@@ -227,15 +227,15 @@ public:
         constexpr double kForward = 0.05;  // least cosine
         if (!pieces[0].is_edge) return 1;
         const Point ahead = along(pieces[0]);
-        double room = (1 - kKept) * length(pieces[0].b - pieces[0].a);
+        double available = (1 - kKept) * length(pieces[0].b - pieces[0].a);
         std::size_t run = 1;
         for (; run < std::min(kMost, pieces.size()); ++run) {
             const Reach &last = pieces[run - 1], &next = pieces[run];
             if (!next.is_edge || next.a != last.b || next.distance != last.distance) break;
             const double shorter = shortened(last.b - last.a, next.b - next.a, next.distance);
             const double left = (1 - kKept) * length(next.b - next.a) - shorter;
-            if (dot(along(next), ahead) < kForward || shorter > room || left < 0) break;
-            room = left;
+            if (dot(along(next), ahead) < kForward || shorter > available || left < 0) break;
+            available = left;
         }
         return run;
     }

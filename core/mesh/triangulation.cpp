@@ -27,7 +27,7 @@ void Triangulation::fix_last(std::size_t count) {
 
 Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& border) : sites_(sites) {
     fix_last(0);
-    make_room(border.triangles.size());
+    reserve_triangles(border.triangles.size());
     points_.reserve(sites + border.points.size());
     points_.resize(sites);
     points_.insert(points_.end(), border.points.begin(), border.points.end());
@@ -53,11 +53,11 @@ Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& borde
 Triangulation::Triangulation(std::size_t sites, Point period)
     : sites_(sites), period_(period), points_(sites), part_of_(sites, 0), part_count_(1) {
     fix_last(0);
-    make_room(0);
+    reserve_triangles(0);
 }
 
 /// Reserves memory for two triangles per site and for those of the border.
-void Triangulation::make_room(std::size_t border) {
+void Triangulation::reserve_triangles(std::size_t border) {
     Triangle unused;
     unused.flags = kOutside;
     triangles_.reserve(2 * sites_ + border);

@@ -243,7 +243,7 @@ private:
     enum class Insertion { Done, Refused, Elsewhere };
     struct Batch;
 
-    void make_room(std::size_t border);
+    void reserve_triangles(std::size_t border);
     /// First triangle of the border, after those of the sites.
     std::uint32_t border_triangle() const { return static_cast<std::uint32_t>(2 * sites_); }
     void insert_first(std::uint32_t site, Point p);

@@ -121,7 +121,7 @@ SplineGrid::SplineGrid(bool torus, Point sides, int columns, int rows, Team& tea
       stride_(static_cast<std::size_t>(columns) + 2 * kMargin),
       transform_(make_transform(torus, columns, rows, team, padded_size())) {
     assert(sides.x > 0 && sides.y > 0);
-    take_room();
+    acquire_memory();
     const double waves = torus ? 1 : 0.5;
     const auto windows = [&](int count, int cells) {
         std::vector<double> values;
@@ -184,12 +184,12 @@ void SplineGrid::rest() {
     padded_ = {};
 }
 
-void SplineGrid::take_room() {
+void SplineGrid::acquire_memory() {
     if (padded_.empty()) padded_ = std::visit([](auto& transform) { return transform.spare(); }, transform_);
 }
 
 void SplineGrid::clear() {
-    take_room();
+    acquire_memory();
     constexpr std::size_t kRange = 65536;
     for_ranges(team_, padded_.size(), kRange, [&](std::size_t begin, std::size_t end) {
         std::ranges::fill(padded_.subspan(begin, end - begin), 0.0);

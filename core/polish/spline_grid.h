@@ -134,7 +134,7 @@ private:
     std::array<Point, 2> two_gradients(const std::array<Point, 2>& points) const;
     std::size_t first_row(Point p) const;
     std::size_t padded_size() const;
-    void take_room();
+    void acquire_memory();
     void fold();
     void unfold();
     void close_up();
