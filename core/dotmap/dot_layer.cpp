@@ -372,7 +372,7 @@ void DotLayer::apply() {
             if (!(moves_[dot] == Point{})) mesh().points()[dot] = fenced(dot, before_[dot] + moves_[dot]);
         }
     });
-    take_back();
+    revert_moves();
     areas_.swap(moved_areas_);
 }
 
@@ -388,7 +388,7 @@ bool DotLayer::is_sound(std::uint32_t triangle, double area) const {
 }
 
 /// Reverts moves at triangles that would be inverted or lose most of their area, until there are none.
-void DotLayer::take_back() {
+void DotLayer::revert_moves() {
     std::vector<std::vector<std::uint32_t>> lists((areas_.size() + kTriangles - 1) / kTriangles);
     for (bool found = true; found;) {
         for_ranges(team_, areas_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {

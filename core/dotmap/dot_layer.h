@@ -99,7 +99,7 @@ private:
     MeshTransport make_transport() const;
     Point fenced(std::uint32_t dot, Point to) const;
     void apply();
-    void take_back();
+    void revert_moves();
     Point push_off_neighbours(std::uint32_t dot, double reach, double push) const;
     Point push_off_others(std::uint32_t dot, double reach, double push) const;
     bool is_sound(std::uint32_t triangle, double area) const;

@@ -186,7 +186,7 @@ bool MeshPolish::find_nearer(const Triangulation& mesh, double least) {
            std::ranges::any_of(edges_, [&](const auto& blocks) { return std::ranges::any_of(blocks, has_near); });
 }
 
-std::vector<std::array<std::uint32_t, 2>> MeshPolish::take_nearer(const Triangulation& mesh, double least) {
+std::vector<std::array<std::uint32_t, 2>> MeshPolish::near_pairs(const Triangulation& mesh, double least) {
     auto pairs = joined_within(mesh, 0.5 * least * hexagonal_spacing(1));
     pairs.insert(pairs.end(), facing_.begin(), facing_.end());
     mesh_transport_.reset();
@@ -332,7 +332,7 @@ void MeshPolish::apply(Triangulation& mesh) {
             moves_[v] = here;
         }
     });
-    take_back(mesh);
+    revert_moves(mesh);
     if (mesh.is_torus()) mesh.wrap();
 }
 
@@ -364,7 +364,7 @@ bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, dou
 }
 
 /// Shortens or reverts moves at triangles that would be inverted or lose most of their area, until there are none.
-void MeshPolish::take_back(Triangulation& mesh) {
+void MeshPolish::revert_moves(Triangulation& mesh) {
     constexpr int kHalvings = 3;  // in polygons, where vertices of the border leave less space
     const std::size_t triangles = mesh.triangle_count();
     std::vector<std::vector<std::uint32_t>> lists((triangles + kTriangles - 1) / kTriangles);

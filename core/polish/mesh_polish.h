@@ -66,7 +66,7 @@ public:
 
     /// Returns the pairs of near sites that find_nearer() has found, each site at most once as first of a pair. Drops
     /// cached data of the mesh, since either site of a pair may be relocated.
-    std::vector<std::array<std::uint32_t, 2>> take_nearer(const Triangulation& mesh, double least);
+    std::vector<std::array<std::uint32_t, 2>> near_pairs(const Triangulation& mesh, double least);
 
     /// Removes long waves of density error. Does nothing in polygons if the density is not smooth.
     void even_out(Triangulation& mesh, const std::stop_token& stop);
@@ -91,7 +91,7 @@ private:
     void measure_spacings(const Triangulation& mesh);
     double spacing_of(std::uint32_t site) const { return spacings_.empty() ? even_spacing_ : spacings_[site]; }
     void apply(Triangulation& mesh);
-    void take_back(Triangulation& mesh);
+    void revert_moves(Triangulation& mesh);
     double area_before(const Triangulation& mesh, std::uint32_t triangle) const;
     bool is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const;
     Point inside(Point p) const;

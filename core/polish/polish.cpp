@@ -128,7 +128,7 @@ void Polish::push_again(const PolishSettings& settings, const std::function<void
          ++round) {
         for (const Layer& layer : layers_) {
             if (round < settings.relocate_after || !layer.separate) continue;
-            layer.separate(layer.steps->take_nearer(*layer.mesh, settings.least));
+            layer.separate(layer.steps->near_pairs(*layer.mesh, settings.least));
         }
         restore_meshes(stop);
         push();
