@@ -135,7 +135,7 @@ std::vector<Point> Construction::even_start() {
         for (std::size_t site = begin; site < end; ++site) first[site] = start.draw(site, 0);
     });
     polish().even_out_start(first, stop_);
-    polish().rest();
+    polish().release_memory();
     return first;
 }
 
@@ -244,7 +244,7 @@ void Construction::equalise(int passes) {
 
 Result<void> Construction::finish() {
     if (stopping()) return {};
-    polish_->rest();
+    polish_->release_memory();
     Triangulation& mesh = placed_->mesh;
     mesh.restore_delaunay(stop_);
     if (auto cleared = clear_gaps(); !cleared) return cleared;

@@ -120,7 +120,7 @@ RealTransform::RealTransform(RealTransform&&) noexcept = default;
 RealTransform& RealTransform::operator=(RealTransform&&) noexcept = default;
 RealTransform::~RealTransform() = default;
 
-void RealTransform::rest() {
+void RealTransform::release_memory() {
     grids_->grid.release();
     grids_->spectrum.release();
 }
@@ -188,7 +188,7 @@ CosineTransform::CosineTransform(CosineTransform&&) noexcept = default;
 CosineTransform& CosineTransform::operator=(CosineTransform&&) noexcept = default;
 CosineTransform::~CosineTransform() = default;
 
-void CosineTransform::rest() {
+void CosineTransform::release_memory() {
     grids_->grid.release();
 }
 

@@ -31,7 +31,7 @@ public:
     ~RealTransform();
 
     /// Releases the memory. The next call must be grid() or spare(), which allocates it again with all cells 0.
-    void rest();
+    void release_memory();
 
     /// Cells of the grid [rows * columns], row by row.
     std::span<double> grid();
@@ -72,7 +72,7 @@ public:
     ~CosineTransform();
 
     /// Releases the memory. The next call must be grid() or spare(), which allocates it again with all cells 0.
-    void rest();
+    void release_memory();
 
     /// Cells of the grid [rows * columns], row by row: values before forward(), coefficients of frequency (x, y) after
     /// it.

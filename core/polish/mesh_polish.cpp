@@ -101,8 +101,8 @@ void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& s
     for (Point& p : sites) p = p - Point{whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
 }
 
-void MeshPolish::rest() {
-    if (transport_) transport_->rest();
+void MeshPolish::release_memory() {
+    if (transport_) transport_->release_memory();
     moves_ = std::vector<Point>();
     spacings_ = std::vector<double>();
 }

@@ -46,7 +46,7 @@ public:
     void even_out_start(std::span<Point> sites, const std::stop_token& stop);
 
     /// Releases most of the memory until the next step.
-    void rest();
+    void release_memory();
 
     /// Lists the edges between sites. Must be called before the steps below, and again after edges change.
     void begin(const Triangulation& mesh);

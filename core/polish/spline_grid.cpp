@@ -179,8 +179,8 @@ inline std::size_t SplineGrid::first_row(Point p) const {
     return static_cast<std::size_t>(point_before(along(p.y, sides_.y, rows_), rows_) + 1);
 }
 
-void SplineGrid::rest() {
-    std::visit([](auto& transform) { transform.rest(); }, transform_);
+void SplineGrid::release_memory() {
+    std::visit([](auto& transform) { transform.release_memory(); }, transform_);
     padded_ = {};
 }
 

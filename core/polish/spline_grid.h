@@ -31,7 +31,7 @@ public:
     Point cell() const { return {sides_.x / columns_, sides_.y / rows_}; }
 
     /// Releases the memory. The next call must be clear(), which allocates it again.
-    void rest();
+    void release_memory();
     /// Sets all values to 0. Must be called before the first spread().
     void clear();
     /// Adds a point with a value.

@@ -416,8 +416,8 @@ void Transport::solve(std::span<Coefficient> total) {
     }
 }
 
-void Transport::rest() {
-    for (Octave& octave : octaves_) octave.grid.rest();
+void Transport::release_memory() {
+    for (Octave& octave : octaves_) octave.grid.release_memory();
 }
 
 bool Transport::displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop,

@@ -62,7 +62,7 @@ public:
     double spacing(Point p) const;
 
     /// Releases most of the memory until the next call of displacements().
-    void rest();
+    void release_memory();
 
 private:
     /// Sites whose spacing is about 2^octave times the finest.

@@ -135,7 +135,7 @@ TEST(RealTransform, IsClearedByARelease) {
     const auto rests = [&](auto&& transform) {
         std::ranges::copy(values, transform.grid().begin());
         transform.forward();
-        transform.rest();
+        transform.release_memory();
         for (const double value : transform.grid()) EXPECT_EQ(value, 0);
         std::ranges::copy(values, transform.grid().begin());
         transform.forward();

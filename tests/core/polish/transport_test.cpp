@@ -90,7 +90,7 @@ TEST(Transport, ContinuesAfterAReleaseOfMemory) {
         Transport transport(domain, density, kSites);
         std::vector<Point> before(kSites), after(kSites);
         ASSERT_TRUE(transport.displacements(sites, before));
-        transport.rest();
+        transport.release_memory();
         ASSERT_TRUE(transport.displacements(sites, after));
         EXPECT_EQ(before, after);
     }
