@@ -40,7 +40,7 @@ private:
         std::exception_ptr failure;
     };
 
-    void hire(std::size_t helpers);
+    void start_helpers(std::size_t helpers);
     void help(const std::stop_token& stop);
     static void work_on(Work& work);
 
@@ -50,7 +50,7 @@ private:
     std::condition_variable left_;        ///< signals that a helper has finished
     Work* work_ = nullptr;
     std::atomic<std::size_t> round_ = 0;  ///< number of the current work
-    std::size_t places_ = 0;              ///< helpers that may still join
+    std::size_t open_slots_ = 0;          ///< helpers that may still join
     std::atomic<std::size_t> busy_ = 0;   ///< helpers at work
     std::vector<std::jthread> helpers_;
 };
