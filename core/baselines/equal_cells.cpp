@@ -41,7 +41,7 @@ bool EqualCells::deal(std::span<const Point> samples, const std::stop_token& sto
         if (i % kStopStride == 0 && stop.stop_requested()) return false;
         const std::uint32_t site = open.nearest(samples[number])->site;
         samples_[site * capacity_ + filled[site]] = samples[number];
-        if (++filled[site] == capacity_) open.take_away(site);
+        if (++filled[site] == capacity_) open.hide(site);
     }
     return true;
 }

@@ -35,7 +35,7 @@ public:
     void within(Point place, double distance, std::vector<Found>& found) const;
 
     /// Hides a site from nearest(). O(log n).
-    void take_away(std::uint32_t site);
+    void hide(std::uint32_t site);
 
 private:
     struct Node {
@@ -55,7 +55,7 @@ private:
     std::vector<Node> nodes_;   ///< children of node k are 2 k + 1 and 2 k + 2
     std::vector<Found> sites_;  ///< in the order of the leaves; on a torus within its box
     std::vector<std::uint32_t> slot_of_;
-    std::vector<bool> taken_;  ///< [slots] whether the site is hidden
+    std::vector<bool> hidden_;  ///< [slots] whether the site is hidden
 };
 
 }  // namespace ccdt

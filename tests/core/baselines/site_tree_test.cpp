@@ -60,7 +60,7 @@ TEST(SiteTree, FindsTheNearestSiteNotHidden) {
                 EXPECT_NEAR(std::sqrt(dot(way, way)), least, 1e-15) << name;
                 EXPECT_NEAR(distance(images, sites[found->site], found->place), 0, 1e-15) << name;
                 left.erase(found->site);
-                tree.take_away(found->site);
+                tree.hide(found->site);
             }
             EXPECT_FALSE(tree.nearest({0, 0})) << name;
         }
@@ -71,7 +71,7 @@ TEST(SiteTree, FindsAllSitesWithinADistance) {
     for (const auto& [name, images, sides] : settings()) {
         const auto sites = sites_in(sides, 200);
         SiteTree tree(sites, images);
-        tree.take_away(5);
+        tree.hide(5);
         Random random(2, 0);
         std::vector<SiteTree::Found> found;
         for (int i = 0; i < 100; ++i) {
