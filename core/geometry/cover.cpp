@@ -33,7 +33,7 @@ double Cover::area(std::uint32_t triangle) const {
     return ccdt::cross(corner(triangle, 1) - a, corner(triangle, 2) - a) / 2;
 }
 
-bool Cover::is_wall(std::uint32_t triangle, std::size_t edge) const {
+bool Cover::has_segment(std::uint32_t triangle, std::size_t edge) const {
     const std::uint32_t set = map_.triangles[triangle].sets[edge];
     return set != kNone && !map_.groups_of(set).empty();
 }
@@ -71,7 +71,7 @@ void Cover::find_faces() {
             for (std::size_t i = 0; i < 3; ++i) {
                 const std::uint32_t next = map_.triangles[t].neighbours[i];
                 if (next == kNone) continue;
-                if (is_wall(t, i)) {
+                if (has_segment(t, i)) {
                     face.border += distance(corner(t, i), corner(t, i + 1));
                 } else if (face_of_[next] == kNone) {
                     face_of_[next] = number;
@@ -136,10 +136,10 @@ void Cover::enter(std::uint32_t triangle, std::uint32_t set) {
 
 void Cover::cross(std::uint32_t set) {
     if (set == kNone) return;
-    for (const std::uint32_t group : map_.groups_of(set)) turn(group);
+    for (const std::uint32_t group : map_.groups_of(set)) toggle(group);
 }
 
-void Cover::turn(std::uint32_t group) {
+void Cover::toggle(std::uint32_t group) {
     Part& part = parts_[kinds_[group].part];
     const bool before = covers(part), opens = !is_open_[group];
     is_open_[group] = opens;

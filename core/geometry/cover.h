@@ -66,7 +66,7 @@ private:
         return map_.points[map_.triangles[triangle].corners[i % 3]];
     }
     double area(std::uint32_t triangle) const;
-    bool is_wall(std::uint32_t triangle, std::size_t edge) const;
+    bool has_segment(std::uint32_t triangle, std::size_t edge) const;
     bool is_covered(std::uint32_t triangle) const { return faces_[face_of_[triangle]].is_covered; }
     bool is_border(std::uint32_t triangle, std::size_t edge) const;
     bool covers(const Part& part) const { return is_open_[part.outer] && part.holes == 0; }
@@ -76,7 +76,7 @@ private:
     void walk();
     void enter(std::uint32_t triangle, std::uint32_t set);
     void cross(std::uint32_t set);
-    void turn(std::uint32_t group);
+    void toggle(std::uint32_t group);
     void examine(std::uint32_t set, Point place);
     void settle_thin_faces();
     void find_flat_rings();
