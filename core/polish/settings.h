@@ -28,7 +28,7 @@ struct PolishSettings {
     int relax_rounds = 0;  ///< next: rounds that also make triangles equal again
     int relax_passes = 0;  ///< passes of relaxation in each relax round
     int relax_evens = 1;   ///< number of times that such a round removes waves, if it does
-    int even_rounds = 0;   ///< next: even rounds, which only remove waves
+    int even_rounds = 0;   ///< next: even rounds, which remove waves
     int near_pushes_per_even_round = 0;  ///< near pushes after each even round
     int near_rounds = 0;                 ///< next: near pushes alone, of too few sites to create waves
     double nearest = 0;                  ///< reach of a near push within an ink
