@@ -43,7 +43,7 @@ private:
     int columns_;
     int rows_;
     std::vector<double> unspread_x_;  ///< [i] factors that undo the spreading
-    std::vector<double> unspread_y_;  ///< [|j|]
+    std::vector<double> unspread_y_;  ///< [|j|] factors that undo the spreading
     RealTransform transform_;
 };
 
@@ -72,7 +72,7 @@ private:
     int columns_;
     int rows_;
     std::vector<double> unspread_x_;  ///< [|i|] factors that undo the spreading
-    std::vector<double> unspread_y_;  ///< [|j|]
+    std::vector<double> unspread_y_;  ///< [|j|] factors that undo the spreading
     RealTransform real_;
     RealTransform imaginary_;
 };

@@ -38,8 +38,8 @@ private:
     Triangulation& mesh_;
     const std::stop_token& stop_;
     double least_height_;
-    std::vector<double> capacities_;  ///< [triangles]
-    std::vector<double> weights_;     ///< [triangles]
+    std::vector<double> capacities_;  ///< [triangles] capacities
+    std::vector<double> weights_;     ///< [triangles] weights of their areas
     std::vector<Corner> around_;
     bool is_alone_ = false;  ///< whether the site is its own neighbour, as on a torus with few sites
 };

@@ -61,8 +61,8 @@ private:
     CapacityIntegral capacity_;
     DomainMesh empty_;  ///< mesh without sites
     Triangulation mesh_;
-    std::vector<double> capacities_;   ///< [triangles]
-    std::vector<TriangleGoal> goals_;  ///< [triangles]
+    std::vector<double> capacities_;   ///< [triangles] capacities
+    std::vector<TriangleGoal> goals_;  ///< [triangles] targets and weights
 };
 
 }  // namespace ccdt

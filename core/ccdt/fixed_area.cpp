@@ -90,7 +90,7 @@ private:
     Point sides_;
     int columns_, rows_;
     Point cell_;
-    std::vector<std::uint32_t> nearest_;  ///< [rows * columns]
+    std::vector<std::uint32_t> nearest_;  ///< [rows * columns] nearest fixed point of each cell
 };
 
 }  // namespace

@@ -213,7 +213,7 @@ private:
 
     std::vector<std::uint8_t> kinds_;         ///< [sites] as long as there are records
     std::vector<std::uint8_t> levels_;        ///< [sites] level of the group
-    std::vector<std::vector<Group>> groups_;  ///< [levels][blocks]
+    std::vector<std::vector<Group>> groups_;  ///< [levels][blocks] groups of sites
     /// Memory for the records of each level-0 block. One piece, since it is returned to the allocator as such; freed
     /// pieces of block size would hardly fit later needs.
     std::vector<std::uint32_t> record_memory_;

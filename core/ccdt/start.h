@@ -60,7 +60,7 @@ private:
     FixedArea fixed_area_;
     std::vector<double> sums_;  ///< capacity left of and below each grid point [rows + 1][columns + 1]
     std::vector<Rectangle> cells_;
-    std::vector<std::uint32_t> cell_of_;    ///< [sites]
+    std::vector<std::uint32_t> cell_of_;    ///< [sites] cell in which each site is drawn
     std::vector<std::uint32_t> stream_of_;  ///< [sites]; empty if it is the site's own number
 };
 

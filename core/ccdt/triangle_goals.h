@@ -49,10 +49,10 @@ public:
         return triangle < all_.size() ? all_[triangle] : rare(triangle);
     }
 
-    /// Gives away the memory of the individual goals, for reuse.
+    /// Returns the memory of the individual goals for reuse, and keeps none.
     std::vector<TriangleGoal> release() { return std::exchange(all_, {}); }
 
-    /// Gives away the memory of the weights, for reuse.
+    /// Returns the memory of the weights for reuse, and keeps none.
     std::vector<double> release_weights() { return std::exchange(weights_, {}); }
 
 private:
@@ -79,7 +79,7 @@ private:
     std::vector<double> weights_;  ///< [triangles] negative or -0 for those that have goals of their own
     TriangleGoal common_;
     std::vector<std::uint32_t> triangles_;
-    std::vector<TriangleGoal> own_;     ///< [triangles_]
+    std::vector<TriangleGoal> own_;     ///< [triangles_] their own goals
     std::vector<std::uint32_t> slots_;  ///< hash table: index into triangles_, or kNone
 };
 

@@ -89,7 +89,7 @@ private:
     double total_ = 0;
     double largest_ = 0;
     bool is_smooth_ = false;
-    std::vector<double> row_sums_;  ///< [height][width + 1]
+    std::vector<double> row_sums_;  ///< [height][width + 1] prefix sums of each row
 };
 
 }  // namespace ccdt

@@ -116,11 +116,11 @@ private:
     std::vector<double> radii_;                ///< [sites] half of the wanted distance of neighbours, in the unit frame
     std::vector<double> aims_;                 ///< [triangles] wanted doubled area
     std::vector<double> capacities_;           ///< [triangles] area relative to the wanted one, in halves of a dot
-    std::vector<TriangleGoal> goals_;          ///< [triangles]
-    std::vector<Point> moves_, before_;        ///< [sites]
+    std::vector<TriangleGoal> goals_;          ///< [triangles] targets and weights
+    std::vector<Point> moves_, before_;        ///< [sites] current moves, and positions before them
     std::optional<Relaxation> relaxation_;     ///< during iterations only
     std::optional<MeshTransport> transport_;   ///< created when first needed
-    std::vector<double> spacings_;             ///< [sites]
+    std::vector<double> spacings_;             ///< [sites] local spacings
     std::vector<double> areas_, moved_areas_;  ///< [triangles] doubled areas before and after a move
     Distribution result_;
 };

@@ -17,13 +17,13 @@ namespace ccdt {
 /// A part of a map with its own number of dots of each class.
 struct MapFeature {
     Domain area;                    ///< not a torus
-    std::vector<std::size_t> dots;  ///< [classes]
+    std::vector<std::size_t> dots;  ///< [classes] number of dots
 };
 
 /// The dots of one class.
 struct ClassDots {
     Distribution dots;                      ///< without mesh; points are sorted by feature
-    std::vector<std::uint32_t> feature_of;  ///< [points]
+    std::vector<std::uint32_t> feature_of;  ///< [points] feature of each point
 };
 
 /// Distributes the given number of dots evenly in each feature, and evenly across the borders between features. No dot

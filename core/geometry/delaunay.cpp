@@ -406,7 +406,7 @@ private:
     std::size_t left_;  ///< pieces that may still be created
     std::size_t steps_ = 0;
     Triangulation triangulation_;
-    std::vector<Vertex> vertices_;  ///< [points]
+    std::vector<Vertex> vertices_;  ///< [points] vertex of each point
     std::unordered_map<std::uint64_t, Edge> edges_;
     std::vector<Piece> pending_;
     Arrangement result_;

@@ -33,7 +33,7 @@ struct ConstrainedDelaunay {
 
     std::vector<Point> points;  ///< the input points, then the four corners of the box
     std::vector<Triangle> triangles;
-    /// [input points] the vertex of each; coincident points share one, which is one of them.
+    /// [input points] vertex of each; coincident points share a vertex, which has the number of one of them.
     std::vector<std::uint32_t> vertex_of;
     std::vector<Branch> branches;  ///< sorted by `vertices`
 };
@@ -86,7 +86,7 @@ struct Arrangement {
 
     std::vector<Point> points;  ///< the input points, the four corners of the box, then the crossings
     std::vector<Triangle> triangles;
-    /// [input points] the vertex of each; coincident points share one, which is one of them.
+    /// [input points] vertex of each; coincident points share a vertex, which has the number of one of them.
     std::vector<std::uint32_t> vertex_of;
     std::vector<Meeting> meetings;
 

@@ -40,8 +40,8 @@ public:
     /// Whether the ring has any fault.
     bool concerns(std::size_t ring) const { return concerned_.contains(ring); }
 
-    /// Describes the faults in the order of the rings: the first hundred, then one entry that counts the rest. A ring
-    /// without area is reported with no other fault.
+    /// Describes the faults in the order of the rings: the first hundred, then one entry that counts the rest. For
+    /// a ring without area, no other fault is reported.
     std::vector<Repair> describe(std::span<const RingInput> rings, const UnitFrame& frame) const;
 
 private:

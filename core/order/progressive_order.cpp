@@ -297,7 +297,7 @@ private:
 
     Axis x_, y_;
     std::vector<float> wanted_;   ///< [nodes] for one point in all
-    std::vector<float> there_;    ///< [nodes]
+    std::vector<float> there_;    ///< [nodes] actual smoothed number of points
     std::vector<Around> around_;  ///< nodes around each point
 };
 
@@ -639,7 +639,7 @@ private:
     const Domain& domain_;
     const bool is_wide_ = has_two_lanes();
     std::vector<Point> places_;     ///< [n] in the unit frame
-    std::vector<double> spacings_;  ///< [n]
+    std::vector<double> spacings_;  ///< [n] local spacings
     double widest_;                 ///< limit on the reach of a pair relative to the own reach
     Regions regions_;
     std::vector<std::uint32_t> left_;

@@ -6,7 +6,7 @@ namespace ccdt {
 
 namespace {
 
-/// Least number of points above which a cell gets a nested grid.
+/// Number of points above which a cell gets a nested grid.
 constexpr std::uint32_t kCrowd = 32;
 
 /// Limit on the depth of nested grids; rounding can leave cells without width even before. Points closer than the

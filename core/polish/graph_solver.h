@@ -81,7 +81,7 @@ private:
     Team& team_;
     std::vector<double> sums_;  ///< [blocks] partial sums
     std::vector<Level> levels_;
-    std::vector<double> direction_, image_;  ///< [vertices]
+    std::vector<double> direction_, image_;  ///< [vertices] search direction, and its outflows
 };
 
 }  // namespace ccdt

@@ -22,8 +22,8 @@
 
 namespace ccdt {
 
-/// Steps of a polish of the sites of one triangulation. Near neighbours are pushed apart. Long waves of density error
-/// that remain, mostly along the border and where the density is steep, are removed by transport.
+/// Steps of a polish of the sites of one triangulation. Near neighbours are pushed apart. Transport removes the long
+/// waves of density error that iterations leave, mostly along the border and where the density is steep.
 class MeshPolish {
 public:
     /// Prepares the transforms that remove long waves in boxes and on tori.

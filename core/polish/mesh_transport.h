@@ -66,7 +66,7 @@ private:
     Team& team_;
     GraphSolver solver_;
     Measure measure_;
-    std::vector<double> error_, potential_;  ///< [sites]
+    std::vector<double> error_, potential_;  ///< [sites] error and potential of each site
     /// [sites] connected component with respect to the edges that carry a flow.
     std::vector<std::uint32_t> part_of_;
     std::vector<double> sums_;    ///< [components] sum of the error

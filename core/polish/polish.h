@@ -75,9 +75,9 @@ private:
     // Data of all inks together, ink by ink; empty if there is only one ink.
     std::optional<Density> density_;
     std::optional<Transport> transport_;
-    std::vector<Point> places_;   ///< [sites]
-    std::vector<InkSite> sites_;  ///< [sites]
-    std::vector<Point> moves_;    ///< [sites]
+    std::vector<Point> places_;   ///< [sites] positions
+    std::vector<InkSite> sites_;  ///< [sites] sites with their inks
+    std::vector<Point> moves_;    ///< [sites] moves
 };
 
 }  // namespace ccdt

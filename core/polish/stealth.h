@@ -57,7 +57,7 @@ public:
     double largest_power() const { return largest_power_; }
 
 private:
-    using Coefficients = std::vector<std::complex<double>>;  ///< [waves_]
+    using Coefficients = std::vector<std::complex<double>>;  ///< [waves_] one coefficient for each wave
 
     struct Wave {
         int column, row;  ///< cycles along the torus' sides; column >= 0

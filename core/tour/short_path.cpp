@@ -105,7 +105,7 @@ private:
                   [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
     }
 
-    std::vector<std::uint32_t> begins_;  ///< [n + 1]
+    std::vector<std::uint32_t> begins_;  ///< [n + 1] start of each list in lists_
     std::vector<Stop> lists_;
 };
 
