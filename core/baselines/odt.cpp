@@ -104,7 +104,7 @@ Point Circumcentres::way_to_mean() const {
     return area > 0 ? 1 / area * moment : Point{};
 }
 
-/// Whether every triangle keeps at least a tenth of its area, and its least height.
+/// Whether every triangle keeps at least a tenth of its area and does not become a needle.
 bool Circumcentres::fits(Point by) const {
     constexpr double kKeptArea = 0.1;
     constexpr double kLeastShape = 1e-5;  // doubled area relative to the longest edge squared

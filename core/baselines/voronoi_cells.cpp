@@ -100,8 +100,8 @@ void VoronoiCells::Integration::divide(const Part& part, std::size_t begin, int 
     near_.resize(end);
 }
 
-/// Appends those sites of near_, from `begin` on, that are nearer to some point of the part than the site nearest to
-/// its centre; that site comes first.
+/// Narrows the sites of near_, from `begin` on, to those that can be nearest to a point of the part, and appends them.
+/// The first one is nearest to the centre of the part; the others are nearer than it to some corner.
 void VoronoiCells::Integration::narrow_down(const Part& part, std::size_t begin) {
     const std::size_t end = near_.size();
     const Point centre = centre_of(part);

@@ -174,7 +174,8 @@ double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) cons
     return squared;
 }
 
-/// Returns the largest triangle assigned to a site that does not have `other` as a corner; kNone if there is none.
+/// Returns the largest triangle that is assigned to a site and does not have `other` as a corner; kNone if there is
+/// none.
 std::uint32_t Resettlement::triangle_beside(std::uint32_t site, std::uint32_t other) const {
     const auto is_without = [&](std::uint32_t t) {
         return std::ranges::none_of(mesh_.corners(t), [&](std::uint32_t v) { return v == other; });

@@ -116,8 +116,9 @@ Options DotGround::start_options(std::uint32_t feature, std::uint64_t seed) cons
     return options;
 }
 
-/// Creates the area of a feature with clearance from sparser ground. Almost no dots push back from there, so rows of
-/// dots would be pushed onto the border. Between similar densities there is no clearance, so that borders do not show.
+/// Creates the area of a feature with clearance from sparser ground. On sparser ground almost no dots push back, so
+/// rows of dots would be pushed onto the border. Between similar densities there is no clearance, so that borders do
+/// not show.
 FeatureArea DotGround::make_fence(std::uint32_t feature) const {
     constexpr double kClear = 0.3;    // relative to the distance of neighbours; half a row would be 0.43
     constexpr double kSteepness = 2;  // no clearance if the density beyond is at least half of that inside

@@ -35,7 +35,7 @@ double distance_to(Point a, Point b, Point p) {
     return length(from - at * along);
 }
 
-/// Largest angle of an arc's segment; the arc's radius is then 0.995 of the polygon's.
+/// Largest angle between corners of the polygon around an arc; its radius exceeds the arc's by at most 0.5 %.
 constexpr double kSlice = std::numbers::pi / 16;
 
 /// The neighbourhood of a piece of the border: of an edge, on its left, or of a segment, on both sides.
@@ -422,8 +422,8 @@ public:
         return areas;
     }
 
-    /// Returns the offset lines of all edges, if the new border consists of exactly these and they do not meet; else
-    /// none. Rings inside the removed area remain.
+    /// Returns the offset lines of all edges, if they do not meet and are exactly the new border; else none. The caller
+    /// must drop rings inside the removed area.
     Result<std::optional<Area>> lines() const {
         const auto is_alike = [&](const Reach& piece) {
             return piece.is_edge && piece.distance == reaches_.front().distance;

@@ -144,7 +144,7 @@ void MeshPolish::begin(const Triangulation& mesh) {
     largest_area_ = std::ranges::max(largest);
 }
 
-/// Lists the edges in a block's share of the triangles: those within the block, and the others.
+/// Lists the edges of a range of triangles, which `block` selects: separately those within the block and the others.
 void MeshPolish::list_edges(const Triangulation& mesh, std::size_t block, std::vector<std::uint32_t>& others) {
     const SiteBlocks& blocks = mesh.blocks();
     const std::size_t count = blocks.count(0);
