@@ -224,7 +224,7 @@ private:
     };
     struct Edge {
         Groups groups;
-        std::uint32_t set = kNone;  ///< its number, once assigned
+        std::uint32_t set = kNone;  ///< number of its set of groups, once assigned
     };
 
     static Ends ends_of(Face face, int i) {

@@ -55,8 +55,8 @@ std::vector<Options> options_of_parts(const std::vector<ChartedPart>& parts, con
             if (!(densities[i].total > 0)) continue;
             Options some = own[i];
             some.sites = std::max<std::size_t>(1, some.sites);
-            const double whole = StartSites(parts[i].domain, densities[i].density, some).fixed_area().sites;
-            taken[i] = whole - static_cast<double>(some.sites);
+            const double in_sites = StartSites(parts[i].domain, densities[i].density, some).fixed_area().sites;
+            taken[i] = in_sites - static_cast<double>(some.sites);
         }
     }
 }
