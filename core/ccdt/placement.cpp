@@ -33,7 +33,7 @@ public:
     }
 
 private:
-    /// Where the domain covers half of a site's cell, 1 site of 65,536 is still unplaced after so many attempts.
+    /// Number of attempts to place a site. If the domain covers half of its cell, all fail for 1 site of 65,536.
     static constexpr int kAttempts = 16;
 
     Point draw(std::uint32_t site, int attempt) const {

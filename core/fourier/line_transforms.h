@@ -31,10 +31,10 @@ struct LineTransforms {
     void (*real_back)(const LineSet& lines, double* values, std::size_t apart,
                       const std::complex<double>* coefficients);
 
-    /// In place, the sum of real() for all k.
+    /// Computes the sum of real() in place, for all k.
     void (*complex)(const LineSet& lines, std::complex<double>* values);
 
-    /// In place: complex() followed by this multiplies by size.
+    /// Computes the inverse in place: complex() followed by this multiplies by size.
     void (*complex_back)(const LineSet& lines, std::complex<double>* values);
 };
 

@@ -39,7 +39,7 @@ struct Enclosed {
 /// Simple rings that meet nowhere are returned unchanged. Rings that are valid by OGC Simple Features need no repair;
 /// such rings and parts may touch at points. All others are cut where they meet, see arrange(). That moves edges by
 /// rounding errors near crossings and changes nothing else. Slivers inside, and gaps between parts, that are no thicker
-/// than such an error cannot be told from nothing and are dropped.
+/// than such an error are indistinguishable from rounding and are dropped.
 ///
 /// Errors (Unusable): crossings that create more than most_pieces().
 ///

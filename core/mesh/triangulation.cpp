@@ -625,7 +625,7 @@ void Triangulation::number_along_sites() {
     constexpr std::size_t kRange = 8192;
     const std::size_t count = triangle_count();
     const auto first_of = [&](std::size_t t) { return std::ranges::min(triangles_[t].corners); };
-    // Of each vertex, the end of its triangles in the new order.
+    // End of each vertex' triangles in the new order.
     std::vector<std::uint32_t> ends(points_.size() + 1, 0);
     for_ranges(*team_, count, kRange, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t)

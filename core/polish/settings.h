@@ -9,15 +9,15 @@ enum class Quality {
     Draft,     ///< none: triangles of equal capacity, as in the paper
     Standard,  ///< pushes near neighbours apart and removes long waves
     Best,      ///< does the same for longer: a few times the time
-    /// As Best, and then removes all power from the low frequencies (Stealth). The last step needs a torus of uniform
-    /// density that is wide enough, with one ink and no fixed points.
+    /// Does the same as Best, then removes all power from the low frequencies (Stealth). The last step needs a torus of
+    /// uniform density that is wide enough, with one ink and no fixed points.
     Stealthy,
 };
 
 /// Schedule of a polish, in order of execution, and the strength of its steps. Reaches are relative to the neighbour
 /// distance in a hexagonal grid: of an ink's own sites, or of all inks' sites together.
 struct PolishSettings {
-    /// In dot maps only: number of iterations, the last ones, that begin with a round that pushes and removes waves.
+    /// Number of last iterations that begin with a round of pushes and removal of waves; in dot maps only.
     int early = 0;
     int rounds = 0;        ///< rounds that push near sites apart and remove long waves
     int even_every = 1;    ///< only every even_every-th of these rounds removes waves; also in the relax rounds
@@ -36,7 +36,7 @@ struct PolishSettings {
     /// Near pushes are repeated, with neighbours found again, while any two are closer than this.
     double least = 0;
     int max_retries = 0;  ///< limit on these repetitions
-    /// In polygons, number of repetitions after which each one first relocates one site of every such pair.
+    /// Number of repetitions after which each one first relocates one site of every such pair; in polygons only.
     int relocate_after = 0;
     int last_rounds = 0;     ///< next: even rounds that remove the waves which these pushes create
     int retouch_rounds = 0;  ///< last: rounds of moves that the caller computes from all inks together

@@ -58,7 +58,7 @@ public:
                        std::span<const double> weights = {});
 
     /// Returns 1 / sqrt(density of sites) around a point in the unit frame, with the density smoothed over a spacing.
-    /// Where sites are denser than the octaves resolve, uses the smallest block of cells that wants one site.
+    /// If sites are denser than the octaves resolve, uses the smallest block of cells that wants one site.
     double spacing(Point p) const;
 
     /// Releases most of the memory until the next call of displacements().
