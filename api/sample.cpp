@@ -640,7 +640,7 @@ Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const
 
 void bring_into(const Box& box, std::vector<Point>& points) {
     if (box.min.x >= -kTurn / 2 && box.max.x <= kTurn / 2) return;
-    for (Point& p : points) p.x += shift_to(p.x, box.min.x);
+    for (Point& p : points) p.x += longitude_wrap_offset(p.x, box.min.x);
 }
 
 double radius_of(const SampleRequest& request, const Domain& domain) {

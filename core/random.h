@@ -4,15 +4,15 @@
 
 namespace ccdt {
 
-/// A stream of pseudo-random numbers, the same on every machine: SplitMix64 (Steele, Lea, Flood 2014), started
-/// at a place that depends on the seed and on the number of the stream.
+/// A stream of pseudo-random numbers, identical on every machine: SplitMix64 (Steele, Lea, Flood 2014). Its start
+/// depends on the seed and on the number of the stream.
 class Random {
 public:
     Random(std::uint64_t seed, std::uint64_t stream) : state_(mix(mix(seed) + stream * kGamma)) {}
 
     std::uint64_t bits() { return mix(state_ += kGamma); }
 
-    /// Uniform in (0, 1): never one of the ends.
+    /// Returns a uniform number in the open interval (0, 1).
     double uniform() { return (static_cast<double>(bits() >> 12) + 0.5) * 0x1p-52; }
 
 private:

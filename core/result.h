@@ -7,22 +7,22 @@
 
 namespace ccdt {
 
-/// Kinds of failure. They say nothing of transport; server maps each to a status.
+/// Kinds of failure, independent of any transport. server maps each to an HTTP status.
 enum class ErrorCode {
     Malformed,      ///< the input cannot be read, or a value lies outside its documented range
-    Unusable,       ///< well formed, but nothing can be made of it: crossing edges, broken image, no ink
+    Unusable,       ///< well formed, but without a usable result: crossing edges, broken image, no ink
     LimitExceeded,  ///< larger than a configured limit, which the message names
-    NotAcceptable,  ///< none of the formats asked for can be made
-    Unsupported,    ///< the input's format is not one that is read
+    NotAcceptable,  ///< none of the requested formats is available
+    Unsupported,    ///< the format of the input is not supported
     Stopped,        ///< ended by the caller's stop token before there was a result
-    Internal,       ///< our own fault
+    Internal,       ///< a bug of ours
 };
 
 struct Error {
     ErrorCode code = ErrorCode::Internal;
-    std::string message;             ///< for people; names the limit where there is one
-    std::string field;               ///< what the message is about: an option's name or a JSON Pointer; may be empty
-    std::vector<Error> others = {};  ///< found in the same input, after this one; these have none themselves
+    std::string message;             ///< text for people; names the limit, if any
+    std::string field;               ///< an option's name or a JSON Pointer that identifies the input; may be empty
+    std::vector<Error> others = {};  ///< further errors in the same input; these have no others themselves
 };
 
 template <class T>

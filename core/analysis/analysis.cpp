@@ -21,21 +21,21 @@ namespace {
 using Sets = std::span<const std::vector<Point>>;
 
 constexpr double kMinFrequency = 1, kMaxFrequency = 16;
-constexpr double kLow = 0.5;     // frequencies below it are low
-constexpr double kMargin = 0.1;  // of a window's sides, outside its middle
+constexpr double kLow = 0.5;     // frequencies below this count as low
+constexpr double kMargin = 0.1;  // width of the margin around a window's middle, relative to its sides
 
-/// The domain's box, and the frequencies (i, j) that fit it: those of a unit area of the same shape.
+/// The domain's box, and the frequencies (i, j) that fit it, scaled to a unit area of the same shape.
 struct Frame {
     Box box;
     bool periodic;
-    Point sides;  ///< of the unit area
+    Point sides;  ///< sides of the unit area
 
     explicit Frame(const Domain& domain) : box(domain.bounds()), periodic(domain.is_torus()) {
         const double ratio = std::sqrt(box.width()) / std::sqrt(box.height());
         sides = {ratio, 1 / ratio};
     }
 
-    /// Place of a point over the box, in [0, 1] x [0, 1].
+    /// Returns the position of a point relative to the box, in [0, 1] x [0, 1].
     Point share_of(Point p) const {
         return {std::clamp((p.x - box.min.x) / box.width(), 0.0, 1.0),
                 std::clamp((p.y - box.min.y) / box.height(), 0.0, 1.0)};
@@ -43,20 +43,20 @@ struct Frame {
 
     bool holds(Point p) const { return p.x >= box.min.x && p.x <= box.max.x && p.y >= box.min.y && p.y <= box.max.y; }
 
-    /// Magnitude of a frequency, in cycles per side of the unit square that has the domain's area.
+    /// Magnitude of a frequency, in cycles per side of the unit square with the domain's area.
     double frequency(int i, int j) const { return std::hypot(i / sides.x, j / sides.y); }
 
-    /// Tells whether a frequency is left out: it holds the number of points, or what the window blurs it to.
+    /// Whether a frequency is left out: it measures the number of points, or is within the window's lobe around that.
     bool is_excluded(int i, int j) const {
         const int lobe = periodic ? 0 : 1;
         return std::abs(i) <= lobe && std::abs(j) <= lobe;
     }
 };
 
-/// Grid of frequencies and rings, chosen before any transform.
+/// The grid of frequencies and the rings, chosen before any transform.
 struct Plan {
-    std::vector<double> densities;  ///< by set, points per unit area
-    double resolution = 0;          ///< root of the mean density: the unit of frequencies
+    std::vector<double> densities;  ///< [sets] points per unit area
+    double resolution = 0;          ///< square root of the mean density: the unit of frequencies
     int rings = 0;
     int highest_x = 0;
     int highest_y = 0;
@@ -89,7 +89,7 @@ Result<void> check_sets(Sets sets, const Frame& frame) {
     return {};
 }
 
-/// Points per unit area of what a window shows, undisturbed by how its border was treated.
+/// Returns the density of points in the middle of a window, which the treatment of the border does not affect.
 double middle_density(const std::vector<Point>& set, const Frame& frame) {
     const auto inner = [](double share) { return share > kMargin && share < 1 - kMargin; };
     const auto count = std::ranges::count_if(set, [&](Point p) {
@@ -137,12 +137,12 @@ Result<Plan> make_plan(Sets sets, const Frame& frame, const AnalysisOptions& opt
     return plan;
 }
 
-/// Hann's window along one axis; the mean of its square is 1.
+/// Hann's window along one axis, scaled such that the mean of its square is 1.
 double hann(double share) {
     return (1 - std::cos(2 * std::numbers::pi * share)) * std::sqrt(2.0 / 3);
 }
 
-/// The Fourier transform of hann().
+/// Fourier transform of hann().
 double hann_transform(int frequency) {
     constexpr double kHeights[] = {1, -0.5};
     return std::abs(frequency) <= 1 ? kHeights[std::abs(frequency)] * std::sqrt(2.0 / 3) : 0;
@@ -170,7 +170,7 @@ Spectrum make_spectrum(const Plan& plan) {
     return spectrum;
 }
 
-/// Calls `visit(i, j)` for one of each pair of opposite frequencies, and not for (0, 0).
+/// Calls `visit(i, j)` for one of each pair of opposite frequencies, except (0, 0).
 template <class Visit>
 void for_each_pair(const Plan& plan, Visit visit) {
     for (int j = -plan.highest_y; j <= plan.highest_y; ++j) {
@@ -178,11 +178,11 @@ void for_each_pair(const Plan& plan, Visit visit) {
     }
 }
 
-/// Adds the powers of sets to a spectrum, from all frequencies at once or, where that takes too large a grid, from one
-/// part of them after the other.
+/// Adds the powers of sets to a spectrum: for all frequencies at once or, if that needs too large a grid, for one part
+/// of them after the other.
 class Periodogram {
 public:
-    /// The others must outlive it.
+    /// All arguments must outlive this object.
     Periodogram(const Frame& frame, const Plan& plan, Spectrum& spectrum)
         : frame_(frame), plan_(plan), spectrum_(spectrum) {
         constexpr auto kMost = static_cast<double>(kMostCells);
@@ -190,7 +190,7 @@ public:
             whole_.emplace(plan.highest_x, plan.highest_y);
             return;
         }
-        // Parts have two grids, and are as square as may be.
+        // Parts have two grids each, and are as square as possible.
         const int even = static_cast<int>(std::sqrt(kMost / 2) / 4);
         const auto longest = [&](int other) { return static_cast<int>(kMost / 2 / (4 * std::max(other, 6))) / 4; };
         reach_y_ = std::min(plan.highest_y, plan.highest_x < even ? longest(plan.highest_x) : even);
@@ -198,10 +198,10 @@ public:
         part_.emplace(reach_x_, reach_y_);
     }
 
-    /// @param points   of a set; left in another order
-    /// @param density  of the set
-    /// @param share    what the set counts for
-    /// Ends early, with nothing of use, if a stop is requested.
+    /// Adds the powers of a set. A stop ends it early; the spectrum must not be used then.
+    /// @param points   points of the set; reordered
+    /// @param density  density of the set
+    /// @param share    weight of the set
     void add(std::vector<WeightedPoint>& points, double density, double share, const std::stop_token& stop) {
         if (whole_) {
             whole_->run(points, stop);
@@ -219,7 +219,7 @@ public:
     }
 
 private:
-    /// Orders points such that those near each other follow each other.
+    /// Sorts points so that successive points are near each other.
     static void bring_together(std::vector<WeightedPoint>& points) {
         constexpr double kBands = 512;
         std::ranges::sort(points, {}, [](const WeightedPoint& point) {
@@ -249,7 +249,7 @@ private:
     Spectrum& spectrum_;
     std::optional<NonuniformTransform> whole_;
     std::optional<ShiftedTransform> part_;
-    int reach_x_ = 0, reach_y_ = 0;  ///< of a part
+    int reach_x_ = 0, reach_y_ = 0;  ///< size of a part
 };
 
 void add_spacing(const std::vector<Point>& set, const Frame& frame, double density, const std::stop_token& stop,
@@ -267,9 +267,9 @@ void add_spacing(const std::vector<Point>& set, const Frame& frame, double densi
     analysis.mean_distance += spacing.mean / densest / sets;
 }
 
-/// Powers of a ring: first their mean, then what they deviate from it.
+/// Powers of a ring: their mean, and then their variance.
 struct Ring {
-    double count = 0;  ///< of pairs of opposite frequencies
+    double count = 0;  ///< number of pairs of opposite frequencies
     double mean = 0;
     double variance = 0;
 };
@@ -293,7 +293,7 @@ std::vector<Ring> measure_rings(const Frame& frame, const Plan& plan, const Spec
     return rings;
 }
 
-/// Anisotropy of a ring in dB. Floors keep it finite where there is no power to speak of, as between the peaks of a
+/// Anisotropy of a ring in dB. Lower bounds keep it finite where there is almost no power, as between the peaks of a
 /// lattice.
 double anisotropy(const Ring& ring) {
     constexpr double kLeastVariance = 1e-30, kLeastPower = 1e-15;
@@ -322,7 +322,7 @@ std::optional<double> low_frequency_power(const Frame& frame, const Plan& plan, 
     return sum / count;
 }
 
-/// Transforms all sets and averages their powers. Ends early, with nothing of use, if a stop is requested.
+/// Transforms all sets and averages their powers. A stop ends it early; the result must not be used then.
 Analysis measure(Sets sets, const Frame& frame, const Plan& plan, const std::stop_token& stop) {
     Analysis analysis;
     analysis.sets = sets.size();

@@ -8,11 +8,11 @@
 namespace ccdt {
 namespace {
 
-constexpr int kWidth = 12;               // of the kernel, cells
-constexpr double kSteepness = 2.3;       // per cell of width; the best at twice the resolution
-constexpr std::size_t kPerPoll = 16384;  // points between looks at the stop token
+constexpr int kWidth = 12;               // width of the kernel, in cells
+constexpr double kSteepness = 2.3;       // per cell of width; optimal for twice the resolution
+constexpr std::size_t kPerPoll = 16384;  // points between polls of the stop token
 
-/// The kernel at a distance from its centre, in cells, at most kWidth / 2.
+/// Returns the kernel at a distance from its centre, in cells, of at most kWidth / 2.
 double kernel(double distance) {
     const double share = 2 * distance / kWidth;
     return std::exp(kSteepness * kWidth * (std::sqrt(std::max(0.0, 1 - share * share)) - 1));
@@ -22,9 +22,10 @@ double grid_side(double highest) {
     return std::max(4 * highest, 2.0 * kWidth);
 }
 
-/// Inverse of the kernel's Fourier transform, at frequencies of 0 to `highest` per `cells` cells.
+/// Returns the inverse of the kernel's Fourier transform, at frequencies of 0 to `highest` per `cells` cells.
 std::vector<double> unspreading(int highest, int cells) {
-    // The trapezoid rule errs by what the kernel holds at frequencies above 1 / kStep - 1/4 per cell: next to nothing.
+    // The error of the trapezoidal rule is the kernel's content at frequencies above 1 / kStep - 1/4 per cell, which is
+    // negligible.
     constexpr int kSteps = 4 * kWidth / 2;
     constexpr double kStep = 0.25;
     std::array<double, kSteps> heights;
@@ -40,7 +41,7 @@ std::vector<double> unspreading(int highest, int cells) {
     return result;
 }
 
-/// The cells of one axis that a point is spread over.
+/// The cells along one axis over which a point is spread.
 struct Footprint {
     std::array<std::size_t, kWidth> cells;
     std::array<double, kWidth> shares;
@@ -59,7 +60,7 @@ Footprint footprint_of(double position, int side) {
     return footprint;
 }
 
-/// Where the spectrum of a grid has the coefficient (i, j), i >= 0.
+/// Returns the index of coefficient (i, j), i >= 0, in the spectrum of a grid.
 std::size_t place_of(int i, int j, int columns, int rows) {
     const auto row = static_cast<std::size_t>(j < 0 ? j + rows : j);
     return row * (static_cast<std::size_t>(columns) / 2 + 1) + static_cast<std::size_t>(i);
@@ -142,7 +143,7 @@ void ShiftedTransform::spread(Point position, double real, double imaginary) {
 }
 
 std::complex<double> ShiftedTransform::value(int i, int j) const {
-    // Coefficients of a real grid at opposite frequencies are each other's conjugates, and half of them are kept.
+    // Coefficients of a real grid at opposite frequencies are complex conjugates, so only half of them are stored.
     const bool is_opposite = i < 0;
     const std::size_t place = is_opposite ? place_of(-i, -j, columns_, rows_) : place_of(i, j, columns_, rows_);
     const double factor =

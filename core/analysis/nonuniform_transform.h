@@ -16,25 +16,25 @@ struct WeightedPoint {
     double weight = 1;
 };
 
-/// Fourier sums over points that lie anywhere, F(i, j) = sum_p weight_p e^(-2 pi i (i x_p + j y_p)) for integers
-/// |i| <= highest_x, |j| <= highest_y: each point is spread over 12 x 12 cells of a grid of twice the resolution,
-/// the grid is transformed, and the spreading is divided out.
+/// Fourier sums over points at arbitrary positions, F(i, j) = sum_p weight_p e^(-2 pi i (i x_p + j y_p)) for integers
+/// |i| <= highest_x, |j| <= highest_y. Each point is spread over 12 x 12 cells of a grid of twice the resolution, the
+/// grid is transformed, and the spreading is divided out.
 ///
-/// The error of each F is below 1e-10 of the sum of |weights|; for n points without structure, of weight 1, below 1e-9
-/// of sqrt(n). O(n + N log N) for N = cells(), 16 bytes a cell.
-/// Source: Barnett, Magland, af Klinteberg 2019, whose "exponential of semicircle" is the kernel; upsampling 2.
+/// The error of each F is below 1e-10 times the sum of |weights|; for n points without structure, of weight 1, below
+/// 1e-9 sqrt(n). O(n + N log N) for N = cells(), 16 bytes per cell.
+/// Source: Barnett, Magland, af Klinteberg 2019, with the "exponential of semicircle" kernel; upsampling factor 2.
 class NonuniformTransform {
 public:
-    /// Size of the grid that these frequencies would need.
+    /// Returns the number of cells of the grid for these frequencies.
     static double cells(double highest_x, double highest_y);
 
     /// @param highest_x, highest_y  >= 0
     NonuniformTransform(int highest_x, int highest_y);
 
-    /// Computes all F. Ends early, with nothing of use, if a stop is requested.
+    /// Computes all F. A stop ends it early; the values must not be used then.
     void run(std::span<const WeightedPoint> points, const std::stop_token& stop);
 
-    /// F(i, j) of the last run, 0 <= i <= highest_x, |j| <= highest_y.
+    /// Returns F(i, j) of the last run, 0 <= i <= highest_x, |j| <= highest_y.
     std::complex<double> value(int i, int j) const;
 
 private:
@@ -42,28 +42,28 @@ private:
 
     int columns_;
     int rows_;
-    std::vector<double> unspread_x_;  ///< by i: what undoes the spreading
-    std::vector<double> unspread_y_;  ///< by |j|
+    std::vector<double> unspread_x_;  ///< [i] factors that undo the spreading
+    std::vector<double> unspread_y_;  ///< [|j|] factors that undo the spreading
     RealTransform transform_;
 };
 
-/// The same sums around any frequency: a part of them, for which a smaller grid will do. Each point's weight turns with
-/// the frequency in the middle, and its two parts are spread over a grid each.
+/// Fourier sums in a range around any frequency, for which a smaller grid suffices. Each point's weight is rotated by
+/// the central frequency, and its real and imaginary parts are spread on a grid each.
 ///
-/// Errors as above. O(n + N log N) for N cells of 32 bytes.
+/// Errors as in NonuniformTransform. O(n + N log N) for N cells of 32 bytes.
 class ShiftedTransform {
 public:
-    /// Size of each of the two grids.
+    /// Returns the number of cells of each of the two grids.
     static double cells(double reach_x, double reach_y) { return NonuniformTransform::cells(reach_x, reach_y); }
 
     /// @param reach_x, reach_y  >= 0
     ShiftedTransform(int reach_x, int reach_y);
 
-    /// Computes F around (middle_x, middle_y). Ends early, with nothing of use, if a stop is requested.
-    /// @param points  several times as fast where those near each other follow each other
+    /// Computes F around (middle_x, middle_y). A stop ends it early; the values must not be used then.
+    /// @param points  several times faster if successive points are near each other
     void run(std::span<const WeightedPoint> points, int middle_x, int middle_y, const std::stop_token& stop);
 
-    /// F(middle_x + i, middle_y + j) of the last run, |i| <= reach_x, |j| <= reach_y.
+    /// Returns F(middle_x + i, middle_y + j) of the last run, |i| <= reach_x, |j| <= reach_y.
     std::complex<double> value(int i, int j) const;
 
 private:
@@ -71,8 +71,8 @@ private:
 
     int columns_;
     int rows_;
-    std::vector<double> unspread_x_;  ///< by |i|: what undoes the spreading
-    std::vector<double> unspread_y_;  ///< by |j|
+    std::vector<double> unspread_x_;  ///< [|i|] factors that undo the spreading
+    std::vector<double> unspread_y_;  ///< [|j|] factors that undo the spreading
     RealTransform real_;
     RealTransform imaginary_;
 };

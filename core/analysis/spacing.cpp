@@ -10,7 +10,7 @@
 namespace ccdt {
 namespace {
 
-/// A k-d tree: the middle element of a range splits it, at right angles to the range's longer extent.
+/// A k-d tree. The middle element of a range splits it, perpendicular to the range's longer extent.
 class Tree {
 public:
     Tree(std::span<const Point> points, Point sides, bool periodic) : sides_(sides), periodic_(periodic) {
@@ -20,7 +20,7 @@ public:
 
     std::size_t size() const { return nodes_.size(); }
 
-    /// Distance from a point to the nearest other one.
+    /// Returns the distance from a point to its nearest neighbour.
     double nearest_distance(std::size_t index) const {
         Query query{nodes_[index].point, index, std::numeric_limits<double>::infinity()};
         search(0, nodes_.size(), query);
@@ -31,7 +31,7 @@ public:
 private:
     struct Node {
         Point point;
-        bool by_y;  ///< the axis along which it splits
+        bool by_y;  ///< whether it splits along y
     };
 
     struct Query {
@@ -75,7 +75,7 @@ private:
         search(far_begin, far_end, query);
     }
 
-    /// Looks from the copies of the point that neighbouring copies of the domain hold.
+    /// Searches from the periodic copies of the point.
     void search_around(Query& query) const {
         const Point home = query.from;
         for (const double right : {-1, 0, 1}) {

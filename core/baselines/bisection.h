@@ -12,7 +12,7 @@
 
 namespace ccdt {
 
-/// A triangle of a domain, counter-clockwise, and what each edge adds to its mass by Green's theorem.
+/// A counter-clockwise triangle of a domain, and the contribution of each edge to its mass by Green's theorem.
 struct Part {
     std::array<Point, 3> corners;
     std::array<double, 3> flows;  ///< along the edge after each corner
@@ -20,16 +20,16 @@ struct Part {
     double mass() const { return std::max(0.0, flows[0] + flows[1] + flows[2]); }
 };
 
-/// Cuts a domain into ever smaller triangles of known mass, the exact integral of a density over them.
+/// Divides a domain into ever smaller triangles of known mass. The mass is the exact integral of a density.
 class Bisection {
 public:
     /// @param density  must outlive this
     Bisection(const Domain& domain, const Density& density) : capacity_(domain, density) {}
 
-    /// The triangles to begin with: a box cut in two, or else those of the mesh.
+    /// Returns the initial triangles: the two halves of a box, or else those of the mesh.
     std::vector<Part> parts_of(const Domain& domain, const Triangulation& mesh) const;
 
-    /// A triangle cut in two across its longest edge. O(cells of the density crossed).
+    /// Divides a triangle in two across its longest edge. O(cells of the density crossed).
     std::array<Part, 2> halves(const Part& part) const;
 
     /// Density per unit of area.

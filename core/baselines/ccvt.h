@@ -4,19 +4,21 @@
 
 namespace ccdt {
 
-/// Most iterations. The method ends by itself, mostly after a tenth of them.
+/// Largest number of iterations. The method mostly ends by itself after a tenth of them.
 inline constexpr int kCcvtIterations = 1000;
 
 /// Distributes sites by a capacity-constrained Voronoi tessellation: each site is the centroid of a cell, and all cells
-/// hold exactly the same number of samples of the density.
+/// have exactly the same number of samples of the density.
 ///
-/// 256 samples a site, up to 1,024 where there are fewer than 1,024 sites, random and stratified (mass_samples.h), are
-/// dealt out and swapped (equal_cells.h). A centroid outside the domain is approached only.
+/// Each site gets 256 stratified random samples (mass_samples.h), up to 1,024 if there are fewer than 1,024 sites.
+/// Cells then swap samples (equal_cells.h). If a centroid lies outside the domain, the site moves only part of the way.
 ///
-/// @param options  passes do not matter. `iterations` sweeps over all pairs of sites; fewer where no swap is left
+/// @param options  passes are ignored; `iterations` is the largest number of sweeps over all pairs of sites, fewer if
+///                 no swap is left
 /// @returns        as distribute(): the trace holds the capacity variation of the sites' Delaunay triangulation; that
-///                 of the method's own cells is 0 always
-/// Errors: those of distribute(). Same input, same bytes. O(samples) per iteration.
+///                 of the method's own cells is always 0
+///
+/// Errors: those of distribute(). Deterministic. O(samples) per iteration.
 /// Source: Balzer, Schloemer, Deussen 2009; Li, Nehab, Wei, Sander, Fu 2010.
 Result<Distribution> ccvt(const Domain& domain, const Density& density, const Options& options,
                           const Control& control = {});

@@ -12,8 +12,8 @@ namespace {
 /// Moves all sites to the centroids of their cells.
 /// @returns  false if none moves
 bool move_to_centroids(SiteMesh& sites, const VoronoiCells& voronoi, const std::stop_token& stop) {
-    constexpr double kRest = 1e-12;      // in the unit frame; less is rounding
-    constexpr double kCancelled = 1e-9;  // a mass that rounding may have made
+    constexpr double kRest = 1e-12;      // in the unit frame; smaller moves are rounding
+    constexpr double kCancelled = 1e-9;  // smaller masses, relative to the magnitude, may be rounding errors
     const auto cells = voronoi.integrate(sites.sites(), stop);
     if (stop.stop_requested()) return false;
     std::vector<Point> wanted(sites.sites().begin(), sites.sites().end());

@@ -4,22 +4,24 @@
 
 namespace ccdt {
 
-/// Iterations after which Lloyd's method hardly moves sites any more.
+/// Number of iterations after which Lloyd's method hardly moves sites.
 inline constexpr int kCvtIterations = 100;
 
-/// Distributes sites by Lloyd's method: towards a centroidal Voronoi tessellation, in which every site is the centroid
-/// of its cell, the places nearer to it than to any other site.
+/// Distributes sites by Lloyd's method, which converges to a centroidal Voronoi tessellation: each site is the centroid
+/// of its cell, the points nearer to it than to any other site.
 ///
-/// In a domain a cell is what of it lies there. Its integrals are exact (voronoi_cells.h). A centroid outside the
-/// domain is approached only.
+/// Cells are clipped to the domain. Their integrals are exact (voronoi_cells.h). If a centroid lies outside the domain,
+/// the site moves only part of the way.
 ///
-/// @param options  passes and quality do not matter. `iterations` moves of all sites, fewer where they come to rest
+/// @param options  passes and quality are ignored; `iterations` is the largest number of moves of all sites, fewer if
+///                 they come to rest
 /// @returns        as distribute(): the trace holds the capacity variation of the sites' Delaunay triangulation, which
 ///                 the method does not minimise
-/// Errors: those of distribute(). Same input, same bytes. O(n log n) per iteration.
+///
+/// Errors: those of distribute(). Deterministic. O(n log n) per iteration.
 /// Source: Lloyd 1982; Du, Faber, Gunzburger 1999, section 5.2. Departure: centroids are weighted by the square of the
-/// density. Cells of a centroidal tessellation come to equal energies, not masses (ibid., section 6.4.1), so that in
-/// the plane sites are as dense as the square root of the weight: thus as dense as the density wants.
+/// density. Cells of a centroidal tessellation tend to equal energies, not masses (ibid., section 6.4.1). So in the
+/// plane the density of sites is the square root of the weight, which makes it the wanted density.
 Result<Distribution> cvt(const Domain& domain, const Density& density, const Options& options,
                          const Control& control = {});
 

@@ -9,7 +9,8 @@ namespace ccdt {
 
 namespace {
 
-/// A step by which all numbers below `count` are met, and at any time about evenly: near the golden section.
+/// Returns a step coprime to `count`, near the golden section, that visits all numbers below `count`, evenly spread at
+/// any time.
 std::size_t golden_step(std::size_t count) {
     auto step = static_cast<std::size_t>(0.6180339887498949 * static_cast<double>(count));
     while (std::gcd(step, count) != 1) ++step;
@@ -26,8 +27,8 @@ EqualCells::EqualCells(std::vector<Point> samples, std::span<const Point> sites,
     for (std::uint32_t i = 0; i < sites_.size(); ++i) settle(i);
 }
 
-/// Gives each sample, evenly over the domain, to the nearest site that wants more.
-/// @returns  false if stopped
+/// Assigns each sample to the nearest site with free capacity, in an order spread evenly over the domain.
+/// @returns  false after a stop
 bool EqualCells::deal(std::span<const Point> samples, const std::stop_token& stop) {
     constexpr std::size_t kStopStride = 16384;
     if (stop.stop_requested()) return false;
@@ -40,7 +41,7 @@ bool EqualCells::deal(std::span<const Point> samples, const std::stop_token& sto
         if (i % kStopStride == 0 && stop.stop_requested()) return false;
         const std::uint32_t site = open.nearest(samples[number])->site;
         samples_[site * capacity_ + filled[site]] = samples[number];
-        if (++filled[site] == capacity_) open.take_away(site);
+        if (++filled[site] == capacity_) open.hide(site);
     }
     return true;
 }
@@ -53,7 +54,7 @@ bool EqualCells::sweep(const std::stop_token& stop) {
     ++sweeps_;
     for (std::uint32_t i = 0; i < sites_.size(); ++i) {
         if (i % kStopStride == 0 && stop.stop_requested()) break;
-        // A sample that is nearer to another site is farther from its own than half the way between the two.
+        // A sample nearer to another site is farther from its own site than half the distance between the two.
         tree.within(sites_[i], 2 * radii_[i], nearby);
         for (const auto& [j, place] : nearby) {
             if (j == i || (!has_changed_lately(i) && !has_changed_lately(j))) continue;
@@ -66,11 +67,11 @@ bool EqualCells::sweep(const std::stop_token& stop) {
 }
 
 bool EqualCells::swap(std::uint32_t first, std::uint32_t second) {
-    constexpr double kLeastGain = 1e-9;  // over the squared distance of the sites; less is rounding
+    constexpr double kLeastGain = 1e-9;  // relative to the squared distance of the sites; less is rounding
     const Point way = images_.shortest(sites_[second] - sites_[first]);
     const double squared = dot(way, way), length = std::sqrt(squared);
     const double least = kLeastGain * squared;
-    // No sample gains more than it would at the rim of its cell's circle, towards the other site.
+    // The gain of a sample is bounded by that at the rim of its cell's circle, towards the other site.
     if (radii_[first] + radii_[second] < length) return false;
     const double most_first = find_gains(first, second, first_gains_);
     if (most_first + length * (2 * radii_[second] - length) < 0) return false;
@@ -87,8 +88,8 @@ bool EqualCells::swap(std::uint32_t first, std::uint32_t second) {
     return true;
 }
 
-/// Computes what each sample of a cell would gain in the other one.
-/// @returns  the largest
+/// Computes the gain of moving each sample of a cell to the other one.
+/// @returns  the largest gain
 double EqualCells::find_gains(std::uint32_t from, std::uint32_t to, std::vector<double>& gains) const {
     const Point a = sites_[from], b = sites_[to];
     const auto samples = cell(from);
@@ -105,7 +106,7 @@ double EqualCells::find_gains(std::uint32_t from, std::uint32_t to, std::vector<
     return *std::ranges::max_element(gains);
 }
 
-/// Tells whether the shortest ways from the first site's samples to the two sites stay in the box.
+/// Whether the shortest vectors from the first site's samples to the two sites stay in the box.
 bool EqualCells::is_clear_of_seams(std::uint32_t from, std::uint32_t to) const {
     if (!images_.is_torus()) return true;
     const Point a = sites_[from], period = images_.period(), way = sites_[to] - a;
@@ -114,7 +115,7 @@ bool EqualCells::is_clear_of_seams(std::uint32_t from, std::uint32_t to) const {
            std::abs(way.x) + radius <= period.x / 2 && std::abs(way.y) + radius <= period.y / 2;
 }
 
-/// The samples that gain more than the least, largest gains first.
+/// Finds the samples that gain more than `least`, in descending order of gain.
 void EqualCells::find_offers(std::uint32_t site, const std::vector<double>& gains, double least,
                              std::vector<Offer>& offers) const {
     offers.clear();

@@ -12,25 +12,25 @@
 
 namespace ccdt {
 
-/// Samples dealt out to sites, the same number to each, and swapped until that lowers the energy no more: the sum of
-/// the squared distances from the samples to their sites, each site being the centroid of its samples.
+/// Assigns the same number of samples to each site, and swaps samples until no swap lowers the energy. The energy is
+/// the sum of squared distances from samples to their sites, where each site is the centroid of its samples.
 ///
-/// Two cells at a time, the samples are swapped that gain most by it, as long as there is a gain: of all ways to divide
-/// the two cells' samples between their sites, the best. Only pairs are looked at of which one could have a sample
-/// nearer to the other's site, and that have changed since they were looked at last.
-/// Source: Balzer, Schloemer, Deussen 2009, section 3 and algorithm 1. Departures, to the end of Li, Nehab, Wei,
-/// Sander, Fu 2010, who make it fast: the choice of pairs; samples are first dealt to the nearest site that wants more
-/// instead of to any; centroids follow each swap instead of each round.
+/// For two cells at a time, the samples with the largest gains are swapped as long as there is a gain. The result is
+/// the best division of the two cells' samples between their sites. Only pairs are considered in which one cell could
+/// have a sample nearer to the other site, and which have changed since they were last considered.
+/// Source: Balzer, Schloemer, Deussen 2009, section 3 and algorithm 1. Departures, for speed as in Li, Nehab, Wei,
+/// Sander, Fu 2010: the choice of pairs; samples are initially assigned to the nearest site with free capacity, not to
+/// any; centroids are updated after each swap, not after each round.
 class EqualCells {
 public:
     /// @param samples  [sites * capacity]; on a torus within its box
-    /// @param sites    [n >= 1] where each is at first
-    /// @param stop     asked now and then; once it is requested, samples may be missing and the cells not to be used
+    /// @param sites    [n >= 1] initial positions
+    /// @param stop     polled regularly; after a stop samples may be missing and the cells must not be used
     EqualCells(std::vector<Point> samples, std::span<const Point> sites, const PeriodicImages& images,
                const std::stop_token& stop);
 
-    /// Looks at every pair once. The energy never rises; after finitely many sweeps there is nothing left to swap.
-    /// @param stop  asked every few sites; ends the sweep
+    /// Considers every pair once. The energy never increases; after finitely many sweeps no swap is left.
+    /// @param stop  polled every few sites; ends the sweep
     /// @returns     whether anything was swapped
     bool sweep(const std::stop_token& stop);
 
@@ -43,7 +43,7 @@ public:
     double energy() const;
 
 private:
-    /// A sample and what its move to the other site gains.
+    /// A sample and the energy gained by moving it to the other site.
     struct Offer {
         double gain;
         std::uint32_t sample;
@@ -61,12 +61,12 @@ private:
     PeriodicImages images_;
     std::size_t capacity_;
     std::vector<Point> sites_;
-    std::vector<Point> samples_;          ///< [sites * capacity]: those of the first site, of the second, ...
-    std::vector<double> radii_;           ///< [sites]: distance to the farthest of the site's samples
-    std::vector<std::uint32_t> changed_;  ///< [sites]: sweep in which it swapped last
+    std::vector<Point> samples_;          ///< [sites * capacity] grouped by site
+    std::vector<double> radii_;           ///< [sites] distance to the farthest of the site's samples
+    std::vector<std::uint32_t> changed_;  ///< [sites] last sweep in which it swapped samples
     std::uint32_t sweeps_ = 0;
 
-    // Of the two sites being looked at: squared distance of each sample from its own site less that from the other.
+    // For the current two sites: squared distance of each sample from its own site minus that from the other.
     std::vector<double> first_gains_, second_gains_;
     std::vector<Offer> first_offers_, second_offers_;
 };

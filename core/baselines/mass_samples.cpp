@@ -15,20 +15,20 @@ public:
     std::vector<Point> draw(const std::vector<Part>& parts);
 
 private:
-    static constexpr std::uint64_t kStream = 0x73616d706c6573;  // keeps these draws apart from the start's
+    static constexpr std::uint64_t kStream = 0x73616d706c6573;  // keeps these random numbers independent of the start's
 
     Point draw_in(const Part& part);
     void divide(const Part& part, double begin, double end, int depth);
     void halve(const Part& part, double begin, double end, int depth);
 
-    /// Middle of the next sample's share, in shares from the first one.
+    /// Middle of the next sample's share, counted in shares.
     double next_middle() const { return static_cast<double>(samples_.size()) + 0.5; }
 
     const Bisection& bisection_;
     Random random_;
     std::size_t count_;
     const std::stop_token& stop_;
-    double share_ = 1;  ///< mass of one
+    double share_ = 1;  ///< mass of one share
     std::vector<Point> samples_;
     bool stopped_ = false;
 };
@@ -57,11 +57,11 @@ Point Sampler::draw_in(const Part& part) {
     return a + u * (b - a) + v * (c - a);
 }
 
-/// Draws the samples of a part, in halves if it holds more than one share.
-/// @param begin, end  shares that come before the part's end, without it and with it
+/// Draws the samples of a part, recursing into halves if it contains more than one share.
+/// @param begin, end  range of the part in the sequence of shares
 void Sampler::divide(const Part& part, double begin, double end, int depth) {
     constexpr int kDeepest = 100;
-    constexpr double kThin = 0.25;  // of the part's mean density: a place that does not stand for it
+    constexpr double kThin = 0.25;  // relative to the part's mean density; a sparser point does not represent the part
     constexpr std::size_t kStopStride = 4096;
     if (stopped_) return;
     while (samples_.size() < count_ && next_middle() < end) {
@@ -77,7 +77,7 @@ void Sampler::divide(const Part& part, double begin, double end, int depth) {
 
 void Sampler::halve(const Part& part, double begin, double end, int depth) {
     const auto [first, second] = bisection_.halves(part);
-    // The nearer half goes first; both have the middle of the edge that was cut.
+    // The half nearer to the last sample goes first. Both halves share the midpoint of the divided edge.
     const Point middle = second.corners[0], along = second.corners[1] - first.corners[0];
     const bool swap = !samples_.empty() && dot(samples_.back() - middle, along) > 0;
     const Part& nearer = swap ? second : first;

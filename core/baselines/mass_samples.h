@@ -12,17 +12,18 @@
 
 namespace ccdt {
 
-/// Points of the unit frame that stand for equal shares of the density over a domain.
+/// Returns points in the unit frame that represent equal shares of the density over a domain.
 ///
-/// Triangles are bisected across their longest edges until each holds one share at most; in that order, the sample of a
-/// share lies at random in the triangle where its middle falls. So whatever the domain, a triangle on the way holds its
-/// number of shares to within one.
+/// Triangles are bisected across their longest edges until each contains at most one share. The shares are ordered
+/// along these triangles, and each sample lies at random in the triangle that contains the middle of its share. So for
+/// any domain, every intermediate triangle contains its number of shares to within one.
 ///
-/// @param mesh   of the domain: the triangles to begin with, unless the domain is a box
+/// @param mesh   mesh of the domain: the initial triangles, unless the domain is a box
 /// @param count  >= 1
-/// @param stop   asked now and then
-/// @returns      [count], neighbours in the list being neighbours mostly; some are missing if it was stopped
-/// A function of domain, mesh, density and seed. O(count), 0.1 microseconds each, and a little more with a density.
+/// @param stop   polled regularly
+/// @returns      [count] samples, with mostly neighbouring samples in succession; some are missing after a stop
+///
+/// Depends on domain, mesh, density and seed alone. O(count): 0.1 microseconds each, slightly more with a density.
 std::vector<Point> mass_samples(const Domain& domain, const Triangulation& mesh, const Density& density,
                                 std::size_t count, std::uint64_t seed, const std::stop_token& stop);
 

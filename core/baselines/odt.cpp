@@ -21,7 +21,7 @@ public:
     bool step();
 
 private:
-    /// A triangle at the site: the ways to its other corners, counter-clockwise, and what its area counts for.
+    /// A triangle at the site: vectors to its other corners, counter-clockwise, and the weight of its area.
     struct Corner {
         Point from, to;
         double weight;
@@ -38,10 +38,10 @@ private:
     Triangulation& mesh_;
     const std::stop_token& stop_;
     double least_height_;
-    std::vector<double> capacities_;  ///< [triangles]
-    std::vector<double> weights_;     ///< [triangles]
+    std::vector<double> capacities_;  ///< [triangles] capacities
+    std::vector<double> weights_;     ///< [triangles] weights of their areas
     std::vector<Corner> around_;
-    bool is_alone_ = false;  ///< around a torus with few sites one may be its own neighbour
+    bool is_alone_ = false;  ///< whether the site is its own neighbour, as on a torus with few sites
 };
 
 bool Circumcentres::step() {
@@ -57,8 +57,8 @@ bool Circumcentres::step() {
 }
 
 void Circumcentres::weigh() {
-    // Benchmark OdtBorderPattern: with 1.5 too few sites stand within one and a half spacings of the border, with 3 too
-    // many within one.
+    // Benchmark OdtBorderPattern: with 1.5 there are too few sites within one and a half spacings of the border, with 3
+    // too many within one.
     constexpr double kBorderWeight = 2;
     const CapacityIntegral& capacity = sites_.capacity();
     if (!capacity.is_uniform()) capacity.of_triangles(mesh_, capacities_);
@@ -66,7 +66,8 @@ void Circumcentres::weigh() {
     for (std::uint32_t t = 0; t < weights_.size(); ++t) {
         if (!capacity.is_uniform()) {
             const double most = 0.5 * mesh_.doubled_area(t) * capacity.densest();
-            const double mean = most > 0 ? std::max(0.0, capacities_[t]) / most : 1;  // of a flat one nothing comes
+            // A flat triangle contributes nothing.
+            const double mean = most > 0 ? std::max(0.0, capacities_[t]) / most : 1;
             weights_[t] = mean * std::sqrt(mean);
         }
         if (touches_border(t)) weights_[t] *= kBorderWeight;
@@ -90,8 +91,8 @@ void Circumcentres::look_around(std::uint32_t site) {
     } while (h != first);
 }
 
-/// Step from the site to the mean of the circumcentres. These times areas need no division: they are quadratic forms of
-/// the corners.
+/// Returns the step from the site to the mean of the circumcentres. Circumcentres times areas are quadratic forms of
+/// the corners and need no division.
 Point Circumcentres::way_to_mean() const {
     double area = 0;
     Point moment;
@@ -103,10 +104,10 @@ Point Circumcentres::way_to_mean() const {
     return area > 0 ? 1 / area * moment : Point{};
 }
 
-/// Tells whether no triangle loses more than 90 % of its area, or its height, on the way.
+/// Whether every triangle keeps at least a tenth of its area and does not become a needle.
 bool Circumcentres::fits(Point by) const {
     constexpr double kKeptArea = 0.1;
-    constexpr double kLeastShape = 1e-5;  // doubled area over the longest edge squared
+    constexpr double kLeastShape = 1e-5;  // doubled area relative to the longest edge squared
     return std::ranges::all_of(around_, [&](const Corner& corner) {
         const Point from = corner.from - by, to = corner.to - by;
         const double longest = std::max({dot(from, from), dot(to, to), dot(to - from, to - from)});
@@ -118,7 +119,7 @@ bool Circumcentres::fits(Point by) const {
 
 bool Circumcentres::move(std::uint32_t site) {
     constexpr int kHalvings = 8;
-    constexpr double kRest = 1e-12;  // in the unit frame; less is rounding
+    constexpr double kRest = 1e-12;  // in the unit frame; smaller moves are rounding
     look_around(site);
     if (is_alone_) return false;
     Point by = way_to_mean();

@@ -7,7 +7,7 @@
 
 namespace ccdt {
 
-/// The periodic images of a point, its copies around a torus. In other domains there is the point alone.
+/// The periodic images of a point: its copies on a torus. In other domains only the point itself.
 class PeriodicImages {
 public:
     explicit PeriodicImages(const Domain& domain) {
@@ -18,15 +18,16 @@ public:
 
     bool is_torus() const { return period_.x > 0; }
 
-    /// Distance between copies along each axis; {0, 0} if there is the point alone.
+    /// Distance between copies along each axis; {0, 0} if there are no copies.
     Point period() const { return period_; }
 
-    /// The shortest of the ways between copies of two points, given any that is less than one and a half periods long.
+    /// Returns the shortest vector between copies of two points, given any such vector of less than one and a half
+    /// periods.
     Point shortest(Point way) const {
         return {shortest(way.x, period_.x, half_.x), shortest(way.y, period_.y, half_.y)};
     }
 
-    /// The copy in the box [0, period).
+    /// Returns the copy in the box [0, period).
     Point in_box(Point p) const { return is_torus() ? wrapped(p, period_) : p; }
 
 private:

@@ -9,7 +9,7 @@ namespace ccdt {
 
 namespace {
 
-/// Moments of a polygon of weight 1, seen from a point.
+/// Returns the moments of a polygon of weight 1, relative to a point.
 Moments even_moments(std::span<const Point> corners, Point from) {
     Moments moments;
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -59,9 +59,9 @@ Moments SquaredDensity::over(std::span<const Point> corners, Point from) const {
     return moments;
 }
 
-/// Contribution of an edge to a polygon's moments, in cells of the grid: with F(x, y) the weight left of x and G(x, y)
-/// its moment, the integrals of F, G and y F over dy. Within a cell F is linear and G a square, so that their values at
-/// the middle of each piece and a twelfth of the square of its extent suffice.
+/// Returns the contribution of an edge to a polygon's moments, in cells of the grid. With F(x, y) the weight left of x
+/// and G(x, y) its moment, these are the integrals of F, G and y F over dy. Within a cell F is linear and G quadratic,
+/// so the values at the midpoint of each piece and a twelfth of its squared extent suffice.
 Moments SquaredDensity::along(Point a, Point b) const {
     Moments moments;
     const double slope = b.y != a.y ? (b.x - a.x) / (b.y - a.y) : 0;

@@ -9,11 +9,11 @@
 
 namespace ccdt {
 
-/// Integrals of a weight, and of the weight times the way from a point.
+/// Integrals of a weight, and of the weight times the offset from a point.
 struct Moments {
     double mass = 0;
     Point first;
-    double magnitude = 0;  ///< sum of what was added and taken away for the mass; its rounding errors are of this size
+    double magnitude = 0;  ///< sum of the absolute terms of the mass, which bounds its rounding error
 
     void add(const Moments& other) {
         mass += other.mass;
@@ -22,15 +22,16 @@ struct Moments {
     }
 };
 
-/// Integrates the square of a density over polygons. Exact by Green's theorem, the density being constant on its cells;
-/// of a grid of more than 4 million cells, blocks of cells are averaged.
+/// Integrates the square of a density over polygons. Exact by Green's theorem, since the density is constant on its
+/// cells. Grids of more than 4 million cells are averaged in blocks.
 class SquaredDensity {
 public:
     SquaredDensity(const Domain& domain, const Density& density);
 
     /// @param corners  counter-clockwise, in the unit frame, within the domain's bounding box
-    /// @param from     where the first moment is taken from
-    /// O(corners, and cells crossed)
+    /// @param from     reference point of the first moment
+    ///
+    /// O(corners + cells crossed).
     Moments over(std::span<const Point> corners, Point from) const;
 
 private:
@@ -39,8 +40,8 @@ private:
     int columns_ = 0;  ///< 0 if uniform
     int rows_ = 0;
     Point to_grid_{1, 1};            ///< cells per unit
-    std::vector<double> sums_;       ///< of squares left of each column [rows][columns + 1]
-    std::vector<double> x_moments_;  ///< of squares times x
+    std::vector<double> sums_;       ///< [rows][columns + 1] sums of squares left of each column
+    std::vector<double> x_moments_;  ///< sums of squares times x
 };
 
 }  // namespace ccdt

@@ -4,12 +4,13 @@
 
 namespace ccdt {
 
-/// Distributes sites independently of each other, by the density: white noise.
+/// Distributes sites independently of each other with the given density: white noise.
 ///
-/// @param options  iterations, passes, tolerance and start do not matter
-/// @returns        as distribute(): the capacity variation of the sites' Delaunay triangulation is the only entry of
-///                 the trace
-/// Errors: those of distribute(). Same input, same bytes. O(sites log sites).
+/// @param options  iterations, passes, tolerance and start are ignored
+/// @returns        as distribute(): the only entry of the trace is the capacity variation of the sites' Delaunay
+///                 triangulation
+///
+/// Errors: those of distribute(). Deterministic. O(sites log sites).
 Result<Distribution> random_sites(const Domain& domain, const Density& density, const Options& options,
                                   const Control& control = {});
 

@@ -16,7 +16,7 @@ namespace ccdt {
 namespace {
 
 std::optional<Error> check(const Options& options) {
-    constexpr std::size_t kMaxSites = std::size_t{1} << 28;  // half-edges are numbered in 32 bits
+    constexpr std::size_t kMaxSites = std::size_t{1} << 28;  // half-edges have 32-bit numbers
     if (options.sites < 1 || options.sites > kMaxSites) {
         return Error{ErrorCode::Malformed, "sites must lie between 1 and " + std::to_string(kMaxSites), "sites"};
     }
@@ -63,16 +63,16 @@ bool SiteMesh::move(std::span<const Point> wanted) {
     return false;
 }
 
-/// End of the shortest way from a place to another one, around a torus too.
+/// Returns the end of the shortest vector from one position to another, on a torus to any copy.
 Point SiteMesh::end_of_way(Point from, Point to) const {
     if (!mesh_.is_torus()) return to;
     const PeriodicImages images(*domain_);
     return snapped(from + images.shortest(images.in_box(to) - images.in_box(from)));
 }
 
-/// Tells whether no triangle is turned over, flat, or out of the range where a torus' places are exact.
+/// Whether no triangle is inverted, flat, or outside the range in which positions on a torus are exact.
 bool SiteMesh::is_sound() const {
-    constexpr double kLeastShape = 1e-6;  // doubled area over the longest edge squared
+    constexpr double kLeastShape = 1e-6;  // doubled area relative to the longest edge squared
     constexpr double kFarthest = 1.25;
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
         const auto [a, b, c] = mesh_.places(t);
@@ -83,8 +83,7 @@ bool SiteMesh::is_sound() const {
     return std::ranges::none_of(sites(), far);
 }
 
-/// Tells whether the sites nearest to the border are far enough from it: in a Delaunay triangulation they face its
-/// edges.
+/// Whether the sites nearest to the border keep the margin. In a Delaunay triangulation they are opposite to its edges.
 bool SiteMesh::keeps_margin() const {
     const double margin = domain_->resolution();
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
@@ -97,7 +96,7 @@ bool SiteMesh::keeps_margin() const {
     return true;
 }
 
-/// Triangulates all sites anew.
+/// Triangulates all sites from scratch.
 bool SiteMesh::insert_all(std::span<const Point> from, std::span<const Point> to) {
     Triangulation mesh = empty_.mesh;
     const auto insert_step = [&](std::span<const std::uint32_t> step) {
@@ -135,7 +134,7 @@ Distribution SiteMesh::iterate(const Options& options, const Control& control, c
     while (result.iterations < options.iterations) {
         if (options.tolerance && result.variation() < *options.tolerance) break;
         const bool moved = !control.stop.stop_requested() && step();
-        result.stopped = control.stop.stop_requested();  // a step that is stopped says that it has nothing to move
+        result.stopped = control.stop.stop_requested();  // a step interrupted by a stop returns false, too
         if (result.stopped || !moved) break;
         ++result.iterations;
         measured();

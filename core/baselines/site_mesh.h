@@ -13,12 +13,13 @@
 
 namespace ccdt {
 
-/// Sites that a method moves, in the triangulation that distribute() measures them by. It holds what the methods of
-/// this folder share: the start, the measure, when to end. All places are in the unit frame.
+/// Sites that a method moves, in the triangulation by which distribute() measures them. Contains what the methods of
+/// this folder share: the start, the measure, and the stopping rules. All positions are in the unit frame.
 class SiteMesh {
 public:
-    /// Draws and triangulates the start that distribute() has.
+    /// Draws and triangulates the same initial sites as distribute().
     /// @param domain, density  must outlive this
+    ///
     /// Errors: those of distribute().
     static Result<SiteMesh> create(const Domain& domain, const Density& density, const Options& options,
                                    const std::stop_token& stop);
@@ -29,20 +30,20 @@ public:
     const Triangulation& mesh() const { return mesh_; }
     Triangulation& mesh() { return mesh_; }
 
-    /// Places of the sites [sites].
+    /// Positions of the sites [sites].
     std::span<const Point> sites() const { return {mesh_.points().data(), mesh_.site_count()}; }
 
-    /// Moves all sites and makes the triangulation Delaunay again. A site that would leave the domain, or come too
-    /// close to its border, goes half of its way, or a quarter, and so on.
+    /// Moves all sites and restores the Delaunay property. A site that would leave the domain, or come too close to its
+    /// border, moves half of the way, or a quarter, and so on.
     /// @param wanted  [sites] finite; on a torus any copy
-    /// @returns  false, and nothing moves, where the domain is too thin even so
-    /// O(sites), several times quicker where no triangle is turned over on the way.
+    /// @returns       false, without any change, if the domain is too thin even so
+    ///
+    /// O(sites); several times faster if no triangle is inverted on the way.
     bool move(std::span<const Point> wanted);
 
-    /// Calls `step` until it returns false, for having nothing more to move, or options.iterations are done, or the
-    /// variation is below options.tolerance, or a stop is asked for. A step during which one is asked for may leave
-    /// the sites where they were.
-    /// @returns  the sites and, as after each iteration of distribute(), the capacity variation
+    /// Calls `step` until it returns false because nothing moves, options.iterations are completed, the variation is
+    /// below options.tolerance, or a stop is requested. A step interrupted by a stop may leave the sites unmoved.
+    /// @returns  the sites, with the capacity variation after each iteration as in distribute()
     Distribution iterate(const Options& options, const Control& control, const std::function<bool()>& step);
 
 private:
@@ -58,10 +59,10 @@ private:
     const Domain* domain_;
     const Density* density_;
     CapacityIntegral capacity_;
-    DomainMesh empty_;  ///< without sites
+    DomainMesh empty_;  ///< mesh without sites
     Triangulation mesh_;
-    std::vector<double> capacities_;   ///< [triangles]
-    std::vector<TriangleGoal> goals_;  ///< [triangles]
+    std::vector<double> capacities_;   ///< [triangles] capacities
+    std::vector<TriangleGoal> goals_;  ///< [triangles] targets and weights
 };
 
 }  // namespace ccdt

@@ -7,7 +7,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::uint32_t kLeaf = 6;  // sites
+constexpr std::uint32_t kLeaf = 6;  // sites per leaf
 
 double squared_distance(Point a, Point b) {
     return dot(a - b, a - b);
@@ -22,7 +22,7 @@ double squared_distance(const Box& box, Point p) {
 }  // namespace
 
 SiteTree::SiteTree(std::span<const Point> sites, const PeriodicImages& images)
-    : images_(images), slot_of_(sites.size()), taken_(sites.size(), false) {
+    : images_(images), slot_of_(sites.size()), hidden_(sites.size(), false) {
     const auto count = static_cast<std::uint32_t>(sites.size());
     for (std::uint32_t i = 0; i < count; ++i) sites_.push_back({i, images.in_box(sites[i])});
     std::size_t leaves = 1;
@@ -52,7 +52,8 @@ void SiteTree::build(std::size_t node, std::uint32_t begin, std::uint32_t end) {
     build(2 * node + 2, middle, end);
 }
 
-/// The copies of the box that the nearest copy of any site to a place in it may lie in, its own first.
+/// Calls visit(shift) for the periodic copies of the box that can contain the nearest copy of a site, the box itself
+/// first.
 template <class Visit>
 void SiteTree::for_each_copy(Visit&& visit) const {
     visit(Point{0, 0});
@@ -84,7 +85,7 @@ void SiteTree::improve(std::size_t node, Point place, Point shift, double& best,
     }
     for (std::uint32_t slot = here.begin; slot < here.end; ++slot) {
         const double distance = squared_distance(sites_[slot].place, place);
-        if (taken_[slot] || distance >= best) continue;
+        if (hidden_[slot] || distance >= best) continue;
         best = distance;
         found = Found{sites_[slot].site, sites_[slot].place + shift};
     }
@@ -109,9 +110,9 @@ void SiteTree::collect(std::size_t node, Point place, Point shift, double limit,
     }
 }
 
-void SiteTree::take_away(std::uint32_t site) {
+void SiteTree::hide(std::uint32_t site) {
     const std::uint32_t slot = slot_of_[site];
-    taken_[slot] = true;
+    hidden_[slot] = true;
     for (std::size_t node = 0;;) {
         --nodes_[node].left;
         if (is_leaf(node)) return;

@@ -11,37 +11,37 @@
 
 namespace ccdt {
 
-/// Finds sites near a place: a balanced k-d tree (Bentley 1975), as quick where sites crowd as where they are few.
+/// Finds sites near a point: a balanced k-d tree (Bentley 1975), whose speed does not depend on how crowded sites are.
 class SiteTree {
 public:
-    /// A site, in one of its copies.
+    /// A site, as one of its periodic copies.
     struct Found {
         std::uint32_t site;
         Point place;
     };
 
-    /// Builds the tree. O(n log n)
+    /// Builds the tree. O(n log n).
     /// @param sites  [n >= 1]
     SiteTree(std::span<const Point> sites, const PeriodicImages& images);
 
-    /// The site nearest to a place, of those not taken away; nothing if all are. O(log n), mostly.
+    /// Returns the nearest site that is not hidden; none if all are hidden. Mostly O(log n).
     /// @param place  on a torus within its box
     std::optional<Found> nearest(Point place) const;
 
-    /// Sites within a distance of a place, taken away or not; all that may be nearest to any place within half that
-    /// distance, if `distance` is at least twice that to the nearest one.
+    /// Finds all sites within a distance, hidden ones included. If `distance` is at least twice that to the nearest
+    /// site, these are all sites that can be nearest to any point within half of `distance`.
     /// @param place  on a torus within its box
-    /// @param found  out, replaced
+    /// @param found  out; replaced
     void within(Point place, double distance, std::vector<Found>& found) const;
 
-    /// Hides a site from nearest(). O(log n)
-    void take_away(std::uint32_t site);
+    /// Hides a site from nearest(). O(log n).
+    void hide(std::uint32_t site);
 
 private:
     struct Node {
         Box box;
-        std::uint32_t begin, end;  ///< of its sites in sites_
-        std::uint32_t left;        ///< not taken away
+        std::uint32_t begin, end;  ///< range of its sites in sites_
+        std::uint32_t left;        ///< number of sites that are not hidden
     };
 
     void build(std::size_t node, std::uint32_t begin, std::uint32_t end);
@@ -52,10 +52,10 @@ private:
     void collect(std::size_t node, Point place, Point shift, double limit, std::vector<Found>& found) const;
 
     PeriodicImages images_;
-    std::vector<Node> nodes_;   ///< children of k are 2 k + 1 and 2 k + 2
-    std::vector<Found> sites_;  ///< in the order of the leaves, on a torus within its box
+    std::vector<Node> nodes_;   ///< children of node k are 2 k + 1 and 2 k + 2
+    std::vector<Found> sites_;  ///< in the order of the leaves; on a torus within its box
     std::vector<std::uint32_t> slot_of_;
-    std::vector<bool> taken_;  ///< by slot
+    std::vector<bool> hidden_;  ///< [slots] whether the site is hidden
 };
 
 }  // namespace ccdt

@@ -19,7 +19,7 @@ Point centre_of(const Part& part) {
     return 1.0 / 3 * (part.corners[0] + part.corners[1] + part.corners[2]);
 }
 
-/// The part of a convex polygon that is nearer to one site than to another (Sutherland and Hodgman 1974).
+/// Clips a convex polygon to the points nearer to one site than to another (Sutherland and Hodgman 1974).
 void clip_at_bisector(std::span<const Point> polygon, Point site, Point other, std::vector<Point>& clipped) {
     clipped.clear();
     const Point way = other - site, middle = 0.5 * (site + other);
@@ -33,7 +33,7 @@ void clip_at_bisector(std::span<const Point> polygon, Point site, Point other, s
 
 }  // namespace
 
-/// Integration for one set of sites.
+/// The integration for one set of sites.
 class VoronoiCells::Integration {
 public:
     Integration(const VoronoiCells& domain, std::span<const Point> sites, const std::stop_token& stop)
@@ -46,7 +46,7 @@ public:
     std::vector<Moments> run();
 
 private:
-    static constexpr double kTinyShare = 1e-3;  // of what one site stands for
+    static constexpr double kTinyShare = 1e-3;  // relative to the mean mass per site
 
     void find_near(const Part& part);
     void divide(const Part& part, std::size_t begin, int depth);
@@ -56,10 +56,10 @@ private:
     const VoronoiCells& domain_;
     SiteTree tree_;
     const std::stop_token& stop_;
-    double tiny_;  ///< mass that is not divided
+    double tiny_;  ///< mass below which a part is not divided
     std::vector<Moments> cells_;
 
-    /// Sites that may be nearest to some place in a part, then those of them that may be in its half, and so on.
+    /// A stack: sites that can be nearest to some point of a part, then those of its half, and so on.
     std::vector<SiteTree::Found> near_;
     std::vector<Point> polygon_, clipped_;
     std::size_t clips_ = 0;
@@ -83,7 +83,7 @@ void VoronoiCells::Integration::find_near(const Part& part) {
     tree_.within(centre, (1 + kRounding) * (nearest + 2 * std::sqrt(radius)), near_);
 }
 
-/// @param begin  near_ holds the sites near the part from there on
+/// @param begin  start of the sites near the part in near_
 void VoronoiCells::Integration::divide(const Part& part, std::size_t begin, int depth) {
     constexpr std::size_t kFew = 6;
     constexpr int kDeepest = 60;
@@ -100,8 +100,8 @@ void VoronoiCells::Integration::divide(const Part& part, std::size_t begin, int 
     near_.resize(end);
 }
 
-/// Appends, of the sites in near_ from `begin` on, those that are nearer to some place in the part than the site
-/// nearest to its centre, which comes first.
+/// Narrows the sites of near_, from `begin` on, to those that can be nearest to a point of the part, and appends them.
+/// The first one is nearest to the centre of the part; the others are nearer than it to some corner.
 void VoronoiCells::Integration::narrow_down(const Part& part, std::size_t begin) {
     const std::size_t end = near_.size();
     const Point centre = centre_of(part);

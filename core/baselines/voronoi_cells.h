@@ -10,21 +10,24 @@
 
 namespace ccdt {
 
-/// Integrates the square of a density over the parts of a domain that are nearer to one site than to any other.
+/// Integrates the square of a density over the Voronoi cells of sites, clipped to a domain.
 ///
-/// Triangles of the domain are bisected until few sites are left that may be nearest to some place in them, and then
-/// clipped at the bisectors between those. A triangle of next to no mass goes undivided to the site nearest to its
-/// centre, since seen from far off many sites are almost equally near.
+/// Triangles of the domain are bisected until few sites can be nearest to any point in them, and are then clipped at
+/// the bisectors between these sites. A triangle of negligible mass is assigned as a whole to the site nearest to its
+/// centre, because many sites are almost equally near to a remote triangle.
 class VoronoiCells {
 public:
-    /// @param mesh     of the domain: the triangles to begin with, unless the domain is a box
+    /// @param mesh     mesh of the domain: the initial triangles, unless the domain is a box
     /// @param density  must outlive this
     VoronoiCells(const Domain& domain, const Triangulation& mesh, const Density& density);
 
-    /// @param sites  [n >= 1] distinct; on a torus anywhere
-    /// @param stop   asked now and then
-    /// @returns      [n] first moments are seen from the site; unfinished if stopped
-    /// Exact but for rounding and those triangles. O(n log n), and cells of the density that edges cross.
+    /// Integrates over the cells of all sites.
+    /// @param sites  [n >= 1] distinct; on a torus any copy
+    /// @param stop   polled regularly
+    /// @returns      [n] with first moments relative to the site; incomplete after a stop
+    ///
+    /// Exact except for rounding and the triangles of negligible mass. O(n log n + cells of the density that edges
+    /// cross).
     std::vector<Moments> integrate(std::span<const Point> sites, const std::stop_token& stop) const;
 
 private:
@@ -34,7 +37,7 @@ private:
     Bisection bisection_;
     SquaredDensity weight_;
     std::vector<Part> parts_;
-    double total_ = 0;  ///< mass
+    double total_ = 0;  ///< total mass
 };
 
 }  // namespace ccdt

@@ -9,7 +9,8 @@ namespace ccdt {
 
 namespace {
 
-/// Lengths along the edge ab in site spacings, from a to each of as many equal steps as it crosses cells [steps + 1].
+/// Returns the lengths along the edge ab in site spacings, from a to the ends of equal steps, one per crossed cell
+/// [steps + 1].
 std::vector<double> spacings_along(Point a, Point b, const CapacityIntegral& capacity, double sites_per_capacity) {
     const int samples = capacity.cells_along(a, b);
     const double step = std::sqrt(dot(b - a, b - a)) / samples;
@@ -21,12 +22,12 @@ std::vector<double> spacings_along(Point a, Point b, const CapacityIntegral& cap
     return sums;
 }
 
-/// Returns the number of parts into which an edge is divided. One that is short against the spacing stays whole.
+/// Returns the number of parts into which an edge is divided. An edge shorter than the spacing stays whole.
 long parts_of(double length_in_sites) {
     return std::max(1L, std::lround(length_in_sites));
 }
 
-/// Counts the vertices that edges would be given where sites are as far apart along the border as elsewhere.
+/// Returns the number of vertices that edges would get at the spacing of sites.
 double wanted_vertices(const Domain& domain, const LengthInSites& length) {
     double sum = 0;
     for (const Ring& ring : domain.rings()) {
@@ -45,8 +46,8 @@ Border make_border(const Domain& domain, const CapacityIntegral& capacity, std::
 }
 
 Border make_border(const Domain& domain, const LengthInSites& length, std::size_t sites) {
-    // Sites of a domain that is thinner than their spacing are farther apart along it. One vertex for each site makes
-    // them more even there than more vertices do, and keeps the mesh small.
+    // In a domain thinner than their spacing, sites are farther apart along the border. One vertex per site makes them
+    // more even there than more vertices, and keeps the mesh small.
     const double most = static_cast<double>(sites) + 64;
     const double wanted = wanted_vertices(domain, length);
     const double thinning = wanted > most ? most / wanted : 1;

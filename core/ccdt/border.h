@@ -13,28 +13,29 @@
 
 namespace ccdt {
 
-/// Closed chains of vertices on the border, which the triangulation needs and the result does not hold.
+/// Closed chains of vertices on the border. The triangulation needs them; they are not part of the result.
 struct Border {
-    std::vector<std::vector<Point>> loops;  ///< the inside on their left; corners of several may be in one place
-    std::vector<bool> corner;               ///< [vertices of all loops in turn]: a corner of the domain
+    std::vector<std::vector<Point>> loops;  ///< with the inside on their left; corners of several loops may coincide
+    /// [vertices of all loops in order] whether the vertex is a corner of the domain.
+    std::vector<bool> corner;
 };
 
-/// Measures an edge in the distances that neighbouring sites have there: from its begin to each of some equal steps
-/// [steps + 1], the first of which is 0.
+/// Measures an edge in units of the local distance of neighbouring sites. Returns the lengths from `begin` to the ends
+/// of equal steps [steps + 1], beginning with 0.
 using LengthInSites = std::function<std::vector<double>(Point begin, Point end)>;
 
-/// The domain's corners and, between them, vertices about as far apart as sites are there. Their number without the
-/// corners is at most about that of the sites.
+/// Returns the domain's corners and, between them, vertices about as far apart as the sites nearby. The number of added
+/// vertices is at most about that of the sites.
 Border make_border(const Domain& domain, const LengthInSites& length, std::size_t sites);
 Border make_border(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites);
 
-/// The domain's corners alone.
+/// Returns the domain's corners only.
 Border bare_border(const Domain& domain);
 
-/// Constrained Delaunay triangulation of a border, without sites.
-/// @param stop  asked now and then; what is returned is of no use, then
-/// Fails where vertices set on edges round off them, and the edges, almost touching, cross or touch; never for a bare
-/// border.
+/// Computes the constrained Delaunay triangulation of a border, without sites.
+/// @param stop  polled regularly; after a stop the result must not be used
+///
+/// Fails if rounding of vertices on edges makes nearly touching edges cross or touch. Never fails for a bare border.
 tl::expected<ConstrainedDelaunay, SegmentConflict> triangulate(const Border& border, const std::stop_token& stop = {});
 
 }  // namespace ccdt

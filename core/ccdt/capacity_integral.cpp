@@ -15,7 +15,7 @@ namespace ccdt {
 
 CapacityIntegral::CapacityIntegral(const Domain& domain, const Density& density, bool by_four)
     : density_(density), by_four_(by_four) {
-    constexpr double kRounding = 1e-12;  // of the sums along the border, over the density's total
+    constexpr double kRounding = 1e-12;  // of the sums along the border, relative to the density's total
     if (density.is_uniform()) {
         total_ = domain.unit_area();
         return;
@@ -49,23 +49,23 @@ double CapacityIntegral::along(Point a, Point b) const {
 
 namespace {
 
-/// Copies of a torus' grid on each side of it; more than places and shifts come to.
+/// Periodic copies of a torus' grid on each side of it; more than positions and shifts can reach.
 constexpr int kRepeats = 8;
 
-constexpr std::size_t kAreas = 32768;  ///< that a task takes
+constexpr std::size_t kAreas = 32768;  ///< triangles per task
 
 bool is_in(Point p, Point sides) {
     return p.x >= 0 && p.y >= 0 && p.x <= sides.x && p.y <= sides.y;
 }
 
-/// Tells whether the edge or a triangle at it reaches beyond a torus' box.
+/// Whether the edge or an adjacent triangle extends beyond a torus' box.
 bool leaves_box(const Triangulation& mesh, std::uint32_t edge) {
     return mesh.crosses_seam(Triangulation::triangle_of(edge)) ||
            mesh.crosses_seam(Triangulation::triangle_of(mesh.twin(edge))) ||
            !is_in(mesh.point(mesh.origin(edge)), mesh.period()) || !is_in(mesh.point(mesh.target(edge)), mesh.period());
 }
 
-/// Numbers of the lanes, each by its place among them.
+/// Fills the lanes with the numbers of a function of the index.
 template <class Lanes, class Number>
 CCDT_INLINE inline typename Lanes::Pairs each(Number&& number) {
     std::array<Pair, Lanes::kCount> pairs;
@@ -86,7 +86,8 @@ double CapacityIntegral::rows_below(double y) const {
     return copy * rows_below_.back() + rows_below_[row] + (inside - static_cast<double>(row)) * part;
 }
 
-/// Follows as many segments at once as there are numbers in the lanes; where there are fewer, the last one again.
+/// Integrates along as many segments at once as there are numbers in the lanes; if fewer are left, repeats the last
+/// one.
 template <bool kRepeated, class Lanes>
 CCDT_INLINE inline void CapacityIntegral::sweep_by(std::span<const Segment> segments, std::span<Sweep> sweeps) const {
     using Pairs = typename Lanes::Pairs;
@@ -109,7 +110,7 @@ CCDT_INLINE inline void CapacityIntegral::sweep_by(std::span<const Segment> segm
         const Pairs along_x = few.bx - few.ax;
         Pairs flow{}, near{}, far{};
         const auto add = [&](Pairs column, Pairs row, Pairs from, Pairs to) CCDT_INLINE {
-            Pairs i = column, j = row, copies{};  // of the grid before this one, but for the offset
+            Pairs i = column, j = row, copies{};  // periodic copies before this one, counted from the offset
             if constexpr (kRepeated) {
                 copies = Lanes::whole(column / width);
                 i -= copies * width;
@@ -124,8 +125,8 @@ CCDT_INLINE inline void CapacityIntegral::sweep_by(std::span<const Segment> segm
             Pairs below = before + (x - column) * value;
             if constexpr (kRepeated) {
                 const Pairs end = j * stride + width;
-                const Pairs row_sum = each<Lanes>(
-                    [&](std::size_t k) CCDT_INLINE { return all_sums[static_cast<std::size_t>(end[k])]; });
+                const Pairs row_sum =
+                    each<Lanes>([&](std::size_t k) CCDT_INLINE { return all_sums[static_cast<std::size_t>(end[k])]; });
                 below += (copies - static_cast<double>(kRepeats)) * row_sum;
             }
             flow += below * length;
@@ -144,7 +145,7 @@ CCDT_TWO_LANES void CapacityIntegral::sweep_by_four(std::span<const Segment> seg
     sweep_by<kRepeated, TwoLanes>(segments, sweeps);
 }
 
-/// @param kRepeated  whether the segments may lie beyond a torus' box
+/// @param kRepeated  whether the segments may extend beyond a torus' box
 template <bool kRepeated>
 void CapacityIntegral::sweep(std::span<const Segment> segments, std::span<Sweep> sweeps) const {
     if (by_four_ && has_two_lanes()) {
@@ -154,7 +155,8 @@ void CapacityIntegral::sweep(std::span<const Segment> segments, std::span<Sweep>
     }
 }
 
-/// Adds an edge's flow to the capacities of its two triangles, which around a torus may see it in different places.
+/// Adds an edge's flow to the capacities of its two triangles. On a torus these may see the edge at different
+/// positions.
 template <class Add>
 void CapacityIntegral::add_flow(const Triangulation& mesh, std::uint32_t edge, double flow, bool repeated,
                                 Add&& add) const {
@@ -170,15 +172,15 @@ void CapacityIntegral::add_flow(const Triangulation& mesh, std::uint32_t edge, d
     add(Triangulation::triangle_of(twin), -(flow + (mesh.lift(twin) - mesh.shift(edge)).x * rise));
 }
 
-/// Sums up the flows along the edges around each triangle.
-/// @param capacity  gives the sum of a triangle, which is 0
-/// @param take      called with each edge and what was found along it, several at the same time
+/// Sums the flows along the edges of each triangle.
+/// @param capacity  returns the sum of a triangle, initially 0
+/// @param take      called with each edge and the integrals along it, in parallel
 template <class Capacity, class Take>
 void CapacityIntegral::sum_flows(const Triangulation& mesh, const std::stop_token& stop, Capacity&& capacity,
                                  Take&& take) const {
-    constexpr std::size_t kRange = 8192;  // triangles that a task takes
+    constexpr std::size_t kRange = 8192;  // triangles per task
     const std::size_t triangles = mesh.triangle_count();
-    // Of those that other tasks have.
+    // Contributions to triangles of other tasks.
     std::vector<std::vector<std::pair<std::uint32_t, double>>> later((triangles + kRange - 1) / kRange);
     for_ranges(mesh.team(), triangles, kRange, [&](std::size_t begin, std::size_t end) {
         if (stop.stop_requested()) return;

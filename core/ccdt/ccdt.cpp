@@ -16,7 +16,7 @@ namespace ccdt {
 
 namespace {
 
-/// The triangulations of all inks that have sites, built in step and polished together.
+/// Builds the triangulations of all inks that have sites in step, and polishes them together.
 class InkConstructions {
 public:
     InkConstructions(const Domain& domain, std::span<const Density> densities, std::span<const std::size_t> sites,
@@ -38,13 +38,13 @@ private:
     const Options& options_;
     const Control& control_;
     const Retouch& retouch_;
-    std::vector<std::unique_ptr<Construction>> inks_;  ///< [inks]; null for those without sites
-    std::vector<Construction*> constructions_;         ///< those that there are
-    std::optional<PolishSettings> settings_;           ///< none if there is no polish
-    int round_ = 0;                                    ///< of the polish
+    std::vector<std::unique_ptr<Construction>> inks_;  ///< [inks]; null for inks without sites
+    std::vector<Construction*> constructions_;         ///< those of inks with sites
+    std::optional<PolishSettings> settings_;           ///< none without polish
+    int round_ = 0;                                    ///< current round of the polish
 };
 
-/// Seed of an ink that has sites; the first one keeps that of the options.
+/// Returns the seed of an ink with sites; the first ink keeps that of the options.
 std::uint64_t seed_of(std::uint64_t seed, std::size_t number) {
     constexpr int kSeedBits = 53;
     return number == 0 ? seed : Random(seed, number).bits() >> (64 - kSeedBits);
@@ -72,7 +72,7 @@ InkConstructions::InkConstructions(const Domain& domain, std::span<const Density
     if (settings_ && !can_be_silent()) settings_->stealth_rounds = 0;
 }
 
-/// Tells whether the sites' low frequencies can be silenced.
+/// Whether the sites' low frequencies can be silenced.
 bool InkConstructions::can_be_silent() const {
     return constructions_.size() == 1 && constructions_.front()->is_uniform() && domain_.is_torus() &&
            options_.fixed.empty() && Stealth::fits(domain_, constructions_.front()->sites());
@@ -125,8 +125,8 @@ Result<void> InkConstructions::polish() {
     return {};
 }
 
-/// Asks for moves in the domain's coordinates.
-/// @param sites  [inks that there are] in the unit frame
+/// Calls retouch_ in the domain's coordinates.
+/// @param sites  [inks with sites] in the unit frame
 std::vector<std::vector<Point>> InkConstructions::retouch(std::span<const std::vector<Point>> sites) const {
     const Point sides = domain_.bounds().max - domain_.bounds().min;
     const double side = std::max(sides.x, sides.y);

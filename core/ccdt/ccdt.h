@@ -18,10 +18,10 @@
 
 namespace ccdt {
 
-/// Ways to draw the first sites.
+/// Ways to draw the initial sites.
 enum class Start {
     Stratified,  ///< a few at random in each of many cells of equal capacity
-    Random,      ///< independently by the density, as in the paper
+    Random,      ///< independently, with the density as probability, as in the paper
 };
 
 struct Options {
@@ -29,89 +29,95 @@ struct Options {
     std::uint64_t seed = 0;           ///< [0, 2^53)
     int iterations = 5;               ///< triangulation phases, 0 to 1000; 0 returns the start
     int passes = 5;                   ///< geometry passes per iteration, 1 to 100
-    std::optional<double> tolerance;  ///< > 0; ends the run once the capacity variation is below it
+    std::optional<double> tolerance;  ///< > 0; ends the run once the capacity variation is below this
     Start start = Start::Stratified;
     Quality quality = Quality::Standard;
-    bool keep_mesh = false;  ///< fill Distribution::mesh
-    /// Points that are there already and stay, in the domain's coordinates: none of the sites, which keep clear of them
-    /// as of each other, and leave each as much room as one of them has, but a cluster no more than its area and a rim.
-    /// Those outside take room inside, too.
+    bool keep_mesh = false;  ///< whether to fill Distribution::mesh
+    /// Existing points, in the domain's coordinates, that do not move and are not among the sites. Sites keep the same
+    /// distance from them as from each other. Each point takes as much area as a site; a cluster of points takes no
+    /// more than its own area and a rim. Points outside the domain can take area inside, too.
     std::vector<Point> fixed = {};
 };
 
-/// State of a computation on its way.
+/// State of a running computation.
 struct Progress {
-    int iteration = 0;     ///< iterations done
-    int iterations = 0;    ///< iterations asked for
-    double variation = 0;  ///< capacity variation after the last of them
-    int round = 0;         ///< rounds of the polish done
-    int rounds = 0;        ///< of those that it takes
+    int iteration = 0;     ///< iterations completed
+    int iterations = 0;    ///< iterations requested
+    double variation = 0;  ///< capacity variation after the last completed iteration
+    int round = 0;         ///< rounds of the polish completed
+    int rounds = 0;        ///< rounds of the polish in all
 
-    /// The share of the whole, in (0, 1) and never less than before: about, as if the start took two steps, the end
-    /// one, and each iteration and round one.
+    /// Returns the completed share of the work, in (0, 1) and never decreasing. An estimate that counts the start as
+    /// two steps, the end as one, and each iteration and round as one.
     double done() const { return (2.0 + iteration + round) / (3.0 + iterations + rounds); }
 };
 
-/// Means by which a caller stops, watches and speeds up a computation.
+/// Lets a caller stop, watch and parallelise a computation.
 struct Control {
-    std::stop_token stop;  ///< asked at least once per pass
+    std::stop_token stop;  ///< polled at least once per pass
     /// Called after the start, each iteration and each round of the polish; may be empty.
     std::function<void(const Progress&)> progress;
-    Team* team = &alone();  ///< does the work; never null
+    Team* team = &alone();  ///< runs the tasks; never null
 };
 
-/// The triangulation behind a distribution, in the caller's coordinates. Around a torus a triangle's corners may be
-/// those of neighbouring copies.
+/// The triangulation behind a distribution, in the caller's coordinates. On a torus, corners of a triangle may belong
+/// to neighbouring periodic copies.
 struct TriangleMesh {
-    std::vector<Point> vertices;                          ///< the sites, fixed points, then vertices on the border
+    std::vector<Point> vertices;                          ///< sites, fixed points, then vertices on the border
     std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise
-    std::vector<std::vector<std::uint32_t>> boundary;     ///< closed loops of vertices, the domain on their left
+    std::vector<std::vector<std::uint32_t>> boundary;     ///< closed loops of vertices, with the domain on their left
 };
 
 struct Distribution {
-    std::vector<Point>
-        points;          ///< [sites], strictly inside the domain, in its coordinates; a torus has its lower sides
-    int iterations = 0;  ///< done
-    std::vector<double> trace;       ///< capacity variation after each iteration [iterations + 1]; [0] is the start's
-    std::optional<double> polished;  ///< capacity variation after the polish, if there was one
-    bool stopped = false;  ///< ended early by the stop token: iterations and polish may be missing, and the mesh
-                           ///< not be Delaunay
+    /// [sites] strictly inside the domain, in its coordinates; on a torus the lower sides belong to the domain.
+    std::vector<Point> points;
+    int iterations = 0;  ///< number completed
+    /// Capacity variation after each iteration [iterations + 1]; [0] is that of the start.
+    std::vector<double> trace;
+    std::optional<double> polished;  ///< capacity variation after the polish; none without polish
+    /// Ended early by the stop token: iterations or polish may be incomplete, and the mesh not Delaunay.
+    bool stopped = false;
     std::optional<TriangleMesh> mesh;
-    std::vector<std::uint32_t> ranks = {};  ///< [points] or none: the place of each in a progressive order
+    std::vector<std::uint32_t> ranks = {};  ///< [points] rank of each in a progressive order; may be empty
 
     /// Capacity variation of the points.
     double variation() const { return polished.value_or(trace.back()); }
 };
 
-/// Distributes sites so that all triangles of their Delaunay triangulation hold nearly the same capacity, and then,
-/// unless it is a draft or of no iterations, polishes what equal triangles leave undone.
+/// Distributes sites so that all triangles of their Delaunay triangulation have nearly the same capacity. Then polishes
+/// the pattern, unless the quality is Draft or there are no iterations.
 ///
-/// @param density  stretched over the domain's bounding box; zero outside the domain, repeated around a torus
-/// @param control  a stop returns the sites as they stand, is no error; stopped during the start: Error Stopped
-/// Errors: Malformed for an option out of range; Unusable if the density is zero all over the domain.
-/// Same input, same bytes, by any team. O(n) per pass.
-/// Source: Xu, Liu, Gotsman, Gortler 2011, section 3. The polish is not theirs.
+/// @param density  stretched over the domain's bounding box; its values outside the domain are ignored; periodic on a
+///                 torus
+/// @param control  a stop returns the current sites, which is not an error; a stop during the start gives the error
+///                 Stopped
+///
+/// Errors: Malformed for an option out of range; Unusable if the density is zero everywhere in the domain.
+/// Deterministic for any number of threads. O(n) per pass.
+/// Source: Xu, Liu, Gotsman, Gortler 2011, section 3. The polish is not part of their method.
 Result<Distribution> distribute(const Domain& domain, const Density& density, const Options& options,
                                 const Control& control = {});
 
-/// Computes moves that better what is seen of the dots of all inks together.
+/// Computes moves that improve the appearance of the dots of all inks together.
 /// @param sites  [inks] in the domain's coordinates
-/// @returns      [inks][sites], for each but few hundredths of what sites of its ink are apart
+/// @returns      [inks][sites] moves of at most a few hundredths of the spacing of the ink's sites
 using Retouch = std::function<std::vector<std::vector<Point>>(std::span<const std::vector<Point>> sites)>;
 
-/// Distributes the dots of several inks, each as distribute() does by a density of its own, and dots of different inks
-/// apart from each other where there is room: all iterate in step, and are polished together. A draft has no polish,
-/// and inks that know nothing of each other.
+/// Distributes the dots of several inks. Each ink follows its own density as in distribute(), and dots of different
+/// inks keep apart where there is space. All inks iterate in step and are polished together. A Draft has no polish, so
+/// its inks are independent.
 ///
-/// @param densities  [inks] each stretched over the domain's bounding box; that of an ink without sites is not used
-/// @param sites      [inks] >= 0, one of them at least > 0
-/// @param options    but for the number of sites; the first ink that has sites takes the seed, others seeds made of it
-/// @param control    progress counts iterations and rounds of all inks as one, with the largest variation; a stop
-///                   returns the sites as they stand, is no error; stopped during the start: Error Stopped
-/// @param retouch    called in the last rounds of the polish if there is one and several inks have sites; may be empty
-/// @returns          [inks]; an ink without sites has no points, and a trace of one 0
-/// Errors: as distribute(), which is this with one ink; Malformed if the densities have different grids. Same input,
-/// same bytes, by any team. O(sites) per pass.
+/// @param densities  [inks] each stretched over the domain's bounding box; unused for an ink without sites
+/// @param sites      [inks] >= 0, at least one > 0
+/// @param options    all but the number of sites; the first ink with sites uses the seed, the others seeds derived from
+///                   it
+/// @param control    progress covers the iterations and rounds of all inks, with the largest variation; a stop returns
+///                   the current sites, which is not an error; a stop during the start gives the error Stopped
+/// @param retouch    called in the last rounds of the polish if several inks have sites; may be empty
+/// @returns          [inks]; an ink without sites has no points and the trace {0}
+///
+/// Errors: as distribute(), which is the case of one ink; Malformed if the densities have different grids.
+/// Deterministic for any number of threads. O(sites) per pass.
 Result<std::vector<Distribution>> distribute_inks(const Domain& domain, std::span<const Density> densities,
                                                   std::span<const std::size_t> sites, const Options& options,
                                                   const Control& control = {}, const Retouch& retouch = {});

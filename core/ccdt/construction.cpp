@@ -21,8 +21,8 @@ tl::unexpected<Error> stopped_at_start() {
 }  // namespace
 
 Result<void> check(const Options& options) {
-    constexpr std::size_t kMaxSites = std::size_t{1} << 28;   // half-edges are numbered in 32 bits
-    constexpr std::uint64_t kSeeds = std::uint64_t{1} << 53;  // a JSON number holds them all
+    constexpr std::size_t kMaxSites = std::size_t{1} << 28;   // half-edges have 32-bit numbers
+    constexpr std::uint64_t kSeeds = std::uint64_t{1} << 53;  // a JSON number represents all of them exactly
     const auto out_of_range = [](const char* field, const std::string& range) {
         return failure(ErrorCode::Malformed, std::string(field) + " must lie between " + range, field);
     };
@@ -65,7 +65,7 @@ Result<void> Construction::start() {
     return {};
 }
 
-/// Share of the capacity that each site is to have.
+/// Returns the share of the capacity for each site.
 double Construction::site_share() const {
     return 1 / (fixed_.sites > 0 ? fixed_.sites : static_cast<double>(options_.sites));
 }
@@ -73,26 +73,26 @@ double Construction::site_share() const {
 Result<void> Construction::choose_fixed() {
     const std::vector<Point>& points = start_sites().fixed();
     if (points.empty()) return {};
-    fixed_.sites = start_->room().sites;
+    fixed_.sites = start_->fixed_area().sites;
     double densest = capacity_.total() / domain_.unit_area();
     for (const Point& p : points) densest = std::max(densest, capacity_.at(p));
     const double spacing = std::sqrt(capacity_.total() * site_share() / densest);
     auto trial = mesh_for(points.size());
     if (!trial) return tl::unexpected(trial.error());
     const double sites = fixed_.sites;
-    fixed_ = ccdt::choose_fixed(domain_, points, start_->room().weights, spacing, trial->mesh);
+    fixed_ = ccdt::choose_fixed(domain_, points, start_->fixed_area().weights, spacing, trial->mesh);
     fixed_.sites = sites;
     return {};
 }
 
-/// The mesh of the border, for the sites and so many fixed ones.
+/// Returns the mesh of the border, with capacity for the sites and `fixed` more.
 Result<DomainMesh> Construction::mesh_for(std::size_t fixed) const {
     if (fixed == 0 || domain_.is_torus()) return empty_mesh(domain_, capacity_, options_.sites + fixed, stop_);
     const auto all = static_cast<std::size_t>(std::ceil(1 / site_share()));
     return empty_mesh(domain_, make_border(domain_, capacity_, all), options_.sites + fixed, stop_);
 }
 
-/// @param first  [sites] or empty: where they stand
+/// @param first  [sites] positions; or empty
 Result<DomainMesh> Construction::triangulate_sites(std::vector<Point> first) {
     auto placed = mesh_for(fixed_.places.size());
     if (!placed) return placed;
@@ -100,11 +100,11 @@ Result<DomainMesh> Construction::triangulate_sites(std::vector<Point> first) {
     placed->mesh.fix_last(fixed_.places.size());
     for (std::size_t i = 0; i < fixed_.places.size(); ++i)
         placed->mesh.insert(static_cast<std::uint32_t>(options_.sites + i), fixed_.places[i]);
-    // Those drawn independently, as in the paper, are so from part to part, too.
+    // Sites drawn independently, as in the paper, are not divided among parts either.
     const bool shares_out =
         placed->mesh.part_count() > 1 && options_.start != Start::Random && first.empty() && fixed_.sites == 0;
-    auto room = shares_out ? sites_of_parts(*placed, capacity_) : std::vector<std::size_t>{};
-    if (auto error = place_sites(placed->mesh, first, start_sites(), std::move(room), options_.seed,
+    auto vacancies = shares_out ? sites_of_parts(*placed, capacity_) : std::vector<std::size_t>{};
+    if (auto error = place_sites(placed->mesh, first, start_sites(), std::move(vacancies), options_.seed,
                                  domain_.resolution(), stop_)) {
         return tl::unexpected(*error);
     }
@@ -124,22 +124,22 @@ MeshPolish& Construction::polish() {
                    : polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_, team_);
 }
 
-/// First sites among which long waves are gone; none where nothing is to be gained.
+/// Returns initial sites without long waves of density error; none if that is not needed.
 std::vector<Point> Construction::even_start() {
     std::vector<Point> first;
     if (!has_polish(options_) || capacity_.is_uniform() || !domain_.is_box()) return first;
-    constexpr std::size_t kSites = 4096;  // that a task takes
+    constexpr std::size_t kSites = 4096;  // sites per task
     const StartSites& start = start_sites();
     first.resize(options_.sites);
     for_ranges(team_, options_.sites, kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t site = begin; site < end; ++site) first[site] = start.draw(site, 0);
     });
     polish().even_out_start(first, stop_);
-    polish().rest();
+    polish().release_memory();
     return first;
 }
 
-/// @returns  the capacity variation; of no use once a stop is asked for
+/// @returns  the capacity variation; after a stop it must not be used
 double Construction::measure(const Triangulation& mesh) {
     const double total = fixed_.sites > 0 ? site_share() * static_cast<double>(mesh.site_count()) * capacity_.total()
                                           : capacity_.total();
@@ -150,7 +150,7 @@ double Construction::measure(const Triangulation& mesh) {
     return set_goals(mesh, total, capacity_.densest(), std::move(capacities), goals_);
 }
 
-/// Tells whether an iteration's passes are exact. These cost more, and matter once the sites are near their places:
+/// Whether an iteration uses exact passes. These cost more, and matter once the sites are near their final places:
 /// Distribute.DoesNotStallNextToWhite shows the variation before and after.
 bool Construction::is_exact(int iteration) const {
     constexpr int kFirst = 4;
@@ -164,10 +164,10 @@ bool Construction::goes_on() const {
 
 Relaxation& Construction::relaxation() {
     if (relaxation_) return *relaxation_;
-    // Rounder triangles, whose areas may vary a little more: after the polish there is less power in long waves than
-    // with softer or stiffer springs, benchmark TorusPattern.
+    // Gives rounder triangles of slightly less equal area. After the polish this leaves less power in long waves than
+    // softer or stiffer springs: benchmark TorusPattern.
     constexpr double kPolishedSpring = 0.03;
-    // Longer moves, which where the density varies lose tone, give more equal triangles and less power in long waves.
+    // Longer moves give more equal triangles and less power in long waves, but worse tone where the density varies.
     constexpr double kSmoothRelaxation = 1.3;
     RelaxationOptions settings;
     if (density_.is_smooth()) {
@@ -206,8 +206,8 @@ bool Construction::iterate() {
 }
 
 void Construction::pass_exactly(Relaxation& relaxation) {
-    // Capacities that are measured before each pass leave the same variation and tone: benchmark PictureTone.
-    constexpr int kMeasured = 3;  // passes from one measurement to the next
+    // Measuring before each pass gives the same variation and tone: benchmark PictureTone.
+    constexpr int kMeasured = 3;  // passes between measurements
     for (int pass = 0; pass < options_.passes; pass += kMeasured) {
         relaxation.measure(capacity_, stop_);
         if (stopping()) return;
@@ -215,8 +215,8 @@ void Construction::pass_exactly(Relaxation& relaxation) {
     }
 }
 
-/// Tells whether the iteration that ends is the one after which sites are taken to where they are missing: once what is
-/// too many or too few is told from what is not at rest yet, and while there are iterations left to follow.
+/// Whether single sites are relocated after the current iteration: late enough to tell surpluses from sites not yet at
+/// rest, and early enough to leave iterations afterwards.
 bool Construction::resettles() const {
     constexpr int kIteration = 2;
     return result_.iterations == std::min(kIteration, options_.iterations - 1) && has_polish(options_) &&
@@ -244,7 +244,7 @@ void Construction::equalise(int passes) {
 
 Result<void> Construction::finish() {
     if (stopping()) return {};
-    polish_->rest();
+    polish_->release_memory();
     Triangulation& mesh = placed_->mesh;
     mesh.restore_delaunay(stop_);
     if (auto cleared = clear_gaps(); !cleared) return cleared;
@@ -255,7 +255,7 @@ Result<void> Construction::finish() {
     return {};
 }
 
-/// Takes sites that stand in white out of it. Where others were in the way of one, all are triangulated anew.
+/// Moves sites that stand where there is no density. If others obstruct one of them, all are triangulated anew.
 Result<void> Construction::clear_gaps() {
     std::vector<Point> sites;
     bool moved = false;

@@ -17,43 +17,43 @@
 
 namespace ccdt {
 
+/// Checks the options.
 /// Errors: Malformed for an option out of range.
 Result<void> check(const Options& options);
 
-/// Tells whether iterations are followed by a polish.
+/// Whether a polish follows the iterations.
 bool has_polish(const Options& options);
 
-/// Builds the capacity-constrained triangulation of one density, step by step: start(); iterate() as long as it goes
-/// on; then, if there is a polish, its rounds, which others call, and finish(). After the start, collect() gives what
-/// there is.
+/// Builds the capacity-constrained triangulation of one density, step by step: start(), iterate() while goes_on(), then
+/// the rounds of a polish, which the caller runs, and finish(). After the start, collect() returns the current state.
 class Construction {
 public:
     /// @param domain, density  must outlive this
     Construction(const Domain& domain, const Density& density, const Options& options, const Control& control);
-    Construction(const Construction&) = delete;  // the relaxation holds on to the mesh
+    Construction(const Construction&) = delete;  // the relaxation refers to the mesh
     Construction& operator=(const Construction&) = delete;
 
-    /// Draws and triangulates the first sites.
-    /// Errors: Unusable if the density is zero all over the domain, or the domain too thin; Stopped.
+    /// Draws and triangulates the initial sites.
+    /// Errors: Unusable if the density is zero everywhere in the domain or the domain is too thin; Stopped.
     Result<void> start();
 
-    /// Tells whether there is an iteration to do.
+    /// Whether there is another iteration to run.
     bool goes_on() const;
-    /// Does the geometry passes of an iteration and its triangulation phase.
-    /// @returns  false if it was stopped
+    /// Runs the geometry passes of one iteration and its triangulation phase.
+    /// @returns  false after a stop
     bool iterate();
 
-    /// Steps of the polish, if there is one, until finish().
+    /// Steps of the polish, for use until finish().
     MeshPolish& polish();
     Triangulation& mesh() { return placed_->mesh; }
 
-    /// Makes the triangulation Delaunay and its triangles' capacities more equal, amid the polish.
+    /// Makes the triangulation Delaunay and its capacities more equal, between rounds of the polish.
     void equalise(int passes);
 
-    /// Takes one of each two near sites of a polygon to where there is more room.
+    /// Relocates one site of each near pair in a polygon to a place with more space.
     void separate(std::span<const std::array<std::uint32_t, 2>> pairs);
 
-    /// Makes the triangulation Delaunay again, after the polish. Errors: as start().
+    /// Restores the Delaunay property after the polish. Errors: as start().
     Result<void> finish();
 
     Distribution collect();
@@ -86,7 +86,7 @@ private:
     CapacityIntegral capacity_;
     FixedSites fixed_;
     std::optional<DomainMesh> placed_;
-    // Each of these takes as much memory as the mesh: there are none but while they are used.
+    // Each of these takes as much memory as the mesh, so it exists only while used.
     std::optional<StartSites> start_;
     std::optional<MeshPolish> polish_;
     std::optional<Relaxation> relaxation_;

@@ -29,7 +29,7 @@ Result<DomainMesh> empty_mesh(const Domain& domain, const CapacityIntegral& capa
 Result<DomainMesh> empty_mesh(const Domain& domain, Border border, std::size_t sites, const std::stop_token& stop) {
     auto scaffold = triangulate(border, stop);
     if (!scaffold) {
-        // Vertices set on the edges round off them; where two edges almost touch, that can make them cross.
+        // Rounding of vertices on the edges can make nearly touching edges cross.
         border = bare_border(domain);
         scaffold = triangulate(border, stop);
     }

@@ -14,28 +14,28 @@
 
 namespace ccdt {
 
-/// Constrained Delaunay triangulation of a domain's sites, with vertices along its border, on a torus without. Its
-/// triangles' capacities measure the sites. All places are in the unit frame.
+/// The constrained Delaunay triangulation of a domain's sites, with vertices along the border, if any. Capacities are
+/// measured on its triangles. All positions are in the unit frame.
 struct DomainMesh {
     Border border;
     Triangulation mesh;
 };
 
-/// Triangulates the border alone, for sites to be inserted.
-/// @param border  of the domain, which is no torus
-/// @param sites   how many will be
-/// @param stop    asked now and then: Error Stopped
+/// Triangulates the border alone, for sites to be inserted later.
+/// @param border  border of the domain, which is not a torus
+/// @param sites   number of sites to be inserted
+/// @param stop    polled regularly; a stop gives the error Stopped
 Result<DomainMesh> empty_mesh(const Domain& domain, Border border, std::size_t sites, const std::stop_token& stop = {});
 
-/// The same with the border that the capacity wants, or of a torus without any.
+/// Does the same with border vertices spaced by the capacity, or without a border on a torus.
 Result<DomainMesh> empty_mesh(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites,
                               const std::stop_token& stop = {});
 
-/// Shares sites out among the connected parts of a domain by their capacity, whole numbers by the largest remainders
-/// [parts of the mesh].
+/// Divides the sites among the connected parts of a domain by capacity, in whole numbers by the method of largest
+/// remainders [parts of the mesh].
 std::vector<std::size_t> sites_of_parts(const DomainMesh& mesh, const CapacityIntegral& capacity);
 
-/// Places of the sites in the caller's coordinates [sites].
+/// Returns the positions of the sites in the caller's coordinates [sites].
 std::vector<Point> sites_to_user(const Domain& domain, const Triangulation& mesh);
 
 /// Copies a triangulation into the caller's coordinates.

@@ -8,7 +8,7 @@ namespace ccdt {
 
 FixedSites choose_fixed(const Domain& domain, std::span<const Point> points, std::span<const double> weights,
                         double spacing, Triangulation& trial) {
-    constexpr double kApart = 0.2, kOthersApart = 0.02, kFromBorder = 0.05;  // of the spacing
+    constexpr double kApart = 0.2, kOthersApart = 0.02, kFromBorder = 0.05;  // relative to the spacing
     FixedSites chosen;
     ThinnedPoints kept(domain, kApart * spacing), others(domain, kOthersApart * spacing);
     for (std::uint32_t i = 0; i < points.size(); ++i) {

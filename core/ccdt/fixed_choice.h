@@ -9,14 +9,14 @@
 
 namespace ccdt {
 
-/// Chooses those fixed points that get a vertex: inside, and not so close to the border or to each other that what lies
-/// between is a needle. The others are thinned, but for ones so close that they make no difference.
+/// Chooses the fixed points that become vertices: those inside the domain, and not so close to the border or to each
+/// other that needles arise. Of the other points, all but near duplicates are kept as obstacles.
 ///
-/// @param points   in the unit frame, in an order in which neighbours are near
-/// @param weights  [points] room that each takes; what is too close to another adds to its
-/// @param spacing  of sites where they are densest
-/// @param trial    of the border alone, with room for all points; used up
-/// @returns        but for the number of sites
+/// @param points   in the unit frame, in an order that keeps neighbours close
+/// @param weights  [points] area that each takes; the weight of a point without a vertex is added to a close vertex
+/// @param spacing  least spacing of sites
+/// @param trial    triangulation of the border alone, with capacity for all points; modified
+/// @returns        the choice, without the member `sites`
 FixedSites choose_fixed(const Domain& domain, std::span<const Point> points, std::span<const double> weights,
                         double spacing, Triangulation& trial);
 

@@ -12,13 +12,13 @@ namespace ccdt {
 namespace {
 
 constexpr std::uint32_t kNone = Triangulation::kNone;
-constexpr std::size_t kRange = 8192;  ///< triangles that a task takes
+constexpr std::size_t kRange = 8192;  ///< triangles per task
 
 /// Sums over triangles.
 struct Reached {
     double targets = 0;
     double sum = 0;
-    double squares = 0;  ///< over the targets
+    double squares = 0;  ///< squares divided by the targets
 
     void add(double reached, double target) {
         targets += target;
@@ -32,7 +32,7 @@ struct Reached {
         squares += other.squares;
     }
 
-    /// Standard deviation over mean of reached / target, each triangle weighing as much as its target.
+    /// Standard deviation over mean of reached / target, with each triangle weighted by its target.
     double variation() const {
         if (!(sum > 0)) return 0;
         const double mean = sum / targets;
@@ -40,14 +40,14 @@ struct Reached {
     }
 };
 
-constexpr double kLeastTarget = 1e-9;  ///< less is rounding
+constexpr double kLeastTarget = 1e-9;  ///< smaller targets are rounding
 
-/// Capacity in units of half a site's, for each unit of it.
+/// Returns the factor from capacities to units of half a site's capacity.
 double unit_of(const Triangulation& mesh, double total) {
     return 2 * static_cast<double>(mesh.site_count()) / total;
 }
 
-/// The edge of the border that a triangle with a site lies on; there can be no second one, as the others end in it.
+/// Returns the border edge of a triangle with a site. There is at most one, since its other edges end at the site.
 std::uint32_t border_edge(const Triangulation& mesh, std::uint32_t triangle) {
     for (std::uint32_t i = 0; i < 3; ++i) {
         const std::uint32_t h = Triangulation::edge(triangle, i);
@@ -56,13 +56,13 @@ std::uint32_t border_edge(const Triangulation& mesh, std::uint32_t triangle) {
     return kNone;
 }
 
-/// The site that faces an edge of the border; kNone if another vertex of the border does.
+/// Returns the site opposite to a border edge; kNone if the opposite vertex is on the border.
 std::uint32_t facing_site(const Triangulation& mesh, std::uint32_t edge) {
     const std::uint32_t apex = mesh.origin(Triangulation::previous(edge));
     return mesh.is_site(apex) ? apex : kNone;
 }
 
-/// The edge between two fixed sites of a triangle that has a free one; kNone if there is no such edge.
+/// Returns the edge between two fixed sites in a triangle with a free one; kNone if there is none.
 std::uint32_t fixed_edge(const Triangulation& mesh, std::uint32_t triangle) {
     const auto is_fixed = [&](std::uint32_t v) { return mesh.is_site(v) && !mesh.is_free(v); };
     for (std::uint32_t i = 0; i < 3; ++i) {
@@ -74,8 +74,8 @@ std::uint32_t fixed_edge(const Triangulation& mesh, std::uint32_t triangle) {
     return kNone;
 }
 
-/// The edge that the site at the triangle's third corner faces, if its target goes with the edge's length: of the
-/// border, or between fixed sites.
+/// Returns the edge opposite to a triangle's site if the target depends on its length: a border edge, or one between
+/// fixed sites.
 std::uint32_t faced_edge(const Triangulation& mesh, std::uint32_t triangle) {
     const std::uint32_t edge = border_edge(mesh, triangle);
     return edge == kNone && mesh.free_count() < mesh.site_count() ? fixed_edge(mesh, triangle) : edge;
@@ -87,8 +87,8 @@ double length(const Triangulation& mesh, std::uint32_t edge, double weight) {
     return weight > 0 ? std::sqrt(dot(along, along)) / hexagonal_spacing(weight) : 0;
 }
 
-/// Lengths of the edges that a site faces, together.
-/// @param weight_of  gives the weight of a triangle
+/// Returns the total length of the edges that a site faces.
+/// @param weight_of  returns the weight of a triangle
 template <class WeightOf>
 double faced_length(const Triangulation& mesh, std::uint32_t site, WeightOf&& weight_of) {
     double sum = 0;
@@ -102,7 +102,7 @@ double faced_length(const Triangulation& mesh, std::uint32_t site, WeightOf&& we
     return sum;
 }
 
-/// Lengths of the edges that sites face, each added up once: a site may face thousands.
+/// Caches the lengths of faced edges by site, since a site may face thousands of edges.
 template <class WeightOf>
 class FacedLengths {
 public:
@@ -120,13 +120,15 @@ private:
     std::unordered_map<std::uint32_t, double> known_;
 };
 
-/// Goal of a triangle with a free site.
+/// Returns the goal of a triangle with a free site.
 template <class WeightOf>
 TriangleGoal aim(const Triangulation& mesh, std::uint32_t triangle, const WeightOf& weight_of,
                  FacedLengths<WeightOf>& faced_lengths) {
-    constexpr double kEdgeShare = 0.5;     // of the strip; the other half goes to the corners
-    constexpr double kCornerShare = 0.61;  // benchmark BorderPattern: less crowds sites at the border, more shuns it
-    constexpr double kLeastShare = 1e-3;   // of a fan of a thousand triangles: keeps the terms of one vertex comparable
+    constexpr double kEdgeShare = 0.5;  // of the strip; the other half goes to the corners
+    // Benchmark BorderPattern: a smaller value crowds sites at the border, a larger one empties it.
+    constexpr double kCornerShare = 0.61;
+    // For a fan of a thousand triangles; keeps the terms of one vertex comparable.
+    constexpr double kLeastShare = 1e-3;
     const double weight = weight_of(triangle);
     const bool touches_border =
         !std::ranges::all_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_site(v); });
@@ -134,7 +136,7 @@ TriangleGoal aim(const Triangulation& mesh, std::uint32_t triangle, const Weight
     if (edge == kNone) return {weight, touches_border ? kCornerShare : 1, 1};
     const double own = length(mesh, edge, weight);
     const double all = std::min(1.0, faced_lengths(facing_site(mesh, edge)));
-    // The first row is half a row from the border, and a whole one from fixed sites.
+    // The first row is half a row from the border, but a whole row from fixed sites.
     return {weight, touches_border ? kEdgeShare * own : std::min(1.0, own),
             own < all ? std::max(kLeastShare, own / all) : 1};
 }
@@ -143,14 +145,14 @@ bool is_any_free(const Triangulation& mesh, std::uint32_t triangle) {
     return std::ranges::any_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_free(v); });
 }
 
-/// What is found of all triangles.
+/// Result of a search over all triangles.
 struct Aims {
     Reached reached;
-    std::vector<std::uint32_t> triangles;  ///< in ascending order, those that not only free sites are corners of
-    std::vector<TriangleGoal> goals;       ///< theirs; the others' have target and share 1
+    std::vector<std::uint32_t> triangles;  ///< in ascending order: those with a corner that is not a free site
+    std::vector<TriangleGoal> goals;       ///< their goals; all others have target and share 1
 };
 
-/// @param reached_by, weight_of  give what a triangle has, and its weight
+/// @param reached_by, weight_of  return the capacity and the weight of a triangle
 template <class ReachedBy, class WeightOf>
 Aims find_aims(const Triangulation& mesh, ReachedBy&& reached_by, const WeightOf& weight_of) {
     const std::size_t count = mesh.triangle_count();
@@ -164,7 +166,7 @@ Aims find_aims(const Triangulation& mesh, ReachedBy&& reached_by, const WeightOf
                 own.reached.add(reached, 1);
                 continue;
             }
-            const bool moves = is_any_free(mesh, t);  // else nothing there can move it
+            const bool moves = is_any_free(mesh, t);  // otherwise no corner is free to move
             const TriangleGoal goal =
                 moves ? aim(mesh, t, weight_of, faced_lengths) : TriangleGoal{weight_of(t), reached, 1};
             if (moves && goal.target >= kLeastTarget) own.reached.add(reached, goal.target);
@@ -182,14 +184,14 @@ Aims find_aims(const Triangulation& mesh, ReachedBy&& reached_by, const WeightOf
     return all;
 }
 
-/// Tells whether goals that few triangles have are to be looked up. Where one in so many has a goal of its own, that
-/// takes longer than all else of a pass.
+/// Whether few enough triangles have goals of their own to store these in a hash table. Otherwise the look-ups would
+/// dominate the time of a pass.
 bool are_rare(const Aims& aims, std::size_t triangles) {
     constexpr std::size_t kRims = 32;
     return aims.triangles.size() * kRims < triangles;
 }
 
-/// Weights of triangles by their capacities.
+/// Weights of triangles according to their capacities.
 class Weights {
 public:
     Weights(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities)
@@ -213,7 +215,7 @@ private:
     double largest_;
 };
 
-/// Sets a goal for each triangle, of this weight unless it has one of its own.
+/// Sets a goal for each triangle, with the given weight unless it has a goal of its own.
 template <class WeightOf>
 void set_each(const Triangulation& mesh, const Aims& aims, WeightOf&& weight_of, std::vector<TriangleGoal>& goals) {
     goals.resize(mesh.triangle_count());

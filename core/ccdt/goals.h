@@ -8,40 +8,42 @@
 
 namespace ccdt {
 
-/// Sets the target of every triangle, and the weight of its area.
+/// Sets the target and the weight of every triangle.
 ///
-/// A triangle between three sites aims at the capacity of half a site. Along the border the first row of sites
-/// belongs half a row away from it, and so a triangle on an edge of the border aims at what the strip of half a row's
-/// height over that edge leaves it: half the strip, the other half going to the triangles that touch the border
-/// with one corner. The edge counts with its length, so that short edges of a coastline claim no more than their
-/// share, and the many edges that one site may face there count as one triangle together: each by itself would pull
-/// as hard as a whole one. A fifth more than half for those that touch with a corner keeps the number of sites near the
-/// border closest to their share: benchmark BorderPattern.
+/// A triangle between three sites has half a site's capacity as target. The first row of sites lies half a row away
+/// from the border. So a triangle on a border edge has as target half of the strip over that edge, half a row in
+/// height; the other half goes to the triangles that touch the border at one corner. The target is proportional to the
+/// edge's length, so that short edges of a coastline take no more than their share. The edges that one site faces count
+/// together as one triangle; otherwise each would pull as strongly as a whole one. Triangles that touch the border at
+/// one corner get a fifth more than half of the strip, which brings the number of sites near the border closest to
+/// their share: benchmark BorderPattern.
 ///
-/// Fixed sites that are closer together than sites are count as a border of that kind, but the first row of free ones
+/// Fixed sites closer together than the spacing count as a border of this kind, except that the first row of free sites
 /// is a whole row away from them.
 ///
-/// @param capacity    of the mesh's domain, its total > 0
+/// @param capacity    of the mesh's domain, total > 0
 /// @param capacities  [triangles]
 /// @param goals       out [triangles]
-/// @returns  the capacity variation: standard deviation over mean of capacity / target, each triangle weighing as much
-///           as its target; triangles between vertices of the border alone, which no site can move, left out
-/// Departs from Xu et al. 2011, where all triangles aim at the same and sites crowd onto the border.
+/// @returns           the capacity variation: standard deviation over mean of capacity / target, with each triangle
+///                    weighted by its target; triangles without a movable site are left out
+///
+/// Departure from Xu et al. 2011, where all triangles have the same target and sites crowd at the border.
 double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals);
 
-/// The same where capacities come from elsewhere.
-/// @param total    that the sites are to share
+/// Does the same with capacities from another source.
+/// @param total    capacity that the sites share
 /// @param densest  largest capacity per area of the unit frame
 double set_goals(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals);
 
-/// The same for all triangles together, whose weights take the capacities' room where most have no goal of their own.
+/// Does the same with compact storage: if few triangles have a goal of their own, the weights take over the memory of
+/// the capacities.
 double set_goals(const Triangulation& mesh, double total, double densest, std::vector<double> capacities,
                  TriangleGoals& goals);
 
-/// The same where capacities are areas: all triangles between free sites have one goal.
-/// @param total  area of the unit frame that the sites are to share
+/// Does the same with areas as capacities. All triangles between free sites then have the same goal.
+/// @param total  area of the unit frame that the sites share
 double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& goals);
 
 }  // namespace ccdt

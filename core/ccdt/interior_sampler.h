@@ -11,7 +11,7 @@
 
 namespace ccdt {
 
-/// Draws points evenly from the inside of a triangulation.
+/// Draws points uniformly from the inside of a triangulation.
 class InteriorSampler {
 public:
     /// @param triangles  counter-clockwise; at least one
@@ -34,7 +34,7 @@ public:
 
 private:
     std::vector<std::array<Point, 3>> triangles_;
-    std::vector<double> areas_;  ///< doubled, up to and with each triangle
+    std::vector<double> areas_;  ///< doubled areas, cumulative
 };
 
 }  // namespace ccdt

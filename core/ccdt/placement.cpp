@@ -14,18 +14,18 @@ namespace ccdt {
 
 namespace {
 
-/// Inserts sites where the start draws them, or wherever there is room.
+/// Inserts sites where the start draws them, or else wherever there is space.
 class Placement {
 public:
-    Placement(Triangulation& mesh, std::span<const Point> first, const StartSites& start, std::vector<std::size_t> room,
-              std::uint64_t seed, double margin)
-        : mesh_(mesh), first_(first), start_(start), room_(std::move(room)), seed_(seed), margin_(margin) {}
+    Placement(Triangulation& mesh, std::span<const Point> first, const StartSites& start,
+              std::vector<std::size_t> vacancies, std::uint64_t seed, double margin)
+        : mesh_(mesh), first_(first), start_(start), vacancies_(std::move(vacancies)), seed_(seed), margin_(margin) {}
 
     /// Places sites, given in ascending order.
-    /// @returns  false if there is no place for one; of no use once a stop is asked for
+    /// @returns  false if there is no place for one of them; after a stop it must not be used
     bool place(std::span<const std::uint32_t> sites, const std::stop_token& stop) {
         const auto draw = [this](std::uint32_t site, int attempt) { return this->draw(site, attempt); };
-        if (room_.empty()) {
+        if (vacancies_.empty()) {
             const auto left = mesh_.insert_all(sites, draw, kAttempts, margin_, stop);
             return std::ranges::all_of(left, [&](auto site) { return stop.stop_requested() || place_anywhere(site); });
         }
@@ -33,8 +33,8 @@ public:
     }
 
 private:
-    static constexpr int kAttempts =
-        16;  ///< where the domain covers half of a site's cell, 1 of 65,536 is still unplaced
+    /// Number of attempts to place a site. If the domain covers half of its cell, all fail for 1 site of 65,536.
+    static constexpr int kAttempts = 16;
 
     Point draw(std::uint32_t site, int attempt) const {
         return attempt == 0 && !first_.empty() ? first_[site] : start_.draw(site, attempt);
@@ -47,13 +47,13 @@ private:
         return place_anywhere(site);
     }
 
-    /// Places a site next to nothing of whose cell lies where there is room.
+    /// Places a site whose own cell has almost no usable area.
     bool place_anywhere(std::uint32_t site) {
-        while (!room_.empty()) {
-            const auto most = std::ranges::max_element(room_);
+        while (!vacancies_.empty()) {
+            const auto most = std::ranges::max_element(vacancies_);
             if (*most == 0) {
-                room_.clear();
-            } else if (place_in(static_cast<std::uint32_t>(most - room_.begin()), site)) {
+                vacancies_.clear();
+            } else if (place_in(static_cast<std::uint32_t>(most - vacancies_.begin()), site)) {
                 return true;
             } else {
                 *most = 0;
@@ -63,17 +63,17 @@ private:
     }
 
     bool insert(std::uint32_t site, Point p) {
-        if (room_.empty()) return mesh_.insert(site, p, margin_);
+        if (vacancies_.empty()) return mesh_.insert(site, p, margin_);
         const std::uint32_t part = mesh_.part_at(p);
-        if (part == Triangulation::kNone || room_[part] == 0 || !mesh_.insert(site, p, margin_)) return false;
-        --room_[part];
+        if (part == Triangulation::kNone || vacancies_[part] == 0 || !mesh_.insert(site, p, margin_)) return false;
+        --vacancies_[part];
         return true;
     }
 
-    /// Places a site anywhere in a part; of kNone, in the domain.
+    /// Places a site anywhere in a part; for kNone, anywhere in the domain.
     bool place_in(std::uint32_t part, std::uint32_t site) {
         constexpr int kTries = 1000;
-        constexpr std::uint64_t kStream = 0x616e797768657265;  // keeps these draws apart from the start's
+        constexpr std::uint64_t kStream = 0x616e797768657265;  // keeps these random numbers independent of the start's
         if (!interior_ || part_ != part) interior_.emplace(mesh_.inside_triangles(part_ = part));
         Random random(seed_ ^ kStream, site);
         for (int attempt = 0; attempt < kTries; ++attempt) {
@@ -85,20 +85,20 @@ private:
     Triangulation& mesh_;
     std::span<const Point> first_;
     const StartSites& start_;
-    std::vector<std::size_t> room_;
+    std::vector<std::size_t> vacancies_;
     std::uint64_t seed_;
     double margin_;
-    std::optional<InteriorSampler> interior_;  ///< of one part
+    std::optional<InteriorSampler> interior_;  ///< for part_
     std::uint32_t part_ = Triangulation::kNone;
 };
 
 }  // namespace
 
 std::optional<Error> place_sites(Triangulation& mesh, std::span<const Point> first, const StartSites& start,
-                                 std::vector<std::size_t> room, std::uint64_t seed, double margin,
+                                 std::vector<std::size_t> vacancies, std::uint64_t seed, double margin,
                                  const std::stop_token& stop) {
     const std::size_t sites = mesh.free_count();
-    Placement placement(mesh, first, start, std::move(room), seed, margin);
+    Placement placement(mesh, first, start, std::move(vacancies), seed, margin);
     const bool placed =
         for_insertion_steps(sites, [&](auto step) { return placement.place(step, stop) && !stop.stop_requested(); });
     if (stop.stop_requested()) return Error{ErrorCode::Stopped, "stopped before there was a result", ""};

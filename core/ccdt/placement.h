@@ -11,18 +11,18 @@
 
 namespace ccdt {
 
-/// Inserts all free sites of a mesh: where `first` has them; where no site can be there, as `start` draws them; where
-/// next to nothing of a site's cell lies in parts with room, anywhere in the part that has most.
+/// Inserts all free sites of a mesh. A site is tried at its position in `first`; if that is rejected, where `start`
+/// draws it. If almost none of its cell is usable, it goes anywhere in the part with most missing sites.
 ///
-/// @param first   [sites], or empty: all as `start` draws them
-/// @param room    [parts of the mesh] how many sites each shall hold, in all as many as there are; or empty: any
-/// number.
-///                A part too thin for its sites leaves them to others.
-/// @param margin  least distance of a site from the border
-/// @param stop    asked now and then
-/// @returns       nothing when all are placed; Stopped; Unusable if the domain is too thin for points strictly inside
+/// @param first      [sites], or empty: all positions come from `start`
+/// @param vacancies  [parts of the mesh] number of sites for each part, adding up to all sites; or empty: any number.
+///                   Sites that do not fit into a thin part go to others.
+/// @param margin     least distance of a site from the border
+/// @param stop       polled regularly
+/// @returns          none if all sites are placed; Stopped; Unusable if the domain is too thin for points strictly
+///                   inside
 std::optional<Error> place_sites(Triangulation& mesh, std::span<const Point> first, const StartSites& start,
-                                 std::vector<std::size_t> room, std::uint64_t seed, double margin,
+                                 std::vector<std::size_t> vacancies, std::uint64_t seed, double margin,
                                  const std::stop_token& stop);
 
 }  // namespace ccdt

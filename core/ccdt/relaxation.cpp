@@ -13,16 +13,17 @@ namespace ccdt {
 
 namespace {
 
-// Any share > 0 keeps triangles counter-clockwise; any shape well above 1e-16, the rounding of an area, keeps their
-// areas' signs sure, and well below 1 leaves the pattern alone.
-constexpr double kKeptArea = 0.1;     ///< least share of its area that a move leaves a triangle
-constexpr double kLeastShape = 1e-5;  ///< least doubled area that a move leaves it, over its longest edge squared
-constexpr double kSmall = 1e-2;       ///< doubled area over the mean one below which a triangle takes the general path
-constexpr std::size_t kRange = 8192;  ///< triangles that a task takes
-constexpr double kSingular = 1e-12;   ///< least determinant over the product of the diagonal, above its rounding
+// Any kKeptArea > 0 keeps triangles counter-clockwise. kLeastShape must be well above 1e-16, the rounding of an area,
+// so that signs of areas are certain, and well below 1, so that the pattern is not affected.
+constexpr double kKeptArea = 0.1;     ///< least share of its area that a triangle keeps in a move
+constexpr double kLeastShape = 1e-5;  ///< least doubled area after a move, relative to the longest edge squared
+/// Doubled area relative to the mean, below which a triangle takes the general path.
+constexpr double kSmall = 1e-2;
+constexpr std::size_t kRange = 8192;  ///< triangles per task
+constexpr double kSingular = 1e-12;   ///< least determinant relative to the product of the diagonal, above its rounding
 
-/// Step along x and y to the minimum of the quadratic with this half Hessian and half gradient; none where it is
-/// singular. Of one, or of each of several.
+/// Returns the step along x and y to the minimum of a quadratic with the given half Hessian and half gradient; no step
+/// if singular. For one number or one per lane.
 template <class Numbers>
 CCDT_INLINE inline std::array<Numbers, 2> minimum(Numbers xx, Numbers xy, Numbers yy, Numbers x, Numbers y) {
     const Numbers det = xx * yy - xy * xy;
@@ -39,10 +40,10 @@ Point minimum(double xx, double xy, double yy, Point gradient) {
 
 /// Contribution of a triangle to the normal equations of its corners.
 struct Relaxation::Term {
-    double weight;  ///< this and the target: over the square root of the share
+    double weight;  ///< weight and target are divided by the square root of the share
     double target;
     double spring;  ///< weight * share
-    double scale;   ///< 1 over the square root of the share
+    double scale;   ///< 1 / sqrt(share)
 };
 
 inline Relaxation::Term Relaxation::term(std::uint32_t triangle) const {
@@ -51,12 +52,12 @@ inline Relaxation::Term Relaxation::term(std::uint32_t triangle) const {
     return {scale * goal.weight, scale * goal.target, goal.share * goal.weight, scale};
 }
 
-/// Normal equations of one vertex about its present place: the energy's half gradient and half Hessian.
+/// Normal equations of one vertex at its current position: half gradient and half Hessian of the energy.
 struct Relaxation::NormalEquations {
     double xx = 0, xy = 0, yy = 0;
     Point gradient;
 
-    /// Adds a triangle (vertex, from, to), and its half of the springs along the two edges at the vertex.
+    /// Adds a triangle (vertex, from, to), and half of the springs along its two edges at the vertex.
     void add(Point from, Point to, const Term& term, double spring) {
         // Twice the area is cross(from, to) = a x + b y + c in the vertex's coordinates.
         const Point growth{term.weight * (from.y - to.y), term.weight * (to.x - from.x)};
@@ -64,7 +65,7 @@ struct Relaxation::NormalEquations {
         add_springs(from, to, spring * term.spring);
     }
 
-    /// Adds a triangle whose capacity is off its target by `residual` and grows by this much per unit of the move.
+    /// Adds a triangle with a given residual of capacity minus target, and the gradient of its capacity.
     void add(Point growth, double residual) {
         xx += growth.x * growth.x;
         xy += growth.x * growth.y;
@@ -72,7 +73,7 @@ struct Relaxation::NormalEquations {
         gradient = gradient + residual * growth;
     }
 
-    /// Adds a triangle's half of the springs along a triangle's two edges at the vertex.
+    /// Adds half of the springs along a triangle's two edges at the vertex.
     void add_springs(Point from, Point to, double stiffness) {
         add_spring(from, 0.5 * stiffness);
         add_spring(to, 0.5 * stiffness);
@@ -107,13 +108,13 @@ void Relaxation::prepare(TriangleGoals goals, const std::stop_token& stop) {
     list_border();
 }
 
-/// What lies around sites is not kept: groups are as sites' levels say.
+/// One-rings are not stored; the groups follow from the levels of the sites.
 void Relaxation::prepare_exact(TriangleGoals goals, const std::stop_token& stop) {
     goals_ = std::move(goals);
     const bool first_time = levels_.empty();
     make_groups();
     kinds_ = std::vector<std::uint8_t>();
-    room_ = std::vector<std::uint32_t>();
+    record_memory_ = std::vector<std::uint32_t>();
     levels_.resize(mesh_.blocks().sites());
     mesh_.team().run(groups_[0].size(), [&](std::size_t number) {
         if (!stop.stop_requested()) find_levels(number, first_time);
@@ -144,11 +145,11 @@ void Relaxation::make_groups() {
         groups_[static_cast<std::size_t>(level)].resize(blocks.count(level));
 }
 
-/// Sorts the free sites into groups that can be moved at the same time.
+/// Sorts the free sites into groups that can be moved in parallel.
 void Relaxation::list_sites(const std::stop_token& stop) {
     const SiteBlocks& blocks = mesh_.blocks();
     const bool first_time = kinds_.empty();
-    room_.resize(room_of(blocks.sites()));
+    record_memory_.resize(record_memory_of(blocks.sites()));
     kinds_.resize(blocks.sites(), kFanKind);
     levels_.resize(blocks.sites());
     mesh_.team().run(blocks.count(0), [&](std::size_t number) {
@@ -166,19 +167,19 @@ void Relaxation::Fans::clear() {
     triangles.clear();
 }
 
-/// Forgets all but the records.
+/// Clears everything but the records.
 void Relaxation::Group::clear() {
     fans.clear();
     sites.clear();
     others.clear();
 }
 
-/// Takes new records, into the room if they fit.
-void Relaxation::Group::keep(const Batches& batches, std::span<std::uint32_t> room) {
+/// Stores new records, in `memory` if they fit.
+void Relaxation::Group::keep(const Batches& batches, std::span<std::uint32_t> memory) {
     for (std::size_t kind = 0; kind < kKinds; ++kind)
         begins[kind + 1] = begins[kind] + static_cast<std::uint32_t>(batches[kind].size());
-    std::uint32_t* to = room.data();
-    if (begins.back() > room.size()) {
+    std::uint32_t* to = memory.data();
+    if (begins.back() > memory.size()) {
         own.resize(begins.back());
         to = own.data();
     }
@@ -186,16 +187,16 @@ void Relaxation::Group::keep(const Batches& batches, std::span<std::uint32_t> ro
     records = to;
 }
 
-/// Records that a block of level 0 has room for. All sites have 6 neighbours in the mean, the last pair of which may be
-/// half full; a block may have a few more.
-std::size_t Relaxation::room_of(std::size_t sites) const {
+/// Returns the memory reserved for the records of a number of sites. The mean number of neighbours is 6, and the last
+/// pair may be half empty; a block may need a little more.
+std::size_t Relaxation::record_memory_of(std::size_t sites) const {
     constexpr double kSpare = 1.06;
     const double neighbours = 6.5, plain = 2 + neighbours, general = plain + neighbours;
     return static_cast<std::size_t>(kSpare * (uniform_ ? plain : general) * static_cast<double>(sites));
 }
 
-/// Lists the sites all of whose neighbours lie in one block, and takes down the others. Most have kept their
-/// neighbours: their records are taken over from the old batches, in the same order.
+/// Lists the sites with all neighbours in one block, and collects the others. Most sites have kept their neighbours;
+/// their records are copied from the old batches, in the same order.
 void Relaxation::list_block(std::size_t number, bool first_time) {
     const SiteBlocks& blocks = mesh_.blocks();
     const std::uint32_t begin = blocks.begin(number), end = blocks.begin(number + 1);
@@ -203,7 +204,7 @@ void Relaxation::list_block(std::size_t number, bool first_time) {
     Batches batches;
     for (std::uint8_t kind = 0; kind < kKinds; ++kind) {
         const std::size_t size = group.batch(kind).size();
-        batches[kind].reserve(size + size / 16);  // most sites stay of their kind
+        batches[kind].reserve(size + size / 16);  // most sites keep their kind
     }
     group.clear();
     std::array<std::size_t, kKinds> taken{};
@@ -227,11 +228,12 @@ void Relaxation::list_block(std::size_t number, bool first_time) {
             group.others.push_back(v);
         }
     }
-    group.keep(batches, std::span(room_).subspan(room_of(begin), room_of(end) - room_of(begin)));
+    group.keep(
+        batches,
+        std::span(record_memory_).subspan(record_memory_of(begin), record_memory_of(end) - record_memory_of(begin)));
 }
 
-/// Finds the levels of a block's sites, but for those that have kept their neighbours, and takes down those that are
-/// not of level 0.
+/// Determines the levels of a block's sites, except those with unchanged neighbours, and collects those above level 0.
 void Relaxation::find_levels(std::size_t number, bool first_time) {
     const SiteBlocks& blocks = mesh_.blocks();
     Group& group = groups_[0][number];
@@ -242,8 +244,8 @@ void Relaxation::find_levels(std::size_t number, bool first_time) {
     }
 }
 
-/// Lists the sites for which a block of a higher level is needed.
-/// @param exact  only themselves
+/// Lists the sites that need a block of a higher level.
+/// @param exact  whether to list the sites alone, without records
 void Relaxation::list_larger(std::size_t level, std::size_t number, bool exact) {
     Group& group = groups_[level][number];
     group.clear();
@@ -264,7 +266,7 @@ void Relaxation::list_larger(std::size_t level, std::size_t number, bool exact) 
     group.keep(batches, {});
 }
 
-/// Level of the block in which a site has all of its neighbours that move at the same time.
+/// Returns the level of the block that contains a site and all its free neighbours.
 std::uint8_t Relaxation::level_of(std::uint32_t site) const {
     const SiteBlocks& blocks = mesh_.blocks();
     const std::uint32_t own = blocks.of(site), first = mesh_.edge_of(site);
@@ -287,8 +289,8 @@ double Relaxation::mean_doubled_area() const {
 }
 
 /// Adds a site to a batch or, for the general path, to the fans.
-/// @param first, size  sites that the group has
-/// @returns            false, and nothing changes, where others of the site's neighbours move
+/// @param first, size  range of sites in the group
+/// @returns            false, without any change, if the site has free neighbours outside the group
 bool Relaxation::add_site(std::uint32_t site, Batches& batches, Fans& fans, std::uint32_t first, std::uint32_t size) {
     constexpr std::size_t kMost = 2 * kMostPairs;
     std::array<std::uint32_t, 2 + 2 * kMost> record;
@@ -352,11 +354,11 @@ void Relaxation::pass(int times, const std::stop_token& stop) {
     for_groups(times, stop, [&](std::size_t level, std::size_t number) { move_group(groups_[level][number]); });
 }
 
-/// Calls move(level, number) so many times with each group and slides the border's vertices as often: a few times in
-/// turn, level by level.
+/// Calls move(level, number) for each group and slides the border's vertices, `times` times each: a few times in a row,
+/// level by level.
 template <class Move>
 void Relaxation::for_groups(int times, const std::stop_token& stop, Move&& move) {
-    // More would leave longer waves in drafts: benchmark CountryPattern.
+    // A larger value leaves longer waves in drafts: benchmark CountryPattern.
     constexpr int kInTurn = 3;
     for (; times > 0; times -= kInTurn) {
         const int in_turn = std::min(times, kInTurn);
@@ -364,8 +366,7 @@ void Relaxation::for_groups(int times, const std::stop_token& stop, Move&& move)
             for (int time = 0; time < in_turn && !stop.stop_requested(); ++time) step();
         };
         for (std::size_t level = 0; level < groups_.size(); ++level) {
-            mesh_.team().run(groups_[level].size(),
-                             [&](std::size_t number) { repeat([&] { move(level, number); }); });
+            mesh_.team().run(groups_[level].size(), [&](std::size_t number) { repeat([&] { move(level, number); }); });
         }
         repeat([&] {
             for (const Fan& fan : border_.all) slide(border_, fan);
@@ -373,7 +374,7 @@ void Relaxation::for_groups(int times, const std::stop_token& stop, Move&& move)
     }
 }
 
-/// Moves a group's sites, kind by kind: what they need stays in the cache.
+/// Moves a group's sites kind by kind, so that their data stays in the cache.
 void Relaxation::move_group(const Group& group) {
     move_batch<true, 2>(group);
     move_batch<true, 3>(group);
@@ -384,8 +385,9 @@ void Relaxation::move_group(const Group& group) {
     for (const Fan& fan : group.fans.all) move_site(group.fans, fan);
 }
 
-/// Moves the sites of a batch. Takes them from several places of the group in turn: neighbours in number are neighbours
-/// in the plane, and each would have to wait for the one before. So most that follow each other can be moved at once.
+/// Moves the sites of a batch, taking them from several positions of the batch in turn. Sites with successive numbers
+/// are neighbours in the plane and would depend on each other. In this order, most successive sites can be moved at
+/// once.
 template <bool kPlain, std::size_t kPairs>
 void Relaxation::move_batch(const Group& group) {
     constexpr std::uint8_t kKind = kind_of(kPlain, kPairs);
@@ -410,7 +412,7 @@ void Relaxation::move_batch(const Group& group) {
     }
 }
 
-/// Tells whether a record has a site among its neighbours.
+/// Whether a record contains a site among its neighbours.
 template <std::size_t kPairs>
 bool Relaxation::has_neighbour(const std::uint32_t* record, std::uint32_t site) {
     bool found = false;
@@ -423,9 +425,9 @@ CCDT_TWO_LANES void Relaxation::move_two(const std::array<const std::uint32_t*, 
     move_few<kPlain, kPairs, TwoLanes>(records);
 }
 
-/// Moves a site as move_site() does, or several that are no neighbours, two triangles of each at a time. A triangle
-/// between a neighbour and its repetition is flat and adds nothing. Plain: around a closed ring the sums of a and b
-/// vanish, and with them the common target. Without a fence, unless there is one lane.
+/// Moves a site as move_site() does, or several sites that are not neighbours, two triangles of each at a time. A
+/// triangle between a neighbour and its repetition is flat and contributes nothing. In plain records the sums of a and
+/// b over a closed ring vanish, and with them the common target. The fence is applied only with one lane.
 template <bool kPlain, std::size_t kPairs, class Lanes>
 CCDT_INLINE inline void Relaxation::move_few(const std::array<const std::uint32_t*, Lanes::kCount>& records) {
     using Pairs = typename Lanes::Pairs;
@@ -439,7 +441,7 @@ CCDT_INLINE inline void Relaxation::move_few(const std::array<const std::uint32_
     };
     const Pairs here = place(0);
 
-    std::array<Pairs, kPairs + 1> x, y;  // of the neighbours, seen from the vertex
+    std::array<Pairs, kPairs + 1> x, y;  // of the neighbours, relative to the vertex
     for (std::size_t i = 0; i < kPairs; ++i) {
         const Pairs p = place(1 + 2 * i) - here, q = place(2 + 2 * i) - here;
         x[i] = Lanes::firsts(p, q);
@@ -485,9 +487,9 @@ CCDT_INLINE inline void Relaxation::move_few(const std::array<const std::uint32_
             springs += spring;
         }
     }
-    Numbers stiffness, pull_x, pull_y;  // of all springs together
+    Numbers stiffness, pull_x, pull_y;  // sums over all springs
     if constexpr (kPlain) {
-        // All terms are over the squared weight. A repetition of the first neighbour must not pull.
+        // All terms are divided by the squared weight. The repeated first neighbour must not pull.
         const double spring = options_.spring / plain_weight_;
         std::array<double, kLanes> repetitions;
         for (std::size_t lane = 0; lane < kLanes; ++lane)
@@ -537,7 +539,7 @@ Point Relaxation::place(const Ring& ring, std::size_t i) const {
     return ring.lifts == nullptr ? p : p + ring.lifts[at];
 }
 
-/// Normal equations from the triangles around a vertex.
+/// Returns the normal equations from the triangles around a vertex.
 Relaxation::NormalEquations Relaxation::equations_of(const Fans& fans, const Fan& fan) const {
     const Ring ring = ring_of(fans, fan);
     const Point v = mesh_.point(fan.vertex);
@@ -566,10 +568,10 @@ void Relaxation::slide(const Fans& fans, const Fan& fan) {
     move(fan.vertex, options_.relaxation * equations.minimum_along(along) * along, ring_of(fans, fan), fan.triangles);
 }
 
-/// Moves a vertex as far as leaves the first so many triangles around it enough of their area.
+/// Moves a vertex as far as the first `triangles` triangles around it keep enough area.
 void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::size_t triangles) {
     if (!std::isfinite(by.x) || !std::isfinite(by.y)) return;
-    // Around a torus with few sites one may be its own neighbour, and the triangles would move along.
+    // On a torus with few sites, a site can be its own neighbour, and the triangles would move with it.
     if (std::ranges::find(ring.vertices, vertex) != ring.vertices.end()) return;
     const Point v = mesh_.point(vertex);
     double share = 1;
@@ -582,7 +584,7 @@ void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::siz
         const double kept = std::min(area, std::max(kKeptArea * area, least));
         if (area + share * change < kept) share = std::max(0.0, (kept - area) / change);
     }
-    // Next to flat triangles rounding could still turn one over.
+    // Next to flat triangles, rounding could still invert one.
     const Point moved = rounded(v + share * by);
     for (std::size_t i = 0; i < triangles; ++i) {
         const Point from = place(ring, i), to = place(ring, i + 1);
@@ -612,8 +614,8 @@ void Relaxation::move_group_exactly(std::size_t level, std::size_t number) {
     }
 }
 
-/// Moves a site by the true capacities. A triangle (v, from, to) gains what its edge v-from sweeps on its right, and
-/// loses what v-to sweeps.
+/// Moves a site by the true capacities. A triangle (v, from, to) gains the integral that its edge v-from sweeps on its
+/// right, and loses the integral that v-to sweeps.
 void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
     ring.triangles.clear();
     NormalEquations equations;
@@ -646,7 +648,7 @@ void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
     for (const ExactTriangle& t : ring.triangles) flows_[t.triangle].capacity += dot(t.gradient, moved) / unit_;
 }
 
-/// Tells that move() would neither shorten a move nor refuse it, in a fraction of its time; if unsure, that it might.
+/// Whether move() would certainly neither shorten nor refuse a move; a fast test that may return false if unsure.
 inline bool Relaxation::surely_fits(std::uint32_t site, Point by, const ExactRing& ring) const {
     const std::size_t count = ring.triangles.size();
     const double flattest = options_.least_height * options_.least_height;
@@ -655,7 +657,7 @@ inline bool Relaxation::surely_fits(std::uint32_t site, Point by, const ExactRin
         const Point from = ring.triangles[i].from, to = ring.triangles[i + 1 < count ? i + 1 : 0].from;
         const double area = cross(from, to);
         const double moved = area + ((from.y - to.y) * by.x + (to.x - from.x) * by.y);
-        const double longest = 2 * (dot(from, from) + dot(to, to));  // squared; no edge is longer
+        const double longest = 2 * (dot(from, from) + dot(to, to));  // squared bound of all edge lengths
         fits &= moved >= kKeptArea * area && moved >= kLeastShape * longest && moved * moved >= flattest * longest &&
                 ring.triangles[i].vertex != site;
     }

@@ -16,85 +16,87 @@
 
 namespace ccdt {
 
-/// Says where a site may go instead of a place: there, if it may stand there, or somewhere on the way.
+/// Restricts the moves of sites: returns `to` if the site may stand there, else a position on the way.
 using Fence = std::function<Point(std::uint32_t site, Point to)>;
 
 struct RelaxationOptions {
-    // Stiffer springs and longer moves gain distance between neighbours and lose tone: benchmarks TorusPattern and
-    // PictureTone. Without springs along the border more sites crowd there: benchmark BorderPattern.
-    double spring = 0.01;        ///< stiffness of the edges against that of the areas
-    double border_spring = 0.1;  ///< further stiffness of edges of the border, which keeps its vertices apart
-    double relaxation = 1.2;     ///< length of a move over the one that minimises, in [1, 2)
-    double least_height = 1e-9;  ///< that a move leaves a triangle, in the unit frame
-    /// Doubled area below which it is looked at whether a triangle is a needle; none: by the mean of all triangles,
-    /// which are about as large as each other then.
+    // Stiffer springs and longer moves increase the distance between neighbours and the error of tone: benchmarks
+    // TorusPattern and PictureTone. Without springs along the border, more sites crowd there: benchmark BorderPattern.
+    double spring = 0.01;        ///< stiffness of edges relative to that of areas
+    double border_spring = 0.1;  ///< additional stiffness of border edges, which keeps their vertices apart
+    double relaxation = 1.2;     ///< length of a move relative to the minimising one, in [1, 2)
+    double least_height = 1e-9;  ///< least height of a triangle after a move, in the unit frame
+    /// Doubled area below which a triangle is checked for being a needle. None: derived from the mean area of all
+    /// triangles, for meshes with triangles of similar size.
     std::optional<double> small_area;
-    std::optional<double> site_share;  ///< of the capacity, that a site shall have; none: all have as much
-    Fence fence;                       ///< of all sites; may be empty
-    bool by_two = true;                ///< moves two sites at once if the processor can, which gives the same
+    std::optional<double> site_share;  ///< share of the capacity for each site; none: equal shares of all of it
+    Fence fence;                       ///< for all sites; may be empty
+    /// Whether to move two sites at once if the processor can; the results are identical.
+    bool by_two = true;
 };
 
 /// Moves vertices, one at a time, to where the capacities of the triangles around them come closest to their targets:
-/// coordinate descent on the sum of (weight * doubled area - target)^2 / share over triangles and of
-/// spring * mean weight * share * length^2 over edges, those of the border stiffer. So a fan of k triangles that takes
-/// the place of one, each with 1/k of the share, counts as much as that one does.
+/// coordinate descent on the sum of (weight * doubled area - target)^2 / share over triangles and of spring * mean
+/// weight * share * length^2 over edges, with stiffer border edges. So a fan of k triangles that replaces one triangle,
+/// each with 1/k of the share, counts as much as that one.
 ///
-/// Sites move freely, vertices on straight parts of the border along them, corners never. A move is cut short where a
-/// triangle would lose more than 90 % of its area, or become a needle: all stay counter-clockwise, for however long.
-/// Source: Xu et al. 2011, section 3.2, the 2 x 2 system R^T R X = -R^T S. Departures: targets are given instead of
-/// being the mean of the ring; springs; over-relaxation.
+/// Sites move freely, vertices on straight parts of the border slide along them, corners are fixed. A move is shortened
+/// where a triangle would lose more than 90 % of its area or become a needle. So all triangles stay counter-clockwise
+/// after any number of passes.
+/// Source: Xu et al. 2011, section 3.2, the 2 x 2 system R^T R X = -R^T S. Departures: targets are given and not the
+/// mean of the one-ring; springs; over-relaxation.
 class Relaxation {
 public:
     /// @param fixed    [vertices - sites] of the border: true for those that never move
-    /// @param uniform  all weights are equal, and all targets between three sites
+    /// @param uniform  whether all weights are equal, and all targets between three sites
     Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool uniform, const RelaxationOptions& options);
 
-    /// Lists the mesh's edges and takes new goals. To be called before the first pass and after every
+    /// Lists the mesh's edges and takes new goals. Must be called before the first pass and after every
     /// restore_delaunay(). O(vertices).
-    /// @param stop  asked now and then; no pass must follow
+    /// @param stop  polled regularly; no pass may follow a stop
     void prepare(TriangleGoals goals, const std::stop_token& stop = {});
 
-    /// The same before exact passes, the only ones that may follow: these need less of the mesh.
+    /// Does the same for exact passes only, which need less data of the mesh.
     void prepare_exact(TriangleGoals goals, const std::stop_token& stop = {});
 
-    /// Gives the goals back, and the memory of what was measured. No pass must follow until there are new ones.
+    /// Returns the goals and releases the memory of measurements. New goals must be given before the next pass.
     TriangleGoals take_goals();
 
-    /// Moves every vertex so many times. The sites of a block move a few times in turn, while all about them is in the
-    /// cache; then those between blocks do as often, and then the border's vertices. O(vertices) a time.
-    /// @param stop  asked now and then; leaves vertices as they stand
+    /// Moves every vertex `times` times. The sites of a block move a few times in a row while their data is in the
+    /// cache, then as often the sites between blocks, and then the border's vertices. O(vertices) for each time.
+    /// @param stop  polled regularly; a stop leaves vertices where they are
     void pass(int times = 1, const std::stop_token& stop = {});
 
-    /// Measures what exact passes need: the true capacities, and what edges sweep. O(half-edges), and their length in
-    /// cells of the density.
-    /// @param stop  asked now and then; no exact pass must follow, then
+    /// Measures the data for exact passes: the true capacities, and the integrals that edges sweep. O(half-edges +
+    /// their length in cells).
+    /// @param stop  polled regularly; no exact pass may follow a stop
     void measure(const CapacityIntegral& capacity, const std::stop_token& stop = {});
 
-    /// Moves every vertex, in the order of pass(), to where the true capacities come closest to their targets rather
-    /// than those that triangles would have if their mean density went with them: what a moving edge sweeps is the
-    /// density along it.
-    /// Capacities are carried on to first order, from what was measured before this pass or some passes before.
+    /// Moves every vertex, in the order of pass(), to where the true capacities come closest to their targets. pass()
+    /// assumes that a triangle keeps its mean density as it moves. An exact pass instead uses the density along the
+    /// moving edges. Capacities are updated to first order since the last measurement, which may be some passes ago.
     ///
-    /// Where the density is steep, next to white areas above all, pass() stalls and this one does not. O(vertices).
+    /// Where the density is steep, above all next to white, pass() stalls and this method does not. O(vertices).
     /// Source: Gauss and Newton's method; Reynolds' transport theorem.
     void exact_pass(int times = 1, const std::stop_token& stop = {});
 
-    /// Sum that the passes minimise; no pass makes it larger.
+    /// Returns the sum that the passes minimise; no pass increases it.
     double energy() const;
 
 private:
     struct Term;
     struct NormalEquations;
 
-    /// Sites of one kind, laid out for the fast path. Per site: itself; its neighbours counter-clockwise, the first one
-    /// repeated until there are 2 * pairs + 1 of them; unless it is plain, the 2 * pairs triangles between them.
+    /// Records of sites of one kind, for the fast path. A record holds the site, its neighbours counter-clockwise, with
+    /// the first one repeated to fill 2 * pairs + 1 entries, and, unless the kind is plain, the 2 * pairs triangles
+    /// between them.
     using Batch = std::vector<std::uint32_t>;
 
-    // Kinds of sites: by the number of neighbours, in pairs, and by whether all goals around are the common one
+    // Kinds of sites, by the number of neighbours, in pairs, and by whether all goals around are the common one
     // (plain).
     static constexpr std::size_t kFewestPairs = 2, kMostPairs = 4;
     static constexpr std::uint8_t kKinds = 2 * (kMostPairs - kFewestPairs + 1);
-    static constexpr std::uint8_t kFanKind = kKinds;  ///< too many neighbours: the general path
+    static constexpr std::uint8_t kFanKind = kKinds;  ///< too many neighbours for the fast path
     static constexpr std::uint8_t kind_of(bool plain, std::size_t pairs) {
         return static_cast<std::uint8_t>(2 * (pairs - kFewestPairs) + (plain ? 1 : 0));
     }
@@ -103,18 +105,18 @@ private:
         return 2 + 2 * pairs + (kind % 2 == 1 ? 0 : 2 * pairs);
     }
 
-    /// A vertex and what lies around it, for the general path: neighbours counter-clockwise and the triangle between
-    /// each and the next one. The fan of a vertex on the border ends with a neighbour that has no triangle after it.
+    /// A vertex and its one-ring, for the general path: the neighbours counter-clockwise, and the triangle between each
+    /// neighbour and the next. The one-ring of a border vertex ends with a neighbour that has no triangle after it.
     struct Fan {
         std::uint32_t vertex;
-        std::uint32_t first;  ///< of what lies around it
+        std::uint32_t first;  ///< first entry of its one-ring
         std::uint32_t neighbours;
-        std::uint32_t triangles;  ///< as many as neighbours, on the border one less
+        std::uint32_t triangles;  ///< equal to `neighbours`; one less on the border
     };
 
     struct Fans {
         std::vector<Fan> all;
-        std::vector<std::uint32_t> vertices;  ///< around one after the other
+        std::vector<std::uint32_t> vertices;  ///< concatenated one-rings
         std::vector<Point> lifts;
         std::vector<std::uint32_t> triangles;
 
@@ -123,41 +125,42 @@ private:
 
     using Batches = std::array<Batch, kKinds>;
 
-    /// Sites that one task moves, one after the other: all of their neighbours that move at the same time are among
-    /// them.
+    /// Sites that one task moves in sequence. All their neighbours that other tasks could move belong to the same
+    /// group.
     struct Group {
-        const std::uint32_t* records = nullptr;          ///< of all batches, one after the other
-        std::array<std::uint32_t, kKinds + 1> begins{};  ///< of the batches
-        std::vector<std::uint32_t> own;                  ///< the records, if they are kept here
+        const std::uint32_t* records = nullptr;          ///< records of all batches, concatenated
+        std::array<std::uint32_t, kKinds + 1> begins{};  ///< start of each batch
+        std::vector<std::uint32_t> own;                  ///< the records, if stored here
         Fans fans;
-        std::vector<std::uint32_t> sites;   ///< all of them; not at level 0, where they are most of a block's
-        std::vector<std::uint32_t> others;  ///< of the block, which belong to larger ones
+        /// All of its sites; empty at level 0, where these are most sites of the block.
+        std::vector<std::uint32_t> sites;
+        std::vector<std::uint32_t> others;  ///< sites of the block that belong to a larger one
 
         std::span<const std::uint32_t> batch(std::uint8_t kind) const {
             return {records + begins[kind], begins[kind + std::size_t{1}] - begins[kind]};
         }
         void clear();
-        void keep(const Batches& batches, std::span<std::uint32_t> room);
+        void keep(const Batches& batches, std::span<std::uint32_t> memory);
     };
 
-    /// Of a triangle (site, from, to) in an exact pass.
+    /// A triangle (site, from, to) in an exact pass.
     struct ExactTriangle {
         std::uint32_t triangle;
-        std::uint32_t vertex;  ///< from
-        Point from;            ///< seen from the site
-        Point gradient;        ///< of its capacity
+        std::uint32_t vertex;  ///< the vertex `from`
+        Point from;            ///< relative to the site
+        Point gradient;        ///< gradient of its capacity
     };
 
-    /// Room for what lies around a site in an exact pass, counter-clockwise.
+    /// Buffers for the one-ring of a site in an exact pass, counter-clockwise.
     struct ExactRing {
         std::vector<ExactTriangle> triangles;
-        Fans fans;  ///< the site's, where the general path is taken
+        Fans fans;  ///< the site's fan, if the general path is taken
     };
 
-    /// Neighbours of a vertex on the general path, counter-clockwise; the one after the last is the first.
+    /// Neighbours of a vertex on the general path, counter-clockwise and cyclic.
     struct Ring {
         std::span<const std::uint32_t> vertices;
-        const Point* lifts;  ///< how far each is shifted around a torus; null: not at all
+        const Point* lifts;  ///< shift of each around a torus; null: none
     };
     Point place(const Ring& ring, std::size_t i) const;
     Ring ring_of(const Fans& fans, const Fan& fan) const;
@@ -166,7 +169,7 @@ private:
     void make_groups();
     void list_sites(const std::stop_token& stop);
     void list_border();
-    std::size_t room_of(std::size_t sites) const;
+    std::size_t record_memory_of(std::size_t sites) const;
     void list_block(std::size_t number, bool first_time);
     void find_levels(std::size_t number, bool first_time);
     void list_larger(std::size_t level, std::size_t number, bool exact);
@@ -203,20 +206,20 @@ private:
     std::vector<bool> fixed_;
     bool uniform_;
     RelaxationOptions options_;
-    double magic_ = 0;         ///< rounds places to what is exact on a torus; else 0
-    double small_ = 0;         ///< doubled area below which the fast path leaves a triangle to the general one
-    double plain_weight_ = 0;  ///< of the triangles around plain sites
+    double magic_ = 0;         ///< rounds positions to multiples of 2^-50 on a torus; else 0
+    double small_ = 0;         ///< doubled area below which the fast path leaves a triangle to the general path
+    double plain_weight_ = 0;  ///< weight of the triangles around plain sites
     TriangleGoals goals_;
 
-    std::vector<std::uint8_t> kinds_;         ///< [sites] while there are records
-    std::vector<std::uint8_t> levels_;        ///< [sites] of the groups that they belong to
-    std::vector<std::vector<Group>> groups_;  ///< [levels][blocks]
-    /// For the records of each block of level 0. In one piece, which goes back as such: of pieces the size of a block
-    /// little could be used by what comes after.
-    std::vector<std::uint32_t> room_;
+    std::vector<std::uint8_t> kinds_;         ///< [sites] as long as there are records
+    std::vector<std::uint8_t> levels_;        ///< [sites] level of the group
+    std::vector<std::vector<Group>> groups_;  ///< [levels][blocks] groups of sites
+    /// Memory for the records of each level-0 block. One piece, since it is returned to the allocator as such; freed
+    /// pieces of block size would hardly fit later needs.
+    std::vector<std::uint32_t> record_memory_;
     Fans border_;
-    std::vector<TriangleFlows> flows_;  ///< [triangles] capacities in exact passes, sweeps when they were measured
-    double unit_ = 0;                   ///< capacities' to those of the terms
+    std::vector<TriangleFlows> flows_;  ///< [triangles] current capacities, and swept integrals as last measured
+    double unit_ = 0;                   ///< factor from capacities to the units of the terms
 };
 
 }  // namespace ccdt

@@ -19,8 +19,8 @@ bool has_site(const Triangulation& mesh, std::uint32_t triangle) {
     return std::ranges::any_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_site(v); });
 }
 
-/// The site that each triangle without any goes with, that of the nearest one which has one [triangles]; kNone for
-/// those with sites, and where a part has none.
+/// Returns the site to which each triangle without a site is assigned: the one of the nearest triangle that has one
+/// [triangles]. kNone for triangles with sites, and in parts without any.
 std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     std::vector<std::uint32_t> owner(mesh.triangle_count(), kNone), reached;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -45,7 +45,7 @@ std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     return owner;
 }
 
-/// Calls function(triangle, neighbour) with the triangles around a site and, of each, its next vertex.
+/// Calls function(triangle, neighbour) for each triangle around a site and its next vertex.
 template <class Function>
 void for_fan(const Triangulation& mesh, std::uint32_t site, Function&& function) {
     const std::uint32_t first = mesh.edge_of(site);
@@ -64,13 +64,13 @@ Resettlement::Resettlement(Triangulation& mesh, const TriangleGoals& goals, doub
       least_height_(least_height),
       surplus_(mesh.site_count(), 1),
       around_(mesh.site_count(), 0),
-      roomiest_(mesh.site_count(), kNone),
-      settled_(mesh.site_count(), false) {
+      largest_triangle_(mesh.site_count(), kNone),
+      outdated_(mesh.site_count(), false) {
     share_out();
     sum_around();
 }
 
-/// Shares each triangle's capacity out among its sites.
+/// Divides each triangle's capacity among its sites.
 void Resettlement::share_out() {
     const auto owner = owners(mesh_);
     std::vector<double> most(mesh_.site_count(), 0);
@@ -80,7 +80,7 @@ void Resettlement::share_out() {
             surplus_[site] -= share;
             if (capacity <= most[site]) return;
             most[site] = capacity;
-            roomiest_[site] = t;
+            largest_triangle_[site] = t;
         };
         if (owner[t] != kNone) {
             give(owner[t], capacity);
@@ -99,17 +99,17 @@ void Resettlement::sum_around() {
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
         const auto corners = mesh_.corners(t);
         for (std::uint32_t i = 0; i < 3; ++i) {
-            // Each edge between sites is met once from either end.
+            // Each edge between sites is visited once from either end.
             const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
             if (mesh_.is_site(a) && mesh_.is_site(b)) around_[a] += surplus_[b];
         }
     }
 }
 
-/// Lists sites around which there are too many, or too few, by parts, those with most first.
+/// Lists sites with too many or too few sites around them, by part, in descending order of the amount.
 /// @param sign  1: too many; -1: too few
 std::vector<Resettlement::Candidate> Resettlement::candidates(double sign) const {
-    constexpr double kLeast = 0.5;  // sites; what is less is a wave's, or noise
+    constexpr double kLeast = 0.5;  // in sites; smaller amounts are due to waves or noise
     std::vector<Candidate> found;
     for (std::uint32_t v = 0; v < surplus_.size(); ++v) {
         if (sign * around_[v] > kLeast && sign * surplus_[v] > 0) found.push_back({sign * around_[v], v});
@@ -121,14 +121,14 @@ std::vector<Resettlement::Candidate> Resettlement::candidates(double sign) const
 }
 
 std::size_t Resettlement::even_out() {
-    constexpr double kGain = 1.1;  // at one site, taking it from one place to the other would gain nothing
+    constexpr double kGain = 1.1;  // a gain of one site would only move the error
     const auto many = candidates(1), few = candidates(-1);
     std::size_t taken = 0;
     auto to = few.begin();
     for (const Candidate& from : many) {
-        if (settled_[from.site]) continue;
+        if (outdated_[from.site]) continue;
         const std::uint32_t part = mesh_.part_of(from.site);
-        while (to != few.end() && (mesh_.part_of(to->site) < part || settled_[to->site])) ++to;
+        while (to != few.end() && (mesh_.part_of(to->site) < part || outdated_[to->site])) ++to;
         if (to == few.end()) break;
         if (mesh_.part_of(to->site) != part || from.sites + to->sites < kGain) continue;
         if (relocate(from.site, to->site)) ++taken;
@@ -136,16 +136,16 @@ std::size_t Resettlement::even_out() {
     return taken;
 }
 
-bool Resettlement::take_away(std::uint32_t site, double least, double enough) {
+bool Resettlement::move_away(std::uint32_t site, double least, double enough) {
     constexpr int kTries = 8;
-    if (settled_[site]) return false;
+    if (outdated_[site]) return false;
     std::uint32_t clearest = kNone;
     double most = least * least;
     std::vector<std::uint32_t> tried;
     for (int i = 0; i < kTries && (clearest == kNone || most < enough * enough); ++i) {
         std::uint32_t to = kNone;
         for (std::uint32_t v = 0; v < surplus_.size(); ++v) {
-            if (v == site || settled_[v] || mesh_.part_of(v) != mesh_.part_of(site)) continue;
+            if (v == site || outdated_[v] || mesh_.part_of(v) != mesh_.part_of(site)) continue;
             if (std::ranges::find(tried, v) != tried.end()) continue;
             if (to == kNone || surplus_[v] < surplus_[to]) to = v;
         }
@@ -159,9 +159,10 @@ bool Resettlement::take_away(std::uint32_t site, double least, double enough) {
     return clearest != kNone && relocate(site, clearest);
 }
 
-/// Squared distance to the nearest other site that a site would have where relocate() takes it; negative if nowhere.
+/// Returns the squared distance to the nearest other site that a site would have after relocate(); negative if there is
+/// no place.
 double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) const {
-    const std::uint32_t triangle = room_beside(to, site);
+    const std::uint32_t triangle = triangle_beside(to, site);
     if (triangle == kNone) return -1;
     const auto [a, b, c] = mesh_.places(triangle);
     const Point place = 1.0 / 3 * (a + b + c);
@@ -173,12 +174,13 @@ double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) cons
     return squared;
 }
 
-/// The largest triangle that goes with a site, without another one; kNone if there is none.
-std::uint32_t Resettlement::room_beside(std::uint32_t site, std::uint32_t other) const {
+/// Returns the largest triangle that is assigned to a site and does not have `other` as a corner; kNone if there is
+/// none.
+std::uint32_t Resettlement::triangle_beside(std::uint32_t site, std::uint32_t other) const {
     const auto is_without = [&](std::uint32_t t) {
         return std::ranges::none_of(mesh_.corners(t), [&](std::uint32_t v) { return v == other; });
     };
-    if (roomiest_[site] != kNone && is_without(roomiest_[site])) return roomiest_[site];
+    if (largest_triangle_[site] != kNone && is_without(largest_triangle_[site])) return largest_triangle_[site];
     std::uint32_t largest = kNone;
     for_fan(mesh_, site, [&](std::uint32_t t, std::uint32_t) {
         if (is_without(t) && (largest == kNone || mesh_.doubled_area(t) > mesh_.doubled_area(largest))) largest = t;
@@ -187,20 +189,20 @@ std::uint32_t Resettlement::room_beside(std::uint32_t site, std::uint32_t other)
 }
 
 bool Resettlement::relocate(std::uint32_t site, std::uint32_t beside) {
-    const std::uint32_t triangle = room_beside(beside, site);
-    settle(site);
+    const std::uint32_t triangle = triangle_beside(beside, site);
+    mark_outdated(site);
     if (triangle == kNone) return false;
-    settle(beside);
+    mark_outdated(beside);
     constexpr double kThird = 1.0 / 3;
-    if (!has_room(triangle, kThird)) return false;
+    if (!can_be_divided(triangle, kThird)) return false;
     const auto [a, b, c] = mesh_.places(triangle);
     return mesh_.relocate(site, triangle, kThird * (a + b + c));
 }
 
-/// Tells whether a triangle is large enough to be divided.
-/// @param share  of its area, that the smallest of the three parts has
-bool Resettlement::has_room(std::uint32_t triangle, double share) const {
-    constexpr double kLeastShape = 1e-5;  // doubled area of a part over the longest edge squared
+/// Whether a triangle is large enough to be divided.
+/// @param share  share of its area that the smallest of the three parts gets
+bool Resettlement::can_be_divided(std::uint32_t triangle, double share) const {
+    constexpr double kLeastShape = 1e-5;  // doubled area of a part relative to the longest edge squared
     const auto [a, b, c] = mesh_.places(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
     const double least = std::max(kLeastShape * longest, least_height_ * std::sqrt(longest));
@@ -225,8 +227,8 @@ bool Resettlement::is_in_small_part(std::uint32_t site) {
     return !small_parts().triangles[mesh_.part_of(site)].empty();
 }
 
-/// Finds the place in a site's small part that is farthest from all other sites; of those that are far enough, the one
-/// in the largest triangle.
+/// Returns the place in a site's small part that is farthest from all other sites; among places that are far enough,
+/// the one in the largest triangle.
 Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
     constexpr double kThird = 1.0 / 3, kSixth = 1.0 / 6;
     constexpr std::array<std::array<double, 3>, 4> kPlaces{{{kThird, kThird, kThird},
@@ -239,7 +241,7 @@ Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
     Place best;
     double best_area = 0;
     for (const std::uint32_t t : triangles) {
-        if (!has_room(t, kSixth)) continue;
+        if (!can_be_divided(t, kSixth)) continue;
         const auto [a, b, c] = mesh_.places(t);
         const double area = mesh_.doubled_area(t);
         for (const auto& [u, v, w] : kPlaces) {
@@ -254,14 +256,14 @@ Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
     return best;
 }
 
-/// Squared distance from which on two sites are apart as they should be.
+/// Returns the squared distance that two sites should have.
 double Resettlement::enough_squared(std::uint32_t site) const {
-    constexpr double kEnough = 0.84;  // of the hexagonal distance, as of the last pushes: polish/settings.cpp
+    constexpr double kEnough = 0.84;  // of the hexagonal distance, as in the last near pushes: polish/settings.cpp
     const double least = kEnough * hexagonal_spacing(goals_.of(Triangulation::triangle_of(mesh_.edge_of(site))).weight);
     return least * least;
 }
 
-/// Places of all sites but one in the bounding box of some triangles, and up to `reach` around it.
+/// Returns the positions of all sites but one in the bounding box of some triangles, and up to `reach` around it.
 std::vector<Point> Resettlement::sites_near(std::span<const std::uint32_t> triangles, std::uint32_t but,
                                             double reach) const {
     Box box{mesh_.point(but), mesh_.point(but)};
@@ -292,23 +294,24 @@ bool Resettlement::separate(std::array<std::uint32_t, 2> pair) {
         moved = site;
     }
     if (best.squared < enough) {
-        constexpr double kClear = 0.6;  // of enough: the middle of a hexagonal grid's triangle has 0.69
+        // Relative to the distance above; the centre of a triangle in a hexagonal grid has 0.69.
+        constexpr double kClear = 0.6;
         const double least = std::sqrt(dot(apart, apart)), clear = kClear * std::sqrt(enough);
         for (const std::uint32_t site : pair) {
-            if (!is_in_small_part(site) && take_away(site, least, clear)) return true;
+            if (!is_in_small_part(site) && move_away(site, least, clear)) return true;
         }
     }
     return moved != kNone && mesh_.relocate(moved, best.triangle, best.point);
 }
 
-/// Remembers that what is told of a site, its neighbours and theirs is true no more.
-void Resettlement::settle(std::uint32_t site) {
+/// Marks the data of a site, of its neighbours and of their neighbours as outdated.
+void Resettlement::mark_outdated(std::uint32_t site) {
     for_fan(mesh_, site, [&](std::uint32_t, std::uint32_t near) {
-        settled_[site] = true;
+        outdated_[site] = true;
         if (!mesh_.is_site(near)) return;
         for_fan(mesh_, near, [&](std::uint32_t, std::uint32_t next) {
-            settled_[near] = true;
-            if (mesh_.is_site(next)) settled_[next] = true;
+            outdated_[near] = true;
+            if (mesh_.is_site(next)) outdated_[next] = true;
         });
     });
 }

@@ -13,76 +13,83 @@
 
 namespace ccdt {
 
-/// Takes sites from where there are too many to where there are too few, each within its part of the domain. A tongue
-/// that holds one site too many, or none, is mended by no small moves: they would have to pass its neck in line.
+/// Moves single sites from where there are too many to where there are too few, within the same part of the domain.
+/// Small moves cannot correct a narrow tongue with one site too many or none, since sites would have to pass through
+/// its neck in line.
 ///
-/// Lists of a mesh's edges, and of what is around its sites, must be made anew afterwards.
+/// Afterwards, lists of the mesh's edges and one-rings must be rebuilt.
 class Resettlement {
 public:
-    /// @param mesh          trimmed, not a torus', all of its sites free
-    /// @param goals         [triangles]; of these the weights alone count; must outlive this
-    /// @param least_height  that triangles are to have
+    /// @param mesh          trimmed, not of a torus, with all sites free
+    /// @param goals         [triangles] of which only the weights are used; must outlive this
+    /// @param least_height  least height of triangles
+    ///
     /// O(triangles).
     Resettlement(Triangulation& mesh, const TriangleGoals& goals, double least_height = 0);
 
-    /// Takes sites away that are, with their neighbours, more than half a one too many for their capacity, to where as
-    /// much is missing.
-    /// @returns  how many have been taken. O(sites), and O(n log n) of those that are too many or too few
+    /// Relocates sites that, with their neighbours, have a surplus of more than half a site, to where as much is
+    /// missing.
+    /// @returns  number of relocated sites
+    ///
+    /// O(sites), and O(n log n) for the n sites with too many or too few around them.
     std::size_t even_out();
 
-    /// Relocates a site next to one of the sites of its part that have most capacity for themselves: the first of these
-    /// beside which it has `enough` distance to all other sites, else the one where it has most.
-    /// @param least  distance that it must have
-    /// @returns      false, and it stays, if there is no such place, or if it is next to where another site has been
-    ///               taken from or to. O(sites)
-    bool take_away(std::uint32_t site, double least = 0, double enough = 0);
+    /// Relocates a site next to one of those sites of its part that have the most capacity. Chooses the first place
+    /// with distance `enough` to all other sites, else the one with the largest distance.
+    /// @param least  least distance at the new place
+    /// @returns      false, and the site stays, if there is no such place, or if it is near a previously relocated
+    ///               site's old or new place
+    ///
+    /// O(sites).
+    bool move_away(std::uint32_t site, double least = 0, double enough = 0);
 
-    /// Relocates one of two sites that are too near to each other, the second one of them perhaps in another part. In
-    /// a part of few sites it moves to the place farthest from all other sites, those across water included; in a
-    /// larger part, as by take_away().
-    /// @returns  false, and both stay, if no place is farther from other sites than they are from each other. O(sites),
-    ///           and O(triangles) once; in a small part O(its triangles) times the sites nearby
+    /// Relocates one of two sites that are too close. The second site may be in another part. In a part of few sites
+    /// the site moves to the place farthest from all other sites, including those of other parts; in a larger part as
+    /// by move_away().
+    /// @returns  false, and both stay, if no place is farther from other sites than the two are from each other
+    ///
+    /// O(sites), and O(triangles) for the first call; in a small part O(its triangles) times the sites nearby.
     bool separate(std::array<std::uint32_t, 2> pair);
 
 private:
     struct Candidate {
-        double sites;  ///< too many or too few around it
+        double sites;  ///< surplus or deficit around it, in sites
         std::uint32_t site;
     };
-    /// A place for a site in a small part.
+    /// A candidate place for a site in a small part.
     struct Place {
-        double squared = 0;  ///< distance to the nearest other site, squared
+        double squared = 0;  ///< squared distance to the nearest other site
         std::uint32_t triangle = 0;
         Point point;
     };
-    /// Triangles and sites of the small parts.
+    /// Triangles and sites of the parts with few sites.
     struct SmallParts {
-        std::vector<std::size_t> sites;                     ///< [parts], of the large ones too
-        std::vector<std::vector<std::uint32_t>> triangles;  ///< [parts], none of the large ones
+        std::vector<std::size_t> sites;                     ///< [parts] number of sites, for large parts as well
+        std::vector<std::vector<std::uint32_t>> triangles;  ///< [parts] empty for large parts
     };
 
     void share_out();
     void sum_around();
     std::vector<Candidate> candidates(double sign) const;
-    std::uint32_t room_beside(std::uint32_t site, std::uint32_t other) const;
+    std::uint32_t triangle_beside(std::uint32_t site, std::uint32_t other) const;
     double clearance_beside(std::uint32_t to, std::uint32_t site) const;
     bool relocate(std::uint32_t site, std::uint32_t beside);
-    void settle(std::uint32_t site);
+    void mark_outdated(std::uint32_t site);
     const SmallParts& small_parts();
     bool is_in_small_part(std::uint32_t site);
     Place farthest_place(std::uint32_t site);
     double enough_squared(std::uint32_t site) const;
     std::vector<Point> sites_near(std::span<const std::uint32_t> triangles, std::uint32_t but, double reach) const;
-    bool has_room(std::uint32_t triangle, double share) const;
+    bool can_be_divided(std::uint32_t triangle, double share) const;
 
     Triangulation& mesh_;
     const TriangleGoals& goals_;
     double least_height_;
-    std::optional<SmallParts> small_parts_;  ///< once they are asked for
-    std::vector<double> surplus_;            ///< [sites] 1 - the capacity that is a site's own, in sites
-    std::vector<double> around_;             ///< [sites] its surplus and its neighbours'
-    std::vector<std::uint32_t> roomiest_;    ///< [sites] its largest triangle
-    std::vector<bool> settled_;              ///< [sites]: what is told of it is true no more
+    std::optional<SmallParts> small_parts_;        ///< created when first needed
+    std::vector<double> surplus_;                  ///< [sites] 1 - the site's own capacity, in sites
+    std::vector<double> around_;                   ///< [sites] its own surplus plus that of its neighbours
+    std::vector<std::uint32_t> largest_triangle_;  ///< [sites] its largest triangle
+    std::vector<bool> outdated_;                   ///< [sites] whether its data is outdated by a relocation
 };
 
 }  // namespace ccdt

@@ -11,16 +11,16 @@ namespace ccdt {
 
 namespace {
 
-/// With one site a cell the cells show: in the benchmark TorusPattern the peak of a draft's spectrum nearly doubles. 64
-/// let long waves arise: StartSites.FollowTheDensity.
+/// With one site per cell, the cells are visible: in benchmark TorusPattern the peak of a draft's spectrum nearly
+/// doubles. With 64 sites, long waves arise: StartSites.FollowTheDensity.
 constexpr std::size_t kSitesPerCell = 4;
 
-/// One in cells that the border cuts: with more, they stand on the wrong side of fjords and straits too often, from
-/// where they cannot go.
+/// With more sites in cells that the border cuts, they stand too often on the wrong side of fjords and straits, which
+/// they cannot cross.
 constexpr std::size_t kSitesPerCutCell = 1;
 
-/// Solves for the place on [x0, x1] where an increasing function, linear between neighbouring grid points, has passed
-/// this share of its rise.
+/// Solves for the place in [x0, x1] where an increasing function, linear between neighbouring grid points, has passed a
+/// given share of its rise.
 template <class Function>
 double invert(double x0, double x1, double share, Function&& function) {
     double f0 = function(x0), f1 = function(x1);
@@ -45,7 +45,7 @@ double invert(double x0, double x1, double share, Function&& function) {
     return std::clamp(x0 + (x1 - x0) * (level - f0) / (f1 - f0), x0, x1);
 }
 
-/// Share of each cell that the domain covers [rows * columns].
+/// Returns the share of each cell that the domain covers [rows * columns].
 std::vector<double> shares_of(const Domain& domain, int columns, int rows) {
     std::vector<BorderEdge> border;
     border.reserve(domain.corner_count());
@@ -65,7 +65,7 @@ StartSites::StartSites(const Domain& domain, const Density& density, const Optio
     knows_cuts_ = !domain.is_box() && density.is_uniform() && fixed_.empty();
     constexpr double kMostCells = 4194304;
     if (!density.is_uniform()) {
-        // A very fine picture is summed up in blocks.
+        // A very fine picture is summed in blocks.
         const double pixels = static_cast<double>(density.width()) * density.height();
         const int block = pixels > kMostCells ? static_cast<int>(std::ceil(std::sqrt(pixels / kMostCells))) : 1;
         columns_ = (density.width() + block - 1) / block;
@@ -73,7 +73,7 @@ StartSites::StartSites(const Domain& domain, const Density& density, const Optio
     }
     if (!domain.is_box() || !fixed_.empty()) {
         const double share = domain.unit_area() / (unit_size_.x * unit_size_.y);
-        const double for_each = fixed_.empty() ? 4 : 16;  // what fixed points take has finer rims
+        const double for_each = fixed_.empty() ? 4 : 16;  // the area taken by fixed points has finer detail
         const auto all = static_cast<double>(options.sites + fixed_.size());
         const double cells = std::clamp(for_each * all / share, 4096.0, kMostCells);
         const double side = std::sqrt(unit_size_.x * unit_size_.y / cells);
@@ -118,8 +118,8 @@ void StartSites::make_grid(const Domain& domain, std::size_t sites) {
     }
 }
 
-/// Capacities of the cells without what fixed points take.
-/// @param share  of each cell that the domain covers; empty: all
+/// Returns the capacities of the cells without the area of fixed points.
+/// @param share  covered share of each cell; empty: all covered
 std::vector<double> StartSites::masses_left(const Domain& domain, const std::vector<double>& share, std::size_t sites) {
     const auto width = static_cast<std::size_t>(columns_), height = static_cast<std::size_t>(rows_);
     std::vector<double> masses(width * height, 1);
@@ -127,7 +127,7 @@ std::vector<double> StartSites::masses_left(const Domain& domain, const std::vec
         density_.resample_row(density_.cells(), columns_, rows_, static_cast<int>(row),
                               std::span(masses).subspan(row * width, width));
     for (std::size_t cell = 0; cell < share.size(); ++cell) masses[cell] *= share[cell];
-    room_ = take_room(domain, fixed_, sites, columns_, rows_, masses);
+    fixed_area_ = subtract_fixed_area(domain, fixed_, sites, columns_, rows_, masses);
     return masses;
 }
 
@@ -141,7 +141,7 @@ double StartSites::sum(double x, double y) const {
     return (1 - fy) * (s[0] + fx * (s[1] - s[0])) + fy * (above[0] + fx * (above[1] - above[0]));
 }
 
-/// Abscissa at which a vertical cut leaves this share of the box's capacity on its left.
+/// Returns the abscissa at which a vertical cut leaves a given share of the box's capacity on its left.
 double StartSites::cut_across_x(const Rectangle& box, double share) const {
     if (box.x1 - box.x0 <= 1 && std::ceil(box.x1) - std::floor(box.x0) <= 1) return std::lerp(box.x0, box.x1, share);
     return invert(box.x0, box.x1, share, [&](double x) { return sum(x, box.y1) - sum(x, box.y0); });
@@ -172,15 +172,16 @@ void StartSites::divide(const Rectangle& box, std::size_t sites) {
     }
 }
 
-/// Tells whether a good part of a cell lies outside the domain.
+/// Whether a good part of a cell lies outside the domain.
 bool StartSites::is_cut(const Rectangle& box) const {
-    constexpr double kCut = 0.95;  // of the capacity that it would have
+    constexpr double kCut = 0.95;  // relative to the capacity of a cell inside
     if (!knows_cuts_) return false;
     const double inside = sum(box.x1, box.y1) - sum(box.x0, box.y1) - sum(box.x1, box.y0) + sum(box.x0, box.y0);
     return inside < kCut * (box.x1 - box.x0) * (box.y1 - box.y0);
 }
 
-/// Density at a place over the largest in its cell of the grid: 1 unless the density is finer than the grid.
+/// Returns the density at a place relative to the largest in its grid cell: 1 unless the density is finer than the
+/// grid.
 double StartSites::acceptance(double x, double y) const {
     if (density_.is_uniform()) return 1;
     const auto place = [](double v, int cells, int pixels) {
@@ -200,7 +201,7 @@ double StartSites::acceptance(double x, double y) const {
     return largest > 0 ? value / largest : 0;
 }
 
-/// Numbers sites that were drawn independently along Morton's curve.
+/// Numbers independently drawn sites along Morton's curve.
 void StartSites::number_along_curve() {
     const auto spread = [](double part) {
         std::uint64_t bits = static_cast<std::uint32_t>(part * 0x1p31);
@@ -228,14 +229,14 @@ Point StartSites::draw(std::size_t site, int attempt) const {
 }
 
 Point StartSites::draw_stream(std::uint64_t stream, int attempt, const Rectangle& box) const {
-    // One try in as many as a cell has pixels is accepted at the least; of 64 megapixels a cell has 16, and all tries
-    // fail for one site in 10^7, which then lies anywhere in its cell.
+    // At least one try in n is accepted, where n is the number of pixels per cell: 16 for 64 megapixels. All tries then
+    // fail for one site in 10^7, which lies anywhere in its cell.
     constexpr int kTries = 256;
     Random random(seed_, stream + (static_cast<std::uint64_t>(attempt) << 40));
     double x = 0, y = 0;
     for (int i = 0; i < kTries; ++i) {
         x = cut_across_x(box, random.uniform());
-        // Within one column of the grid the density is a function of y alone.
+        // Within one column of the grid, the density depends on y alone.
         const double column = std::min(std::floor(x), columns_ - 1.0);
         const Rectangle strip{std::max(box.x0, column), std::min(box.x1, column + 1), box.y0, box.y1};
         y = cut_across_y(strip, random.uniform());

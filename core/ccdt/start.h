@@ -5,36 +5,34 @@
 #include <vector>
 
 #include "core/ccdt/ccdt.h"
-#include "core/ccdt/fixed_room.h"
+#include "core/ccdt/fixed_area.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 
 namespace ccdt {
 
-/// Draws first sites: cuts the domain's bounding box into cells of equal capacity, holding up to four sites each, by
-/// halving it again and again across its longer side, and places each site at random by density in its cell. Long
-/// waves of density error never arise, and no grid shows. Cells that the border cuts hold one site, if the density is
-/// uniform. Start::Random has one cell, the box.
+/// Draws the initial sites. Divides the domain's bounding box into cells of equal capacity with up to four sites each,
+/// by recursive halving across the longer side, and places each site at random by density in its cell. So long waves of
+/// density error do not arise, and no grid is visible. If the density is uniform, cells that the border cuts hold one
+/// site. Start::Random uses one cell, the box.
 ///
-/// Near the domain's border the density of a cell is known on average only, so a site may be drawn outside; the
-/// caller, who can tell, draws again.
+/// Near the domain's border only the mean density of a grid cell is known, so a site may be drawn outside. The caller,
+/// who can tell, draws again.
 class StartSites {
 public:
-    /// @param domain, density  must outlive this; their headers name the ranges that keep the numbers of cells within
-    /// an
-    ///                         int
+    /// @param domain, density  must outlive this; their documented ranges keep the numbers of cells within an int
     StartSites(const Domain& domain, const Density& density, const Options& options);
 
-    /// A place for a site, in the unit frame. Sites of neighbouring number are neighbours, mostly. A function of the
+    /// Returns a position for a site, in the unit frame. Sites with close numbers are mostly neighbours. Depends on the
     /// seed, site and attempt alone.
     Point draw(std::size_t site, int attempt) const;
 
-    /// Fixed points of the options, but those far outside, in the unit frame.
+    /// Fixed points of the options, without those far outside, in the unit frame.
     const std::vector<Point>& fixed() const { return fixed_; }
 
-    /// What room these take, where no site is drawn.
-    const FixedRoom& room() const { return room_; }
+    /// The area that these take, where no site is drawn.
+    const FixedArea& fixed_area() const { return fixed_area_; }
 
 private:
     struct Rectangle {
@@ -55,15 +53,15 @@ private:
     const Density& density_;
     std::uint64_t seed_;
     Point unit_size_;
-    bool knows_cuts_ = false;  ///< the sums are areas, and tell where the domain ends
+    bool knows_cuts_ = false;  ///< whether the sums are areas, from which cuts by the border follow
     int columns_ = 1;
     int rows_ = 1;
     std::vector<Point> fixed_;
-    FixedRoom room_;
+    FixedArea fixed_area_;
     std::vector<double> sums_;  ///< capacity left of and below each grid point [rows + 1][columns + 1]
     std::vector<Rectangle> cells_;
-    std::vector<std::uint32_t> cell_of_;    ///< [sites]
-    std::vector<std::uint32_t> stream_of_;  ///< [sites], where it is not the site's own number
+    std::vector<std::uint32_t> cell_of_;    ///< [sites] cell in which each site is drawn
+    std::vector<std::uint32_t> stream_of_;  ///< [sites]; empty if it is the site's own number
 };
 
 }  // namespace ccdt

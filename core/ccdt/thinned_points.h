@@ -14,8 +14,7 @@
 
 namespace ccdt {
 
-/// Points of which none is added that is too near to another: as many in a place as there is room for, however many
-/// come.
+/// A set of points with a least distance, so that their number in any area is bounded, however many are offered.
 class ThinnedPoints {
 public:
     /// @param apart  least distance, > 0, in the unit frame
@@ -24,7 +23,7 @@ public:
         if (torus_) columns_ = cells(sides_.x), rows_ = cells(sides_.y);
     }
 
-    /// Number of a point that this one is too near to.
+    /// Returns the number of a point that is closer than the least distance.
     std::optional<std::size_t> near(Point p) const {
         const auto [column, row] = cell_of(p);
         for (std::int64_t j = row - 1; j <= row + 1; ++j) {
@@ -49,7 +48,7 @@ public:
     std::vector<Point> take() && { return std::move(points_); }
 
 private:
-    /// Cells around a torus: no smaller than the distance.
+    /// Number of cells around a torus; none is smaller than the distance.
     std::int64_t cells(double side) const {
         return std::max(std::int64_t{1}, static_cast<std::int64_t>(side / apart_));
     }
@@ -72,7 +71,7 @@ private:
     double apart_;
     std::int64_t columns_ = 1, rows_ = 1;
     std::vector<Point> points_;
-    std::unordered_multimap<std::uint64_t, std::size_t> numbers_;  ///< by cell
+    std::unordered_multimap<std::uint64_t, std::size_t> numbers_;  ///< keyed by cell
 };
 
 }  // namespace ccdt

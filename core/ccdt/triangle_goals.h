@@ -11,16 +11,16 @@
 
 namespace ccdt {
 
-/// Weight of a triangle's doubled area, and the target of their product. In units of half the capacity that one site
-/// stands for, so that a triangle between three sites aims at 1.
+/// Weight of a triangle's doubled area, and target of the product. In units of half a site's capacity, so that a
+/// triangle between three sites has the target 1.
 struct TriangleGoal {
     double weight = 0;  ///< capacity per doubled area, held fixed while vertices move
     double target = 1;
-    double share = 1;  ///< of a triangle of common size that it is, > 0: less than 1 for one of many in a narrow fan
+    double share = 1;  ///< size relative to a regular triangle, > 0; less than 1 for the many triangles of a narrow fan
 };
 
-/// The goals of all triangles: one for each; or, where most are to have a whole site's half, the weights of all and the
-/// others' goals; or, where most are the same, that one and the others.
+/// The goals of all triangles, in one of three forms: one for each triangle; the weights of all and the goals of few,
+/// if the targets of most are 1; or one common goal and the goals of few.
 class TriangleGoals {
 public:
     TriangleGoals() = default;
@@ -29,30 +29,30 @@ public:
     TriangleGoals(std::vector<TriangleGoal> all) : all_(std::move(all)) {}
 
     /// @param triangles  those that have goals of their own
-    /// @param goals      [as many]
+    /// @param goals      their goals [triangles.size()]
     TriangleGoals(const TriangleGoal& common, std::vector<std::uint32_t> triangles, std::vector<TriangleGoal> goals)
         : common_(common), triangles_(std::move(triangles)), own_(std::move(goals)) {
         list_slots();
     }
 
-    /// @param weights           [triangles] >= 0; targets and shares are 1
-    /// @param triangles, goals  as above
+    /// @param weights           [all triangles] >= 0; targets and shares are 1
+    /// @param triangles, goals  as in the constructor above
     TriangleGoals(std::vector<double> weights, std::vector<std::uint32_t> triangles, std::vector<TriangleGoal> goals)
         : weights_(std::move(weights)), triangles_(std::move(triangles)), own_(std::move(goals)) {
         for (const std::uint32_t triangle : triangles_) weights_[triangle] = -weights_[triangle];
         list_slots();
     }
 
-    /// Goal of a triangle; of kNone, one that adds nothing.
+    /// Returns the goal of a triangle; for kNone, a goal without effect.
     TriangleGoal of(std::uint32_t triangle) const {
         if (triangle < weights_.size() && !std::signbit(weights_[triangle])) return {weights_[triangle], 1, 1};
         return triangle < all_.size() ? all_[triangle] : rare(triangle);
     }
 
-    /// Gives the room of one goal for each away.
+    /// Returns the memory of the individual goals for reuse, and keeps none.
     std::vector<TriangleGoal> release() { return std::exchange(all_, {}); }
 
-    /// Gives the room of the weights away.
+    /// Returns the memory of the weights for reuse, and keeps none.
     std::vector<double> release_weights() { return std::exchange(weights_, {}); }
 
 private:
@@ -67,7 +67,7 @@ private:
         for (std::uint32_t i = 0; i < triangles_.size(); ++i) slots_[slot_of(triangles_[i])] = i;
     }
 
-    /// Slot of a triangle, or the first empty one after those where it could be.
+    /// Hash slot of a triangle, or the first empty slot of its probe sequence.
     std::size_t slot_of(std::uint32_t triangle) const {
         const std::size_t mask = slots_.size() - 1;
         std::size_t slot = (triangle * 0x9e3779b97f4a7c15 >> 32) & mask;
@@ -76,11 +76,11 @@ private:
     }
 
     std::vector<TriangleGoal> all_;
-    std::vector<double> weights_;  ///< [triangles], negative or -0 of those that have goals of their own
+    std::vector<double> weights_;  ///< [triangles] negative or -0 for those that have goals of their own
     TriangleGoal common_;
     std::vector<std::uint32_t> triangles_;
-    std::vector<TriangleGoal> own_;     ///< [those triangles]
-    std::vector<std::uint32_t> slots_;  ///< by triangles' hashes: their number among those, or kNone
+    std::vector<TriangleGoal> own_;     ///< [triangles_] their own goals
+    std::vector<std::uint32_t> slots_;  ///< hash table: index into triangles_, or kNone
 };
 
 }  // namespace ccdt

@@ -9,11 +9,11 @@ namespace ccdt {
 
 namespace {
 
-/// Piece of an edge within a cell.
+/// A piece of an edge within one cell.
 struct Piece {
     std::uint32_t row, column;
-    double share;    ///< of the cell that lies between it and the cell's left side
-    double left_of;  ///< what it adds to all cells on its left
+    double share;    ///< share of the cell between the piece and the cell's left side
+    double left_of;  ///< amount that the piece adds to every cell on its left
 };
 
 std::vector<Piece> pieces_of(std::span<const BorderEdge> border, Point scale, int columns, int rows) {

@@ -14,7 +14,7 @@ public:
     /// @param largest  > 0, finite
     explicit Scaling(double largest) {
         const int exponent = -std::ilogb(largest);
-        // At the ends of its range a double has a power of two, but not that one's inverse.
+        // Two factors, since at the ends of a double's range the power of two has no representable inverse.
         first_ = std::ldexp(1.0, exponent / 2);
         second_ = std::ldexp(1.0, exponent - exponent / 2);
     }
@@ -29,8 +29,8 @@ private:
     double second_;
 };
 
-/// The largest value.
-/// Errors: Malformed for one that is negative or not finite, Unusable if all are zero.
+/// Returns the largest value.
+/// Errors: Malformed for a value that is negative or not finite; Unusable if all are zero.
 template <class T>
 Result<double> largest_of(std::span<const T> values) {
     double largest = 0;

@@ -6,33 +6,33 @@
 
 namespace ccdt {
 
-/// Segments ab side by side, one for each number of the lanes.
+/// Segments ab side by side, one for each number in the lanes.
 template <class Lanes>
 struct Segments {
     static constexpr std::size_t kCount = 2 * Lanes::kCount;
     typename Lanes::Pairs ax, ay, bx, by;
 };
 
-/// Cuts each of several segments as walk_cells() does, horizontal ones too, and calls `visit(column, row, from, to)`
-/// with whole numbers and where on each segment a piece lies: 0 at a, 1 at b. There are as many calls as the segment of
-/// most pieces has; to the others of length 0 are added. What comes of a segment is the same to the bit whatever lies
-/// beside it, and in whichever lanes.
+/// Cuts several segments at once as walk_cells() does, horizontal ones included. Calls `visit(column, row, from, to)`
+/// with whole numbers for the cell and with the parameters of the piece's ends along each segment: 0 at a, 1 at b. The
+/// number of calls is that of the segment with the most pieces; the other segments get pieces of length 0. The pieces
+/// of a segment are bit for bit the same whatever its neighbours and whichever its lane.
 ///
-/// @param columns, rows  cells of the grid; the segments lie within it, but for rounding
+/// @param columns, rows  size of the grid in cells; the segments lie within it, but for rounding
 template <class Lanes, class Visit>
 CCDT_INLINE inline void walk_pieces(const Segments<Lanes>& segments, int columns, int rows, Visit&& visit) {
     using Pairs = typename Lanes::Pairs;
-    constexpr double kNever = 2, kShortest = 1e-290;  // shorter sides have no inverse
+    constexpr double kNever = 2, kShortest = 1e-290;  // kShortest: shorter sides have no finite inverse
     const Pairs none{}, one = none + 1.0;
     const auto within = [&](Pairs place, int count) CCDT_INLINE {
         const Pairs last = none + (count - 1.0), above = place < none ? none : place;
         return above < last ? above : last;
     };
-    /// Where lines across one axis cut the segments.
+    /// Crossings of the segments with the grid lines across one axis.
     struct Axis {
         Pairs step;  ///< to the next cell
         Pairs cell;
-        Pairs distance;  ///< to the next line, from a
+        Pairs distance;  ///< from a to the next line
         Pairs inverse;
         Pairs after;
 
@@ -42,7 +42,8 @@ CCDT_INLINE inline void walk_pieces(const Segments<Lanes>& segments, int columns
         const Pairs along = b - a, ahead = along > none ? one : none;
         const auto moves = (along > kShortest + none) | (along < none - kShortest);
         const Pairs cell = within(Lanes::whole(a), count);
-        return Axis{2.0 * ahead - 1.0, cell, cell + ahead - a, moves ? one / along : none, moves ? none : none + kNever};
+        return Axis{2.0 * ahead - 1.0, cell, cell + ahead - a, moves ? one / along : none,
+                    moves ? none : none + kNever};
     };
     Axis x = axis(segments.ax, segments.bx, columns), y = axis(segments.ay, segments.by, rows);
     Pairs next_x = x.next(), next_y = y.next(), from = none;

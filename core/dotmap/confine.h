@@ -12,21 +12,23 @@
 
 namespace ccdt {
 
-/// What is left of an area. Errors: Unusable if that is nothing; others.
+/// Cuts an area. Errors: Unusable if nothing is left; others.
 using Cut = std::function<Result<Domain>(const Domain& area)>;
 
-/// Cuts the areas of all features that have dots. Those of which nothing is left keep their area and lose their dots.
-/// @returns  numbers of the features that lost dots
-/// Errors: those of the cut but Unusable.
+/// Cuts the areas of all features that have dots. A feature of which nothing is left keeps its area and loses its dots.
+/// @returns  numbers of the features that lost their dots
+///
+/// Errors: those of `cut` except Unusable.
 Result<std::vector<std::uint32_t>> cut_areas(std::span<MapFeature> features, const Cut& cut);
 
-/// Takes from features what lies outside of a domain, as cut_areas() does.
-/// @param kept  no torus
+/// Removes from features what lies outside of a domain, as cut_areas() does.
+/// @param kept  not a torus
+///
 /// Errors: Stopped.
 Result<std::vector<std::uint32_t>> confine(std::span<MapFeature> features, const Domain& kept,
                                            const std::stop_token& stop = {});
 
-/// Counts the dots of a feature, of all classes.
+/// Returns the number of dots of a feature, over all classes.
 std::size_t dots_of(const MapFeature& feature);
 
 }  // namespace ccdt

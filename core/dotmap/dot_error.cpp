@@ -15,13 +15,13 @@ bool is_near(long octave, long other) {
     return octave != kNone && std::abs(octave - other) <= 1;
 }
 
-/// Features in the unit frame of the land.
+/// Converts features to the unit frame of the land.
 class UnitMap {
 public:
     UnitMap(const DotGround& ground, const Domain& land)
         : ground_(ground), corner_(land.bounds().min), side_(std::max(land.bounds().width(), land.bounds().height())) {}
 
-    /// Octave of the spacing of each feature's dots; kNone of those that have none.
+    /// Returns the octave of the spacing of each feature's dots; kNone for a feature without dots.
     std::vector<long> octaves() const {
         std::vector<long> octaves;
         for (std::size_t feature = 0; feature < ground_.features(); ++feature) {
@@ -31,7 +31,7 @@ public:
         return octaves;
     }
 
-    /// Bounding box of features that have dots.
+    /// Returns the bounding box of features that have dots.
     /// @param features  at least one
     Box bounds(std::span<const std::size_t> features) const {
         const auto bounds_of = [this](std::size_t feature) { return ground_.area(feature).bounds(); };
@@ -43,10 +43,10 @@ public:
         return {to_unit(box.min), to_unit(box.max)};
     }
 
-    /// Makes the grid of an octave.
-    /// @param box       bounding box of its features and of those beside it
+    /// Creates the grid of an octave.
+    /// @param box       bounding box of its features and of those in adjacent octaves
     /// @param features  all of these
-    /// @param own       its own ones, at least one
+    /// @param own       its own features, at least one
     ErrorGrid make_grid(const Box& box, std::span<const std::size_t> features, std::span<const std::size_t> own) const {
         constexpr double kMostCells = 8;  // for each dot; features of an octave may lie far apart
         double area = 0;
@@ -70,7 +70,7 @@ private:
     Point to_user(Point unit) const { return corner_ + side_ * unit; }
     double area(std::size_t feature) const { return ground_.area(feature).area() / side_ / side_; }
 
-    /// Adds the border of a feature, which weighs what there is wanted where the density is 1.
+    /// Adds the border of a feature, weighted by the density of dots where the map's density is 1.
     void add_border(std::size_t feature, Point corner, std::vector<BorderEdge>& border) const {
         const Domain& area = ground_.area(feature);
         const auto place = [&](Point p) { return to_unit(area.to_user(p)) - corner; };
@@ -80,7 +80,7 @@ private:
         }
     }
 
-    /// The map's density over a box, as it is in the middle of each cell.
+    /// Samples the map's density over a box, at the centre of each cell.
     Density density_over(const Box& box, double cell) const {
         if (ground_.is_uniform()) return Density::uniform();
         constexpr double kMost = 1024;

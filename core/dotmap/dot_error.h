@@ -11,28 +11,30 @@
 
 namespace ccdt {
 
-/// Measures how far the density of a map's dots, smoothed over a few of them, is off the wanted one: with a grid for
-/// each octave of the features' spacings, on which lie the features of this octave and of the ones beside it, and their
-/// dots. Each dot takes its error from the grid of its own feature's octave. So dots know of all neighbours up to four
-/// times as dense or as sparse as theirs; features that contrast more are to each other what is beyond the border.
+/// Measures the smoothed difference between the actual and the wanted density of a map's dots. Each octave of the
+/// features' spacings has a grid, which holds the features of this octave and of the two adjacent ones, with their
+/// dots. A dot takes its error from the grid of its own feature's octave. So dots account for all neighbours up to four
+/// times as dense or as sparse. For stronger contrasts, a feature treats the other one as outside the border.
 class DotError {
 public:
-    /// @param land  whose unit frame places are in
-    /// @param dots  as to their features
+    /// @param land  its unit frame is the frame of all positions
+    /// @param dots  used for their features only
+    ///
     /// O(dots + corners of the features).
     DotError(const DotGround& ground, const Domain& land, std::span<const FeatureDot> dots);
 
     /// @param places  [dots]
-    /// @param errors  out [dots] as ErrorGrid::at() has them
+    /// @param errors  out [dots] as ErrorGrid::at() returns them
+    ///
     /// O(dots).
     void measure(std::span<const Point> places, std::span<double> errors);
 
 private:
     struct Octave {
         ErrorGrid grid;
-        Box box;                            ///< that the grid is stretched over, in the unit frame
-        std::vector<std::uint32_t> own;     ///< dots of its features
-        std::vector<std::uint32_t> others;  ///< dots of those beside it
+        Box box;                            ///< box over which the grid is stretched, in the unit frame
+        std::vector<std::uint32_t> own;     ///< dots of its own features
+        std::vector<std::uint32_t> others;  ///< dots of features in the adjacent octaves
     };
 
     std::vector<Octave> octaves_;

@@ -27,20 +27,20 @@ tl::unexpected<Error> too_thin(std::size_t feature) {
                    field_of(feature));
 }
 
-/// Seed of a feature's dots of a class: below 2^53, as those of all runs.
+/// Returns the seed for a feature's dots of one class: below 2^53, like all seeds.
 std::uint64_t seed_of(std::uint64_t seed, std::size_t number, std::size_t feature) {
     constexpr int kSeedBits = 53, kClassBits = 40;
     return Random(seed, (static_cast<std::uint64_t>(number) << kClassBits) + feature).bits() >> (64 - kSeedBits);
 }
 
-/// Draws points of a domain in its unit frame.
+/// Returns a sampler of a domain, in its unit frame.
 std::optional<InteriorSampler> interior_of(const Domain& area) {
     const auto scaffold = triangulate(bare_border(area));
     if (!scaffold) return std::nullopt;
     return InteriorSampler(Triangulation(0, *scaffold).inside_triangles());
 }
 
-/// Place on Morton's curve.
+/// Returns the position along Morton's curve.
 std::uint64_t along_curve(Point share) {
     std::uint64_t place = 0;
     for (int bit = 15; bit >= 0; --bit) {
@@ -77,7 +77,7 @@ Result<DotGround> DotGround::create(const Map& map, std::size_t number, Team& te
         if (dots > 0 && !ground.fixed_.empty() && !ground.fixed_[i].empty()) {
             const auto own = ground.density_of(each);
             if (!own) return tl::unexpected(own.error());
-            sites = StartSites(feature.area, *own, ground.start_options(each, 0)).room().sites;
+            sites = StartSites(feature.area, *own, ground.start_options(each, 0)).fixed_area().sites;
         }
         ground.wanted_.push_back(sites / capacity);
     }
@@ -90,7 +90,7 @@ Result<DotGround> DotGround::create(const Map& map, std::size_t number, Team& te
     return ground;
 }
 
-/// Finds out which features fixed points lie in.
+/// Assigns fixed points to the features that contain them.
 void DotGround::find_fixed() {
     if (map_.fixed.empty()) return;
     fixed_.resize(map_.features.size());
@@ -101,13 +101,13 @@ void DotGround::find_fixed() {
     }
 }
 
-/// The density over the bounding box of a feature.
+/// Returns the density over the bounding box of a feature.
 Result<Density> DotGround::density_of(std::uint32_t feature) const {
     double largest = 0;
     return is_uniform() ? Result<Density>(Density::uniform()) : cut_out(map_.features[feature].area, largest);
 }
 
-/// What first dots are drawn by.
+/// Returns the options for drawing the initial dots.
 Options DotGround::start_options(std::uint32_t feature, std::uint64_t seed) const {
     Options options;
     options.sites = dots(feature);
@@ -116,14 +116,16 @@ Options DotGround::start_options(std::uint32_t feature, std::uint64_t seed) cons
     return options;
 }
 
-/// Has dots keep clear of sparser ground: with next to none beyond that push back, rows of dots would be pushed onto
-/// the border. Where densities are alike no border shall show.
+/// Creates the area of a feature with clearance from sparser ground. On sparser ground almost no dots push back, so
+/// rows of dots would be pushed onto the border. Between similar densities there is no clearance, so that borders do
+/// not show.
 FeatureArea DotGround::make_fence(std::uint32_t feature) const {
-    constexpr double kClear = 0.3;     // of the distance of neighbours; half a row would be 0.43
-    constexpr double kSteepness = 2;   // beyond where the density is half or more there is no clearance
-    constexpr double kThin = 0.5;      // of the feature's width, at most
-    constexpr double kBeyond = 1e-3;   // of the distance of neighbours: where the density beyond is looked at
-    constexpr std::size_t kCells = 4;  // of the grid, for each dot
+    constexpr double kClear = 0.3;    // relative to the distance of neighbours; half a row would be 0.43
+    constexpr double kSteepness = 2;  // no clearance if the density beyond is at least half of that inside
+    constexpr double kThin = 0.5;     // limit relative to the feature's width
+    // Relative to the distance of neighbours: offset at which the density beyond is sampled.
+    constexpr double kBeyond = 1e-3;
+    constexpr std::size_t kCells = 4;  // cells of the grid per dot
     const Domain& area = map_.features[feature].area;
     if (dots(feature) == 0) return map_.areas[feature];
     double perimeter = 0;
@@ -154,8 +156,8 @@ double DotGround::density(Point p) const {
                          index((p.y - map_.box.min.y) / map_.box.height(), density.height()));
 }
 
-/// The part of the density that lies over a domain, stretched over its bounding box.
-/// @param largest  out: value before it is scaled
+/// Returns the part of the density over a domain, stretched over the domain's bounding box.
+/// @param largest  out: largest value before scaling
 Result<Density> DotGround::cut_out(const Domain& area, double& largest) const {
     static constexpr double kFiner = 2, kMost = 1024;
     const Box& box = area.bounds();
@@ -211,7 +213,7 @@ Result<std::vector<FeatureDot>> DotGround::draw(std::uint64_t seed, const std::f
 
 Result<void> DotGround::draw(std::uint32_t feature, std::uint64_t seed, const std::function<Point(Point)>& rounded,
                              std::span<FeatureDot> dots) const {
-    constexpr int kAttempts = 16;  // where the feature covers half of a dot's cell, one of 65,536 is still unplaced
+    constexpr int kAttempts = 16;  // where the feature covers half of a dot's cell, 1 dot of 65,536 is still unplaced
     constexpr int kClearAttempts = 8;
     const Domain& area = map_.features[feature].area;
     const auto density = density_of(feature);

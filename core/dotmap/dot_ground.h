@@ -20,28 +20,30 @@
 
 namespace ccdt {
 
-/// A dot, and the feature that it belongs to for life.
+/// A dot, and the feature to which it belongs permanently.
 struct FeatureDot {
     Point place;
     std::uint32_t feature = 0;
 };
 
-/// How densely the dots of one class are to lie in the features of a map, and where they may. All places are in the
-/// caller's coordinates.
+/// The ground of one class: how densely its dots lie in the features of a map, and where they may lie. All positions
+/// are in the caller's coordinates.
 class DotGround {
 public:
-    /// What all classes of a map share; must outlive their grounds.
+    /// Data that all classes of a map share; must outlive their grounds.
     struct Map {
         std::span<const MapFeature> features;
-        std::span<const FeatureArea> areas;  ///< of the features
-        const FeatureIndex& index;           ///< of the areas
-        const Box& box;                      ///< that the density is stretched over
+        std::span<const FeatureArea> areas;  ///< areas of the features
+        const FeatureIndex& index;           ///< index of the areas
+        const Box& box;                      ///< box over which the density is stretched
         const Density& density;
-        std::span<const Point> fixed;  ///< points that are there already: dots get what they leave of a feature
+        std::span<const Point> fixed;  ///< existing points; dots take the rest of a feature
     };
 
-    /// Errors: Unusable if the density is zero all over a feature that has dots.
-    /// @param stop  asked now and then: Error Stopped
+    /// Creates the ground of one class.
+    /// @param stop  polled regularly; a stop gives the error Stopped
+    ///
+    /// Errors: Unusable if the density is zero everywhere in a feature that has dots.
     static Result<DotGround> create(const Map& map, std::size_t number, Team& team, const std::stop_token& stop);
 
     std::size_t features() const { return map_.features.size(); }
@@ -51,48 +53,50 @@ public:
     bool is_uniform() const { return map_.density.is_uniform(); }
     bool is_smooth() const { return map_.density.is_smooth(); }
 
-    /// Dots to a squared unit that a feature has, with the room of fixed points counted for dots, where the density
-    /// is 1.
+    /// Number of dots per squared unit that a feature has where the density is 1. The area of fixed points counts as
+    /// dots.
     double weight(std::size_t feature) const { return wanted_[feature]; }
 
-    /// What the ground wants, as the density has it.
+    /// Returns the wanted density at a point, according to the map's density.
     double density(Point p) const;
 
-    /// Draws the first dots: of each feature a few in each of many cells that want as many, at random. Features come in
-    /// an order in which neighbours follow each other, mostly.
-    /// @param rounded  takes a place to where it will be, by rounding; called by several at the same time
+    /// Draws the initial dots: in each feature, a few at random in each of many cells of equal capacity. Features are
+    /// ordered so that successive ones are mostly neighbours.
+    /// @param rounded  rounds a position to the one where it will be stored; called in parallel
+    ///
     /// Errors: Unusable for a feature that is too thin; Stopped.
     Result<std::vector<FeatureDot>> draw(std::uint64_t seed, const std::function<Point(Point)>& rounded, Team& team,
                                          const std::stop_token& stop) const;
 
-    /// Draws a dot anew, anywhere in its feature, until it is accepted. Errors: Unusable.
-    /// @param interior  of the feature; made if it is not there yet
+    /// Draws a new position for a dot, anywhere in its feature, until one is accepted. Errors: Unusable.
+    /// @param interior  sampler of the feature; created if empty
     Result<void> draw_again(std::uint32_t feature, std::uint64_t seed, const std::function<bool(Point)>& accept,
                             std::optional<InteriorSampler>& interior) const;
 
-    /// Finds out which features overlap, from where dots are.
-    /// @param stop  asked now and then; some are not found, then
+    /// Finds overlapping features from the positions of dots.
+    /// @param stop  polled regularly; after a stop some overlaps may be missing
     void find_overlaps(std::span<const FeatureDot> dots, const std::stop_token& stop);
 
-    /// Dots to a squared unit at a place of a feature, those of others that overlap with it there included.
+    /// Returns the density of dots per squared unit at a position in a feature, including the dots of overlapping
+    /// features there.
     double at(std::uint32_t feature, Point p) const;
 
-    /// The same at any place, of all features there.
+    /// Returns the density of dots at any position, over all features there.
     double around(Point p) const;
 
-    /// Tells whether the density is the same all over a feature.
+    /// Whether the density is constant over a feature.
     bool is_even(std::uint32_t feature) const { return is_uniform() && overlaps_[feature].empty(); }
 
-    /// Tells whether a dot may be at a place.
+    /// Whether a dot may lie at a position.
     bool may_be(std::uint32_t feature, Point p) const;
 
-    /// Tells whether a dot may begin at a place: so far from ground with fewer dots as its row should be.
+    /// Whether a dot may start at a position: it must keep its row's distance from sparser ground.
     bool is_clear(std::uint32_t feature, Point p) const;
 
-    /// Tells of most places where is_clear() that it is so, at once.
+    /// Fast test for is_clear() that succeeds at most positions.
     bool is_deep(std::uint32_t feature, Point p) const { return is_uniform() && fences_[feature].is_deep(p); }
 
-    /// Where a dot gets that is to go from one place to another.
+    /// Returns the position that a dot reaches when it moves from one position towards another.
     Point towards(std::uint32_t feature, Point from, Point to) const;
 
 private:
@@ -111,10 +115,11 @@ private:
     Map map_;
     std::size_t class_;
     std::size_t dots_ = 0;
-    std::vector<FeatureArea> fences_;                   ///< [features] with the clearance of these dots
-    std::vector<double> wanted_;                        ///< [features] dots to a squared unit where the density is 1
-    std::vector<std::vector<Point>> fixed_;             ///< [features] that lie in it; empty if there are none in any
-    std::vector<std::vector<std::uint32_t>> overlaps_;  ///< [features] others of which a part lies in it
+    std::vector<FeatureArea> fences_;  ///< [features] with the clearance for this class
+    std::vector<double> wanted_;       ///< [features] dots per squared unit where the density is 1
+    /// [features] fixed points in each; empty if there are none at all.
+    std::vector<std::vector<Point>> fixed_;
+    std::vector<std::vector<std::uint32_t>> overlaps_;  ///< [features] other features that overlap it
 };
 
 }  // namespace ccdt

@@ -9,8 +9,8 @@
 
 #include "core/ccdt/border.h"
 #include "core/ccdt/construction.h"
+#include "core/ccdt/fixed_area.h"
 #include "core/ccdt/fixed_choice.h"
-#include "core/ccdt/fixed_room.h"
 #include "core/ccdt/goals.h"
 #include "core/dotmap/dot_error.h"
 #include "core/geometry/hexagonal_spacing.h"
@@ -21,14 +21,15 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kLongestPush = 0.4;  ///< of a dot's radius: neighbours keep over half of their distance
+constexpr double kLongestPush = 0.4;  ///< relative to a dot's radius: neighbours keep more than half of their distance
 constexpr double kKeptArea = 0.1;     ///< least share of its area that a triangle keeps, as in a relaxation
-constexpr double kSmall = 0.01;       ///< of the area it should have, below which a triangle may be a needle
-// What a task takes.
+constexpr double kSmall = 0.01;       ///< share of the wanted area below which a triangle may be a needle
+// Dots or triangles per task.
 constexpr std::size_t kDots = 4096, kTriangles = 8192;
 
-/// Doubled area of a triangle between discs of these radii: between three alike that of the hexagonal grid, else such
-/// that along a straight border between small and large ones the strip between their first rows is half a row of each.
+/// Returns the wanted doubled area of a triangle between discs of given radii. For equal radii it is that of the
+/// hexagonal grid. Along a straight border between small and large discs, the strip between the two first rows is half
+/// a row of each.
 double doubled_area(double a, double b, double c) {
     const auto [least, most] = std::minmax({a, b, c});
     if (!(most > 0)) return 0;
@@ -42,7 +43,7 @@ DotLayer::DotLayer(DotGround& ground, Domain land, const Options& options, const
     options_.sites = ground.dots();
 }
 
-/// Units of the caller per unit of the unit frame.
+/// Caller's units per unit of the unit frame.
 double DotLayer::scale() const {
     return std::max(land_.bounds().width(), land_.bounds().height());
 }
@@ -51,7 +52,7 @@ double DotLayer::radius(double density) const {
     return 0.5 * hexagonal_spacing(density) / scale();
 }
 
-/// Measures an edge of the border in the distances of dots inside of it.
+/// Measures a border edge in units of the local distance of dots.
 std::vector<double> DotLayer::length_in_dots(Point a, Point b) const {
     constexpr double kInward = 1e-3;
     constexpr int kSteps = 8;
@@ -132,7 +133,7 @@ Result<void> DotLayer::insert_step(std::span<const std::uint32_t> dots) {
     return {};
 }
 
-/// Tells whether a dot may stand where rounding has its first place.
+/// Whether a dot may stay at its initial position after rounding.
 bool DotLayer::keeps_place(std::uint32_t dot) const {
     const auto& [place, feature] = dots_[dot];
     const Point rounded = land_.to_user(land_.to_unit(place));
@@ -148,7 +149,7 @@ Result<void> DotLayer::insert_anywhere(std::uint32_t dot) {
     return ground_.draw_again(dots_[dot].feature, options_.seed + dot, accept, interior);
 }
 
-/// Finds how large the discs of the dots are where they stand.
+/// Computes the radii of the dots' discs at their positions.
 void DotLayer::find_radii() {
     for_ranges(team_, dots_.size(), kDots, [&](std::size_t begin, std::size_t end) {
         if (stopping()) return;
@@ -160,7 +161,7 @@ void DotLayer::find_radii() {
     });
 }
 
-/// Finds how large triangles should be. A vertex of the border has the disc of the dots beside it.
+/// Computes the wanted areas of all triangles. A border vertex has the mean radius of the triangle's dots.
 void DotLayer::find_aims() {
     find_radii();
     aims_.resize(mesh().triangle_count());
@@ -195,8 +196,8 @@ double DotLayer::measure() {
     return variation;
 }
 
-/// Lets triangles between dense and sparse dots give way to those of dots alike: what they miss or have too much of is
-/// the sparse dots', whose places leave them no choice, and would draw rows of dense dots onto the border.
+/// Reduces the weight of triangles between dense and sparse dots. Their error is due to the sparse dots, which cannot
+/// adapt, and would draw rows of dense dots onto the border.
 void DotLayer::soften_borders() {
     const auto soften = [this](std::uint32_t triangle) {
         double least = std::numeric_limits<double>::max(), most = 0;
@@ -249,7 +250,7 @@ void DotLayer::relax(int passes) {
 }
 
 void DotLayer::ease(const PolishSettings& settings) {
-    constexpr int kFirst = 2;  // before, dots are not near their places yet
+    constexpr int kFirst = 2;  // earlier, dots are not near their final places
     if (result_.iterations < std::max(kFirst, options_.iterations - settings.early)) return;
     begin();
     push_apart(settings.reach, settings.push, {});
@@ -287,7 +288,7 @@ void DotLayer::push_apart(double reach, double push, std::span<const Point> push
     if (!stopping()) apply();
 }
 
-/// How far the sites that edges lead to push a dot.
+/// Returns the move of a dot caused by the sites adjacent to it.
 Point DotLayer::push_off_neighbours(std::uint32_t dot, double reach, double push) const {
     Point moved;
     const std::uint32_t first = mesh().edge_of(dot);
@@ -298,7 +299,7 @@ Point DotLayer::push_off_neighbours(std::uint32_t dot, double reach, double push
             const Point along = mesh().along(h);
             const double both = radii_[dot] + radii_[other], least = reach * both;
             const double squared = ccdt::dot(along, along);
-            // One that stays leaves all of the way to the other one.
+            // If the neighbour is fixed, the dot moves the whole way.
             const double share = mesh().is_free(other) ? radii_[dot] / both : 1;
             if (squared < least * least) moved = moved - 2 * push * share * (least / std::sqrt(squared) - 1) * along;
         }
@@ -307,7 +308,7 @@ Point DotLayer::push_off_neighbours(std::uint32_t dot, double reach, double push
     return moved;
 }
 
-/// How far fixed points push a dot that no edge leads to.
+/// Returns the move of a dot caused by fixed points without a vertex.
 Point DotLayer::push_off_others(std::uint32_t dot, double reach, double push) const {
     Point moved;
     const double least = 2 * reach * radii_[dot];
@@ -320,7 +321,8 @@ Point DotLayer::push_off_others(std::uint32_t dot, double reach, double push) co
     return moved;
 }
 
-/// Nothing flows where densities differ so much that dense dots keep clear of the border, which would hold them up.
+/// Creates the transport. Excess does not flow between dots of very different density: dense dots keep clear of such a
+/// border, which would obstruct the flow.
 MeshTransport DotLayer::make_transport() const {
     constexpr double kMostContrast = 2;
     auto measure = [error = DotError(ground_, land_, dots_)](std::span<const Point> places,
@@ -370,13 +372,13 @@ void DotLayer::apply() {
             if (!(moves_[dot] == Point{})) mesh().points()[dot] = fenced(dot, before_[dot] + moves_[dot]);
         }
     });
-    take_back();
+    revert_moves();
     areas_.swap(moved_areas_);
 }
 
-/// Tells whether a triangle has kept enough of its area, and is no needle unless it was one.
+/// Whether a triangle has kept enough of its area and has not become a needle.
 bool DotLayer::is_sound(std::uint32_t triangle, double area) const {
-    constexpr double kLeastShape = 1e-5;  // doubled area over the longest edge squared
+    constexpr double kLeastShape = 1e-5;  // doubled area relative to the longest edge squared
     if (area < kKeptArea * areas_[triangle]) return false;
     if (aims_[triangle] > 0 && area >= kSmall * aims_[triangle]) return true;
     const auto [a, b, c] = mesh().places(triangle);
@@ -385,8 +387,8 @@ bool DotLayer::is_sound(std::uint32_t triangle, double area) const {
     return area >= std::min(areas_[triangle], least) && orientation(a, b, c) > 0;
 }
 
-/// Takes back moves next to triangles that would turn over, or lose most of their area, until there is none.
-void DotLayer::take_back() {
+/// Reverts moves at triangles that would be inverted or lose most of their area, until there are none.
+void DotLayer::revert_moves() {
     std::vector<std::vector<std::uint32_t>> lists((areas_.size() + kTriangles - 1) / kTriangles);
     for (bool found = true; found;) {
         for_ranges(team_, areas_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
@@ -399,7 +401,7 @@ void DotLayer::take_back() {
         found = false;
         for (const auto& list : lists) {
             for (const std::uint32_t t : list) {
-                if (is_sound(t, mesh().doubled_area(t))) continue;  // since a neighbour was taken back
+                if (is_sound(t, mesh().doubled_area(t))) continue;  // a neighbour has been moved back meanwhile
                 for (const std::uint32_t v : mesh().corners(t)) {
                     if (!mesh().is_site(v) || mesh().point(v) == before_[v]) continue;
                     mesh().points()[v] = before_[v];

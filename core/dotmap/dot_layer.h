@@ -23,54 +23,53 @@
 
 namespace ccdt {
 
-/// The dots of one class of a map and their triangulation, moved step by step: start(); iterate() as long as it goes
-/// on; then, if there is a polish, begin() and its steps, and after steps that move far restore(). After the start,
-/// collect() gives what there is.
+/// The dots of one class of a map and their triangulation, processed step by step: start(); iterate() while goes_on();
+/// then, if there is a polish, begin() and its steps, with restore() after large moves. After the start, collect()
+/// returns the current state.
 class DotLayer {
 public:
-    /// @param ground  must outlive this
-    /// @param land    all the ground that has dots
+    /// @param ground   must outlive this
+    /// @param land     all ground that has dots
     /// @param control  its team must outlive this
     DotLayer(DotGround& ground, Domain land, const Options& options, const Control& control);
-    DotLayer(const DotLayer&) = delete;  // relaxations hold on to it
+    DotLayer(const DotLayer&) = delete;  // relaxations refer to it
     DotLayer& operator=(const DotLayer&) = delete;
 
-    /// Draws and triangulates the first dots. Errors: Unusable for a feature that is too thin; Stopped.
+    /// Draws and triangulates the initial dots. Errors: Unusable for a feature that is too thin; Stopped.
     Result<void> start();
 
     bool goes_on() const;
-    /// Does the steps of the polish that come before the next iteration, if there are any: a push, and a round that
-    /// evens out.
+    /// Runs the steps of the polish that precede the next iteration, if any: a push and an even round.
     void ease(const PolishSettings& settings);
-    /// @returns  false if it was stopped
+    /// @returns  false after a stop
     bool iterate();
 
     std::size_t size() const { return dots_.size(); }
     std::uint32_t feature_of(std::size_t dot) const { return dots_[dot].feature; }
     Point place(std::size_t dot) const { return land_.to_user(mesh().point(static_cast<std::uint32_t>(dot))); }
 
-    /// Measures triangles before the first step of a polish.
+    /// Measures the triangles, before the first step of a polish.
     void begin();
 
-    /// Moves neighbours apart that are nearer than a share of the distance that they should have, and dots as others
-    /// push them.
-    /// @param push    share of what is missing by which each of the two moves in the mean
-    /// @param pushed  [dots] or empty: how far others push each
+    /// Moves neighbours that are too near apart, and adds the given moves.
+    /// @param reach   relative to the distance that two neighbours should have
+    /// @param push    share of the missing distance by which the two move on average
+    /// @param pushed  [dots] moves caused by other classes; may be empty
     void push_apart(double reach, double push, std::span<const Point> pushed);
 
-    /// Undoes long waves of density error. Nothing happens if the density is not smooth, or there are fixed points.
+    /// Removes long waves of density error. Does nothing if the density is not smooth or there are fixed points.
     void even_out();
 
-    /// Makes the triangulation Delaunay and its triangles more equal, amid the polish, and begins anew.
+    /// Makes the triangulation Delaunay and its triangles more equal, between rounds of the polish; then calls begin().
     void equalise(int passes);
 
-    /// Least distance of two neighbours, over that which they should have.
+    /// Least distance of two neighbours, relative to the distance that they should have.
     double least_distance() const;
 
-    /// Makes the triangulation Delaunay again, and begins anew.
+    /// Restores the Delaunay property, and calls begin().
     void restore();
 
-    /// Measures once more, after the polish.
+    /// Measures the capacity variation after the polish.
     void finish();
 
     ClassDots collect();
@@ -100,7 +99,7 @@ private:
     MeshTransport make_transport() const;
     Point fenced(std::uint32_t dot, Point to) const;
     void apply();
-    void take_back();
+    void revert_moves();
     Point push_off_neighbours(std::uint32_t dot, double reach, double push) const;
     Point push_off_others(std::uint32_t dot, double reach, double push) const;
     bool is_sound(std::uint32_t triangle, double area) const;
@@ -111,18 +110,18 @@ private:
     std::stop_token stop_;
     Team& team_;
     std::optional<DomainMesh> placed_;
-    std::vector<FeatureDot> dots_;       ///< in the order of their sites; places are those of the start
-    FixedSites fixed_;                   ///< the places are vertices behind the dots: sites, as the dots are
-    std::optional<CellList> others_;     ///< of the fixed ones
-    std::vector<double> radii_;          ///< [sites] half the distance that neighbours should have, in the unit frame
-    std::vector<double> aims_;           ///< [triangles] doubled area that each should have
-    std::vector<double> capacities_;     ///< [triangles] area over what it should be, in halves of a dot
-    std::vector<TriangleGoal> goals_;    ///< [triangles]
-    std::vector<Point> moves_, before_;  ///< [sites]
-    std::optional<Relaxation> relaxation_;     ///< while there are iterations
-    std::optional<MeshTransport> transport_;   ///< once it is asked for
-    std::vector<double> spacings_;             ///< [sites]
-    std::vector<double> areas_, moved_areas_;  ///< doubled [triangles], before a move and after it
+    std::vector<FeatureDot> dots_;             ///< in the order of their sites, with their initial positions
+    FixedSites fixed_;                         ///< fixed points; their vertices follow the dots' vertices
+    std::optional<CellList> others_;           ///< fixed points without a vertex
+    std::vector<double> radii_;                ///< [sites] half of the wanted distance of neighbours, in the unit frame
+    std::vector<double> aims_;                 ///< [triangles] wanted doubled area
+    std::vector<double> capacities_;           ///< [triangles] area relative to the wanted one, in halves of a dot
+    std::vector<TriangleGoal> goals_;          ///< [triangles] targets and weights
+    std::vector<Point> moves_, before_;        ///< [sites] current moves, and positions before them
+    std::optional<Relaxation> relaxation_;     ///< during iterations only
+    std::optional<MeshTransport> transport_;   ///< created when first needed
+    std::vector<double> spacings_;             ///< [sites] local spacings
+    std::vector<double> areas_, moved_areas_;  ///< [triangles] doubled areas before and after a move
     Distribution result_;
 };
 

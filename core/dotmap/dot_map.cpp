@@ -19,8 +19,8 @@ namespace ccdt {
 
 namespace {
 
-/// All ground that features with dots cover.
-/// @param number  of the class; none: dots of any
+/// Returns the union of all features that have dots.
+/// @param number  of the class; none: dots of any class
 Result<Domain> land_of(std::span<const MapFeature> features, std::optional<std::size_t> number,
                        const std::stop_token& stop) {
     std::vector<const Domain*> areas;
@@ -32,7 +32,7 @@ Result<Domain> land_of(std::span<const MapFeature> features, std::optional<std::
     return Domain::united(areas, stop);
 }
 
-/// The dots of all classes, moved in step and polished together.
+/// Moves the dots of all classes in step and polishes them together.
 class DotMap {
 public:
     DotMap(std::span<const MapFeature> features, const Box& box, const Density& density, const Options& options,
@@ -70,11 +70,11 @@ private:
     DotGround::Map map_;
     const Options& options_;
     const Control& control_;
-    std::optional<Domain> land_;                       ///< of all classes; none if there is one alone
-    std::vector<std::unique_ptr<DotGround>> grounds_;  ///< [classes]; null for those without dots
-    std::vector<std::unique_ptr<DotLayer>> layers_;    ///< [classes]
-    std::vector<DotLayer*> used_;                      ///< those that there are
-    std::optional<PolishSettings> settings_;           ///< none if there is no polish
+    std::optional<Domain> land_;                       ///< of all classes; none if only one class has dots
+    std::vector<std::unique_ptr<DotGround>> grounds_;  ///< [classes] null for classes without dots
+    std::vector<std::unique_ptr<DotLayer>> layers_;    ///< [classes] null for classes without dots
+    std::vector<DotLayer*> used_;                      ///< those of classes with dots
+    std::optional<PolishSettings> settings_;           ///< none without polish
     int round_ = 0;
 };
 
@@ -114,7 +114,8 @@ Result<void> DotMap::make_layers() {
 }
 
 PolishSettings DotMap::settings() const {
-    const bool is_pushed_alone = !options_.fixed.empty();  // so are boxes, but for transport
+    // Like boxes, which need no more than pushes besides transport.
+    const bool is_pushed_alone = !options_.fixed.empty();
     const bool is_smooth = map_.density.is_smooth();
     if (used_.size() == 1 && is_smooth && !is_pushed_alone) return map_settings(options_.quality);
     PolishSettings settings = polish_settings(options_.quality, used_.size(), is_smooth, is_pushed_alone);
@@ -143,8 +144,8 @@ void DotMap::iterate() {
 
 void DotMap::polish() {
     if (!settings_ || stopping()) return;
-    constexpr double kNearPush = 0.5;  // each of two goes half of what is missing
-    constexpr int kMostAgain = 3;
+    constexpr double kNearPush = 0.5;  // each of the two dots moves half of the missing distance
+    constexpr int kMaxRetries = 3;
     const PolishSettings& s = *settings_;
     for_each(&DotLayer::begin);
     repeat(s.rounds, [&](int round) {
@@ -158,7 +159,7 @@ void DotMap::polish() {
     });
     repeat(s.even_rounds, [&](int) { for_each(&DotLayer::even_out); });
     repeat(s.near_rounds, [&](int) { push_apart(s.nearest, kNearPush, s.ink_nearest, s.push); });
-    for (int round = 0; round < kMostAgain && !stopping() && is_any_nearer(s.least); ++round) {
+    for (int round = 0; round < kMaxRetries && !stopping() && is_any_nearer(s.least); ++round) {
         for_each(&DotLayer::restore);
         push_apart(s.nearest, kNearPush, s.ink_nearest, s.push);
     }
@@ -175,7 +176,7 @@ void DotMap::repeat(int rounds, Step&& step) {
     }
 }
 
-/// Calls a step of all layers, until it is stopped.
+/// Calls a member function of all layers, until stopped.
 template <class Step, class... Arguments>
 void DotMap::for_each(Step step, Arguments... arguments) {
     for (DotLayer* layer : used_) {
@@ -199,10 +200,10 @@ void DotMap::push_apart(double reach, double push, double class_reach, double cl
     }
 }
 
-/// How far dots of other classes push each dot, of one class after the other; empty if there is one alone.
+/// Returns the moves of all dots caused by other classes, class by class; empty if there is only one class.
 std::vector<Point> DotMap::pushes(double reach, double push) {
     if (!land_) return {};
-    constexpr std::size_t kDots = 4096;  // that a task takes
+    constexpr std::size_t kDots = 4096;  // dots per task
     const double scale = std::max(land_->bounds().width(), land_->bounds().height());
     std::vector<InkSite> sites;
     std::uint32_t number = 0;

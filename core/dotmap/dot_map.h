@@ -14,37 +14,39 @@
 
 namespace ccdt {
 
-/// A part of a map, with a count of its own of the dots of each class.
+/// A part of a map with its own number of dots of each class.
 struct MapFeature {
-    Domain area;                    ///< no torus
-    std::vector<std::size_t> dots;  ///< [classes]
+    Domain area;                    ///< not a torus
+    std::vector<std::size_t> dots;  ///< [classes] number of dots
 };
 
-/// The dots of a class.
+/// The dots of one class.
 struct ClassDots {
-    Distribution dots;                      ///< no mesh; points by features, in the features' order
-    std::vector<std::uint32_t> feature_of;  ///< [points]
+    Distribution dots;                      ///< without mesh; points are sorted by feature
+    std::vector<std::uint32_t> feature_of;  ///< [points] feature of each point
 };
 
-/// Distributes as many dots in each feature as it counts, evenly, also across the features' borders: no dot leaves its
-/// feature, and neighbours in two features keep a distance between that of both. Where features overlap there are the
-/// dots of both. Dots of different classes are even each for themselves, and keep apart.
+/// Distributes the given number of dots evenly in each feature, and evenly across the borders between features. No dot
+/// leaves its feature. The distance of neighbours in two features lies between the spacings of both. Where features
+/// overlap, there are the dots of both. The dots of each class are evenly distributed, and dots of different classes
+/// keep apart.
 ///
-/// All dots of a class are the sites of one triangulation of all the ground that has some. A triangle aims at the area
-/// that three discs would have which are as large as the ground of its corners' dots. Moves that would leave a feature
-/// go along its border instead. Long waves of density error are evened out across borders where densities are alike,
-/// and within each feature where they are not.
+/// All dots of a class are the sites of one triangulation of all ground that has dots. The target of a triangle follows
+/// from the discs of its corners' dots, each as large as the dot's share of ground. Moves that would leave a feature
+/// slide along its border instead. Long waves of density error are removed across borders between similar densities,
+/// and within each feature otherwise.
 ///
-/// @param features  each of as many classes, with one dot in all at the least
-/// @param box       that the density is stretched over
-/// @param density   what ground of one feature wants, relative to other ground of the same
-/// @param options   sites are those of the features, and a mesh is not kept
-/// @param control   as distribute_inks() has it; a stop returns the dots as they stand, is no error, unless it comes
-///                  during the start: Error Stopped
+/// @param features  all with the same number of classes, and at least one dot in all
+/// @param box       box over which the density is stretched
+/// @param density   wanted density, relative to other ground of the same feature
+/// @param options   the number of sites is that of the features' dots; no mesh is kept
+/// @param control   as in distribute_inks(); a stop returns the current dots, which is not an error; a stop during the
+///                  start gives the error Stopped
 /// @returns         [classes]
-/// Errors: as distribute(); Unusable with the field `features/i` if a density is zero all over a feature that has dots,
-/// or a feature too thin for points strictly inside. Same input, same bytes. O(dots) per pass, with a logarithm of the
-/// features' corners in front.
+///
+/// Errors: as distribute(); Unusable with the field `features/i` if a density is zero everywhere in a feature that has
+/// dots, or if a feature is too thin for points strictly inside.
+/// Deterministic. O(dots) per pass, times the logarithm of the number of the features' corners.
 Result<std::vector<ClassDots>> distribute_dots(std::span<const MapFeature> features, const Box& box,
                                                const Density& density, const Options& options,
                                                const Control& control = {});

@@ -7,7 +7,7 @@ namespace ccdt {
 
 FeatureArea::FeatureArea(const Domain& domain, const Clearance& clearance, std::size_t cells)
     : bounds_(domain.bounds()) {
-    // One for the rounding of corners, and one for that of points.
+    // Covers the rounding of corners and that of points.
     constexpr double kRoundings = 2;
     margin_ = kRoundings * domain.resolution() * std::max(bounds_.width(), bounds_.height());
     std::vector<Edge> all;
@@ -22,7 +22,7 @@ FeatureArea::FeatureArea(const Domain& domain, const Clearance& clearance, std::
             heights += std::abs(b.y - a.y);
         }
     }
-    // As many rows as there may be, if each edge is in four of them on the average.
+    // The largest number of rows for which an edge lies in four rows on average.
     constexpr double kEach = 4;
     const double spans = std::max(heights / bounds_.height(), kEach);
     const auto rows = static_cast<std::size_t>(1 + kEach * static_cast<double>(all.size()) / spans);
@@ -40,8 +40,8 @@ FeatureArea::FeatureArea(const Domain& domain, const Clearance& clearance, std::
     if (cells > 0) make_grid(all, spans, cells);
 }
 
-/// Finds the cells that no edge comes near to, and of these the ones that lie inside.
-/// @param crossings  of a row by edges, in the mean
+/// Determines the cells that no edge comes near, and which of them lie inside.
+/// @param crossings  mean number of edges that cross a row
 void FeatureArea::make_grid(const std::vector<Edge>& edges, double crossings, std::size_t cells) {
     const double each = static_cast<double>(cells), shape = bounds_.width() / bounds_.height();
     const double rows = std::floor(std::clamp(std::sqrt(each / shape), 1.0, std::max(1.0, each / crossings)));
@@ -58,7 +58,7 @@ void FeatureArea::make_grid(const std::vector<Edge>& edges, double crossings, st
                                    (static_cast<double>(row) + 0.5) / rows * bounds_.height()};
     };
     for (std::size_t row = 0; row < grid_rows_; ++row) {
-        Cell run = Cell::Near;  // of cells between which there is no edge
+        Cell run = Cell::Near;  // state of the current run of cells without an edge between them
         for (std::size_t column = 0; column < grid_columns_; ++column) {
             Cell& cell = grid_[row * grid_columns_ + column];
             if (cell != Cell::Near && run == Cell::Near) {
@@ -73,9 +73,9 @@ void FeatureArea::make_grid(const std::vector<Edge>& edges, double crossings, st
     }
 }
 
-/// Marks the cells that come nearer to an edge than its clearance.
+/// Marks the cells within the clearance of an edge.
 void FeatureArea::mark(const Edge& edge) {
-    constexpr double kRounding = 1e-6;  // of a cell
+    constexpr double kRounding = 1e-6;  // relative to a cell
     const auto& [low, high, clearance, length] = edge;
     const double height = bounds_.height() / static_cast<double>(grid_rows_);
     const double above = clearance + kRounding * height;
@@ -86,7 +86,7 @@ void FeatureArea::mark(const Edge& edge) {
     for (std::size_t row = grid_row(low.y - above); row <= last; ++row) {
         const double bottom = bounds_.min.y + static_cast<double>(row) * height;
         double from = west, to = east;
-        if (along.y > above) {  // the part of it that is near the row
+        if (along.y > above) {  // the part of the edge near the row
             const double in = std::clamp((bottom - above - low.y) / along.y, 0.0, 1.0);
             const double out = std::clamp((bottom + height + above - low.y) / along.y, 0.0, 1.0);
             from = low.x + (along.x > 0 ? in : out) * along.x;
@@ -103,7 +103,7 @@ std::size_t FeatureArea::row_of(double y) const {
     return static_cast<std::size_t>(std::clamp(row, 0.0, static_cast<double>(first_.size() - 2)));
 }
 
-/// @param near  out: an edge that is nearer than it should be, if the place is in the margin
+/// @param near  out: an edge within whose clearance the point lies, if it is in the margin
 FeatureArea::Place FeatureArea::place_of(Point p, const Edge*& near) const {
     if (!(p.x > bounds_.min.x && p.x < bounds_.max.x && p.y > bounds_.min.y && p.y < bounds_.max.y))
         return Place::Outside;
@@ -135,8 +135,8 @@ FeatureArea::Place FeatureArea::place_of(Point p, const Edge*& near) const {
     return near == nullptr ? Place::Inside : Place::Margin;
 }
 
-/// The edge that the way meets first; null if there is none.
-/// @param at  out: where on the way, in [0, 1]
+/// Returns the edge that the path from one point to another crosses first; null if there is none.
+/// @param at  out: position of the crossing on the path, in [0, 1]
 const FeatureArea::Edge* FeatureArea::first_crossed(Point from, Point to, double& at) const {
     const Edge* found = nullptr;
     const Point way = to - from;

@@ -11,45 +11,45 @@
 
 namespace ccdt {
 
-/// Tells what lies inside a domain that is no torus, in the caller's coordinates: strictly, and farther from the border
-/// than rounding reaches.
+/// Tests whether points lie inside a domain that is not a torus, in the caller's coordinates: strictly inside, by more
+/// than rounding errors.
 class FeatureArea {
 public:
-    /// Where a point is.
+    /// Position of a point relative to the area.
     enum class Place {
         Outside,
-        Margin,  ///< inside, but nearer to an edge than it should be
+        Margin,  ///< inside, but nearer to an edge than its clearance
         Inside,
     };
 
-    /// Distance that points should keep from an edge.
-    /// @param inwards  normal of the edge, of length 1
+    /// Returns the distance that points should keep from an edge.
+    /// @param inwards  unit normal of the edge, pointing inwards
     using Clearance = std::function<double(Point middle, Point inwards)>;
 
-    /// Nothing.
+    /// Creates an empty area.
     FeatureArea() = default;
 
     /// @param clearance  none: 0
-    /// @param cells      about how many a grid has that knows which of them lie inside as a whole; 0: there is none
+    /// @param cells      approximate size of a grid that stores which cells lie entirely inside; 0: no grid
     explicit FeatureArea(const Domain& domain, const Clearance& clearance = {}, std::size_t cells = 0);
 
     const Box& bounds() const { return bounds_; }
 
-    /// O(1) in cells that lie inside; else O(edges in the row of the point), which are few but where borders are
-    /// scribbled.
+    /// O(1) in cells entirely inside; else O(edges in the row of the point), which are few unless borders are
+    /// scribbles.
     bool contains(Point p) const { return place_of(p) != Place::Outside; }
     Place place_of(Point p) const {
         const Edge* edge = nullptr;
         return place_of(p, edge);
     }
-    /// Tells whether a point lies in a cell that is all inside. O(1).
+    /// Whether a point lies in a cell that is entirely inside. O(1).
     bool is_deep(Point p) const {
         return !grid_.empty() && grid_[grid_row(p.y) * grid_columns_ + grid_column(p.x)] == Cell::Inside;
     }
 
-    /// Where one gets who goes from one place towards another and must not leave: there, if that is inside; else along
-    /// the border that is in the way, as far, or half the way to it, or nowhere. Who keeps clear of the border goes on
-    /// doing so.
+    /// Returns where a move from one position towards another ends without leaving the area: at `to` if it is inside;
+    /// else at a point slid along the obstructing border by the same distance, half way to that border, or at `from`. A
+    /// point that keeps the clearance continues to do so.
     /// @param from  not outside
     Point towards(Point from, Point to) const;
 
@@ -60,7 +60,8 @@ private:
         double length;
     };
 
-    enum class Cell : std::uint8_t { Outside, Near, Inside };  ///< near an edge; inside, and far enough from all edges
+    /// Near: within the clearance of an edge; Inside: farther than the clearance from all edges.
+    enum class Cell : std::uint8_t { Outside, Near, Inside };
 
     std::size_t row_of(double y) const;
     std::size_t grid_row(double y) const { return index((y - bounds_.min.y) * rows_per_unit_, grid_rows_); }
@@ -76,11 +77,11 @@ private:
     Box bounds_;
     double margin_ = 0;
     double row_height_ = 1;
-    std::vector<std::size_t> first_;  ///< of each row's edges [rows + 1]
-    std::vector<Edge> edges_;         ///< by rows; those that reach into several are in each of these
+    std::vector<std::size_t> first_;  ///< [rows + 1] first edge of each row
+    std::vector<Edge> edges_;         ///< sorted by row; an edge is listed in each row that it reaches
     std::size_t grid_columns_ = 1, grid_rows_ = 1;
     double columns_per_unit_ = 1, rows_per_unit_ = 1;
-    std::vector<Cell> grid_;  ///< [rows][columns] or empty
+    std::vector<Cell> grid_;  ///< [rows][columns], or empty
 };
 
 }  // namespace ccdt

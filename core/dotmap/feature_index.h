@@ -10,13 +10,14 @@
 
 namespace ccdt {
 
-/// Finds the features at a place: a grid of as many cells as there are features, or less, so that of each a few know.
+/// Finds the features at a position by a grid with at most as many cells as features, so that each feature lies in few
+/// cells.
 class FeatureIndex {
 public:
     /// @param areas  [n >= 1]; must outlive this
     explicit FeatureIndex(std::span<const FeatureArea> areas);
 
-    /// Calls function(number) with each feature whose bounding box may hold a place.
+    /// Calls function(number) for each feature whose bounding box may contain the position.
     template <class Function>
     void for_near(Point p, Function&& function) const {
         const std::size_t cell = row(p.y) * columns_ + column(p.x);
@@ -33,7 +34,7 @@ private:
 
     Box box_;
     std::size_t columns_ = 1, rows_ = 1;
-    std::vector<std::size_t> first_;  ///< of each cell's members [cells + 1]
+    std::vector<std::size_t> first_;  ///< [cells + 1] first member of each cell
     std::vector<std::uint32_t> members_;
 };
 

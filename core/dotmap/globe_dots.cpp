@@ -9,10 +9,10 @@
 #include "core/dotmap/confine.h"
 #include "core/globe/chart.h"
 #include "core/globe/clearance.h"
+#include "core/globe/inverse_projection.h"
 #include "core/globe/plane_density.h"
 #include "core/globe/region.h"
 #include "core/globe/turns.h"
-#include "core/globe/way_back.h"
 
 namespace ccdt {
 
@@ -24,7 +24,7 @@ std::size_t all_dots(std::span<const MapFeature> features) {
     return sum;
 }
 
-/// Features on the chart of all, and in one turn of the globe.
+/// Features in the plane of their common chart, and in degrees within one turn of the globe.
 struct Charted {
     std::vector<MapFeature> plane;
     std::vector<Domain> degrees;
@@ -51,7 +51,7 @@ Result<Charted> lay_all(const Chart& chart, std::span<const MapFeature> features
 }
 
 void to_degrees(const Chart& chart, std::span<const Domain> degrees, ClassDots& all) {
-    std::optional<WayBack> back;
+    std::optional<InverseProjection> back;
     for (std::size_t i = 0; i < all.feature_of.size(); ++i) {
         const std::uint32_t feature = all.feature_of[i];
         if (i == 0 || all.feature_of[i - 1] != feature) back.emplace(degrees[feature]);

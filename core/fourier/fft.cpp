@@ -11,8 +11,7 @@
 namespace ccdt {
 namespace {
 
-/// Lines that a task takes: more than are transformed at once, and of a row of the grid as much as lies in few lines of
-/// the cache.
+/// Lines per task: more than are transformed at once, and columns that fill whole cache lines in each row of the grid.
 constexpr std::size_t kLines = 16;
 
 struct Free {
@@ -28,7 +27,7 @@ Memory<T> taken(void* memory) {
     return Memory<T>(static_cast<T*>(memory));
 }
 
-/// Numbers that may be given back for a while.
+/// An array of numbers whose memory can be released temporarily.
 template <class T>
 class Buffer {
 public:
@@ -36,7 +35,7 @@ public:
 
     void release() { data_.reset(); }
 
-    /// Brings released memory again, all 0.
+    /// Allocates released memory again, all 0.
     void restore() {
         if (!data_) data_ = taken<T>(std::calloc(size_, sizeof(T)));
     }
@@ -54,10 +53,10 @@ std::size_t product(int columns, int rows) {
     return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
 }
 
-/// Transforms columns apart from the grid, some at a time: in a large one their steps from row to row would meet in few
-/// places of the cache.
+/// Transforms columns in a copy, a few at a time. In place, the large strides of a big grid would map to few sets of
+/// the cache.
 /// @param grid       row by row
-/// @param transform  called with lines and where they begin
+/// @param transform  called with the lines and a pointer to the first of them
 template <class Value, class Transform>
 void for_columns(Team& team, Value* grid, std::size_t width, std::size_t rows, Transform&& transform) {
     for_ranges(team, width, kLines, [&](std::size_t begin, std::size_t end) {
@@ -71,7 +70,7 @@ void for_columns(Team& team, Value* grid, std::size_t width, std::size_t rows, T
     });
 }
 
-/// Calls transform(rows, number of the first one), some at a time.
+/// Calls transform(rows, number of the first row) for a few rows at a time.
 template <class Transform>
 void for_rows(Team& team, std::size_t width, std::size_t rows, Transform&& transform) {
     for_ranges(team, rows, kLines, [&](std::size_t begin, std::size_t end) {
@@ -112,7 +111,7 @@ struct RealTransform::Grids {
     Team& team;
     std::size_t width, height, kept, spare;
     Buffer<double> grid;
-    Buffer<std::complex<double>> spectrum;  ///< [kept * height], or what is spare
+    Buffer<std::complex<double>> spectrum;  ///< [kept * height], or the spare memory
 };
 
 RealTransform::RealTransform(int columns, int rows, Team& team, std::size_t spare)
@@ -121,7 +120,7 @@ RealTransform::RealTransform(RealTransform&&) noexcept = default;
 RealTransform& RealTransform::operator=(RealTransform&&) noexcept = default;
 RealTransform::~RealTransform() = default;
 
-void RealTransform::rest() {
+void RealTransform::release_memory() {
     grids_->grid.release();
     grids_->spectrum.release();
 }
@@ -180,7 +179,7 @@ struct CosineTransform::Grids {
 
     Team& team;
     std::size_t width, height;
-    Buffer<double> grid;  ///< [width * height], and what is spare
+    Buffer<double> grid;  ///< [width * height], and the spare memory
 };
 
 CosineTransform::CosineTransform(int columns, int rows, Team& team, std::size_t spare)
@@ -189,7 +188,7 @@ CosineTransform::CosineTransform(CosineTransform&&) noexcept = default;
 CosineTransform& CosineTransform::operator=(CosineTransform&&) noexcept = default;
 CosineTransform::~CosineTransform() = default;
 
-void CosineTransform::rest() {
+void CosineTransform::release_memory() {
     grids_->grid.release();
 }
 

@@ -1,18 +1,18 @@
 #pragma once
 
-// What line_transforms.h describes, for the processors that the file which includes this compiles pocketfft for.
+// Implements line_transforms.h for the instruction set for which the including file compiles pocketfft.
 
 #define POCKETFFT_NO_MULTITHREADING
-// Otherwise it asks aligned_alloc() for sizes that are no multiple of the alignment, as C wants them to be.
+// Without this, pocketfft calls aligned_alloc() with sizes that are not multiples of the alignment, which C forbids.
 #define _LIBCPP_HAS_NO_ALIGNED_ALLOCATION
-#include <gemmi/third_party/pocketfft_hdronly.h>  // Debian has pocketfft in gemmi's package
+#include <gemmi/third_party/pocketfft_hdronly.h>  // Debian ships pocketfft in the package of gemmi
 
 #include "core/fourier/line_transforms.h"
 
 namespace ccdt {
 namespace {
 
-constexpr std::size_t kAlong = 1;  ///< of the two axes, the one along lines
+constexpr std::size_t kAlong = 1;  ///< of the two axes, the one along the lines
 
 pocketfft::shape_t shape_of(const LineSet& lines) {
     return {lines.count, lines.size};

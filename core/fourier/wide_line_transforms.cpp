@@ -2,8 +2,8 @@
 
 #if defined(__x86_64__) && !defined(__clang__)
 
-// All of the standard library that pocketfft includes comes before the pragma: other files share what is compiled of
-// it, and are for every processor.
+// Everything that pocketfft includes from the standard library is included before the pragma. Its inline functions are
+// shared with other files, which must run on every processor.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
-// pocketfft asks the second one how much it may do at once; the pragma does not define it. The third one keeps what is
-// compiled here apart from what is compiled for every processor.
+// pocketfft derives its vector width from __AVX__, which the pragma does not define. The third macro renames its
+// namespace, to keep this code apart from that compiled for every processor.
 #pragma GCC push_options
 #pragma GCC target("avx2")
 #define __AVX__ 1

@@ -4,7 +4,8 @@
 
 namespace ccdt {
 
-/// Twice as many lines at once; only where has_two_lanes(). Null if they could not be compiled.
+/// Returns transforms of twice as many lines at once, to be used only if has_two_lanes(); null if they could not be
+/// compiled.
 const LineTransforms* wide_line_transforms();
 
 }  // namespace ccdt

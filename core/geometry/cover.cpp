@@ -33,12 +33,12 @@ double Cover::area(std::uint32_t triangle) const {
     return ccdt::cross(corner(triangle, 1) - a, corner(triangle, 2) - a) / 2;
 }
 
-bool Cover::is_wall(std::uint32_t triangle, std::size_t edge) const {
+bool Cover::has_segment(std::uint32_t triangle, std::size_t edge) const {
     const std::uint32_t set = map_.triangles[triangle].sets[edge];
     return set != kNone && !map_.groups_of(set).empty();
 }
 
-/// Points of one ring may not be in one place.
+/// Reports points of one ring that coincide.
 void Cover::find_shared_points() {
     std::vector<bool> is_shared(map_.points.size(), false);
     for (std::uint32_t i = 0; i < map_.vertex_of.size(); ++i) {
@@ -71,7 +71,7 @@ void Cover::find_faces() {
             for (std::size_t i = 0; i < 3; ++i) {
                 const std::uint32_t next = map_.triangles[t].neighbours[i];
                 if (next == kNone) continue;
-                if (is_wall(t, i)) {
+                if (has_segment(t, i)) {
                     face.border += distance(corner(t, i), corner(t, i + 1));
                 } else if (face_of_[next] == kNone) {
                     face_of_[next] = number;
@@ -83,13 +83,13 @@ void Cover::find_faces() {
     }
 }
 
-/// Goes from triangle to triangle, from the box inwards and back the same way, and turns each ring on the way from
-/// closed to open or back.
+/// Walks depth first from triangle to triangle, from the box inwards and back along the same path. Each crossing of a
+/// ring toggles whether that ring is open, i.e. contains the current triangle.
 void Cover::walk() {
     struct Step {
         std::uint32_t triangle;
-        std::uint32_t set;       ///< crossed to come here
-        std::uint32_t edge = 0;  ///< to be looked at next
+        std::uint32_t set;       ///< the set crossed to enter
+        std::uint32_t edge = 0;  ///< the next edge to visit
     };
     is_open_.assign(kinds_.size(), false);
     thick_in_.assign(kinds_.size(), 0);
@@ -120,7 +120,7 @@ void Cover::walk() {
     }
 }
 
-/// @param set  that was crossed to come here
+/// @param set  the set crossed to enter the triangle
 void Cover::enter(std::uint32_t triangle, std::uint32_t set) {
     Face& face = faces_[face_of_[triangle]];
     if (!face.is_thin) ++passed_;
@@ -136,10 +136,10 @@ void Cover::enter(std::uint32_t triangle, std::uint32_t set) {
 
 void Cover::cross(std::uint32_t set) {
     if (set == kNone) return;
-    for (const std::uint32_t group : map_.groups_of(set)) turn(group);
+    for (const std::uint32_t group : map_.groups_of(set)) toggle(group);
 }
 
-void Cover::turn(std::uint32_t group) {
+void Cover::toggle(std::uint32_t group) {
     Part& part = parts_[kinds_[group].part];
     const bool before = covers(part), opens = !is_open_[group];
     is_open_[group] = opens;
@@ -153,9 +153,8 @@ void Cover::turn(std::uint32_t group) {
     }
 }
 
-/// Looks for what may not be: a hole that is not inside its own part, or in another hole of it; parts one over the
-/// other.
-/// @param set  that was crossed
+/// Reports a hole outside its part, a hole in another hole of its part, and parts that overlap.
+/// @param set  the set just crossed
 void Cover::examine(std::uint32_t set, Point place) {
     const auto last_open = [&](auto is_wanted) {
         const auto found = std::find_if(open_.rbegin(), open_.rend(), is_wanted);
@@ -184,7 +183,7 @@ void Cover::examine(std::uint32_t set, Point place) {
     add(Fault::Overlaps, one, last_open([&](std::uint32_t g) { return g != one && covers_as_outer(g); }), kNone, place);
 }
 
-/// A thin face is taken for what is around it.
+/// Gives each thin face the state of its surroundings: flips it if no neighbouring face agrees with it.
 void Cover::settle_thin_faces() {
     std::vector<bool> has_like(faces_.size(), false);
     for (std::uint32_t t = 0; t < map_.triangles.size(); ++t) {
@@ -221,7 +220,7 @@ void Cover::find_meetings() {
     }
 }
 
-/// The inside of a part is one piece, though its rings may touch.
+/// Reports parts whose inside is not connected. Rings of a part may touch, but must not cut it.
 void Cover::find_cut_parts() {
     for (std::size_t p = 0; p < parts_.size(); ++p) {
         const std::uint32_t outer = parts_[p].outer;
@@ -264,7 +263,7 @@ std::vector<Ring> Cover::trace() const {
             while (!is_done[3 * t + i]) {
                 is_done[3 * t + i] = true;
                 ring.push_back(corner(t, i));
-                // On to the next edge of the border, through the triangles around the far end.
+                // Advances to the next edge of the border by turning through the triangles around its end point.
                 i = (i + 1) % 3;
                 while (!is_border(t, i)) {
                     const std::uint32_t around = map_.triangles[t].corners[i];

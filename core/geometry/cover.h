@@ -12,34 +12,38 @@
 
 namespace ccdt {
 
-/// Says which triangles of an arrangement rings cover. Groups of chains are the rings: of each ring what is inside by
-/// the even-odd rule, of each part the outer ring without the holes, and all parts together.
+/// Decides which triangles of an arrangement a set of rings covers. Each group of chains is one ring. A ring encloses
+/// its inside by the even-odd rule, a part is its outer ring minus its holes, and the covered area is the union of all
+/// parts.
 class Cover {
 public:
-    /// What a group is.
+    /// The role of a group.
     struct Kind {
         std::size_t part = 0;
         bool is_hole = false;
     };
 
     /// @param kinds       [groups]
-    /// @param resolution  what is no thicker than this, about, is nothing
-    /// @param stop        asked between its steps, each of which looks at all triangles once; leaves what is of no use
-    /// All but the last must outlive this.
+    /// @param resolution  faces of about this thickness or less count as empty
+    /// @param stop        polled between steps, each of which visits every triangle once; after a stop the object must
+    ///                    not be used
+    ///
+    /// All arguments but the last must outlive this object.
     Cover(const Chains& chains, const Arrangement& map, std::span<const Kind> kinds, double resolution,
           const std::stop_token& stop = {});
 
-    /// What is wrong with the rings. Nothing, if they are valid by OGC Simple Features.
+    /// Faults of the rings. Empty if they are valid by OGC Simple Features.
     const Faults& faults() const { return faults_; }
 
-    /// Whether any two segments meet but at the end of one, where the next one of their chain begins.
+    /// Whether two segments touch anywhere other than at the end point shared by successive segments of a chain.
     bool has_contacts() const { return !map_.meetings.empty() || !shared_.empty(); }
 
-    /// Borders of what is covered, on the right of it. Each goes through one fan of triangles at each corner.
+    /// Returns the borders of the covered area, which lies on their left. Each border passes through one fan of
+    /// triangles at each corner.
     std::vector<Ring> trace() const;
 
 private:
-    /// Triangles that no segment parts from each other.
+    /// A connected set of triangles that no segment separates.
     struct Face {
         double area = 0;
         double border = 0;  ///< length
@@ -48,11 +52,11 @@ private:
         bool is_known = false;
     };
     struct Part {
-        std::uint32_t outer = 0;  ///< group
-        std::size_t holes = 0;    ///< that are open where the way is
-        std::size_t faces = 0;    ///< covered by it alone, and entered across its own border
+        std::uint32_t outer = 0;  ///< group of the outer ring
+        std::size_t holes = 0;    ///< holes that contain the current triangle
+        std::size_t faces = 0;    ///< faces covered by this part alone and entered across its own border
     };
-    /// A point in one place with others.
+    /// A point that coincides with other points.
     struct Shared {
         std::uint32_t vertex, group, point;
         friend auto operator<=>(const Shared&, const Shared&) = default;
@@ -62,7 +66,7 @@ private:
         return map_.points[map_.triangles[triangle].corners[i % 3]];
     }
     double area(std::uint32_t triangle) const;
-    bool is_wall(std::uint32_t triangle, std::size_t edge) const;
+    bool has_segment(std::uint32_t triangle, std::size_t edge) const;
     bool is_covered(std::uint32_t triangle) const { return faces_[face_of_[triangle]].is_covered; }
     bool is_border(std::uint32_t triangle, std::size_t edge) const;
     bool covers(const Part& part) const { return is_open_[part.outer] && part.holes == 0; }
@@ -72,7 +76,7 @@ private:
     void walk();
     void enter(std::uint32_t triangle, std::uint32_t set);
     void cross(std::uint32_t set);
-    void turn(std::uint32_t group);
+    void toggle(std::uint32_t group);
     void examine(std::uint32_t set, Point place);
     void settle_thin_faces();
     void find_flat_rings();
@@ -86,18 +90,18 @@ private:
     std::span<const Kind> kinds_;
     double resolution_;
     Faults faults_;
-    std::vector<Shared> shared_;           ///< in order
-    std::vector<std::uint32_t> first_of_;  ///< [groups] first point; kNone of a ring without corners
-    std::vector<std::uint32_t> face_of_;   ///< [triangles]
+    std::vector<Shared> shared_;           ///< sorted
+    std::vector<std::uint32_t> first_of_;  ///< [groups] first point; kNone for a ring without corners
+    std::vector<std::uint32_t> face_of_;   ///< [triangles] number of the face
     std::vector<Face> faces_;
 
-    // Where the way through the triangles is.
+    // State of the walk through the triangles.
     std::vector<Part> parts_;
-    std::vector<bool> is_open_;          ///< [groups]
-    std::vector<std::uint32_t> open_;    ///< groups, those entered last behind
-    std::size_t covering_ = 0;           ///< parts
-    std::size_t passed_ = 0;             ///< triangles of faces that are not thin, entered so far
-    std::vector<std::size_t> thick_in_;  ///< [groups] those entered while it was open
+    std::vector<bool> is_open_;          ///< [groups] whether the ring contains the current triangle
+    std::vector<std::uint32_t> open_;    ///< open groups, the most recently entered last
+    std::size_t covering_ = 0;           ///< number of parts that cover the current triangle
+    std::size_t passed_ = 0;             ///< triangles of thick faces entered so far
+    std::vector<std::size_t> thick_in_;  ///< [groups] triangles of thick faces entered while the group was open
 };
 
 }  // namespace ccdt

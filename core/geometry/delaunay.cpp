@@ -35,7 +35,7 @@ using Face = Triangulation::Face_handle;
 using Kind = Arrangement::Meeting::Kind;
 
 #ifdef __SIZEOF_FLOAT128__
-__extension__ using Wide = __float128;  // quadruple precision, which the standard has no name for
+__extension__ using Wide = __float128;  // quadruple precision, for which the standard has no name
 constexpr Wide kEpsilon = 0x1p-112;
 #else
 using Wide = long double;
@@ -46,14 +46,14 @@ Wide size(Wide value) {
     return value < 0 ? -value : value;
 }
 
-constexpr std::size_t kStopStride = 256;  ///< points, or segments, between two looks at the stop token
+constexpr std::size_t kStopStride = 256;  ///< points or segments between polls of the stop token
 
 Kernel::Point_2 to_cgal(Point p) {
     return {p.x, p.y};
 }
 
-/// @returns  [points] the vertex of each, those that coincide having one, numbered as one of them; none once a stop is
-///           asked for
+/// Inserts points in spatial order.
+/// @returns  [points] the vertex of each; coincident points share one, numbered as one of them; empty after a stop
 std::vector<Vertex> insert_points(Triangulation& triangulation, std::span<const Point> points,
                                   const std::stop_token& stop) {
     using Numbered = std::pair<Kernel::Point_2, std::uint32_t>;
@@ -81,16 +81,17 @@ std::vector<Point> with_box(std::span<const Point> points) {
     return all;
 }
 
-/// @returns  the vertex of each of the first few points, by one of the points there
+/// @returns  for each of the first `count` points, the number of its vertex
 std::vector<std::uint32_t> numbers_of(std::span<const Vertex> vertices, std::size_t count) {
     std::vector<std::uint32_t> numbers(count);
     for (std::size_t i = 0; i < count; ++i) numbers[i] = vertices[i]->info();
     return numbers;
 }
 
-/// Copies all faces, in CGAL's order.
+/// Copies all finite faces, in CGAL's order.
 ///
-/// @param set_edge  (face, the corner that faces the edge, triangle, number of the edge): what is known of the edge
+/// @param set_edge  sets the data of an edge; called with (face, corner opposite the edge, triangle, number of the
+///                  edge)
 template <class Triangle, class SetEdge>
 std::vector<Triangle> copy_faces(const Triangulation& triangulation, SetEdge set_edge) {
     std::uint32_t count = 0;
@@ -101,7 +102,7 @@ std::vector<Triangle> copy_faces(const Triangulation& triangulation, SetEdge set
         Triangle& copy = triangles.emplace_back();
         for (int i = 0; i < 3; ++i) {
             const auto edge = static_cast<std::size_t>(i);
-            const int opposite = Triangulation::cw(i);  // CGAL names an edge by the corner that faces it
+            const int opposite = Triangulation::cw(i);  // CGAL identifies an edge by the opposite corner
             copy.corners[edge] = face->vertex(i)->info();
             const auto neighbour = face->neighbor(opposite);
             copy.neighbours[edge] =
@@ -112,7 +113,7 @@ std::vector<Triangle> copy_faces(const Triangulation& triangulation, SetEdge set
     return triangles;
 }
 
-/// In the order of their vertices.
+/// Lists the segments that begin at coincident points, sorted by their vertices.
 std::vector<ConstrainedDelaunay::Branch> find_branches(std::span<const std::uint32_t> vertex_of,
                                                        std::span<const Segment> segments) {
     std::vector<bool> is_shared(vertex_of.size(), false);
@@ -130,9 +131,9 @@ std::vector<ConstrainedDelaunay::Branch> find_branches(std::span<const std::uint
     return branches;
 }
 
-/// Where two segments cross, as exact_crossing() has it; nothing where quadruple precision cannot tell.
+/// Computes the same value as exact_crossing() in quadruple precision; none if that precision does not suffice.
 std::optional<Point> quick_crossing(Point a, Point b, Point c, Point d) {
-    constexpr int kRoundings = 8;  // more than there are in any of the sums below
+    constexpr int kRoundings = 8;  // more roundings than in any of the sums below
     const Wide ux = Wide{b.x} - a.x, uy = Wide{b.y} - a.y, vx = Wide{d.x} - c.x, vy = Wide{d.y} - c.y;
     const Wide wx = Wide{c.x} - a.x, wy = Wide{c.y} - a.y;
     const Wide below = ux * vy - uy * vx, below_error = kRoundings * kEpsilon * (size(ux * vy) + size(uy * vx));
@@ -153,7 +154,7 @@ std::optional<Point> quick_crossing(Point a, Point b, Point c, Point d) {
     return Point{*x, *y};
 }
 
-/// Where two segments cross, rounded.
+/// Returns the crossing of two segments, computed exactly and rounded.
 Point exact_crossing(Point a, Point b, Point c, Point d) {
     using Exact = CGAL::Exact_predicates_exact_constructions_kernel;
     const auto exact = [](Point p) { return Exact::Point_2(p.x, p.y); };
@@ -163,7 +164,7 @@ Point exact_crossing(Point a, Point b, Point c, Point d) {
     return {rounded(place->x()), rounded(place->y())};
 }
 
-/// Where two segments cross, rounded: within the box of each.
+/// Returns the crossing of two segments, rounded; it lies within the bounding box of each.
 Point crossing(Point a, Point b, Point c, Point d) {
     const auto quick = quick_crossing(a, b, c, d);
     const Point place = quick ? *quick : exact_crossing(a, b, c, d);
@@ -174,7 +175,7 @@ double distance_to_line(Point p, Point a, Point b) {
     return std::abs(cross(b - a, p - a)) / std::sqrt(dot(b - a, b - a));
 }
 
-/// Inserts the segments of chains one after the other, cutting them and the edges that they cross.
+/// Inserts the segments of chains one after the other, and cuts them and the edges that they cross.
 class Arranger {
 public:
     Arranger(const Chains& chains, double tolerance, std::size_t most)
@@ -182,7 +183,7 @@ public:
         result_.points = with_box(chains.points);
     }
 
-    /// @returns  what there was too much of; nothing if all went well, or a stop was asked for
+    /// @returns  the error if there are too many crossings; none on success or after a stop
     std::optional<TooManyCrossings> insert_all(const std::stop_token& stop) {
         vertices_ = insert_points(triangulation_, result_.points, stop);
         if (vertices_.empty()) return std::nullopt;
@@ -214,16 +215,16 @@ private:
     using Ends = std::pair<Vertex, Vertex>;
     using Groups = std::vector<std::uint32_t>;
 
-    /// A part of a segment, or of several that run along an edge.
+    /// A part of one segment, or of several segments that run along the same edge.
     struct Piece {
         Vertex from;
         Vertex to;
-        std::uint32_t segment;  ///< kNone: it was inserted already, and is told of no more
+        std::uint32_t segment;  ///< kNone: inserted before, so that its meetings are not reported again
         Groups groups;
     };
     struct Edge {
         Groups groups;
-        std::uint32_t set = kNone;  ///< its number, once it has one
+        std::uint32_t set = kNone;  ///< number of its set of groups, once assigned
     };
 
     static Ends ends_of(Face face, int i) {
@@ -235,7 +236,8 @@ private:
     }
     Point place(Vertex vertex) const { return result_.points[vertex->info()]; }
 
-    /// The segment that is this edge, whichever way, by the point that it begins at; kNone if these do not tell.
+    /// Returns the segment between two vertices, in either direction, by the point at which it begins; kNone if there
+    /// is none.
     std::uint32_t segment_along(const Ends& ends) const {
         const auto runs = [&](Vertex from, Vertex to) {
             const std::uint32_t point = from->info();
@@ -245,7 +247,7 @@ private:
         return runs(less, more) ? less->info() : runs(more, less) ? more->info() : kNone;
     }
 
-    /// What runs along an edge, which is kept for those that are not simply one segment.
+    /// Returns the groups along an edge. Only edges that are not simply one whole segment have an entry.
     Groups& groups_along(const Ends& ends, bool is_constrained) {
         const auto [found, is_new] = edges_.try_emplace(key(ends));
         Groups& groups = found->second.groups;
@@ -287,8 +289,8 @@ private:
         return std::nullopt;
     }
 
-    /// What a segment comes to first, seen from its beginning, where no edge runs along it: a vertex, or else a
-    /// constrained edge.
+    /// Finds the first vertex or constrained edge that a segment meets, starting from its beginning, if no edge runs
+    /// along it there.
     std::pair<Vertex, Triangulation::Edge> look_along(Vertex from, Vertex to) const {
         const auto side = [&](Vertex v) { return triangulation_.orientation(from->point(), to->point(), v->point()); };
         auto face = triangulation_.incident_faces(from);
@@ -310,7 +312,7 @@ private:
         }
     }
 
-    /// Adds a piece to what runs along an edge.
+    /// Adds the groups of a piece to those along an edge; a group already there is removed, since two cancel out.
     void lay(const Piece& piece, const Ends& ends, bool was_constrained) {
         const bool is_whole = !was_constrained && piece.segment != kNone && piece.segment == segment_along(ends);
         if (is_whole && (edges_.empty() || !edges_.contains(key(ends)))) return;
@@ -328,7 +330,7 @@ private:
         }
     }
 
-    /// Cuts a piece and an edge where they cross.
+    /// Cuts a piece and an edge at their crossing.
     std::optional<TooManyCrossings> cross(Piece piece, const Triangulation::Edge& edge) {
         const Ends ends = ends_of(edge.first, edge.second);
         const Groups groups = std::exchange(groups_along(ends, true), {});
@@ -351,8 +353,8 @@ private:
         return std::nullopt;
     }
 
-    /// The vertex in that place, a new one if there is none. Lines that cross in one point do so in several that
-    /// rounding sets next to it: the first is taken for all.
+    /// Returns the vertex at a place, inserting one if needed. Rounding spreads a crossing of several lines over
+    /// several places close together; the first one serves for all.
     Vertex vertex_at(Point at, Face nearby) {
         Triangulation::Locate_type where{};
         int i = 0;
@@ -360,7 +362,7 @@ private:
         if (where == Triangulation::VERTEX) return face->vertex(i);
         for (int corner = 0; corner < 3; ++corner) {
             for (const Vertex vertex : {face->vertex(corner), triangulation_.mirror_vertex(face, corner)}) {
-                if (triangulation_.is_infinite(vertex)) continue;  // beyond a side of the box
+                if (triangulation_.is_infinite(vertex)) continue;  // beyond the side of the box
                 const Point away = place(vertex) - at;
                 if (dot(away, away) <= tolerance_ * tolerance_ / 16) return vertex;
             }
@@ -401,10 +403,10 @@ private:
 
     const Chains& chains_;
     const double tolerance_;
-    std::size_t left_;  ///< pieces that may be made yet
+    std::size_t left_;  ///< pieces that may still be created
     std::size_t steps_ = 0;
     Triangulation triangulation_;
-    std::vector<Vertex> vertices_;  ///< [points]
+    std::vector<Vertex> vertices_;  ///< [points] vertex of each point
     std::unordered_map<std::uint64_t, Edge> edges_;
     std::vector<Piece> pending_;
     Arrangement result_;

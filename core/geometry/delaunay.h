@@ -11,114 +11,121 @@
 
 #include "core/geometry/point.h"
 
-// Delaunay triangulation and exact predicates by CGAL; only delaunay.cpp includes it.
+// Delaunay triangulation and exact predicates by CGAL, which only delaunay.cpp includes.
 namespace ccdt {
 
-/// A segment between two points, by their indices.
+/// A segment between two points, given by their indices.
 using Segment = std::array<std::uint32_t, 2>;
 
-/// Triangulation of a box around the points it was made of. Edges of triangle t run from corners[i] to
-/// corners[(i + 1) % 3].
+/// A triangulation of a box around the input points. Edge i of a triangle runs from corners[i] to corners[(i + 1) % 3].
 struct ConstrainedDelaunay {
     struct Triangle {
         std::array<std::uint32_t, 3> corners;     ///< counter-clockwise
-        std::array<std::uint32_t, 3> neighbours;  ///< across each edge; kNone at the box
-        std::array<bool, 3> constrained;          ///< the edge is one of the segments
+        std::array<std::uint32_t, 3> neighbours;  ///< across each edge; kNone at the side of the box
+        std::array<bool, 3> constrained;          ///< whether the edge is one of the segments
     };
-    /// A segment that begins at one of several points in one place.
+    /// A segment that begins at one of several coincident points.
     struct Branch {
-        Segment vertices;     ///< that it runs between
-        std::uint32_t point;  ///< that it begins at
+        Segment vertices;     ///< the two vertices of the segment
+        std::uint32_t point;  ///< the input point at which it begins
     };
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-    std::vector<Point> points;  ///< those given, then the four corners of the box
+    std::vector<Point> points;  ///< the input points, then the four corners of the box
     std::vector<Triangle> triangles;
-    std::vector<std::uint32_t> vertex_of;  ///< [given points] itself; of several in one place the same one
-    std::vector<Branch> branches;          ///< in the order of their vertices
+    /// [input points] vertex of each; coincident points share a vertex, which has the number of one of them.
+    std::vector<std::uint32_t> vertex_of;
+    std::vector<Branch> branches;  ///< sorted by `vertices`
 };
 
-/// A segment that meets another one, or a point, elsewhere than at its ends.
+/// A segment that meets another segment, or a point, other than at its ends.
 struct SegmentConflict {
     std::size_t segment = 0;
 };
 
-/// Delaunay triangulation in which every segment is an edge.
+/// Computes a Delaunay triangulation in which every segment is an edge.
 ///
-/// @param points    finite, within [0, 1] x [0, 1]; those in one place are one vertex
+/// @param points    finite, within [0, 1] x [0, 1]; coincident points share a vertex
 /// @param segments  distinct, none of zero length
-/// @param stop      asked now and then; what is returned is of no use, then
-/// The box has a margin of 1 about the unit square: collinear points are then no special case.
-/// O(n log n) for all inputs that people draw.
+/// @param stop      polled regularly; after a stop the result must not be used
+///
+/// The box has a margin of 1 around the unit square, so that collinear points are no special case.
+/// O(n log n) for inputs that occur in practice.
 tl::expected<ConstrainedDelaunay, SegmentConflict> constrained_delaunay(std::span<const Point> points,
                                                                         std::span<const Segment> segments,
                                                                         const std::stop_token& stop = {});
 
-/// Points, each with a segment to the next one of its chain. Chains are closed; several may make a group.
+/// Points, each joined by a segment to the next one of its chain. Chains are closed; several can form a group.
 struct Chains {
-    std::vector<Point> points;         ///< within [0, 1] x [0, 1], coordinates 0 or at least kLeastCoordinate
-    std::vector<std::uint32_t> next;   ///< [points] where the segment that begins here ends; nowhere near means itself
-    std::vector<std::uint32_t> group;  ///< [points] which the chain belongs to, below `groups`
+    std::vector<Point> points;  ///< within [0, 1] x [0, 1]; each coordinate is 0 or at least kLeastCoordinate
+    /// [points] end of the segment that begins here; the point itself if there is no such segment.
+    std::vector<std::uint32_t> next;
+    std::vector<std::uint32_t> group;  ///< [points] the group of the chain, below `groups`
     std::uint32_t groups = 0;
 };
 
-/// Triangulation of a box around chains, which may meet as they like. Edges of triangle t run as above.
+/// A triangulation of a box around chains, which may cross, touch and overlap. Edges are numbered as in
+/// ConstrainedDelaunay.
 struct Arrangement {
     struct Triangle {
         std::array<std::uint32_t, 3> corners;     ///< counter-clockwise
-        std::array<std::uint32_t, 3> neighbours;  ///< across each edge; kNone at the box
-        std::array<std::uint32_t, 3> sets;        ///< of groups, along each edge; kNone: no segment runs there
+        std::array<std::uint32_t, 3> neighbours;  ///< across each edge; kNone at the side of the box
+        std::array<std::uint32_t, 3> sets;        ///< the set of groups along each edge; kNone if no segment runs there
     };
-    /// Where a segment meets another one elsewhere than at an end they share.
+    /// A place where a segment meets another segment other than at a shared end.
     struct Meeting {
         enum class Kind { Touch, Overlap, Cross };
         Kind kind;
-        std::uint32_t segment;  ///< by the point that it begins at
-        std::uint32_t vertex;   ///< that it touches; kNone: it meets an edge
-        std::uint32_t group;    ///< of that edge, the segment's own if it is among them; kNone for a vertex
+        std::uint32_t segment;  ///< identified by the point at which it begins
+        std::uint32_t vertex;   ///< the vertex that it touches; kNone if it meets an edge
+        /// The group of the edge that is met: the segment's own group if that runs there; kNone if a vertex is met.
+        std::uint32_t group;
         Point place;
     };
     static constexpr std::uint32_t kNone = ConstrainedDelaunay::kNone;
 
-    std::vector<Point> points;  ///< those given, the four corners of the box, then where segments cross
+    std::vector<Point> points;  ///< the input points, the four corners of the box, then the crossings
     std::vector<Triangle> triangles;
-    std::vector<std::uint32_t> vertex_of;  ///< [given points] itself; of several in one place the same one
+    /// [input points] vertex of each; coincident points share a vertex, which has the number of one of them.
+    std::vector<std::uint32_t> vertex_of;
     std::vector<Meeting> meetings;
 
-    /// Groups of which an odd number of segments runs along an edge, in order.
+    /// Returns the groups that have an odd number of segments along an edge, in ascending order.
     std::span<const std::uint32_t> groups_of(std::uint32_t set) const {
         return {members.data() + begins[set], members.data() + begins[set + 1]};
     }
     std::vector<std::uint32_t> members;
-    std::vector<std::uint32_t> begins;  ///< into `members` [sets + 1]; set g, of the first sets, is group g alone
+    std::vector<std::uint32_t> begins;  ///< [sets + 1] offsets into `members`; set g < groups holds group g alone
 };
 
-/// Segments cross too often: the one at which it was enough.
+/// The error of too many crossings, with the segment at which the limit was exceeded.
 struct TooManyCrossings {
-    std::uint32_t segment = 0;  ///< by the point that it begins at
+    std::uint32_t segment = 0;  ///< identified by the point at which it begins
     Point place;
 };
 
-/// Delaunay triangulation in which every segment is a chain of edges, cut wherever it meets another one.
+/// Computes a Delaunay triangulation in which every segment is a chain of edges, cut wherever it meets another segment.
 ///
-/// @param tolerance  a segment that crosses another one, but ends as near to it as this, touches it
-/// @param most       pieces that crossings may make
-/// @param stop       asked now and then; what is returned is of no use, then
-/// Where segments cross there is a new vertex: the exact place, rounded. Pieces that this bends across others are cut
-/// again, so that edges do not cross and all chains are closed still: on which side of a chain a triangle lies is a
-/// matter of counting edges. A piece is moved by a rounding error at each cut and nothing else is moved at all.
-/// Same input, same output. O(n log n) for all inputs that people draw, and some microseconds for each crossing.
+/// @param tolerance  a segment that crosses another one but ends within this distance of it counts as touching it
+/// @param most       limit on the pieces that crossings create
+/// @param stop       polled regularly; after a stop the result must not be used
+///
+/// Each crossing becomes a vertex at the exact intersection, rounded. Rounding can bend a piece across other pieces;
+/// these are cut again. So no two edges cross, all chains remain closed, and counting edges tells on which side of a
+/// chain a triangle lies. Each cut moves a piece by at most a rounding error; nothing else moves.
+///
+/// Deterministic. O(n log n) for inputs that occur in practice, plus some microseconds for each crossing.
 tl::expected<Arrangement, TooManyCrossings> arrange(const Chains& chains, double tolerance, std::size_t most,
                                                     const std::stop_token& stop = {});
 
-/// Sign of the doubled area of triangle abc: 1 if it runs counter-clockwise, 0 if collinear. Exact.
+/// Returns the sign of the signed area of triangle abc: 1 if counter-clockwise, 0 if collinear, -1 if clockwise. Exact.
 int exact_orientation(Point a, Point b, Point c);
 
-/// The ordinate of a segment at an abscissa that lies between those of its ends, which differ; exact, but for one
-/// rounding.
+/// Returns the ordinate of the segment ab at abscissa x, which lies between the differing abscissas of a and b. Exact
+/// but for one final rounding.
 double exact_ordinate(Point a, Point b, double x);
 
-/// 1 if d lies inside the circle through the counter-clockwise triangle abc, 0 if on it, else -1. Exact.
+/// Returns 1 if d lies inside the circle through the counter-clockwise triangle abc, 0 if on it, -1 if outside. Exact.
 int exact_in_circle(Point a, Point b, Point c, Point d);
 
 }  // namespace ccdt

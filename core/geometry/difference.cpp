@@ -15,20 +15,20 @@ namespace {
 struct Side {
     bool is_upright = false;
     double at = 0;
-    double inwards = 1;  ///< 1: the box lies on the right of it, or above; -1: on the other side
+    double inwards = 1;  ///< 1 if the box lies on the right of the side or above it, else -1
 };
 
 Point turned(Point p) {
     return {p.y, p.x};
 }
 
-/// Where an edge crosses the line of a side.
+/// Returns the point where an edge crosses the line of a side.
 Point crossing(const Side& side, Point a, Point b) {
     if (side.is_upright) return {side.at, exact_ordinate(a, b, side.at)};
     return {exact_ordinate(turned(a), turned(b), side.at), side.at};
 }
 
-/// The part of a ring within the line of a side, with edges along it.
+/// Clips a ring to one side of a line, with edges along that line.
 /// Source: Sutherland and Hodgman, Reentrant polygon clipping, CACM 17 (1974).
 Ring clipped(const Ring& ring, const Side& side) {
     Ring kept;
@@ -42,7 +42,7 @@ Ring clipped(const Ring& ring, const Side& side) {
     return kept;
 }
 
-/// Tells, quickly, whether a ring is not beyond one of the sides of a box.
+/// Whether the bounding box of a ring meets a box.
 bool may_meet(const Ring& ring, const Box& box) {
     constexpr double kFar = std::numeric_limits<double>::infinity();
     Box own{{kFar, kFar}, {-kFar, -kFar}};

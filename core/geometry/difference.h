@@ -9,21 +9,23 @@
 
 namespace ccdt {
 
-/// The part of a ring within a box, with edges along its sides where it is cut off: that has the ring's area in the
-/// box, by the even-odd rule. Edges end where they cross the sides, rounded.
+/// Clips a ring to a box. The result has edges along the sides where the ring is cut off. It encloses the same area
+/// within the box by the even-odd rule. Intersections with the sides are rounded.
 Ring clipped(Ring ring, const Box& box);
 
-/// What is left of a domain without areas that may reach as far out of it as they like.
+/// Subtracts areas from a domain. Areas may extend beyond the domain by any distance.
 ///
-/// @param domain  no torus
+/// @param domain  not a torus
 /// @param areas   in the domain's coordinates
-/// The unit frame and the bounding box stay what they are. Edges are moved by no more than the rounding of coordinates
-/// in the domain, however far out they end.
-/// Errors (Unusable): nothing is left; areas that cross too often; Stopped. Same input, same bytes.
+///
+/// The unit frame and the bounding box do not change. However far outside the domain an edge ends, its part inside
+/// moves by no more than the rounding of the domain's coordinates.
+///
+/// Errors: Unusable if nothing is left or the areas cross too often; Stopped. Deterministic.
 Result<Domain> without(const Domain& domain, std::span<const Area> areas, const std::stop_token& stop = {});
 
-/// What of the plane lies outside of a domain, out to beyond a box.
-/// @param domain  no torus
+/// Returns the area outside a domain, out to beyond a box.
+/// @param domain  not a torus
 Area outside_of(const Domain& domain, const Box& box);
 
 }  // namespace ccdt

@@ -15,13 +15,13 @@ namespace ccdt {
 
 namespace {
 
-// An area below this share of the bounding box's larger side squared has no room for rounding.
+// Smallest area relative to the square of the bounding box's longer side; smaller areas drown in rounding.
 constexpr double kMinArea = 1e-12;
-// Squares of lengths, and their sums, must be finite and keep all their digits.
+// Squares of lengths, and their sums, must be finite and keep full precision.
 constexpr double kMinExtent = 1e-140, kMaxExtent = 1e140;
-// Coordinates must resolve the domain: its size may not drown in their magnitude.
+// Smallest size relative to the magnitude of the coordinates, which must resolve the domain.
 constexpr double kMinSize = 1e-9;
-// So may not its thickness, in units of what rounding can move a point.
+// Smallest thickness relative to the distance by which rounding moves a point.
 constexpr double kMinThickness = 1000;
 
 tl::unexpected<Error> no_area(const std::vector<RingInput>& rings) {
@@ -40,7 +40,7 @@ std::optional<Box> bounds_of(const Rings& rings, CornersOf corners_of) {
     return box;
 }
 
-/// @param box  none: there is no corner at all
+/// @param box  none if there are no corners
 Result<UnitFrame> find_frame(const std::optional<Box>& box, const std::vector<RingInput>& rings) {
     if (!box || box->min == box->max) return no_area(rings);
     const UnitFrame frame = UnitFrame::of(*box);
@@ -84,7 +84,7 @@ void move_to(const UnitFrame& frame, RingInput& ring) {
     ring.drop_repeated();
 }
 
-/// Rings in their unit frame.
+/// Rings and the unit frame of their coordinates.
 struct FramedRings {
     std::vector<RingInput> rings;
     UnitFrame frame;
@@ -100,12 +100,12 @@ Result<FramedRings> to_frame(const std::vector<PolygonPart>& parts) {
     return FramedRings{*std::move(given), *frame};
 }
 
-/// What was dropped may have lain farther out than the rest, which is then taken to a frame of its own.
-/// @param frame  of the rings; replaced
+/// Moves rings into the frame of their own bounding box. Parts dropped by a repair can have extended beyond the rest.
+/// @param frame  the frame of the rings; replaced
 Result<std::vector<Ring>> tighten(std::vector<Ring> rings, UnitFrame& frame, const std::vector<RingInput>& given,
                                   const std::stop_token& stop) {
-    // Once is enough for all that tests and fuzzing tried (Domain.*, Fuzz.repair, Fuzz.run_sample); what rounding in
-    // the tighter frame makes of a ring may want it once more.
+    // One pass suffices in all tests and fuzzing (Domain.*, Fuzz.repair, Fuzz.run_sample). Rounding in the tighter
+    // frame could make another pass necessary.
     constexpr int kTries = 8;
     for (int i = 0; i < kTries; ++i) {
         const auto box = bounds_of(rings, [](const Ring& ring) -> const Ring& { return ring; });
@@ -161,7 +161,7 @@ Result<RepairedArea> Domain::repair_area(const std::vector<PolygonPart>& parts, 
     if (!enclosed) return tl::unexpected(enclosed.error());
     RepairedArea area{{}, std::move(enclosed->repairs)};
     if (area.repairs.empty()) {
-        // What is valid is kept to the last digit.
+        // Valid input is kept unchanged.
         for (const auto& [outer, holes] : parts) {
             area.rings.push_back(outer);
             area.rings.insert(area.rings.end(), holes.begin(), holes.end());

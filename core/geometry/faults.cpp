@@ -7,7 +7,7 @@ namespace ccdt {
 
 namespace {
 
-/// Ten digits: rounding in the unit frame does not show.
+/// Formats a number with ten digits, which hides rounding errors of the unit frame.
 std::string written(double value) {
     char digits[32];
     return {digits, std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 10).ptr};

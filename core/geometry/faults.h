@@ -15,33 +15,33 @@
 
 namespace ccdt {
 
-/// What was wrong with a polygon and has been put right.
+/// A fault of a polygon that has been repaired.
 struct Repair {
-    std::string field;   ///< JSON Pointer below the polygon: /part/ring/vertex, as far as it is known
-    std::string detail;  ///< for people: the rings, what is wrong, and where in the caller's coordinates
+    std::string field;   ///< JSON Pointer relative to the polygon: /part/ring/vertex, as far as known
+    std::string detail;  ///< text for people: the rings, the fault, and its place in the caller's coordinates
 };
 
-/// What may be wrong with a ring, alone or with another one; the worse, the later.
+/// Faults of one ring or of a pair of rings, in ascending order of severity.
 enum class Fault { Touches, IsCut, Overlaps, LiesOutside, RunsAlong, Crosses, HasNoArea };
 
-/// Collects what is wrong with rings, and puts it into words: of two rings only the worst.
+/// Collects faults of rings and describes them. For each pair of rings it keeps only the worst.
 class Faults {
 public:
     static constexpr std::size_t kNoCorner = ~std::size_t{0};
 
     /// @param ring    index of the ring
-    /// @param other   the ring it is wrong with; itself, if there is no other
-    /// @param corner  of the ring, near the place; kNoCorner if none is
+    /// @param other   index of the other ring; equal to `ring` if there is none
+    /// @param corner  corner of `ring` near the place; kNoCorner if there is none
     /// @param place   in the unit frame
     void add(Fault fault, std::size_t ring, std::size_t other, std::size_t corner, Point place);
 
     bool empty() const { return found_.empty(); }
 
-    /// Whether anything is wrong with a ring.
+    /// Whether the ring has any fault.
     bool concerns(std::size_t ring) const { return concerned_.contains(ring); }
 
-    /// In the order of the rings; the first hundred, and one that counts the others. Rings without area have no other
-    /// fault.
+    /// Describes the faults in the order of the rings: the first hundred, then one entry that counts the rest. For
+    /// a ring without area, no other fault is reported.
     std::vector<Repair> describe(std::span<const RingInput> rings, const UnitFrame& frame) const;
 
 private:
@@ -51,7 +51,7 @@ private:
         Point place;
         std::size_t places = 0;
     };
-    std::map<std::pair<std::size_t, std::size_t>, Found> found_;  ///< by the ring and the other one
+    std::map<std::pair<std::size_t, std::size_t>, Found> found_;  ///< keyed by the ring and the other ring
     std::set<std::size_t> concerned_;
 };
 

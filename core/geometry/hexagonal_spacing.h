@@ -4,7 +4,7 @@
 
 namespace ccdt {
 
-/// Distance of neighbours when `density` sites per unit area stand in a hexagonal grid, the densest packing.
+/// Returns the distance of neighbours in a hexagonal grid, the densest packing, of `density` sites per unit area.
 inline double hexagonal_spacing(double density) {
     return std::sqrt(2 / (std::sqrt(3.0) * density));
 }

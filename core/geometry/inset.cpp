@@ -21,13 +21,13 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::size_t kMore = 16;  ///< pieces that crossings may make for each corner: strips overlap
+constexpr std::size_t kMore = 16;  ///< additional pieces per corner that crossings may create, since strips overlap
 
 double length(Point p) {
     return std::sqrt(dot(p, p));
 }
 
-/// Distance of a point from a segment.
+/// Returns the distance of a point from a segment.
 double distance_to(Point a, Point b, Point p) {
     const Point along = b - a, from = p - a;
     const double squared = dot(along, along);
@@ -35,30 +35,31 @@ double distance_to(Point a, Point b, Point p) {
     return length(from - at * along);
 }
 
-constexpr double kSlice = std::numbers::pi / 16;  ///< of an arc: its radius over the polygon's is 0.995
+/// Largest angle between corners of the polygon around an arc; its radius exceeds the arc's by at most 0.5 %.
+constexpr double kSlice = std::numbers::pi / 16;
 
-/// What is too near to a piece of the border: to an edge, on its left, or to a segment, on both sides.
+/// The neighbourhood of a piece of the border: of an edge, on its left, or of a segment, on both sides.
 struct Reach {
     Point a, b;
-    double distance = 0;  ///< that is kept
+    double distance = 0;  ///< width of the neighbourhood
     bool is_edge = false;
-    Point before, after;    ///< corners of the border next to an edge
+    Point before, after;    ///< corners of the border before and after an edge
     double slice = kSlice;  ///< largest angle between corners of the arcs at the ends of an edge
 
-    /// Distance by which a point is farther than it need be.
+    /// Signed distance of a point from the neighbourhood; negative inside.
     double clearance(Point p) const { return distance_to(a, b, p) - distance; }
 
-    /// Tells whether the corner at which this begins is the end of another piece, which keeps as far from it.
+    /// Whether this piece begins where the other one ends, and the other one is at least as wide.
     bool is_after(const Reach& other) const { return other.b == a && other.distance >= distance; }
 };
 
-/// What is too near to a domain's border, piece by piece; in the unit frame.
+/// Divides the surroundings of a domain's border into pieces (Reach), in the unit frame.
 ///
-/// If discs lie around their points, the nearest point of the border to a place inside that is too near lies on an
-/// edge, and the place on its left; or it is a corner that reaches inwards, and the place is between the two edges'
-/// normals. Many edges that hardly differ from one segment are taken for it, and what is near to that on either side:
-/// of those that are much finer than the distance few are left. Other discs are all taken so, unless there are many
-/// and they hardly differ: then all edges keep the largest distance.
+/// With discs around the border points themselves, a point of the domain that is too near has its nearest border point
+/// either on an edge, with the point on the left of the edge, or at a reflex corner, with the point between the normals
+/// of the two edges. A run of many edges close to one segment is replaced by a capsule around that segment. So few
+/// pieces are left of borders much finer than the distance. Discs with other centres always become capsules, unless
+/// there are many and they hardly differ: then all edges use the largest distance.
 class Strip {
 public:
     Strip(const Domain& domain, const DiscAround& disc_around, bool is_centred, double indifference)
@@ -71,13 +72,13 @@ public:
         for (const Ring& ring : domain.rings()) add_ring(ring);
     }
 
-    /// Neighbours in number are neighbours along the border.
+    /// Returns the pieces. Successive pieces are neighbours along the border.
     std::vector<Reach> take() { return std::move(reaches_); }
 
 private:
-    /// The disc around a point of the border, in the unit frame, with room for rounding.
+    /// Returns the disc around a point of the border, in the unit frame, with a margin for rounding.
     Disc disc(Point p) const {
-        constexpr double kRoundings = 1e-12, kResolutions = 4, kMost = 4;  // the latter reaches over all of the frame
+        constexpr double kRoundings = 1e-12, kResolutions = 4, kMost = 4;  // kMost covers the whole frame
         const Disc given = disc_around_(domain_.to_user(p));
         if (!(given.radius > 0)) return {p, 0};
         const double radius = std::min(kMost, (1 + kRoundings) * (given.radius / scale_));
@@ -85,10 +86,10 @@ private:
         return {centre, radius + kResolutions * domain_.resolution()};
     }
 
-    /// Edges of a ring that are taken for one segment.
+    /// Successive edges of a ring that one segment replaces.
     struct Run {
         std::size_t edges = 1;
-        double reach = 0;  ///< distance to be kept from the segment
+        double reach = 0;  ///< distance to keep from the segment
     };
 
     void add_ring(const Ring& ring) {
@@ -112,7 +113,7 @@ private:
         }
     }
 
-    /// The run of edges from a corner on: one edge, or so many that a capsule is less work than they are.
+    /// Returns the run of edges from a corner on: a single edge, or enough edges that a capsule is less work.
     Run longest_run(const Ring& ring, std::size_t first) const {
         constexpr std::size_t kFewest = 4;
         Run longest;
@@ -126,9 +127,9 @@ private:
         return longest;
     }
 
-    /// A run of so many edges; none if there are not as many left, or they bend too far.
+    /// Returns the run of the given number of edges; none if too few are left or they deviate too far from a segment.
     std::optional<Run> run_of(const Ring& ring, std::size_t first, std::size_t edges) const {
-        constexpr double kMostOff = 2e-3;  // of the distance that is kept
+        constexpr double kMostOff = 2e-3;  // relative to the distance
         if (first + edges > ring.size()) return std::nullopt;
         const Point a = discs_[first].centre, b = discs_[(first + edges) % ring.size()].centre;
         double least = discs_[first].radius, most = least, off = 0;
@@ -142,7 +143,8 @@ private:
         return Run{edges, most + off};
     }
 
-    /// What the discs around the points of an edge cover, halved until the disc of its middle is where it should be.
+    /// Adds the area that the discs around the points of an edge sweep. Halves the edge until the disc at its middle is
+    /// where interpolation expects it.
     void add_swept(Point a, Point b, const Disc& from, const Disc& to, int halvings) {
         constexpr double kMostOff = 5e-4;
         const Point middle = 0.5 * (a + b);
@@ -158,9 +160,9 @@ private:
         add_swept(middle, b, between, to, halvings - 1);
     }
 
-    /// Finds one distance for all edges, if that makes no difference.
+    /// Chooses one distance for all edges, if the discs hardly differ.
     void even_out() {
-        constexpr double kBetween = 1e-3;  // that an edge may need more than its ends
+        constexpr double kBetween = 1e-3;  // by which an edge may need more than its ends, relative
         double least = std::numeric_limits<double>::infinity(), most = 0;
         for (const Ring& ring : domain_.rings()) {
             for (const Point& p : ring) {
@@ -173,10 +175,10 @@ private:
         if (most - least <= indifference_) same_ = most;
     }
 
-    /// Returns the radius of the disc around a point that holds another one.
+    /// Returns the radius of the disc around a point that contains another disc.
     static double needed(Point p, const Disc& disc) { return disc.radius + length(disc.centre - p); }
 
-    /// Returns the angle between corners of an arc that makes no difference to what is kept free.
+    /// Returns the angle between corners of an arc for which the polygon deviates by no more than `indifference_`.
     double slice(double distance) const {
         constexpr double kMostSlice = std::numbers::pi / 3;
         return std::clamp(2 * std::acos(distance / (distance + indifference_)), kSlice, kMostSlice);
@@ -188,14 +190,14 @@ private:
     const Domain& domain_;
     const double scale_;
     const DiscAround& disc_around_;
-    const bool is_centred_;  ///< discs have the points for centres, and one radius
+    const bool is_centred_;  ///< whether discs are centred at the border points, with one radius
     const double indifference_;
-    double same_ = 0;          ///< distance of all edges, if other discs hardly differ; else 0
-    std::vector<Disc> discs_;  ///< around the corners of a ring
+    double same_ = 0;          ///< common distance of all edges if the discs hardly differ, else 0
+    std::vector<Disc> discs_;  ///< around the corners of the current ring
     std::vector<Reach> reaches_;
 };
 
-/// Polygons about what is too near to pieces of the border, within a box.
+/// Builds polygons around the neighbourhoods of border pieces, clipped to a box.
 class Shapes {
 public:
     Shapes(const Domain& domain, const Box& box) : box_(box) {
@@ -204,10 +206,11 @@ public:
         box_.max = {std::min(box.max.x, all.max.x), std::min(box.max.y, all.max.y)};
     }
 
-    /// One convex polygon each.
+    /// Returns one convex polygon for each added piece.
     std::vector<Area> take() { return std::move(areas_); }
 
-    /// @param is_after  the piece before has been added: so has the corner between
+    /// Adds the neighbourhood of a piece.
+    /// @param is_after  whether the preceding piece, and with it the corner in between, has been added
     void add(const Reach& reach, bool is_after) {
         if (!reach.is_edge) return add_capsule(reach.a, reach.b, reach.distance);
         add_edge(reach.a, reach.b, reach.distance);
@@ -215,29 +218,29 @@ public:
         add_corner_after(reach);
     }
 
-    /// Pieces at the beginning of which one polygon tells what is near to, up to the last corner; at least one. Edges
-    /// all of one direction, or nearly, and so long that the lines beside them keep theirs: each of these, at any
-    /// distance up to the one that is kept, is a graph over that direction, the farther above the nearer, so that none
-    /// crosses another one.
+    /// Returns how many of the first pieces one polygon can represent, up to the last corner; at least 1. Such pieces
+    /// are edges of nearly one direction, long enough that no offset line degenerates. Every offset line, at any
+    /// distance up to the full one, is then a graph over that direction, and greater distances lie above smaller ones,
+    /// so no two lines cross.
     static std::size_t simple_run(std::span<const Reach> pieces) {
         constexpr std::size_t kMost = 256;
         constexpr double kForward = 0.05;  // least cosine
         if (!pieces[0].is_edge) return 1;
         const Point ahead = along(pieces[0]);
-        double room = (1 - kKept) * length(pieces[0].b - pieces[0].a);
+        double available = (1 - kKept) * length(pieces[0].b - pieces[0].a);
         std::size_t run = 1;
         for (; run < std::min(kMost, pieces.size()); ++run) {
             const Reach &last = pieces[run - 1], &next = pieces[run];
             if (!next.is_edge || next.a != last.b || next.distance != last.distance) break;
             const double shorter = shortened(last.b - last.a, next.b - next.a, next.distance);
             const double left = (1 - kKept) * length(next.b - next.a) - shorter;
-            if (dot(along(next), ahead) < kForward || shorter > room || left < 0) break;
-            room = left;
+            if (dot(along(next), ahead) < kForward || shorter > available || left < 0) break;
+            available = left;
         }
         return run;
     }
 
-    /// Adds what is near to a simple run of edges, on their left, between the normals at its ends.
+    /// Adds the neighbourhood of a simple run of edges, on their left, between the normals at its ends.
     void add_run(std::span<const Reach> run) {
         Ring strip;
         for (const Reach& edge : run) strip.push_back(edge.a);
@@ -248,7 +251,7 @@ public:
         add(std::move(strip));
     }
 
-    /// Tells whether the line beside an edge has a length where those of its neighbours begin.
+    /// Whether the offset line of an edge has positive length between those of its neighbours.
     static bool keeps_line(const Reach& edge) {
         const Point along = edge.b - edge.a;
         return shortened(edge.a - edge.before, along, edge.distance) +
@@ -256,8 +259,8 @@ public:
                (1 - kKept) * length(along);
     }
 
-    /// The lines beside the edges of a domain's rings, joined, with arcs; none if an edge is so short that the line
-    /// beside it has no length, or they leave the unit square.
+    /// Returns the offset lines of a domain's rings, joined by arcs; none if an edge is so short that its offset line
+    /// has no length, or if a line leaves the unit square.
     /// @param edges  of all rings
     static std::optional<Area> parallels(std::span<const Ring> rings, std::span<const Reach> edges) {
         Area lines;
@@ -278,7 +281,7 @@ public:
         return lines;
     }
 
-    /// Adds what is near to the corner before an edge.
+    /// Adds the neighbourhood of the corner before an edge.
     void add_corner_before(const Reach& edge) { add_corner(edge.before, edge.a, edge.b, edge); }
     void add_corner_after(const Reach& edge) { add_corner(edge.a, edge.b, edge.after, edge); }
 
@@ -293,7 +296,7 @@ public:
     }
 
 private:
-    static constexpr double kKept = 0.01;  ///< share of its length that a line beside an edge keeps
+    static constexpr double kKept = 0.01;  ///< least share of its length that an offset line must keep
 
     static Point along(const Reach& edge) {
         const Point by = edge.b - edge.a;
@@ -302,7 +305,7 @@ private:
 
     static double turn_between(Point in, Point out) { return std::atan2(cross(in, out), dot(in, out)); }
 
-    /// How much shorter than each of two edges the lines beside them are, at the corner between.
+    /// Returns by how much the corner shortens the offset line of each of its two edges.
     static double shortened(Point in, Point out, double distance) {
         const double turn = turn_between(in, out);
         return turn > 0 ? distance * std::tan(turn / 2) : 0;
@@ -319,7 +322,7 @@ private:
         return {c * p.x - s * p.y, s * p.x + c * p.y};
     }
 
-    /// What is near to a segment: the polygon about two half circles and what is between.
+    /// Adds the neighbourhood of a segment: a polygon around two half discs and the rectangle between them.
     void add_capsule(Point a, Point b, double reach) {
         const Point up = a == b ? Point{0, 1} : normal(a, b);
         const double radius = reach / std::cos(kSlice / 2);
@@ -331,14 +334,14 @@ private:
         add(std::move(capsule));
     }
 
-    /// What is near to an edge, on its left. On its right it bulges: edges of its own that only nearly run along the
+    /// Adds the neighbourhood of an edge, on its left. The polygon bulges on the right: sides that run almost along the
     /// border would cross it many times.
     void add_edge(Point a, Point b, double reach) {
         const Point up = normal(a, b);
         add({a, 0.5 * (a + b) - reach / 8 * up, b, b + reach * up, a + reach * up});
     }
 
-    /// What is too near to a corner that reaches inwards: the polygon about the arc between the normals.
+    /// Adds the neighbourhood of a reflex corner: a polygon around the arc between the two normals.
     void add_corner(Point before, Point corner, Point after, const Reach& edge) {
         const double turn = turn_between(corner - before, after - corner);
         if (turn >= 0) return;
@@ -347,8 +350,8 @@ private:
         add(std::move(fan));
     }
 
-    /// Adds the polygon about the arc around a corner that reaches inwards, from the normal of what is after it to that
-    /// of what is before.
+    /// Appends the polygon around the arc at a reflex corner, from the normal of the following edge to that of the
+    /// preceding edge.
     static void add_arc(Point before, Point corner, Point after, const Reach& edge, double turn, Ring& ring) {
         const double reach = edge.distance;
         const Point first = normal(before, corner), last = normal(corner, after);
@@ -359,7 +362,7 @@ private:
         ring.push_back(corner + reach * first);
     }
 
-    /// Adds what lies between the lines beside two edges of a run: where they cross, or an arc.
+    /// Appends the join of the offset lines of two successive edges: their crossing, or an arc.
     static void add_beside(const Reach& before, const Reach& after, Ring& strip) {
         const double turn = turn_between(along(before), along(after));
         if (turn < 0) return add_arc(before.a, before.b, after.b, before, turn, strip);
@@ -371,7 +374,8 @@ private:
     std::vector<Area> areas_;
 };
 
-/// Joins areas, few at a time, into few: what each of them has inside others is gone before it meets the rest.
+/// Unites areas in groups of few, repeatedly, until few are left. Edges inside a union disappear before it meets the
+/// other areas.
 Result<std::vector<Area>> joined(std::vector<Area> areas, const Domain& domain, const std::stop_token& stop) {
     constexpr std::size_t kTogether = 8;
     while (areas.size() > kTogether) {
@@ -386,9 +390,9 @@ Result<std::vector<Area>> joined(std::vector<Area> areas, const Domain& domain, 
     return areas;
 }
 
-/// A tree of squares over the unit square, each halved until it is known which few pieces of the border matter in it:
-/// whether a place is too near is decided by the nearest alone, so none matters that is farther from all of a square
-/// than another one is.
+/// A quadtree over the unit square. A square is divided until few pieces of the border can matter in it. The nearest
+/// piece alone decides whether a point is too near; so a piece that is farther from the whole square than another one
+/// does not matter there.
 class ReachTree {
 public:
     ReachTree(const Domain& domain, std::vector<Reach> reaches, const std::stop_token& stop)
@@ -400,8 +404,8 @@ public:
         divide(0, kRoot, all);
     }
 
-    /// What is too near, in the squares at least that its border crosses: all of it, if most pieces of the border are
-    /// long and apart, else in each such square what matters there.
+    /// Returns the removed area, at least within the squares that its border crosses. If most pieces of the border are
+    /// long and far apart, the whole area is computed; otherwise the pieces that matter in each square.
     Result<std::vector<Area>> border() const {
         constexpr double kMostWhole = 0.2;
         const auto whole = static_cast<double>(std::ranges::count(counts_whole_, true));
@@ -418,8 +422,8 @@ public:
         return areas;
     }
 
-    /// All of border() but for what its lines enclose that is too near, if these are no more than the lines beside the
-    /// edges, and meet nowhere; else none.
+    /// Returns the offset lines of all edges, if they do not meet and are exactly the new border; else none. The caller
+    /// must drop rings inside the removed area.
     Result<std::optional<Area>> lines() const {
         const auto is_alike = [&](const Reach& piece) {
             return piece.is_edge && piece.distance == reaches_.front().distance;
@@ -435,15 +439,16 @@ public:
             for (const Ring& ring : area) sum += ring.size();
             return sum;
         };
-        // Where lines meet there is a corner more.
+        // Each meeting of lines adds a corner.
         if (!enclosed || enclosed->size() != lines->size() || corners(*enclosed) != corners(*lines))
             return std::nullopt;
         return lines;
     }
 
-    /// The domain without strips; none if these are few, or cross each other often.
+    /// Returns the domain minus strips along its border; none if there are few pieces, or if the strips cross too
+    /// often.
     Result<std::optional<Area>> without_strips() const {
-        constexpr double kMostLost = 0.02;  // where more lines are, strips overlap again and again
+        constexpr double kMostLost = 0.02;  // beyond this share of degenerate lines, strips overlap repeatedly
         const auto is_lost = [](const Reach& piece) { return !piece.is_edge || !Shapes::keeps_line(piece); };
         const auto lost = static_cast<double>(std::ranges::count_if(reaches_, is_lost));
         if (!has_many() || lost > kMostLost * static_cast<double>(reaches_.size())) return std::nullopt;
@@ -455,10 +460,10 @@ public:
         return std::nullopt;
     }
 
-    /// Tells whether a corner of what is left without border() is too near.
+    /// Whether a corner of the result of subtracting border() is too near to the border.
     bool is_too_near(Point p) const {
         constexpr double kRounding = 1e-6,
-                         kRoundings = 2;  // of the distance; resolutions, half of what discs have more
+                         kRoundings = 2;  // relative to the distance; in resolutions, half of the margin of the discs
         std::uint32_t at = 0;
         Cell cell = kRoot;
         while (squares_[at].kind == Kind::Divided) {
@@ -478,7 +483,7 @@ public:
 private:
     struct Cell {
         Point centre;
-        double half = 0;  ///< of its side
+        double half = 0;  ///< half of the side
         double radius() const { return std::numbers::sqrt2 * half; }
         Cell quarter(int i) const {
             const double by = half / 2;
@@ -487,20 +492,21 @@ private:
         Box box() const { return {centre - Point{half, half}, centre + Point{half, half}}; }
     };
     enum class Kind : std::uint8_t {
-        Clear,    ///< nothing of it is too near
-        Near,     ///< all of it is
-        Border,   ///< a few pieces of the border tell
-        Crowded,  ///< more do, but it is so small that all of it may count as too near
-        Divided,  ///< into four
+        Clear,    ///< no point of it is too near
+        Near,     ///< all of it is too near
+        Border,   ///< a few pieces of the border decide
+        Crowded,  ///< more pieces decide, but the square is so small that all of it may count as too near
+        Divided,  ///< divided into four
     };
     struct Square {
         Kind kind = Kind::Clear;
-        std::uint32_t first = 0;  ///< of its quarters, or of its pieces in `members_`
-        std::uint32_t count = 0;  ///< of pieces
+        std::uint32_t first = 0;  ///< first of its quarters, or of its pieces in `members_`
+        std::uint32_t count = 0;  ///< number of pieces
     };
     static constexpr Cell kRoot{{0.5, 0.5}, 0.5};
 
-    /// Tells whether it pays to take pieces together, which rounds corners otherwise than crossings are.
+    /// Whether there are enough pieces for combining them to pay off. Combining rounds corners differently than
+    /// crossings do.
     bool has_many() const {
         constexpr std::size_t kMany = 10'000;
         return reaches_.size() > kMany;
@@ -512,7 +518,7 @@ private:
 
     void divide(std::uint32_t at, const Cell& cell, std::span<const std::uint32_t> candidates) {
         constexpr std::size_t kFew = 12;
-        constexpr double kSure = 1e-3, kLeast = 2e-3;  // of the distance that is kept
+        constexpr double kSure = 1e-3, kLeast = 2e-3;  // relative to the distance
         constexpr double kRounding = 1e-15;
         if (stop_.stop_requested()) return;
         std::vector<double> clearances(candidates.size());
@@ -554,7 +560,7 @@ private:
         Cell cell;
     };
 
-    /// Squares that the border of what is too near may cross.
+    /// Returns the squares that the border of the removed area can cross.
     std::vector<Leaf> leaves() const {
         std::vector<Leaf> found;
         find_leaves({squares_[0], kRoot}, found);
@@ -586,7 +592,7 @@ private:
         return shapes.take();
     }
 
-    /// The same, edges that follow each other taken together where that is simple.
+    /// Builds the neighbourhoods of all pieces, with simple runs of edges combined into strips.
     Result<std::vector<Area>> strips() const {
         Shapes shapes(domain_, domain_.unit_bounds());
         Shapes strips(domain_, domain_.unit_bounds());
@@ -611,11 +617,12 @@ private:
     std::vector<Reach> reaches_;
     std::vector<Square> squares_;
     std::vector<std::uint32_t> members_;  ///< pieces of the border
-    std::vector<bool> counts_whole_;      ///< pieces that few others are near to, somewhere
+    std::vector<bool> counts_whole_;      ///< [pieces] whether few other pieces are near somewhere along it
     std::stop_token stop_;
 };
 
-/// What is left of a domain, and pieces of what is not: the first way that does.
+/// Returns the border of the eroded domain, together with leftover rings inside the removed area, by the first method
+/// that works.
 Result<Area> divided(const Domain& domain, const ReachTree& tree, const std::stop_token& stop) {
     for (const auto way : {&ReachTree::lines, &ReachTree::without_strips}) {
         auto left = (tree.*way)();
@@ -627,7 +634,8 @@ Result<Area> divided(const Domain& domain, const ReachTree& tree, const std::sto
     return difference(domain.rings(), *strip, domain.resolution(), stop, kMore);
 }
 
-/// Without what is too near where the new border runs, the domain falls into what is far enough, and what is not.
+/// Subtracts the neighbourhood of the border where the new border runs. The rest falls into the eroded domain and rings
+/// that are too near, which are dropped.
 Result<Domain> without_strip(const Domain& domain, const DiscAround& disc_around, bool is_centred, double indifference,
                              const std::stop_token& stop) {
     auto reaches = Strip(domain, disc_around, is_centred, indifference).take();
@@ -641,7 +649,7 @@ Result<Domain> without_strip(const Domain& domain, const DiscAround& disc_around
     return domain.within(*std::move(left));
 }
 
-/// Distance of a point from the border, below 0 outside; in the unit frame.
+/// Returns the distance of a point from the border in the unit frame, negative outside.
 double depth(const Domain& domain, Point p) {
     double nearest = 2;
     bool inside = false;
@@ -674,8 +682,8 @@ Result<Domain> inset(const Domain& domain, const DiscAround& disc_around, double
 double largest_clearance(const Domain& domain, const std::stop_token& stop) {
     struct Cell {
         Point centre;
-        double half;   ///< of its side
-        double depth;  ///< of its centre
+        double half;   ///< half of the side
+        double depth;  ///< depth of the centre
         double most() const { return depth + half * std::numbers::sqrt2; }
         bool operator<(const Cell& other) const { return most() < other.most(); }
     };

@@ -14,33 +14,38 @@ struct Disc {
     double radius = 0;
 };
 
-/// What of a domain is at least so far from its border.
+/// Erodes a domain by `distance`.
 ///
-/// @param domain    no torus
+/// @param domain    not a torus
 /// @param distance  > 0, in the domain's coordinates
-/// The unit frame and the bounding box stay what they are. The new border is nowhere nearer than it should be, and
-/// farther by 1 part in 100 at most: arcs around corners are polygons about circles, and coasts that are much finer
-/// than the distance are taken for coarser ones. Errors (Unusable): nothing is left; Stopped. Same input, same bytes.
-/// O(n log n) for all inputs that people draw, however ragged.
 ///
-/// Why not GEOS' buffer of a negative distance: its arcs cut corners, and it drops what of the border is finer than a
-/// hundredth of the distance, either of which leaves points too near.
+/// The unit frame and the bounding box do not change. The new border is at least `distance` from the old one, and at
+/// most 1 % farther: arcs around corners become circumscribed polygons, and borders with detail much finer than the
+/// distance are simplified.
+///
+/// Errors: Unusable if nothing is left; Stopped. Deterministic. O(n log n) for inputs that occur in practice, however
+/// ragged.
+///
+/// Why not GEOS' buffer of a negative distance: its arcs cut corners, and it drops detail of the border that is finer
+/// than a hundredth of the distance. Both leave points too near to the border.
 Result<Domain> inset(const Domain& domain, double distance, const std::stop_token& stop = {});
 
-/// What is too near to a point of the border, in the domain's coordinates; of radius 0 if nothing is. It changes
-/// smoothly along the border.
+/// Returns the disc to be removed around a point of the border, in the domain's coordinates; radius 0 removes nothing.
+/// The disc must vary smoothly along the border.
 using DiscAround = std::function<Disc(Point)>;
 
-/// Erodes a domain by discs around the points of its border; otherwise as above.
-/// @param indifference  distance in the domain's coordinates by which the new border may be farther besides. Of many
-///                      corners discs that differ by less count as equally large, which is far less work
+/// Erodes a domain by discs around the points of its border. Otherwise as the overload above.
+/// @param indifference  distance in the domain's coordinates by which the new border may be farther still. If there are
+///                      many corners and their discs differ by less than this, all discs count as equally large, which
+///                      is far less work.
 Result<Domain> inset(const Domain& domain, const DiscAround& disc_around, double indifference = 0,
                      const std::stop_token& stop = {});
 
-/// The largest distance that a point of a domain has from its border, in the domain's coordinates: one that there is
-/// indeed, and at most 1 part in 100 less than the largest.
-/// @param stop  asked now and then: what was found so far, then
-/// O(n) for each of some hundred places. Source: Garcia-Castellanos, Lombardo, Poles of inaccessibility, Scottish
+/// Returns the largest distance of any point of a domain from its border, in the domain's coordinates. The returned
+/// distance is attained by some point and at most 1 % below the true maximum.
+/// @param stop  polled regularly; a stop returns the best value so far
+///
+/// O(n) for each of some hundred trial points. Source: Garcia-Castellanos, Lombardo, Poles of inaccessibility, Scottish
 /// Geographical Journal 123 (2007); Agafonkin, Polylabel (2016).
 double largest_clearance(const Domain& domain, const std::stop_token& stop = {});
 

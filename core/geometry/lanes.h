@@ -5,8 +5,8 @@
 
 #include "core/geometry/pair.h"
 
-// A function marked so is compiled for processors that handle two pairs as one, whatever the rest is compiled for. It
-// must be called only where has_two_lanes() is true, and all that takes or returns wider vectors must be inlined.
+// Marks a function that is compiled for processors with AVX2, whatever the target of the rest. Call it only if
+// has_two_lanes() is true. Everything that takes or returns vectors of two pairs must be inlined into it.
 #ifdef __x86_64__
 #define CCDT_TWO_LANES __attribute__((target("avx2")))
 #else
@@ -16,7 +16,7 @@
 
 namespace ccdt {
 
-/// Tells whether the processor handles two pairs as one.
+/// Whether the processor handles two pairs in one instruction.
 inline bool has_two_lanes() {
 #ifdef __x86_64__
     static const bool has = __builtin_cpu_supports("avx2") != 0;
@@ -26,7 +26,7 @@ inline bool has_two_lanes() {
 #endif
 }
 
-/// Arithmetic on pairs, as in pair.h, and on numbers that there are one of for each pair: of one thing at a time.
+/// Arithmetic on one pair at a time, as in pair.h, and on one number for each pair.
 struct OneLane {
     static constexpr std::size_t kCount = 1;
     using Pairs = Pair;
@@ -43,12 +43,12 @@ struct OneLane {
     static Numbers sum(Pairs a) { return ccdt::sum(a); }
     static Numbers each(const std::array<double, kCount>& lanes) { return lanes[0]; }
     static double at(Numbers a, std::size_t) { return a; }
-    /// Tells whether any comparison of pairs holds.
+    /// Whether any component of a comparison is true.
     static bool any(decltype(Pairs{} < Pairs{}) found) { return (found[0] | found[1]) != 0; }
 };
 
-/// The same on two things at once: what it computes of each is the same to the bit, as products are rounded before they
-/// are added, whatever the processor could do.
+/// The same arithmetic on two lanes at once. The result of each lane is bit for bit that of OneLane, since products are
+/// always rounded before they are added (no fused multiply-add).
 struct TwoLanes {
     static constexpr std::size_t kCount = 2;
     using Pairs = double __attribute__((vector_size(2 * sizeof(Pair))));

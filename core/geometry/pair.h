@@ -4,7 +4,7 @@
 
 namespace ccdt {
 
-/// Two numbers that the processor handles as one.
+/// Two numbers in one vector register.
 using Pair = double __attribute__((vector_size(16)));
 
 inline Pair load(const Point& p) {

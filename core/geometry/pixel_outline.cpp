@@ -7,7 +7,7 @@
 namespace ccdt {
 namespace {
 
-/// Directions of edges, counter-clockwise; y goes up.
+/// Directions of edges, counter-clockwise, with y upwards.
 enum Direction : std::uint8_t { Right, Up, Left, Down };
 
 constexpr std::array<int, 4> kStepX{1, 0, -1, 0}, kStepY{0, 1, 0, -1};
@@ -16,7 +16,7 @@ Direction turned(Direction direction, int quarters) {
     return static_cast<Direction>((direction + quarters + 4) % 4);
 }
 
-/// Follows edges that have marked pixels on their left and others on their right.
+/// Follows edges with a marked pixel on their left and an unmarked one on their right.
 class Tracer {
 public:
     Tracer(const PixelSet& pixels, const Box& box, std::size_t most)
@@ -26,7 +26,7 @@ public:
     bool execute() {
         for (int y = 0; y < pixels_.height; ++y) {
             for (int x = 0; x < pixels_.width; ++x) {
-                // Each chain has an edge to the right, which is the lower side of a pixel.
+                // Each chain has an edge to the right, along the lower side of a pixel.
                 if (is_edge(x, y, Right) && !seen_[index(x, y)] && !follow(x, y)) return false;
             }
         }
@@ -45,7 +45,7 @@ private:
         return x >= 0 && y >= 0 && x < pixels_.width && y < pixels_.height && pixels_.marked[index(x, y)];
     }
 
-    /// Tells whether an edge of the border begins at a corner of pixels, (x, y) being the lower left one of pixel x, y.
+    /// Whether an edge of the border begins at a pixel corner; (x, y) is the lower left corner of pixel (x, y).
     bool is_edge(int x, int y, Direction direction) const {
         switch (direction) {
             case Right:
@@ -59,7 +59,7 @@ private:
         }
     }
 
-    /// Follows the chain that begins with an edge to the right.
+    /// Follows the chain that begins with an edge to the right at the corner (x, y).
     bool follow(int x, int y) {
         Ring& ring = area_.emplace_back();
         Direction direction = Right;
@@ -68,7 +68,7 @@ private:
             if (direction == Right) seen_[index(x, y)] = true;
             x += kStepX[direction];
             y += kStepY[direction];
-            // To the left first, so as to stay with one pixel where two touch at a corner.
+            // Tries left first, to stay with one pixel where two touch at a corner.
             Direction next = turned(direction, 1);
             while (!is_edge(x, y, next)) next = turned(next, -1);
             if (next == direction) continue;
@@ -91,7 +91,7 @@ private:
     const PixelSet& pixels_;
     const Box& box_;
     std::size_t left_;
-    std::vector<bool> seen_;  ///< [pixels] whose lower sides are edges of chains that were followed
+    std::vector<bool> seen_;  ///< [pixels] whether the lower side is part of a chain already traced
     Area area_;
 };
 

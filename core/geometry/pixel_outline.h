@@ -9,19 +9,21 @@
 
 namespace ccdt {
 
-/// Pixels of a picture, some of which are marked.
+/// The pixels of a picture, some of which are marked.
 struct PixelSet {
     int width = 0;             ///< >= 1
     int height = 0;            ///< >= 1
-    std::vector<bool> marked;  ///< [width * height], the first row at the top
+    std::vector<bool> marked;  ///< [width * height], row by row from the top
 };
 
-/// Traces the border of a set of pixels, stretched over a box: chains of edges along their sides, of which none crosses
-/// itself or another. Where two marked pixels touch at a corner alone, two chains do.
+/// Traces the border of the marked pixels, stretched over a box, as chains of axis-parallel edges. No chain crosses
+/// itself or another. Where two marked pixels touch only at a corner, two chains touch.
 ///
-/// @param most  corners
-/// @returns     none if there are more corners than that
-/// Edges in one line of pixels have one coordinate to the last digit, those along the box that of its side. O(pixels).
+/// @param most  limit on the number of corners
+/// @returns     none if there are more corners
+///
+/// Corners on the same pixel row or column share that coordinate exactly; corners on the box have the box's coordinate.
+/// O(pixels).
 std::optional<Area> outline_of(const PixelSet& pixels, const Box& box, std::size_t most);
 
 }  // namespace ccdt

@@ -22,34 +22,34 @@ inline double dot(Point a, Point b) {
     return a.x * b.x + a.y * b.y;
 }
 
-/// Coordinates of corners below it are taken for 0: far less than points are told apart by.
+/// Coordinates of corners below this value count as 0. It is far below the resolution of points.
 inline constexpr double kLeastCoordinate = 0x1p-100;
 
-/// Added and taken away again, it rounds numbers in [-2, 2) to multiples of 2^-50; their sums are then exact.
+/// Adding and then subtracting this value rounds numbers in [-2, 2) to multiples of 2^-50, whose sums are exact.
 inline constexpr double kSnapping = 6;
 
 inline Point snapped(Point p) {
     return {(p.x + kSnapping) - kSnapping, (p.y + kSnapping) - kSnapping};
 }
 
-/// Whole periods below v; |v| < 2^31.
+/// Rounds v down to a whole number; |v| < 2^31.
 inline double whole(double v) {
     const int truncated = static_cast<int>(v);
     return truncated > v ? truncated - 1 : truncated;
 }
 
-/// The copy of x in [0, period).
+/// Returns the copy of x in [0, period).
 inline double wrapped(double x, double period) {
     const double inside = x - std::floor(x / period) * period;
     return inside < period ? inside : 0;
 }
 
-/// The copy of p in a torus' box.
+/// Returns the copy of p in the box of a torus.
 inline Point wrapped(Point p, Point period) {
     return {wrapped(p.x, period.x), wrapped(p.y, period.y)};
 }
 
-/// An axis-parallel box, closed.
+/// A closed axis-parallel box.
 struct Box {
     Point min;
     Point max;
@@ -57,7 +57,7 @@ struct Box {
     double width() const { return max.x - min.x; }
     double height() const { return max.y - min.y; }
 
-    /// Grows as far as it must to hold a point.
+    /// Grows the box to include a point.
     void include(Point p) {
         min = {std::min(min.x, p.x), std::min(min.y, p.y)};
         max = {std::max(max.x, p.x), std::max(max.y, p.y)};

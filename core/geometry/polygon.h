@@ -6,13 +6,14 @@
 
 namespace ccdt {
 
-/// Corners of a closed chain of segments; the last one is joined to the first.
+/// Corners of a closed chain of segments; the last corner is joined to the first.
 using Ring = std::vector<Point>;
 
-/// Rings that all together enclose, by the even-odd rule, one area; they may meet as they like.
+/// Rings that together enclose an area by the even-odd rule; they may cross, touch and overlap.
 using Area = std::vector<Ring>;
 
-/// A part of a domain as callers give it: rings open or closed (first corner repeated), any orientation.
+/// A part of a domain as callers give it: rings of either orientation, open or closed (first corner repeated at the
+/// end).
 struct PolygonPart {
     Ring outer;
     std::vector<Ring> holes;

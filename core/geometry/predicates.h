@@ -7,7 +7,7 @@
 
 namespace ccdt {
 
-/// Sign of the doubled area of triangle abc, exact: floating point decides where its error bound allows.
+/// Returns the sign of the signed area of triangle abc, exactly. Floating point decides if its error bound allows.
 /// Source of the bounds: Shewchuk, Adaptive Precision Floating-Point Arithmetic, 1997, section 4.
 inline int orientation(Point a, Point b, Point c) {
     constexpr double kBound = 3.3306690738754716e-16;  // (3 + 16 e) e, e = 2^-53
@@ -18,10 +18,10 @@ inline int orientation(Point a, Point b, Point c) {
     return exact_orientation(a, b, c);
 }
 
-/// The in-circle determinant is off by at most this times its permanent: (10 + 96 e) e.
+/// Relative error bound of the in-circle determinant, as a multiple of its permanent: (10 + 96 e) e, e = 2^-53.
 inline constexpr double kInCircleBound = 1.1102230246251577e-15;
 
-/// Tells whether d lies strictly inside the circle through the counter-clockwise triangle abc, exact.
+/// Whether d lies strictly inside the circle through the counter-clockwise triangle abc. Exact.
 inline bool in_circle(Point a, Point b, Point c, Point d) {
     const Point ad = a - d, bd = b - d, cd = c - d;
     const double bc1 = bd.x * cd.y, bc2 = cd.x * bd.y;

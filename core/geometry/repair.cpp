@@ -31,7 +31,7 @@ tl::unexpected<Error> stopped() {
     return failure(ErrorCode::Stopped, "stopped before the polygon was validated");
 }
 
-/// Groups of chains by which an area is told.
+/// Collects chains in groups, for the area that they define together.
 class Groups {
 public:
     void append(const Area& rings, Cover::Kind kind) {
@@ -39,7 +39,7 @@ public:
         kinds_.push_back(kind);
     }
 
-    /// The border of what they cover.
+    /// Returns the border of the area that the groups cover.
     Result<Area> trace(double resolution, const std::stop_token& stop, std::size_t more) {
         chains_.groups = static_cast<std::uint32_t>(kinds_.size());
         const auto map = arrange(chains_, resolution, stop, more);
@@ -95,7 +95,7 @@ Result<std::vector<Ring>> enclosed_together(const std::vector<Ring>& rings, cons
 
 Result<Area> difference(const Area& area, std::span<const Area> others, double resolution, const std::stop_token& stop,
                         std::size_t more) {
-    // The rule for a part and its holes, whose rings may be many each.
+    // An area and those subtracted from it form a part and its holes, of several rings each.
     Groups groups;
     groups.append(area, {0, false});
     for (const Area& other : others) groups.append(other, {0, true});

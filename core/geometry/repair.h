@@ -14,53 +14,59 @@
 
 namespace ccdt {
 
-/// Pieces that crossings of so many corners may make: four each, enough for scribbles, too little to fill the memory.
-/// @param more  for each corner besides
+/// Returns the limit on the pieces that crossings may create: enough for scribbles, and little enough to bound the
+/// memory.
+/// @param more  additional pieces per corner
 constexpr std::size_t most_pieces(std::size_t corners, std::size_t more = 0) {
     return corners / 4 + 200'000 + more * corners;
 }
 
-/// What rings enclose: its border, and what was wrong with the rings.
+/// The border of the area that rings enclose, and the faults of the rings.
 struct Enclosed {
-    /// The inside lies on the left. Rings meet at corners at most; where the inside has several fans in one place, each
-    /// has a corner there of its own.
+    /// The inside lies on the left. Rings meet at corners at most. If the inside has several fans of triangles at one
+    /// place, each fan has its own corner there.
     std::vector<Ring> rings;
     std::vector<Repair> repairs;
 };
 
-/// Finds the area that rings enclose: of each ring what is inside by the even-odd rule, of each part the outer ring's
-/// area without the holes', and all parts together.
+/// Computes the area that rings enclose. A ring encloses its inside by the even-odd rule, a part is its outer ring
+/// minus its holes, and the area is the union of all parts.
 ///
-/// @param rings  in the unit frame; outer ones counter-clockwise and holes clockwise
-/// @param frame  that the corners were taken to it by
-/// @param stop   asked now and then: Error Stopped
-/// Rings that are simple and meet nowhere are returned as they are. Nothing is wrong with rings that are valid by OGC
-/// Simple Features: they, and parts, may touch at points. All others are cut where they meet, as arrange() has it: that
-/// moves edges by rounding errors at the places where they cross and nothing else. What is no thicker than such an
-/// error is told from nothing by no sampling, and is not kept: slivers inside, and gaps between parts.
-/// Errors (Unusable): crossings that make more than most_pieces().
+/// @param rings  in the unit frame; outer rings counter-clockwise, holes clockwise
+/// @param frame  the unit frame of the corners
+/// @param stop   polled regularly; a stop gives the error Stopped
 ///
-/// Same as GEOS' MakeValid by the structure method, which is the better known. Why not GEOS itself: it works in the
-/// caller's coordinates, so that going over to the unit frame would break again what it mended; its overlays snap
-/// vertices together where rounding is in their way; and it cannot be stopped but for the whole process at once. Why
-/// not CGAL's Constrained_triangulation_plus_2: it keeps a list of vertices for each segment, some hundred bytes, to
-/// tell what a few cut ones became.
+/// Simple rings that meet nowhere are returned unchanged. Rings that are valid by OGC Simple Features need no repair;
+/// such rings and parts may touch at points. All others are cut where they meet, see arrange(). That moves edges by
+/// rounding errors near crossings and changes nothing else. Slivers inside, and gaps between parts, that are no thicker
+/// than such an error are indistinguishable from rounding and are dropped.
+///
+/// Errors (Unusable): crossings that create more than most_pieces().
+///
+/// The result equals that of GEOS' MakeValid with the structure method. Why not GEOS itself: it works in the caller's
+/// coordinates, so converting the result to the unit frame would break it again; its overlays snap vertices together
+/// where rounding interferes; and it can be interrupted only for the whole process. Why not CGAL's
+/// Constrained_triangulation_plus_2: it keeps a list of vertices, some hundred bytes, for each segment, although few
+/// are cut.
 Result<Enclosed> enclosed_area(const std::vector<RingInput>& rings, const UnitFrame& frame,
                                const std::stop_token& stop = {});
 
-/// The same for rings that all together enclose, by the even-odd rule, one area; what is wrong is not told.
+/// Computes the area that rings together enclose by the even-odd rule; otherwise as enclosed_area(), without a report
+/// of faults.
 Result<std::vector<Ring>> enclosed_together(const std::vector<Ring>& rings, const UnitFrame& frame,
                                             const std::stop_token& stop = {});
 
-/// The border of what is in an area and in none of others; otherwise as enclosed_area(), and nothing is told.
+/// Subtracts areas from an area and returns the border of the rest; otherwise as enclosed_area(), without a report of
+/// faults.
 /// @param area, others  in the unit frame, within the unit square
-/// @param more          pieces that crossings may make for each corner, beyond most_pieces()
+/// @param resolution    parts of about this thickness or less are dropped
+/// @param more          additional pieces per corner that crossings may create, see most_pieces()
 Result<Area> difference(const Area& area, std::span<const Area> others, double resolution,
                         const std::stop_token& stop = {}, std::size_t more = 0);
 
-/// The border of what is in any of several areas.
-/// @param resolution  what is no thicker than this, about, is nothing
-/// @param more        as above
+/// Returns the border of the union of several areas.
+/// @param resolution  parts of about this thickness or less are dropped
+/// @param more        as in difference()
 Result<Area> united(std::span<const Area> areas, double resolution, const std::stop_token& stop = {},
                     std::size_t more = 0);
 

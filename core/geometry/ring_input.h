@@ -10,27 +10,27 @@
 
 namespace ccdt {
 
-/// A ring on its way into a domain, with the way back to what the caller wrote.
+/// A ring being read into a domain, with references to the caller's input.
 struct RingInput {
     std::size_t part = 0;
     std::size_t ring = 0;             ///< 0 is the outer one
-    Ring corners;                     ///< repeated ones dropped; fewer than three enclose nothing
+    Ring corners;                     ///< without repeated ones; fewer than three enclose nothing
     std::vector<std::size_t> source;  ///< the caller's index of each corner
 
     bool is_hole() const { return ring > 0; }
 
-    /// Drops corners that are equal to the one before.
+    /// Drops corners equal to their predecessor.
     void drop_repeated();
 
-    /// For people: "hole 2 of part 1".
+    /// Name for people: "hole 2 of part 1".
     std::string name() const;
 
-    /// JSON Pointer below the polygon, to the ring or to one of its corners.
+    /// JSON Pointer, relative to the polygon, of the ring or of one of its corners.
     std::string pointer() const;
     std::string pointer(std::size_t corner) const;
 };
 
-/// Rings of all parts in turn, outer ones first.
+/// Lists the rings of all parts in order, each outer ring before its holes.
 /// Errors (Unusable): no part; a coordinate that is not finite.
 Result<std::vector<RingInput>> read_rings(const std::vector<PolygonPart>& parts);
 

@@ -16,7 +16,7 @@ double squared_distance(Point a, Point b, Point p) {
     return dot(off, off);
 }
 
-/// Appends the corners of a chain that are kept, but for its last.
+/// Appends the retained corners of a chain, except its last corner.
 void append_simplified(std::span<const Point> chain, double distance, Ring& kept) {
     double farthest = 0;
     std::size_t split = 0;

@@ -8,10 +8,10 @@
 
 namespace ccdt {
 
-/// The frame in which the longer side of a box is 1 and its lower left corner the origin.
+/// The frame in which the longer side of a box is 1 and the lower left corner is the origin.
 struct UnitFrame {
     Box bounds;        ///< in the caller's coordinates
-    double scale = 1;  ///< caller's units per unit
+    double scale = 1;  ///< caller's units per unit of the frame
 
     static UnitFrame of(const Box& bounds) { return {bounds, std::max(bounds.width(), bounds.height())}; }
 
@@ -21,14 +21,15 @@ struct UnitFrame {
             {std::abs(bounds.min.x), std::abs(bounds.min.y), std::abs(bounds.max.x), std::abs(bounds.max.y)});
     }
 
-    /// Of the box, in the unit frame.
+    /// Size of the box in the unit frame.
     Point unit_size() const { return {bounds.width() / scale, bounds.height() / scale}; }
 
     Point to_user(Point unit) const { return bounds.min + scale * unit; }
 
-    /// Distance by which to_user() may move a point by rounding, in the unit frame.
+    /// Largest distance in the unit frame by which rounding in to_user() moves a point.
     double resolution() const {
-        constexpr double kRoundings = 16;  // of corners on their way in, of products and sums on the way out, with room
+        // Roundings of corners on input, and of products and sums on output, with a margin.
+        constexpr double kRoundings = 16;
         return kRoundings * std::numeric_limits<double>::epsilon() * magnitude() / scale;
     }
 };

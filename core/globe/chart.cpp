@@ -10,25 +10,25 @@ namespace ccdt {
 namespace {
 
 // WGS 84.
-constexpr double kRadius = 6'378'137;  // metres, at the equator
+constexpr double kRadius = 6'378'137;  // equatorial radius in metres
 constexpr double kFlattening = 1 / 298.257223563;
-constexpr double kSquare = kFlattening * (2 - kFlattening);  // of the eccentricity
+constexpr double kSquare = kFlattening * (2 - kFlattening);  // squared eccentricity
 const double kEccentricity = std::sqrt(kSquare);
 
 Direction cross(Direction a, Direction b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Tangent of the conformal latitude, from that of the latitude.
+/// Returns the tangent of the conformal latitude, given that of the geodetic latitude.
 double conformal_tangent(double tangent) {
     const double secant = std::sqrt(1 + tangent * tangent);
     const double sigma = std::sinh(kEccentricity * std::atanh(kEccentricity * tangent / secant));
     return tangent * std::sqrt(1 + sigma * sigma) - sigma * secant;
 }
 
-/// Tangent of the latitude, from that of the conformal one.
+/// Returns the tangent of the geodetic latitude, given that of the conformal latitude.
 double geodetic_tangent(double conformal) {
-    constexpr int kSteps = 3;  // each squares the error, which is 1e-5 at first
+    constexpr int kSteps = 3;  // each step squares the error, which is 1e-5 at first
     double tangent = conformal / (1 - kSquare);
     for (int i = 0; i < kSteps; ++i) {
         const double found = conformal_tangent(tangent);
@@ -38,7 +38,7 @@ double geodetic_tangent(double conformal) {
     return tangent;
 }
 
-/// Tangent of the conformal latitude; that of a pole is finite.
+/// Returns the tangent of the conformal latitude; finite even at a pole.
 double conformal_tangent(Direction direction) {
     constexpr double kLeast = 1e-16;
     return direction.z / std::max(std::hypot(direction.x, direction.y), kLeast);
@@ -72,7 +72,7 @@ Chart::Chart(Direction centre) : centre_(centre) {
 }
 
 Point Chart::to_plane(Direction direction) const {
-    constexpr double kLeast = 1e-12;  // the point opposite the centre comes to lie far out
+    constexpr double kLeast = 1e-12;  // the point opposite the centre maps to a point far out
     const double scale = 2 / std::max(1 + dot(direction, centre_), kLeast);
     return {scale * dot(direction, right_), scale * dot(direction, up_)};
 }

@@ -4,7 +4,7 @@
 
 namespace ccdt {
 
-/// A vector of length 1: a place on the sphere that the ellipsoid is mapped onto.
+/// A unit vector: a point on the sphere onto which the ellipsoid is mapped.
 struct Direction {
     double x = 0;
     double y = 0;
@@ -21,25 +21,26 @@ inline double dot(Direction a, Direction b) {
 
 Direction normalised(Direction v);
 
-/// Maps the WGS 84 ellipsoid onto a sphere of radius 1, conformally: latitudes become conformal ones.
+/// Maps the WGS 84 ellipsoid conformally onto the unit sphere: latitudes become conformal latitudes.
 ///
-/// @param place  longitude, any number of turns, and latitude, in [-90, 90]; degrees. Longitudes that differ by turns
-///               give the same bytes, and so do all of a pole
+/// @param place  longitude, with any number of turns, and latitude in [-90, 90]; degrees. Longitudes that differ by
+///               whole turns give identical bytes, and so do all longitudes of a pole.
+///
 /// Source: Karney, Transverse Mercator with an accuracy of a few nanometers, J. Geodesy 85 (2011), eqs. 7 to 9.
 Direction direction_of(Point place);
 
-/// The inverse, by Newton's method, to the precision of doubles; the longitude is in [-180, 180].
+/// Inverse of direction_of(), by Newton's method, to double precision. The longitude is in [-180, 180].
 /// Source: as above, eqs. 19 to 21.
 Point place_of(Direction direction);
 
-/// A conformal map of the ellipsoid, but for one point, onto a plane: onto the sphere, and from there by stereographic
-/// projection from the point opposite a centre, which comes to lie at the origin. Directions on the ground are those of
-/// the plane, and the ground is as large as `ground()` tells. The plane's unit is the sphere's radius at the centre.
+/// A conformal map of the ellipsoid, except for one point, onto a plane: to the sphere, and from there by stereographic
+/// projection from the point opposite the centre. The centre maps to the origin. Angles in the plane equal those on the
+/// ground, and `ground()` gives the scale of areas. The plane's unit is the sphere's radius at the centre.
 ///
-/// Source: Snyder, Map Projections: A Working Manual, USGS 1395 (1987), pp. 157 to 163; the same as PROJ's
-/// `+proj=stere +ellps=WGS84` but for its unit and a turn. Why not PROJ: it has no closed form of the scale, its
-/// inverse ends at 1e-10 radians, and it would bring curl, GnuTLS, LDAP and Kerberos into the process that computes for
-/// strangers. Tests compare with it.
+/// Source: Snyder, Map Projections: A Working Manual, USGS 1395 (1987), pp. 157 to 163. Equal to PROJ's `+proj=stere
+/// +ellps=WGS84` up to its unit and a rotation. Why not PROJ: it has no closed form of the scale, its inverse is
+/// accurate to 1e-10 radians only, and it would bring curl, GnuTLS, LDAP and Kerberos into the process that computes
+/// for strangers. Tests compare with it.
 class Chart {
 public:
     explicit Chart(Direction centre);
@@ -47,7 +48,7 @@ public:
     Point to_plane(Direction direction) const;
     Direction to_direction(Point plane) const;
 
-    /// Square metres of the ground to a squared unit of the plane, at a point of it.
+    /// Ground area in square metres per squared unit of the plane, at a point of the plane.
     double ground(Point plane) const;
 
     Direction centre() const { return centre_; }

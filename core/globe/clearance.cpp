@@ -13,8 +13,8 @@ namespace ccdt {
 
 namespace {
 
-/// Simplifies a border of very many corners, to a hundredth of the pitch of sites. The distance goes to the error, so
-/// that no site comes nearer to the border. A border with a cut along a circle stays as it is.
+/// Simplifies a border with very many corners, to a hundredth of the pitch of sites. The tolerance is added to the
+/// error, so that no site comes too near to the true border. A border with a cut along a circle is not changed.
 void coarsen(ChartedPart& part, const std::stop_token& stop) {
     constexpr std::size_t kManyCorners = 50'000;
     constexpr double kCoarser = 10, kLargestRadius = 6'399'594;
@@ -35,9 +35,9 @@ void coarsen(ChartedPart& part, const std::stop_token& stop) {
 }  // namespace
 
 Disc disc_on_ground(const Chart& chart, Point place, double metres) {
-    constexpr double kMost = 0.99 * std::numbers::pi;  // from the centre
+    constexpr double kMost = 0.99 * std::numbers::pi;  // angle from the centre
     constexpr double kRoom = 1e-3;
-    constexpr double kVaries = 0.007;  // of metres to a radian, a radian of latitude
+    constexpr double kVaries = 0.007;  // relative change of metres per radian, per radian of latitude
     const double squared = dot(place, place), length = std::sqrt(squared);
     const double radian = std::sqrt(chart.ground(place)) * (1 + squared / 4);
     const double from_centre = 2 * std::atan(length / 2), least = metres / radian;
@@ -49,7 +49,7 @@ Disc disc_on_ground(const Chart& chart, Point place, double metres) {
 }
 
 Result<void> keep_off_border(ChartedPart& part, double buffer, const std::stop_token& stop) {
-    constexpr double kOnSeam = 1e-5;  // the circle's edges are chords; borders are degrees away
+    constexpr double kOnSeam = 1e-5;  // the circle's edges are chords; other borders are degrees away
     if (!(buffer > 0)) return {};
     coarsen(part, stop);
     const double metres = std::max(buffer, kLeastBuffer) + part.error;

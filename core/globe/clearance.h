@@ -10,16 +10,16 @@
 
 namespace ccdt {
 
-/// The disc in the plane of a chart in which all places lie that are nearer to one on the ground than so many metres,
-/// with room of 1 part in 1,000: edges of a charted region are bent only as far, and are swept in steps. Where it would
-/// reach around what is opposite the chart's centre its radius is larger than any plane.
+/// Returns the disc in a chart's plane that contains all points within a distance in metres of a point on the ground.
+/// The disc has a margin of 1 part in 1,000, since edges of a charted region are bent with that accuracy only and are
+/// swept in steps. If the disc would contain the point opposite the chart's centre, its radius is the largest double.
 ///
-/// The conformal sphere is the ground but for a factor that varies by latitude, less than 0.007 a radian. On it what is
-/// nearer than an angle is a disc, and so it is in the plane, with another centre.
+/// The conformal sphere equals the ground up to a factor that varies with latitude by less than 0.007 per radian. A
+/// disc on the sphere is a disc in the plane, with another centre.
 Disc disc_on_ground(const Chart& chart, Point place, double metres);
 
-/// Takes from a part what is nearer to its border than so many metres; a cut is no border. Nothing happens for 0,
-/// and what is less than kLeastBuffer counts as that.
+/// Removes from a part all points within `buffer` metres of its border; a cut does not count as border. Does nothing
+/// for 0; values below kLeastBuffer count as kLeastBuffer.
 /// Errors: Unusable if nothing is left, with the field `buffer`; Stopped.
 Result<void> keep_off_border(ChartedPart& part, double buffer, const std::stop_token& stop = {});
 

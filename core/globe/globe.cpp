@@ -10,16 +10,16 @@
 #include "core/ccdt/start.h"
 #include "core/globe/chart.h"
 #include "core/globe/clearance.h"
+#include "core/globe/inverse_projection.h"
 #include "core/globe/plane_density.h"
 #include "core/globe/region.h"
-#include "core/globe/way_back.h"
 
 namespace ccdt {
 
 namespace {
 
-/// Numbers of sites of the parts, in proportion to their integrals.
-/// @param taken  [parts] places for sites that are taken already, and are not to be shared out
+/// Divides the sites among the parts in proportion to their integrals.
+/// @param taken  [parts] number of sites whose ground fixed points have taken
 std::vector<std::size_t> shared_out(std::size_t sites, const std::vector<PlaneDensity>& densities,
                                     const std::vector<double>& taken) {
     double all = 0, places = static_cast<double>(sites);
@@ -36,31 +36,32 @@ std::vector<std::size_t> shared_out(std::size_t sites, const std::vector<PlaneDe
     return shares;
 }
 
-/// Options of the sites of each part, which get as much ground everywhere: what fixed points leave of a part.
+/// Returns the options of each part, with sites in proportion to the ground that fixed points leave, so that the
+/// density is the same in all parts.
 std::vector<Options> options_of_parts(const std::vector<ChartedPart>& parts, const std::vector<PlaneDensity>& densities,
                                       const Options& options, const std::stop_token& stop) {
-    constexpr int kRounds = 3;  // how much room a point takes depends but little on how many sites come
+    constexpr int kRounds = 3;  // the ground that a point takes depends only weakly on the number of sites
     std::vector<Options> own(parts.size(), options);
     for (std::size_t i = 0; i < parts.size(); ++i) {
         for (Point& p : own[i].fixed) p = parts[i].chart.to_plane(direction_of(p));
     }
     std::vector<double> taken(parts.size(), 0);
-    const bool shares_room = parts.size() > 1 && !options.fixed.empty();
+    const bool shares_ground = parts.size() > 1 && !options.fixed.empty();
     for (int round = 0;; ++round) {
         const auto shares = shared_out(options.sites, densities, taken);
         for (std::size_t i = 0; i < parts.size(); ++i) own[i].sites = shares[i];
-        if (!shares_room || round == kRounds || stop.stop_requested()) return own;
+        if (!shares_ground || round == kRounds || stop.stop_requested()) return own;
         for (std::size_t i = 0; i < parts.size(); ++i) {
             if (!(densities[i].total > 0)) continue;
             Options some = own[i];
             some.sites = std::max<std::size_t>(1, some.sites);
-            const double room = StartSites(parts[i].domain, densities[i].density, some).room().sites;
-            taken[i] = room - static_cast<double>(some.sites);
+            const double in_sites = StartSites(parts[i].domain, densities[i].density, some).fixed_area().sites;
+            taken[i] = in_sites - static_cast<double>(some.sites);
         }
     }
 }
 
-void to_degrees(const Chart& chart, const WayBack& back, Distribution& placed) {
+void to_degrees(const Chart& chart, const InverseProjection& back, Distribution& placed) {
     for (Point& p : placed.points) p = back(chart, p);
     if (!placed.mesh) return;
     std::vector<Point>& vertices = placed.mesh->vertices;
@@ -69,7 +70,7 @@ void to_degrees(const Chart& chart, const WayBack& back, Distribution& placed) {
     for (Point& p : std::span(vertices.begin() + sites, vertices.end())) p = place_of(chart.to_direction(p));
 }
 
-/// Joins two meshes: sites come first in each, and so they do in the whole.
+/// Joins two meshes. In each of them, and in the result, sites come first.
 TriangleMesh joined(TriangleMesh a, std::size_t a_sites, const TriangleMesh& b, std::size_t b_sites) {
     const auto a_size = static_cast<std::uint32_t>(a.vertices.size());
     const auto from_a = [&](std::uint32_t v) { return v < a_sites ? v : v + static_cast<std::uint32_t>(b_sites); };
@@ -128,7 +129,7 @@ Result<GlobeDistribution> distribute_on_globe(const Domain& region, const Densit
         ground += bare->total;
     }
     const auto own = options_of_parts(*parts, densities, options, control.stop);
-    const WayBack back(degrees);
+    const InverseProjection back(degrees);
     std::optional<Distribution> all;
     for (std::size_t i = 0; i < parts->size(); ++i) {
         if (own[i].sites == 0) continue;

@@ -26,7 +26,7 @@ Inside::Inside(const std::vector<Ring>& rings) {
     }
     west_ = box.min.x;
     extent_ = std::max(box.width(), box.height());
-    // As many columns as there may be, if each edge is in four of them on the average.
+    // The largest number of columns for which an edge lies in four columns on average.
     constexpr double kEach = 4;
     double widths = 0;
     for (const Edge& edge : edges_) widths += std::abs(edge.b.x - edge.a.x);
@@ -78,7 +78,7 @@ Point Inside::nearest(Point p, double stretch) const {
         const double found = distance(there);
         const double length = std::sqrt(dot(b - a, b - a));
         const Point normal{(a.y - b.y) / length, (b.x - a.x) / length};
-        // At a corner both of its edges are as near: their normals add up.
+        // At a corner both edges are equally near, so their normals are added.
         if (found == least && there == foot) inward = inward + normal;
         if (found >= least) continue;
         least = found;

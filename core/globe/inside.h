@@ -9,18 +9,19 @@
 
 namespace ccdt {
 
-/// Tells what lies inside rings that do not cross, and takes there what lies just outside.
+/// Tests whether points lie inside rings that do not cross, and moves points just outside to the inside.
 class Inside {
 public:
-    /// @param rings  the inside on their left
+    /// @param rings  with the inside on their left
     explicit Inside(const std::vector<Ring>& rings);
 
-    /// O(edges above and below).
+    /// Whether a point lies inside. O(edges above and below).
     bool contains(Point p) const;
 
-    /// The nearest place inside, by a nudge of 1e-12 to 1e-3 of the rings' extent that is as small as does; p itself
-    /// if it is inside already, or if no nudge does. O(edges) for points outside.
-    /// @param stretch  of distances along x over those along y
+    /// Returns the nearest position inside, moved inwards by the least sufficient distance of 1e-12 to 1e-3 of the
+    /// rings' extent. Returns p itself if it is inside already, or if no such move suffices. O(edges) for points
+    /// outside.
+    /// @param stretch  scale of distances along x relative to those along y
     Point nearest(Point p, double stretch) const;
 
 private:
@@ -31,7 +32,7 @@ private:
     std::size_t column_of(double x) const;
 
     std::vector<Edge> edges_;
-    std::vector<std::size_t> first_;  ///< of each column's edges in `members_` [columns + 1]
+    std::vector<std::size_t> first_;  ///< [columns + 1] first entry of each column's edges in `members_`
     std::vector<std::uint32_t> members_;
     double west_ = 0, column_width_ = 1, extent_ = 0;
 };

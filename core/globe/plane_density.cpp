@@ -14,33 +14,33 @@ namespace ccdt {
 
 namespace {
 
-/// A grid of the values of a function at the middle of its cells, stretched over a box.
+/// A grid of the values of a function at the centres of cells, stretched over a box.
 struct Raster {
     int columns = 0;
     int rows = 0;
     std::vector<double> values;
 };
 
-/// Cells along the longer side of a part's box: as many as make the ground's steps from cell to cell small, but not
-/// many more than there are sites along it.
+/// Returns the number of cells along the longer side of a part's box. It is large enough that the scale of ground
+/// changes little between cells, but bounded by the number of sites along the side.
 int cells_for_ground(const Box& box, std::size_t sites) {
     constexpr double kStep = 0.005, kPerSite = 8, kLeast = 16, kFew = 256, kMost = 1'024;
     const double most = std::clamp(kPerSite * std::sqrt(static_cast<double>(sites)), kFew, kMost);
     const Point corner{std::max(std::abs(box.min.x), std::abs(box.max.x)),
                        std::max(std::abs(box.min.y), std::abs(box.max.y))};
     const double farthest = std::min(std::sqrt(dot(corner, corner)), 2.0);
-    const double slope = farthest / (1 + farthest * farthest / 4);  // of the scale's logarithm, twice
+    const double slope = farthest / (1 + farthest * farthest / 4);  // twice the slope of the scale's logarithm
     return static_cast<int>(std::clamp(std::max(box.width(), box.height()) * slope / kStep, kLeast, most));
 }
 
-/// Reads a density where a place in degrees is.
+/// Reads a density at positions in degrees.
 class Wanted {
 public:
     Wanted(const Domain& degrees, const Density& density) : box_(degrees.bounds()), density_(density) {}
 
     double operator()(Point place) const {
-        place.x += shift_to(place.x, box_.min.x);
-        // What lies west of the box, by less than lies between it and its own east, belongs to its west side.
+        place.x += longitude_wrap_offset(place.x, box_.min.x);
+        // A position slightly west of the box belongs to its west side, if it is nearer to that than to the east side.
         if (place.x - box_.max.x > (kTurn - box_.width()) / 2) place.x -= kTurn;
         const auto index = [](double share, int cells) {
             return std::clamp(static_cast<int>(std::clamp(share, 0.0, 1.0) * cells), 0, cells - 1);
@@ -81,7 +81,7 @@ Raster draw(const ChartedPart& part, const Domain& degrees, const Density& densi
 
 Result<PlaneDensity> plane_density(const ChartedPart& part, const Domain& degrees, const Density& density,
                                    std::size_t sites, const std::stop_token& stop) {
-    constexpr double kEven = 1.002;  // of what varies less the uneven share is below a thousandth
+    constexpr double kEven = 1.002;  // for less variation, the deviation from an even density is below a thousandth
     const Raster raster = draw(part, degrees, density, sites, stop);
     if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before the density was made");
     const auto [least, most] = std::ranges::minmax(raster.values);

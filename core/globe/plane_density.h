@@ -10,18 +10,19 @@
 
 namespace ccdt {
 
-/// Density in the plane of a chart.
+/// A density in the plane of a chart.
 struct PlaneDensity {
     Density density;   ///< stretched over the part's bounding box
-    double total = 0;  ///< integral over the part: of the ground, in square metres, times what the ground wants
+    double total = 0;  ///< integral over the part of the wanted density, in square metres of ground
 };
 
-/// Makes the density in the plane that is even on the ground, or as the ground wants it.
+/// Computes the density in the plane that corresponds to the wanted density on the ground, which may be uniform.
 ///
 /// @param degrees  the region, in one turn
 /// @param density  stretched over the region's bounding box
-/// @param sites    that there will be: more of them make it finer
-/// Errors: Unusable if it is zero all over; Stopped.
+/// @param sites    number of sites to be distributed; more sites give a finer grid
+///
+/// Errors: Unusable if the density is zero everywhere; Stopped.
 Result<PlaneDensity> plane_density(const ChartedPart& part, const Domain& degrees, const Density& density,
                                    std::size_t sites, const std::stop_token& stop = {});
 

@@ -13,13 +13,13 @@ namespace ccdt {
 
 namespace {
 
-/// Least radius of curvature of the ellipsoid, metres.
+/// Least radius of curvature of the ellipsoid, in metres.
 constexpr double kLeastRadius = 6'335'439;
 
-/// Degrees that coordinates at the ends of their ranges may be off by: ten micrometres.
+/// Tolerance in degrees of coordinates at the ends of their ranges: ten micrometres.
 constexpr double kClose = 1e-10;
-constexpr double kTolerance = 1e-3;  ///< to which edges are straight on a chart, over the pitch of sites
-constexpr double kBentTo = 4'000;    ///< the buffer over the distance to which edges are bent
+constexpr double kTolerance = 1e-3;  ///< tolerance of edges on a chart, relative to the pitch of sites
+constexpr double kBentTo = 4'000;    ///< ratio of the buffer to the tolerance of edges
 
 Result<void> check_positions(const Ring& ring, const std::string& pointer) {
     constexpr double kFarthest = 540;
@@ -34,7 +34,7 @@ Result<void> check_positions(const Ring& ring, const std::string& pointer) {
     return {};
 }
 
-/// Tells whether a ring jumps from one side of a map to the other. One that does so has no edges all around.
+/// Whether a ring jumps from one side of a map to the other. Such a ring has no edges all around the globe.
 bool jumps(const Ring& ring) {
     for (std::size_t i = 0; i < ring.size(); ++i) {
         const double jump = std::abs(ring[(i + 1) % ring.size()].x - ring[i].x);
@@ -43,7 +43,7 @@ bool jumps(const Ring& ring) {
     return false;
 }
 
-/// Removes the jumps of a ring, and closes one that goes around a pole.
+/// Removes the jumps of a ring, and closes it along the pole if it goes around one.
 void unroll(Ring& ring) {
     if (!jumps(ring)) return;
     double shift = 0, latitudes = 0;
@@ -67,13 +67,14 @@ void unroll(Ring& ring) {
     ring.push_back({first, pole});
 }
 
-/// Whether a ring that was closed goes around a pole.
+/// Whether a closed ring goes around a pole.
 bool goes_around(const Ring& ring) {
     return ring.size() > 2 && std::abs(ring.back().y) == 90 && ring.back().y == ring[ring.size() - 2].y &&
            std::abs(ring.back().x - ring[ring.size() - 2].x) >= kTurn;
 }
 
-/// Exchanges rings around one pole whose hole is the larger: on the globe they enclose the same either way.
+/// Swaps an outer ring and a hole around the same pole if the hole is larger. On the globe they enclose the same area
+/// either way.
 void put_larger_outside(PolygonPart& part) {
     if (!goes_around(part.outer)) return;
     const auto reach = [](const Ring& ring) {
@@ -87,20 +88,21 @@ void put_larger_outside(PolygonPart& part) {
     }
 }
 
-/// Brings a hole to the turn of the globe in which its outer ring is, if it is in another.
+/// Shifts a hole to the turn of the globe of its outer ring.
 void follow(const Ring& outer, Ring& hole) {
     if (outer.empty() || hole.empty()) return;
     const auto by_longitude = [](Point a, Point b) { return a.x < b.x; };
     const auto [west, east] = std::ranges::minmax(outer, by_longitude);
     const auto [least, most] = std::ranges::minmax(hole, by_longitude);
     if (least.x <= east.x && most.x >= west.x) return;
-    const double shift = shift_to(least.x, west.x);
+    const double shift = longitude_wrap_offset(least.x, west.x);
     for (Point& p : hole) p.x += shift;
 }
 
-/// The part of a ring on one side of a meridian, with edges along it.
+/// Clips a ring to one side of a meridian, with edges along it.
+/// @param sign  1: keeps the part east of it; -1: west
+///
 /// Source: Sutherland and Hodgman, Reentrant polygon clipping, CACM 17 (1974).
-/// @param sign  1: what lies east of it; -1: west
 Ring cut(const Ring& ring, double meridian, double sign) {
     Ring kept;
     for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -113,24 +115,24 @@ Ring cut(const Ring& ring, double meridian, double sign) {
     return kept;
 }
 
-/// A place far from all border, and whether it is in the region.
+/// A point far from all border, and whether it is in the region.
 struct Far {
     Direction direction;
-    double distance = 0;  ///< radians on the sphere
+    double distance = 0;  ///< angle on the sphere, in radians
     bool is_inside = false;
 };
 
-/// Lays a region in degrees onto charts.
+/// Projects a region in degrees onto charts.
 class Charting {
 public:
     Charting(const Domain& degrees, std::size_t sites, double buffer, const std::stop_token& stop);
 
     Result<std::vector<ChartedPart>> execute();
 
-    /// Distance of sites, on the sphere.
+    /// Mean spacing of sites, on the sphere.
     double pitch() const;
 
-    /// Lays the region onto a chart that is there already.
+    /// Projects the region onto an existing chart.
     Result<Domain> lay_on(const Chart& chart, double pitch);
 
 private:
@@ -165,16 +167,16 @@ private:
 
     const std::stop_token& stop_;
     const double sites_;
-    const double buffer_;      ///< radians
-    std::vector<Ring> rings_;  ///< degrees, the inside on the left
+    const double buffer_;      ///< in radians
+    std::vector<Ring> rings_;  ///< in degrees, with the inside on the left
     double west_ = 0, east_ = 0;
-    bool closes_ = false;            ///< east and west are one meridian
-    std::vector<double> seam_;       ///< latitudes of corners on it
-    std::vector<int> seam_sides_;    ///< of each piece between two of them, how many times it is an edge
+    bool closes_ = false;            ///< whether the east and west sides are the same meridian
+    std::vector<double> seam_;       ///< latitudes of corners on the seam
+    std::vector<int> seam_sides_;    ///< for each piece of the seam between two corners, how often it is an edge
     std::vector<Direction> border_;  ///< points on all edges, at most `step_` apart
-    double step_ = 0;                ///< radians
-    std::size_t stride_ = 1;         ///< of those that are looked at in a search
-    double coarsest_ = 0;            ///< largest distance of bent edges from straight ones, radians on the ground
+    double step_ = 0;                ///< in radians
+    std::size_t stride_ = 1;         ///< stride of the points used in a search
+    double coarsest_ = 0;            ///< largest tolerance of edges, in radians on the ground
 };
 
 Charting::Charting(const Domain& degrees, std::size_t sites, double buffer, const std::stop_token& stop)
@@ -197,7 +199,7 @@ Charting::Charting(const Domain& degrees, std::size_t sites, double buffer, cons
     if (closes_) east_ = west_ + kTurn;
 }
 
-/// Calls `visit(piece, from, to)` for the pieces of an edge of the seam, in their order.
+/// Calls `visit(piece, from, to)` for the pieces of an edge on the seam, in order.
 template <class Visit>
 void Charting::for_pieces_of_seam(Point a, Point b, Visit visit) const {
     const auto index = [&](double latitude) {
@@ -244,7 +246,7 @@ void Charting::sample_border() {
 
 bool Charting::contains(Direction direction) const {
     Point place = place_of(direction);
-    place.x += shift_to(place.x, west_);
+    place.x += longitude_wrap_offset(place.x, west_);
     bool inside = false;
     for_edges([&](Point a, Point b) {
         if ((a.x <= place.x) == (b.x <= place.x)) return;
@@ -259,7 +261,7 @@ double Charting::distance_to_border(Direction direction) const {
     return std::acos(std::clamp(nearest, -1.0, 1.0));
 }
 
-/// Goes from a place to one near by that is farther from all border.
+/// Moves a point to the local maximum of the distance from all border.
 void Charting::improve(Far& far) const {
     constexpr double kFirst = 0.1, kLast = 1e-4, kGain = 1e-9;
     for (double step = kFirst; step > kLast;) {
@@ -277,10 +279,10 @@ void Charting::improve(Far& far) const {
     }
 }
 
-/// Finds the place farthest from all border; outside the region if there is one that is far enough.
+/// Finds the point farthest from all border; outside the region if one there is far enough.
 Far Charting::far_from_border() const {
     constexpr int kTried = 2'000;
-    constexpr double kFree = 5 * kDegree;  // a cap that makes the scale vary by 525
+    constexpr double kFree = 5 * kDegree;  // a cap of this size makes the scale vary by a factor of 525
     const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
     Far outside, inside{{0, 0, 0}, 0, true};
     for (int i = 0; i < kTried; ++i) {
@@ -297,9 +299,9 @@ Far Charting::far_from_border() const {
     return outside.distance >= std::min(kFree, inside.distance) ? outside : inside;
 }
 
-/// The chart of a region that is small against the globe; none of others.
+/// Returns the chart of a region that is small relative to the globe; none for other regions.
 std::optional<Chart> Charting::simple_chart() const {
-    constexpr double kMost = 0.5;  // cosine of the distance
+    constexpr double kMost = 0.5;  // cosine of the largest distance
     Direction sum{0, 0, 0};
     for (const Direction& each : border_) sum = sum + each;
     if (dot(sum, sum) < 1e-6) return std::nullopt;
@@ -316,7 +318,7 @@ double Charting::pitch() const {
     return std::sqrt(std::max(area, kLeast) / sites_);
 }
 
-/// How far an edge is from straight on a chart, on the ground.
+/// Returns the deviation of an edge from a straight line on a chart, as a distance on the ground.
 double Charting::deviation(const Chart& chart, Point a, Point b) const {
     const Point from = chart.to_plane(direction_of(a)), along = chart.to_plane(direction_of(b)) - from;
     double most = 0;
@@ -328,7 +330,7 @@ double Charting::deviation(const Chart& chart, Point a, Point b) const {
     return most;
 }
 
-/// Calls `visit(from, to)` for the pieces of an edge that are at most four degrees long, in their order.
+/// Calls `visit(from, to)` for pieces of an edge that are at most four degrees long, in order.
 template <class Visit>
 void Charting::for_chunks(Point a, Point b, Visit visit) {
     constexpr double kLong = 4;
@@ -338,13 +340,13 @@ void Charting::for_chunks(Point a, Point b, Visit visit) {
         visit(a + static_cast<double>(i) / pieces * along, i + 1 == pieces ? b : a + (i + 1.0) / pieces * along);
 }
 
-/// Tells whether an edge is straight to within a tolerance on any chart.
+/// Whether an edge is straight to within a tolerance on any chart.
 bool is_straight(Point a, Point b, double tolerance) {
     const Point along = b - a;
     return dot(along, along) * kDegree * kDegree < tolerance;
 }
 
-/// Calls `visit(a, b)` for all edges that are bent on a chart.
+/// Calls `visit(a, b)` for all edges that are curved on a chart.
 template <class Visit>
 void Charting::for_bent_edges(Visit visit) const {
     for_edges([&](Point a, Point b) {
@@ -356,13 +358,13 @@ void Charting::for_bent_edges(Visit visit) const {
     });
 }
 
-/// Returns the distance to which edges are bent on a chart, radians on the ground. A small buffer asks for a fine one;
-/// the number of pieces that it may take is limited.
+/// Returns the tolerance for edges on a chart, in radians on the ground. A small buffer asks for a fine tolerance, but
+/// the number of pieces is limited.
 double Charting::tolerance(const Chart& chart) const {
     constexpr double kMostPieces = 10'000;
     const double wanted = buffer_ / kBentTo;
     if (buffer_ == 0 || wanted >= coarsest_) return coarsest_;
-    double pieces = 0;  // over the square root of the tolerance
+    double pieces = 0;  // pieces times the square root of the tolerance
     for_bent_edges([&](Point a, Point b) {
         if (is_straight(a, b, wanted)) return;
         for_chunks(a, b, [&](Point from, Point to) { pieces += std::sqrt(deviation(chart, from, to)); });
@@ -371,13 +373,13 @@ double Charting::tolerance(const Chart& chart) const {
     return std::clamp(root * root, wanted, coarsest_);
 }
 
-/// Returns the distance in metres by which edges may be off, unless it is next to nothing against the buffer.
+/// Returns the deviation of edges in metres, or 0 if it is negligible relative to the buffer.
 double Charting::error(double tolerance) const {
     constexpr double kLargestRadius = 6'399'594;
     return buffer_ > 0 && tolerance > buffer_ / kBentTo ? tolerance * kLargestRadius : 0;
 }
 
-/// Appends an edge, but for its end, bent as it is on a chart.
+/// Appends an edge without its end, approximated on a chart.
 void Charting::lay(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const {
     constexpr double kMostPieces = 1'000;
     for_chunks(a, b, [&](Point from, Point to) {
@@ -390,7 +392,7 @@ void Charting::lay(const Chart& chart, double tolerance, Point a, Point b, Ring&
     });
 }
 
-/// Rings in the plane of a chart. What the seam has on both sides runs there and back.
+/// Returns the rings in the plane of a chart. Pieces of the seam that are edges on both sides run back and forth.
 std::vector<Ring> Charting::lay_all(const Chart& chart, double tolerance) const {
     std::vector<Ring> planes;
     for (const Ring& ring : rings_) {
@@ -421,12 +423,12 @@ Result<std::vector<ChartedPart>> Charting::on_one_chart(const Chart& chart) cons
     return parts;
 }
 
-/// Radius in a chart's plane of the circle that is so many radians from its centre.
+/// Returns the radius in a chart's plane of the circle at an angle in radians from its centre.
 double radius_of(double angle) {
     return 2 * std::tan(angle / 2);
 }
 
-/// Corners of a circle around a chart's centre.
+/// Returns the corners of a circle around a chart's centre.
 Ring circle(double angle) {
     constexpr int kCorners = 1'440;
     const double radius = radius_of(angle);
@@ -447,7 +449,7 @@ Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
                        "the polygon is strewn over all of the globe: no place is some degrees from its border");
     }
     const Chart chart(-far.direction), opposite(far.direction);
-    // Seen from the centre the circle encloses all but what lies in it, which the rings leave open.
+    // Seen from the centre, the circle encloses everything except the hole that the second part fills.
     const double tolerance = this->tolerance(chart);
     std::vector<Ring> rings = lay_all(chart, tolerance);
     rings.push_back(circle(std::numbers::pi - angle));
@@ -467,7 +469,7 @@ Result<Domain> Charting::lay_on(const Chart& chart, double pitch) {
 }
 
 Result<std::vector<ChartedPart>> Charting::execute() {
-    constexpr double kLeastExtent = 1e-7;  // degrees: a centimetre
+    constexpr double kLeastExtent = 1e-7;  // in degrees: a centimetre
     find_seam();
     sample_border();
     if (stop_.stop_requested()) return failure(ErrorCode::Stopped, "stopped before the polygon was charted");

@@ -11,53 +11,59 @@
 
 namespace ccdt {
 
-/// Rewrites polygons on the globe so that in degrees, too, each ring is closed and runs on without a jump: an edge that
-/// spans more than 180 and less than 360 degrees of longitude is taken to go the other way round; a ring that goes
-/// around a pole gets an edge along it, that of the pole which most of it is nearer to; and holes come to their outer
-/// ring's turn of the globe. In a ring with such edges one of 360 degrees is none. Rings keep their corners' indices.
+/// Rewrites polygons on the globe so that in degrees each ring is closed and has no jumps. An edge that spans more than
+/// 180 and less than 360 degrees of longitude is taken the other way round. A ring that goes around a pole gets an edge
+/// along the pole nearer to most of it. Holes are shifted to the turn of their outer ring. In a ring with such edges,
+/// an edge of 360 degrees counts as none. Indices of corners are preserved.
 ///
 /// @param parts  positions in longitude and latitude, degrees
-/// Errors (Unusable): a longitude beyond 540, or a latitude beyond 90, to either side, or no number; `field` is that of
-/// Domain::create.
+///
+/// Errors (Unusable): a longitude outside [-540, 540], a latitude outside [-90, 90], or a value that is not a number;
+/// `field` as in Domain::create.
 Result<std::vector<PolygonPart>> unrolled(std::vector<PolygonPart> parts);
 
-/// Brings a region whose longitudes span more than 360 degrees into [-180, 180]: what lies beyond is cut off and comes
-/// in again on the other side. Other regions stay as they are. Errors: those of Domain::enclosed_by.
+/// Wraps a region whose longitudes span more than 360 degrees into [-180, 180]: parts beyond are cut off and shifted by
+/// whole turns. Other regions are returned unchanged. Errors: those of Domain::enclosed_by.
 Result<Domain> in_one_turn(const Domain& degrees, const std::stop_token& stop = {});
 
-/// The least distance that is kept from a border, if any is: less is hardly told from the rounding of degrees. Metres.
+/// Least positive distance kept from a border, in metres. Smaller ones are close to the rounding of degrees.
 inline constexpr double kLeastBuffer = 1e-5;
 
-/// A part of a region of the globe, on a chart of its own.
+/// A part of a region of the globe, on its own chart.
 struct ChartedPart {
     Chart chart;
-    Domain domain;            ///< in the chart's plane
-    double seam = 0;          ///< radius of the circle around the origin along which the region was cut; 0: it was not
-    double error = 0;         ///< metres on the ground by which edges may be off, if that is much against the buffer
-    double indifference = 0;  ///< distance in the plane that sites with a buffer do not show
+    Domain domain;  ///< in the chart's plane
+    /// Radius of the circle around the origin along which the region was cut; 0 if it was not.
+    double seam = 0;
+    /// Deviation of edges in metres on the ground, if not negligible relative to the buffer; else 0.
+    double error = 0;
+    double indifference = 0;  ///< distance in the plane that is invisible in sites with a buffer
 };
 
-/// Lays a region of the globe onto charts: on one if a cap of some degrees is free of it, with the centre opposite the
-/// largest such cap, so that scales vary as little as they can. What covers the globe otherwise is cut along a circle:
-/// the second part is what lies inside.
+/// Projects a region of the globe onto charts. If a cap of some degrees is free of the region, one chart suffices; its
+/// centre is opposite the largest such cap, which minimises the variation of scale. Any other region is cut along a
+/// circle, and the second part is the inside of the circle.
 ///
-/// @param degrees  the region in longitude and latitude, in one turn; its edges are straight there (RFC 7946, section
-///                 3.1.1). Where it reaches around the globe, west and east meet, and what they share is no border
-/// @param sites    that it will have: edges are bent in the plane as far as may matter to these, to a thousandth of
-///                 their pitch
-/// @param buffer   distance in metres that these will keep from the border; 0 if there is none. Edges are bent to a
-///                 4,000th of it, or as closely as 10,000 pieces allow (see ChartedPart::error). None is as near to a
-///                 cut
-/// Errors (Unusable): extents below a centimetre; what is strewn so closely over all of the globe that no cap is free
-/// of its border; Stopped. Same input, same bytes.
+/// @param degrees  the region in longitude and latitude, in one turn; its edges are straight lines there (RFC 7946,
+///                 section 3.1.1). If it spans the whole globe, its west and east sides are joined, and what they share
+///                 is no border.
+/// @param sites    number of sites to be distributed; edges are approximated in the plane to a thousandth of their
+///                 pitch
+/// @param buffer   distance in metres that sites will keep from the border; 0 if none. Edges are approximated to a
+///                 4,000th of it, or as closely as 10,000 pieces allow (see ChartedPart::error). A cut keeps more than
+///                 this distance from the border.
+///
+/// Errors: Unusable for an extent below a centimetre, or for a region scattered so densely over the globe that no cap
+/// is free of its border; Stopped. Deterministic.
 Result<std::vector<ChartedPart>> chart_region(const Domain& degrees, std::size_t sites, double buffer = 0,
                                               const std::stop_token& stop = {});
 
-/// Distance that so many sites have in a region, in one turn of the globe: on the sphere of a chart.
+/// Returns the mean spacing of sites in a region in one turn of the globe, on the sphere of a chart.
 double ground_pitch(const Domain& degrees, std::size_t sites);
 
-/// Lays another region, in one turn, onto a chart, which must reach it. Edges are bent as chart_region() has it.
-/// @param pitch  of the sites, on the chart's sphere
+/// Projects another region, in one turn, onto a chart, which must cover it. Edges are approximated as in
+/// chart_region().
+/// @param pitch  spacing of the sites, on the chart's sphere
 Result<Domain> lay_on_chart(const Chart& chart, const Domain& degrees, double pitch, const std::stop_token& stop = {});
 
 }  // namespace ccdt

@@ -5,12 +5,11 @@
 
 namespace ccdt {
 
-inline constexpr double kTurn = 360;                       ///< degrees of longitude around the globe
-inline constexpr double kDegree = std::numbers::pi / 180;  ///< radians
+inline constexpr double kTurn = 360;                       ///< one turn around the globe, in degrees of longitude
+inline constexpr double kDegree = std::numbers::pi / 180;  ///< in radians
 
-/// Turns, in degrees, that bring a longitude to the first place at or east of another one where it is the same
-/// meridian.
-inline double shift_to(double longitude, double least) {
+/// Returns the multiple of 360 degrees that shifts a longitude to its first equivalent at or east of `least`.
+inline double longitude_wrap_offset(double longitude, double least) {
     return kTurn * std::ceil((least - longitude) / kTurn);
 }
 

@@ -8,11 +8,11 @@
 
 namespace ccdt {
 
-/// Lists those half-edges of the triangles [begin, end) that count, in ascending order. Whether one does is often as
-/// good as random, as which half of an edge has the smaller number: there is no branch, which would be mispredicted.
+/// Lists the half-edges of the triangles [begin, end) for which `counts` is true, in ascending order. The loop is
+/// branchless, because the outcome is almost random and a branch would be mispredicted.
 /// @param edges   out, at least [3 * (end - begin)]
-/// @param counts  called with each half-edge and its twin, or kNone, the largest number; returns 0 or 1, or a bool
-/// @returns       how many there are
+/// @param counts  called with each half-edge and its twin, or kNone (the largest number); returns 0 or 1, or a bool
+/// @returns       number of half-edges listed
 template <class Counts>
 std::size_t list_edges(const Triangulation& mesh, std::size_t begin, std::size_t end, std::span<std::uint32_t> edges,
                        Counts&& counts) {

@@ -7,10 +7,10 @@
 
 namespace ccdt {
 
-/// Lists sites that are numbered along a space-filling curve in the order in which they are best inserted: coarse to
-/// fine, as points far apart first keep the triangles round, and neighbours in turn keep walks short.
+/// Lists sites that are numbered along a space-filling curve in the best order of insertion: coarse to fine. Points far
+/// apart first keep the triangles round, and successive neighbours keep point-location walks short.
 /// @param visit  called with the sites of each step, in ascending order; returns false to end
-/// @returns      false if it was ended
+/// @returns      false if `visit` ended the enumeration
 template <class Visit>
 bool for_insertion_steps(std::size_t sites, Visit&& visit) {
     std::vector<std::uint32_t> step;

@@ -8,14 +8,14 @@
 
 namespace ccdt {
 
-/// Divides sites that are numbered along a space-filling curve into blocks of neighbours, and blocks, up to four at a
-/// time, into larger ones, level by level, until one is left. What touches no site but those of one block can be done
-/// at the same time as what touches those of another one of its level. A function of the number of sites alone.
+/// Divides sites that are numbered along a space-filling curve into blocks of neighbours. Level by level, up to four
+/// blocks are joined into a larger one, until one is left. Operations that touch only the sites of one block can run in
+/// parallel with those of other blocks of the same level. The blocks depend on the number of sites alone.
 class SiteBlocks {
 public:
-    static constexpr std::size_t kFewest = 2048;  ///< sites of a block, unless there are fewer
+    static constexpr std::size_t kFewest = 2048;  ///< sites of a block, unless there are fewer in all
 
-    /// A block of one level.
+    /// A block of some level.
     struct Block {
         int level = 0;
         std::uint32_t number = 0;
@@ -34,12 +34,12 @@ public:
     int last_level() const { return levels() - 1; }
     std::size_t count(int level) const { return std::size_t{1} << std::max(0, bits_ - 2 * level); }
 
-    /// Number of the block of level 0 that a vertex lies in; for those that are no sites, one that there is not.
+    /// Number of the level-0 block of a vertex; a number that no block has if the vertex is not a site.
     std::uint32_t of(std::uint32_t vertex) const {
         return vertex < sites_ ? static_cast<std::uint32_t>(vertex * share_) : kOutside;
     }
 
-    /// The smallest block with all vertices; if not all are sites, the one of the last level.
+    /// Returns the smallest block that contains all given vertices; the block of the last level if not all are sites.
     Block around(std::initializer_list<std::uint32_t> vertices) const {
         const std::uint32_t first = of(*vertices.begin());
         std::uint32_t apart = first & kOutside;
@@ -47,13 +47,14 @@ public:
         return block(first, apart);
     }
 
-    /// The smallest block with a block of level 0 and those whose numbers differ from it in these bits.
+    /// Returns the smallest block that contains a level-0 block and all blocks whose numbers differ from it only in the
+    /// bits `apart`.
     Block block(std::uint32_t number, std::uint32_t apart) const {
         const int level = std::min(last_level(), (static_cast<int>(std::bit_width(apart)) + 1) / 2);
         return {level, level == last_level() ? 0 : number >> (2 * level)};
     }
 
-    /// First site of a block of level 0; of the one after the last: the number of sites.
+    /// Returns the first site of a level-0 block; the number of sites for the block after the last.
     std::uint32_t begin(std::size_t number) const {
         auto site = static_cast<std::uint32_t>(static_cast<double>(number) / share_);
         site = std::min(site, static_cast<std::uint32_t>(sites_));
@@ -66,7 +67,7 @@ private:
     static constexpr std::uint32_t kOutside = std::uint32_t{1} << 31;
 
     std::size_t sites_;
-    int bits_;  ///< of the numbers of blocks of level 0
+    int bits_;  ///< bits in the numbers of level-0 blocks
     double share_;
 };
 

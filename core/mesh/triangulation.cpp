@@ -11,7 +11,7 @@
 
 namespace ccdt {
 
-/// What insert_all() is called with.
+/// The arguments of insert_all().
 struct Triangulation::Batch {
     std::span<const std::uint32_t> sites;
     const Draw& draw;
@@ -27,7 +27,7 @@ void Triangulation::fix_last(std::size_t count) {
 
 Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& border) : sites_(sites) {
     fix_last(0);
-    make_room(border.triangles.size());
+    reserve_triangles(border.triangles.size());
     points_.reserve(sites + border.points.size());
     points_.resize(sites);
     points_.insert(points_.end(), border.points.begin(), border.points.end());
@@ -39,7 +39,7 @@ Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& borde
             triangle.corners[i] = static_cast<std::uint32_t>(sites + given.corners[i]);
             const std::uint32_t neighbour = given.neighbours[i];
             if (neighbour == ConstrainedDelaunay::kNone) continue;
-            // The neighbour's edge that begins where ours ends is the one we share.
+            // The shared edge of the neighbour begins where this edge ends.
             const auto& other = border.triangles[neighbour].corners;
             const std::uint32_t end = given.corners[(i + 1) % 3];
             triangle.twins[i] = edge(first + neighbour, other[0] == end ? 0 : other[1] == end ? 1 : 2);
@@ -53,18 +53,19 @@ Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& borde
 Triangulation::Triangulation(std::size_t sites, Point period)
     : sites_(sites), period_(period), points_(sites), part_of_(sites, 0), part_count_(1) {
     fix_last(0);
-    make_room(0);
+    reserve_triangles(0);
 }
 
-/// Makes room for the two triangles of each site, and for the border's.
-void Triangulation::make_room(std::size_t border) {
+/// Reserves memory for two triangles per site and for those of the border.
+void Triangulation::reserve_triangles(std::size_t border) {
     Triangle unused;
     unused.flags = kOutside;
     triangles_.reserve(2 * sites_ + border);
     triangles_.resize(2 * sites_, unused);
 }
 
-/// Crossing a segment changes sides: fills inwards from the box, whose triangles are outside.
+/// Marks triangles outside the domain: a flood fill from the triangles at the box, which are outside, changes sides at
+/// each segment.
 void Triangulation::mark_inside() {
     std::vector<bool> seen(triangle_count(), false);
     std::vector<std::uint32_t> stack;
@@ -88,8 +89,8 @@ void Triangulation::mark_inside() {
     }
 }
 
-/// Where several segments begin in one place, so do several fans of triangles inside: each gets the point that its own
-/// segment, the one that has it on its left, begins at.
+/// Gives each fan of triangles its own vertex where several segments begin at one place: the input point at which the
+/// segment with the fan on its left begins.
 void Triangulation::separate(std::span<const ConstrainedDelaunay::Branch> branches) {
     if (branches.empty()) return;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> fans;  // first edge, vertex
@@ -111,7 +112,7 @@ void Triangulation::separate(std::span<const ConstrainedDelaunay::Branch> branch
     }
 }
 
-/// Numbers the parts of the inside and gives their vertices the number.
+/// Numbers the connected parts of the inside and assigns the numbers to their vertices.
 void Triangulation::mark_parts() {
     part_of_.assign(points_.size(), kNone);
     std::vector<bool> seen(triangle_count(), false);
@@ -142,10 +143,10 @@ std::uint32_t Triangulation::part_at(Point p) {
     return triangles_[at.triangle].is_inside() ? part_of_[triangles_[at.triangle].corners[0]] : kNone;
 }
 
-/// Walks towards a place across edges that have it on their right. The first edge looked at changes from step to step,
-/// so that the walk cannot circle for ever where the triangulation is not Delaunay.
-/// @param at  where the walk begins and ends
-/// @returns   false if it left the region
+/// Walks towards a place across edges that have it on their right. The edge tried first varies from step to step, so
+/// that the walk cannot cycle where the triangulation is not Delaunay.
+/// @param at  start of the walk; set to its end
+/// @returns   false if the walk left the region
 bool Triangulation::locate(const Region& region, Location& at) const {
     const Point p = at.point - distance(at.shift);
     std::uint32_t entered = kNone;
@@ -168,7 +169,7 @@ bool Triangulation::locate(const Region& region, Location& at) const {
     }
 }
 
-/// Where a walk to a place begins: in a triangle, the place as its copy that is nearest there.
+/// Returns the start of a walk to a place: a triangle, and the periodic copy of the place nearest to it.
 Triangulation::Location Triangulation::way_from(std::uint32_t triangle, Point p) const {
     if (!is_torus()) return {triangle, p, {}};
     const auto periods = [](double way, double period) { return static_cast<std::int8_t>(whole(way / period + 0.5)); };
@@ -182,7 +183,7 @@ void Triangulation::join(std::uint32_t edge, std::uint32_t twin) {
     if (twin != kNone) set_twin(twin, edge);
 }
 
-/// The two triangles that a single vertex and its copies make.
+/// Creates the two triangles formed by a single vertex and its periodic copies.
 void Triangulation::insert_first(std::uint32_t site, Point p) {
     points_[site] = p;
     const std::uint32_t below = 2 * site, above = below + 1;
@@ -200,7 +201,7 @@ bool Triangulation::insert(std::uint32_t site, Point p, double margin) {
     return insert(whole_, site, p, margin, pending) == Insertion::Done;
 }
 
-/// Inserts a site if its place and what is to be changed for it lies within a region.
+/// Inserts a site if its place and all triangles to be changed lie within a region.
 Triangulation::Insertion Triangulation::insert(Region& region, std::uint32_t site, Point p, double margin,
                                                Pending& pending) {
     if (is_torus()) p = snapped(p);
@@ -239,11 +240,11 @@ Triangulation::Insertion Triangulation::insert(Region& region, std::uint32_t sit
 }
 
 /// Splits a triangle into three at a site.
-/// @param at    the triangle, and the site as seen from it
-/// @param u, v  triangles that are not in use
+/// @param at    the triangle, and the site relative to it
+/// @param u, v  unused triangles
 void Triangulation::divide(std::uint32_t site, const Location& at, std::uint32_t u, std::uint32_t v) {
-    // (c0, c1, p) stays at t. Where p lies on an edge, one of them is flat; that edge then has the corner beyond it in
-    // its circle, a half-plane, and is flipped away.
+    // Triangle t becomes (c0, c1, p). If p lies on an edge, one of the three is flat. The circumcircle of that one is a
+    // half-plane that contains the corner beyond the edge, so the edge is flipped.
     const std::uint32_t t = at.triangle;
     const Triangle split = triangles_[t];
     const auto& c = split.corners;
@@ -268,8 +269,8 @@ void Triangulation::divide(std::uint32_t site, const Location& at, std::uint32_t
     join(edge(v, 1), edge(t, 2));
 }
 
-/// Works on all regions of a level at the same time, then on those of the next one, which take over what is left.
-/// @returns  what the last one has
+/// Processes all regions of a level in parallel, then those of the next level, which inherit the unfinished work.
+/// @returns  the last region
 template <class Work>
 Triangulation::Region Triangulation::work_upwards(Regions regions, Work&& work) {
     for (std::size_t level = 0;; ++level) {
@@ -288,7 +289,7 @@ Triangulation::Region Triangulation::work_upwards(Regions regions, Work&& work) 
     }
 }
 
-/// Regions of all levels from the first one that has blocks of this many sites.
+/// Creates the regions of all levels, starting with the first level whose blocks have at least `sites` sites.
 Triangulation::Regions Triangulation::make_regions(std::size_t sites) const {
     Regions regions;
     while (regions.first_level < blocks_.last_level() && blocks_.sites() / blocks_.count(regions.first_level) < sites)
@@ -305,7 +306,7 @@ Triangulation::Regions Triangulation::make_regions(std::size_t sites) const {
     return regions;
 }
 
-/// The region that does what is to be done in a block.
+/// Returns the region responsible for a block.
 Triangulation::Region& Triangulation::Regions::of(SiteBlocks::Block block) {
     const int higher = std::max(0, first_level - block.level);
     const auto level = static_cast<std::size_t>(block.level + higher - first_level);
@@ -314,8 +315,8 @@ Triangulation::Region& Triangulation::Regions::of(SiteBlocks::Block block) {
 
 std::vector<std::uint32_t> Triangulation::insert_all(std::span<const std::uint32_t> sites, const Draw& draw,
                                                      int attempts, double margin, const std::stop_token& stop) {
-    constexpr std::size_t kSeen = 64;      // triangles a block, one of which shall lie inside
-    constexpr std::size_t kPresent = 384;  // fewer sites have too little inside between what lies at a block's rim
+    constexpr std::size_t kSeen = 64;      // triangles sampled per block, to find one inside each block
+    constexpr std::size_t kPresent = 384;  // with fewer sites, too little of a block lies inside its rim
     if (sites.empty()) return {};
     auto regions = make_regions(kPresent * blocks_.sites() / std::max(sites.size(), kPresent));
     const std::size_t stride = std::max<std::size_t>(1, triangle_count() / (kSeen * blocks_.count(0)));
@@ -334,7 +335,7 @@ std::vector<std::uint32_t> Triangulation::insert_all(std::span<const std::uint32
     return left;
 }
 
-/// Inserts those sites of a batch that a region can.
+/// Inserts those sites of a batch that lie within a region.
 void Triangulation::insert_in(Region& region, const Batch& batch) {
     constexpr std::size_t kStopStride = 4096;
     legalise(region);
@@ -360,7 +361,7 @@ bool Triangulation::wants_flip(std::uint32_t edge) const {
     return in_circle(a, b, c, beyond + distance(lift(edge) + shift(next(twin))));
 }
 
-/// Tells whether two edges are both Delaunay beyond doubt; what in_circle() computes first, for both at once.
+/// Whether two edges are certainly both Delaunay: the floating-point filter of in_circle(), for two edges at once.
 bool Triangulation::is_certain(std::uint32_t edge, std::uint32_t other) const {
     if (twin(edge) == kNone || twin(other) == kNone) return false;
     if (is_torus() && (crosses_seam(triangle_of(edge)) || crosses_seam(triangle_of(other)) ||
@@ -383,7 +384,7 @@ bool Triangulation::is_certain(std::uint32_t edge, std::uint32_t other) const {
     return (certain[0] & certain[1]) != 0;
 }
 
-/// Turns the edge a-b of triangles (a, b, c) and (b, a, d) into d-c of (a, d, c) and (b, c, d).
+/// Replaces the edge a-b of triangles (a, b, c) and (b, a, d) by d-c of (a, d, c) and (b, c, d).
 void Triangulation::flip(std::uint32_t edge) {
     const std::uint32_t twin = this->twin(edge);
     const std::uint32_t edge_next = next(edge), twin_next = next(twin);
@@ -397,7 +398,7 @@ void Triangulation::flip(std::uint32_t edge) {
     }
     if (crosses_seam(triangle_of(edge)) || crosses_seam(triangle_of(twin))) flip_shifts(edge);
     if (this->twin(twin_next) == edge_next) {
-        join(edge, twin);  // a parallelogram whose sides are joined, around the torus
+        join(edge, twin);  // a parallelogram around the torus with two sides joined
     } else {
         join(edge, this->twin(twin_next));
         join(twin, this->twin(edge_next));
@@ -427,7 +428,7 @@ void Triangulation::flip_shifts(std::uint32_t edge) {
     set(twin, bc, ca + ad, db);            // (b, c, d)
 }
 
-/// Flips edges of a region until all are Delaunay but those that other regions have a part in.
+/// Flips edges of a region until all are Delaunay. Edges with a vertex in another region are left to a larger region.
 void Triangulation::legalise(Region& region) {
     while (!region.stack.empty()) {
         const std::uint32_t h = region.stack.back();
@@ -446,7 +447,7 @@ void Triangulation::legalise(Region& region) {
 }
 
 void Triangulation::wrap() {
-    constexpr double kMargin = 0.25;  // periods; sites at the seam shall not go to and fro
+    constexpr double kMargin = 0.25;  // in periods; keeps sites near the seam from wrapping back and forth
     constexpr std::size_t kRange = 16384;
     const auto periods = [](double place, double period) {
         const double share = place / period;
@@ -473,9 +474,9 @@ void Triangulation::wrap() {
     }
 }
 
-/// Lists those edges of triangles [begin, end) that want to be flipped; of each edge the half with the smaller number.
+/// Lists the edges of triangles [begin, end) that need a flip; of each edge the half with the smaller number.
 void Triangulation::find_flips(std::size_t begin, std::size_t end, std::vector<Flip>& found) const {
-    // Without branches that cannot be foretold.
+    // Branchless, since the outcome is unpredictable.
     std::vector<std::uint32_t> edges(3 * (end - begin) + 1);
     std::size_t count = 0;
     for (std::size_t t = begin; t < end; ++t) {
@@ -513,7 +514,7 @@ std::size_t Triangulation::restore_delaunay(const std::stop_token& stop) {
     return work_upwards(std::move(regions), [this](Region& region) { legalise(region); }).flips;
 }
 
-/// Lists the edges that leave a site, counter-clockwise.
+/// Lists the half-edges that leave a site, counter-clockwise.
 std::vector<std::uint32_t> Triangulation::edges_around(std::uint32_t site) const {
     std::vector<std::uint32_t> edges;
     std::uint32_t h = edge_of_[site];
@@ -524,10 +525,10 @@ std::vector<std::uint32_t> Triangulation::edges_around(std::uint32_t site) const
     return edges;
 }
 
-/// Turns edges away from a site until it has three.
-/// @returns  false if it keeps more, as no other one can be turned
+/// Flips edges away from a site until its degree is three.
+/// @returns  false if its degree stays higher because no other edge can be flipped
 bool Triangulation::isolate(std::uint32_t site) {
-    // An edge can be turned where both triangles that it will divide are counter-clockwise.
+    // An edge can be flipped if both new triangles are counter-clockwise.
     const auto can_turn = [&](std::uint32_t h) {
         const Point here = points_[site], there = points_[target(h)];
         const Point left = points_[origin(previous(h))], right = points_[origin(previous(twin(h)))];
@@ -541,7 +542,7 @@ bool Triangulation::isolate(std::uint32_t site) {
     return true;
 }
 
-/// Tells whether a triangle has a place inside or on its edges; not on a torus.
+/// Whether a place lies inside a triangle or on its edges; not for a torus.
 bool Triangulation::is_within(std::uint32_t triangle, Point p) const {
     const auto [a, b, c] = places(triangle);
     return orientation(a, b, p) >= 0 && orientation(b, c, p) >= 0 && orientation(c, a, p) >= 0;
@@ -552,7 +553,8 @@ bool Triangulation::relocate(std::uint32_t site, std::uint32_t triangle, Point p
     for (const std::uint32_t h : edges_around(site)) touched.push_back(triangle_of(h));
     const bool isolated = isolate(site);
     if (isolated) {
-        // The three triangles that are left become one, and the two others a share of the one where the site goes.
+        // The three triangles around the site are merged into one. The two free triangles then divide the triangle at
+        // the new place.
         const auto edges = edges_around(site);
         const std::uint32_t h = edges[0], kept = triangle_of(h), u = triangle_of(edges[1]), v = triangle_of(edges[2]);
         triangles_[kept].corners[h % 4] = target(edges[2]);
@@ -560,7 +562,7 @@ bool Triangulation::relocate(std::uint32_t site, std::uint32_t triangle, Point p
         join(previous(h), twin(next(edges[1])));
         points_[site] = p;
         if (std::ranges::find(touched, triangle) != touched.end()) {
-            // Without the site, other triangles cover the place.
+            // The merge has changed the triangles here, so the one that contains the place is looked up.
             triangle =
                 *std::ranges::find_if(touched, [&](std::uint32_t t) { return t != u && t != v && is_within(t, p); });
         }
@@ -598,7 +600,7 @@ void Triangulation::trim() {
         }
     });
     drop_outside();
-    if (!is_torus()) points_.resize(points_.size() - 4);  // the box
+    if (!is_torus()) points_.resize(points_.size() - 4);  // the corners of the box
     part_of_.resize(points_.size());
     if (part_count_ == 1) part_of_ = std::vector<std::uint32_t>();
     number_along_sites();
@@ -606,7 +608,7 @@ void Triangulation::trim() {
     changed_.assign(points_.size(), 0);
 }
 
-/// Those that lie outside were there before the first site; the border's others close up.
+/// Drops triangles outside the domain. These precede the first site, so only triangles of the border are renumbered.
 void Triangulation::drop_outside() {
     std::uint32_t next = border_triangle();
     for (std::uint32_t t = next; t < triangle_count(); ++t) {
@@ -618,12 +620,13 @@ void Triangulation::drop_outside() {
     triangles_.resize(next);
 }
 
-/// Triangles in the order of their first vertex: neighbours in the plane become neighbours in memory.
+/// Sorts triangles by their first vertex, so that neighbours in the plane are neighbours in memory.
 void Triangulation::number_along_sites() {
     constexpr std::size_t kRange = 8192;
     const std::size_t count = triangle_count();
     const auto first_of = [&](std::size_t t) { return std::ranges::min(triangles_[t].corners); };
-    std::vector<std::uint32_t> ends(points_.size() + 1, 0);  // in the new order, of the triangles of each vertex
+    // End of each vertex' triangles in the new order.
+    std::vector<std::uint32_t> ends(points_.size() + 1, 0);
     for_ranges(*team_, count, kRange, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t)
             std::atomic_ref(ends[first_of(t) + 1]).fetch_add(1, std::memory_order_relaxed);
@@ -638,7 +641,8 @@ void Triangulation::number_along_sites() {
     for_ranges(*team_, points_.size(), kRange, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
             const std::uint32_t first = v == 0 ? 0 : ends[v - 1];
-            std::sort(order.begin() + first, order.begin() + ends[v]);  // by whatever task came first, until now
+            // The order up to here depends on the schedule of the tasks.
+            std::sort(order.begin() + first, order.begin() + ends[v]);
             for (std::uint32_t i = first; i < ends[v]; ++i) number[order[i]] = i;
         }
     });
@@ -661,7 +665,7 @@ void Triangulation::find_edges() {
     }
 }
 
-/// Has a vertex keep an edge that leaves it, on the border if it lies there.
+/// Makes an edge the one kept for its origin, if that is a site or if the edge lies on the border.
 void Triangulation::keep_edge(std::uint32_t edge) {
     const std::uint32_t vertex = origin(edge);
     if (is_site(vertex) || twin(edge) == kNone) edge_of_[vertex] = edge;

@@ -15,7 +15,7 @@
 
 namespace ccdt {
 
-/// Whole periods of a torus.
+/// A number of whole periods of a torus in each direction.
 struct Shift {
     std::int8_t x = 0;
     std::int8_t y = 0;
@@ -29,29 +29,29 @@ struct Shift {
     }
 };
 
-/// A triangulation of a domain in flat arrays, kept alive by insertions, moves and flips.
+/// A triangulation of a domain in flat arrays, updated by insertions, moves and flips.
 ///
 /// Half-edge h is edge h % 4 (0, 1 or 2) of triangle h / 4, whose edges run counter-clockwise. Vertices [0, sites) are
-/// sites, the rest lie on the border. While it is built, triangles outside the domain are part of it; trim() drops
-/// them, and from then on an edge of the border is one without a twin.
+/// sites, the rest lie on the border. During construction, triangles outside the domain are part of the mesh. trim()
+/// drops them; afterwards an edge of the border has no twin.
 ///
-/// On a torus every edge knows by how many periods its far end is shifted against the place that is stored for that
-/// vertex, so that vertices may leave the box and however few of them, even one, have a triangulation. All places are
-/// multiples of 2^-50, which makes shifted ones exact.
+/// On a torus every edge stores by how many periods its target is shifted from the stored position of that vertex. So
+/// vertices may leave the box, and even a single vertex has a triangulation. All positions are multiples of 2^-50, so
+/// shifted positions are exact.
 class Triangulation {
 public:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-    /// @param sites   how many will be inserted; they are numbered first, the points of the border after them
-    /// @param border  triangulation of the border's vertices, its segments the border itself, the inside on their left.
-    ///                Where several vertices are in one place, each fan of triangles inside has one of its own.
+    /// @param sites   number of sites to be inserted; they are numbered first, followed by the points of the border
+    /// @param border  triangulation of the border's vertices; its segments are the border itself, with the inside on
+    ///                their left. Of coincident vertices, each belongs to one fan of triangles inside.
     Triangulation(std::size_t sites, const ConstrainedDelaunay& border);
 
     /// Starts the triangulation of a torus.
-    /// @param period  its sides, multiples of 2^-50, at most 1
+    /// @param period  sides of the torus, multiples of 2^-50, at most 1
     Triangulation(std::size_t sites, Point period);
 
-    /// Has a team do what takes long, and what others do with the triangulation; it must outlive this.
+    /// Sets the executor of lengthy operations on this triangulation, by itself and by others; it must outlive this.
     void set_team(Team& team) { team_ = &team; }
     Team& team() const { return *team_; }
 
@@ -67,11 +67,11 @@ public:
     const std::vector<Point>& points() const { return points_; }
     bool is_site(std::uint32_t vertex) const { return vertex < sites_; }
 
-    /// Of the sites the first so many are free to move; all, unless the last ones are fixed.
+    /// Number of sites that may move: the first ones. All sites, unless the last ones are fixed.
     std::size_t free_count() const { return free_; }
     bool is_free(std::uint32_t vertex) const { return vertex < free_; }
     void fix_last(std::size_t count);
-    /// The free sites in blocks, which steps on the triangulation may work on at the same time.
+    /// Blocks of the free sites, which can be processed in parallel.
     const SiteBlocks& blocks() const { return blocks_; }
 
     static std::uint32_t edge(std::uint32_t triangle, std::uint32_t number) { return 4 * triangle + number; }
@@ -84,27 +84,27 @@ public:
     std::uint32_t target(std::uint32_t edge) const { return origin(next(edge)); }
     std::uint32_t twin(std::uint32_t edge) const { return triangles_[edge / 4].twins[edge % 4]; }
 
-    /// Tells whether a corner of the triangle is shifted against the others; on a torus only.
+    /// Whether a corner of the triangle is shifted relative to the others; only on a torus.
     bool crosses_seam(std::uint32_t triangle) const { return (triangles_[triangle].flags & kSeam) != 0; }
 
-    /// Periods by which the edge's far end is shifted if its near end is not.
+    /// Periods by which the edge's target is shifted relative to its origin.
     Shift shift(std::uint32_t edge) const { return triangles_[edge / 4].shifts[edge % 4]; }
 
-    /// Periods by which the edge's near end is shifted if the triangle's first corner is not.
+    /// Periods by which the edge's origin is shifted relative to the triangle's first corner.
     Shift lift(std::uint32_t edge) const {
         const auto& shifts = triangles_[edge / 4].shifts;
         return edge % 4 == 0 ? Shift{} : edge % 4 == 1 ? shifts[0] : Shift{} - shifts[2];
     }
 
-    /// Length of so many periods.
+    /// Length of a number of periods.
     Point distance(Shift shift) const { return {shift.x * period_.x, shift.y * period_.y}; }
 
-    /// Vector from the edge's near end to its far end.
+    /// Vector from the edge's origin to its target.
     Point along(std::uint32_t edge) const {
         return points_[target(edge)] + distance(shift(edge)) - points_[origin(edge)];
     }
 
-    /// The corners' places, the first one where it is stored.
+    /// Positions of the corners; the first one is at its stored position.
     std::array<Point, 3> places(std::uint32_t triangle) const {
         const Triangle& t = triangles_[triangle];
         const auto& c = t.corners;
@@ -112,8 +112,8 @@ public:
         return {points_[c[0]], points_[c[1]] + distance(t.shifts[0]), points_[c[2]] - distance(t.shifts[2])};
     }
 
-    /// A half-edge that leaves the vertex; on the border the one that has the domain on its left and the border on
-    /// its right, so that turning counter-clockwise meets all others. Valid after trim().
+    /// A half-edge that leaves the vertex. On the border it is the one with the domain on its left and the border on
+    /// its right, so that turning counter-clockwise visits all others. Valid after trim().
     std::uint32_t edge_of(std::uint32_t vertex) const { return edge_of_[vertex]; }
 
     std::array<std::uint32_t, 3> corners(std::uint32_t triangle) const {
@@ -121,73 +121,74 @@ public:
         return {c[0], c[1], c[2]};
     }
 
-    /// Twice the area, > 0 always.
+    /// Twice the area; always > 0.
     double doubled_area(std::uint32_t triangle) const {
         const auto [a, b, c] = places(triangle);
         return cross(b - a, c - a);
     }
 
-    /// Inserts a site and restores the constrained Delaunay property around it.
-    /// Sites are best inserted near the one inserted last.
+    /// Inserts a site and restores the constrained Delaunay property around it. Fastest near the previously inserted
+    /// site.
     /// @param margin  least distance from the edges of the border
-    /// @param p       on a torus, rounded to what is exact there
-    /// @returns  false, and nothing changes, where `p` is not strictly inside the domain, too close to its border, or
-    ///           coincides with a vertex
+    /// @param p       on a torus, rounded to a multiple of 2^-50
+    /// @returns       false, without any change, if `p` is not strictly inside the domain, too close to its border, or
+    ///                coincides with a vertex
     bool insert(std::uint32_t site, Point p, double margin = 0);
 
-    /// A place for a site, the one to try so many attempts after the first. Called by several at the same time.
+    /// Returns the position to try for a site at a given attempt. Called from several threads.
     using Draw = std::function<Point(std::uint32_t site, int attempt)>;
 
-    /// Inserts sites where insert() finds the first of several places good.
-    /// @param sites     in ascending order; those numbered in between, about evenly, are inserted already or later
-    /// @param attempts  places to try for each
-    /// @param stop      asked now and then; leaves a triangulation of no use
-    /// @returns         those for which no place was good, which must be inserted before trim()
+    /// Inserts sites, each at the first of several positions that insert() accepts.
+    /// @param sites     in ascending order; the sites numbered in between, evenly spread, have been or will be inserted
+    ///                  separately
+    /// @param attempts  positions to try for each site
+    /// @param stop      polled regularly; after a stop the triangulation must not be used
+    /// @returns         the sites for which no position was accepted; they must be inserted before trim()
     std::vector<std::uint32_t> insert_all(std::span<const std::uint32_t> sites, const Draw& draw, int attempts,
                                           double margin, const std::stop_token& stop = {});
 
-    /// Connected parts of the domain.
+    /// Number of connected parts of the domain.
     std::size_t part_count() const { return part_count_; }
-    /// Part that a vertex lies in; kNone for a place outside, of which there are four until trim().
+    /// Part in which a vertex lies; kNone for a vertex outside. Before trim(), the four corners of the box lie outside.
     std::uint32_t part_of(std::uint32_t vertex) const { return part_of_.empty() ? 0 : part_of_[vertex]; }
-    /// Part that a place lies in; kNone outside the domain. Not for tori, nor after trim().
+    /// Part in which a position lies; kNone outside the domain. Not for a torus, nor after trim().
     std::uint32_t part_at(Point p);
 
-    /// Corners of the triangles inside the domain, or inside one part of it; before trim().
+    /// Corners of the triangles inside the domain, or inside one part of it. Only before trim().
     std::vector<std::array<Point, 3>> inside_triangles(std::uint32_t part = kNone) const;
 
-    /// Drops what lies outside the domain and renumbers the triangles in the order of the sites, all of which must
-    /// have been inserted.
+    /// Drops triangles outside the domain and renumbers the others in the order of the sites. All sites must have been
+    /// inserted.
     void trim();
 
-    /// Stores sites of a torus that have left the box, by a quarter of a period or more, where they are within it.
+    /// Wraps sites of a torus that have left the box by a quarter of a period or more back into it.
     void wrap();
 
-    /// Flips edges until all but those on the border are locally Delaunay, by exact predicates.
-    /// Needs every triangle counter-clockwise.
-    /// @param stop  asked now and then; leaves the triangulation sound, but not Delaunay everywhere
+    /// Flips edges until all but those on the border are locally Delaunay, by exact predicates. Every triangle must be
+    /// counter-clockwise.
+    /// @param stop  polled regularly; a stop leaves a valid triangulation that is not Delaunay everywhere
     /// @returns     the number of flips
     std::size_t restore_delaunay(const std::stop_token& stop = {});
 
-    /// Takes a site away from where it stands and inserts it in a triangle elsewhere; restores the Delaunay property
-    /// around both places, as far as it was there. Not on a torus; after trim().
-    /// @param p         strictly inside the triangle
-    /// @returns         false, and the site stays, where its neighbours lie so that no edge can be turned away from it
+    /// Removes a site and inserts it in another triangle. Restores the Delaunay property around both positions, where
+    /// it held before. Not on a torus; only after trim().
+    /// @param p  strictly inside the triangle
+    /// @returns  false, and the site stays, if its neighbours are placed such that no edge can be flipped away from it
     bool relocate(std::uint32_t site, std::uint32_t triangle, Point p);
 
-    /// Tells whether the last restore_delaunay() has changed anything around the vertex.
+    /// Whether the last restore_delaunay() changed a triangle around the vertex.
     bool has_changed(std::uint32_t vertex) const { return changed_[vertex] != 0; }
 
 private:
-    // Edge i of a triangle is constrained: 1 << i.
-    static constexpr std::uint8_t kConstrained = 7;  ///< while it is built
-    static constexpr std::uint8_t kOutside = 8;      ///< the domain; while it is built
+    // Bit 1 << i is set if edge i of the triangle is constrained.
+    static constexpr std::uint8_t kConstrained = 7;  ///< during construction
+    static constexpr std::uint8_t kOutside = 8;      ///< outside the domain; during construction
     static constexpr std::uint8_t kSeam = 16;        ///< some shift is not zero
 
     struct Triangle {
         std::array<std::uint32_t, 3> corners{};
         std::array<std::uint32_t, 3> twins{kNone, kNone, kNone};
-        std::array<Shift, 3> shifts{};  ///< of the edges
+        std::array<Shift, 3> shifts{};  ///< shifts along the edges
         std::uint8_t flags = 0;
 
         bool is_inside() const { return (flags & kOutside) == 0; }
@@ -202,27 +203,27 @@ private:
         }
     };
 
-    /// A triangle, and a point as seen from its first corner's place.
+    /// A triangle, and a point relative to the position of its first corner.
     struct Location {
         std::uint32_t triangle;
         Point point;
-        Shift shift;  ///< of the point against where it was given
+        Shift shift;  ///< shift of the point from its given position
     };
 
-    /// A site to be inserted.
+    /// A site still to be inserted.
     struct Pending {
-        std::uint32_t number = 0;        ///< in a batch
-        std::uint32_t triangle = kNone;  ///< where a walk to it has left a region
+        std::uint32_t number = 0;        ///< index in the batch
+        std::uint32_t triangle = kNone;  ///< triangle at which the walk to the site left a region
     };
 
-    /// What one task may change: the triangles all of whose vertices lie in a block.
+    /// The part of the mesh that one task may change: the triangles with all vertices in one block.
     struct Region {
-        std::uint32_t first = 0;           ///< of the block's vertices
-        std::uint32_t size = kNone;        ///< how many these are; the last level's block has all
-        std::uint32_t last = kNone;        ///< one of its triangles, near the last insertion
-        std::vector<std::uint32_t> stack;  ///< edges that may want a flip
-        std::vector<std::uint32_t> edges;  ///< those that do if a larger region finds so
-        std::vector<Pending> sites;        ///< to be inserted; then those that a larger region is to insert
+        std::uint32_t first = 0;           ///< first vertex of the block
+        std::uint32_t size = kNone;        ///< number of vertices; kNone for the last level's block, which has all
+        std::uint32_t last = kNone;        ///< a triangle of the region, near the last insertion
+        std::vector<std::uint32_t> stack;  ///< edges that may need a flip
+        std::vector<std::uint32_t> edges;  ///< edges left to a larger region
+        std::vector<Pending> sites;        ///< sites to insert; afterwards those left to a larger region
         std::size_t flips = 0;
 
         bool has(std::uint32_t vertex) const { return vertex - first < size; }
@@ -234,7 +235,7 @@ private:
 
         Region& of(SiteBlocks::Block block);
     };
-    /// An edge that wants to be flipped, and the block of the four vertices around.
+    /// An edge that needs a flip, and the block of the four vertices around it.
     struct Flip {
         std::uint32_t edge;
         SiteBlocks::Block block;
@@ -242,8 +243,8 @@ private:
     enum class Insertion { Done, Refused, Elsewhere };
     struct Batch;
 
-    void make_room(std::size_t border);
-    /// The first triangle of those that were there before the first site.
+    void reserve_triangles(std::size_t border);
+    /// First triangle of the border, after those of the sites.
     std::uint32_t border_triangle() const { return static_cast<std::uint32_t>(2 * sites_); }
     void insert_first(std::uint32_t site, Point p);
     void divide(std::uint32_t site, const Location& at, std::uint32_t u, std::uint32_t v);
@@ -279,12 +280,13 @@ private:
     std::size_t free_ = sites_;
     Point period_;  ///< 0 unless a torus
     std::vector<Point> points_;
-    std::vector<Triangle> triangles_;     ///< two for each site, near it in the plane, then the border's
-    std::vector<std::uint32_t> part_of_;  ///< [vertices]; after trim() none if there is one part
+    std::vector<Triangle> triangles_;     ///< two for each site, close to it in the plane, then those of the border
+    std::vector<std::uint32_t> part_of_;  ///< [vertices]; empty after trim() if there is only one part
     std::size_t part_count_ = 0;
-    std::vector<std::uint32_t> edge_of_;  ///< [vertices]
-    std::vector<std::uint8_t> changed_;   ///< [vertices]
-    SiteBlocks blocks_;                   ///< of the free sites
+    std::vector<std::uint32_t> edge_of_;  ///< [vertices] a half-edge that leaves the vertex
+    /// [vertices] whether the last restore_delaunay() changed a triangle around it.
+    std::vector<std::uint8_t> changed_;
+    SiteBlocks blocks_;  ///< blocks of the free sites
     Region whole_;
     Team* team_ = &alone();
 };

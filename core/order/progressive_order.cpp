@@ -21,53 +21,52 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::size_t kStopStride = 1'024;  ///< points between two looks at the stop token
+constexpr std::size_t kStopStride = 1'024;  ///< points between polls of the stop token
 
-// Benchmarks ProgressivePattern and ProgressiveTone show what these reach, test ProgressiveOrder holds them to it. A
-// shorter reach keeps neighbours further apart and leaves more power in low frequencies, a longer one does the opposite
-// and takes longer.
-constexpr double kReach = 1.7;  ///< over the distance of neighbours in a hexagonal grid
+// Benchmarks ProgressivePattern and ProgressiveTone show the quality that these constants reach, and test
+// ProgressiveOrder requires it. A shorter reach increases the distance of neighbours and leaves more power in low
+// frequencies. A longer reach does the opposite and takes longer.
+constexpr double kReach = 1.7;  ///< relative to the distance of neighbours in a hexagonal grid
 constexpr double kStep = 0.7;   ///< share of the points that is left when reaches grow
 
-/// Distance that no two points that stay have less of, over that of neighbours in a hexagonal grid. A third of a
-/// hexagonal grid, the most that are no neighbours in it, is followed by points at 0.577: a greater distance forces the
-/// choice of half the points there are around a third, and leaves more power.
+/// Least distance of points that stay, relative to that of neighbours in a hexagonal grid. A third of a hexagonal grid,
+/// the largest subset without neighbours, is followed by points at 0.577. A larger value forces the choice of half the
+/// points when about a third are left, and leaves more power.
 constexpr double kLeastDistance = 0.58;
 
-/// Weight of the surplus around a point beside its crowding. A greater one leaves less power in long waves, and more in
-/// those of two or three spacings.
+/// Weight of the surplus around a point relative to its crowding. A larger weight leaves less power in long waves, and
+/// more in those of two or three spacings.
 constexpr float kSurplusWeight = 0.5F;
 
-/// Distance of the nodes between which surplus is blurred, over that of neighbours in a hexagonal grid.
+/// Distance of the nodes that smooth the surplus, relative to that of neighbours in a hexagonal grid.
 constexpr double kNodeDistance = 3;
 
-/// Points over those that are left whose density is still taken for that of all.
+/// Largest ratio of the reference points to the points left; above it, the points left become the reference.
 constexpr std::size_t kManyTimes = 8;
 
-/// Points that a region has yet, at the least. Fewer leave too little to choose from, and more noise; more take longer.
+/// Least number of points left in a region. Fewer leave too little choice, and more noise; more take longer.
 constexpr std::size_t kLeastCrowd = 256;
 
-/// Neighbours whose distance tells how dense points are: enough for a measure that hardly wavers, few enough to be
-/// near.
+/// Number of neighbours whose distance measures the local density: enough for a stable measure, few enough to be near.
 constexpr std::size_t kNeighbours = 12;
 
 double squared_length(Point p) {
     return dot(p, p);
 }
 
-/// Crowding by a neighbour at a share of the reach, (1 - share)^5, is (1 - share^2)^5 times a polynomial of 1 -
-/// share^2: within 7 % from a third to nine tenths of it.
+/// Polynomial for the crowding by a neighbour at a given share of the reach. (1 - share)^5 is approximated by (1 -
+/// share^2)^5 times a polynomial in 1 - share^2, to within 7 % from a third to nine tenths of the reach.
 constexpr std::array<float, 5> kCrowding = {0.12919328F, -0.9645656F, 3.58161193F, -5.21164568F, 2.87339624F};
 
-/// Reach of two points that have their own, over the shorter of them at the most. It is their geometric mean, lest
-/// where two densities meet the denser or the sparser side lose more than its share.
+/// Limit on the reach of a pair of points relative to the shorter of their two reaches. The pair's reach is the
+/// geometric mean, so that neither the denser nor the sparser side loses more than its share where two densities meet.
 constexpr double kMostReach = 1.3;
 constexpr float kMostSquare = static_cast<float>(1 / (kMostReach * kMostReach));
 
-/// Spacing of points around each, 1 / sqrt(density), by the distance of its nearest ones.
+/// Measures the local spacing of points, 1 / sqrt(density), by the distance of their nearest neighbours.
 class SpacingMeter {
 public:
-    /// @param usual  spacing, were points as dense everywhere
+    /// @param usual  spacing of the same number of points at uniform density
     SpacingMeter(const Domain& domain, std::span<const Point> places, const CellList& near, double usual)
         : places_(places),
           near_(near),
@@ -76,18 +75,18 @@ public:
 
     double operator()(std::uint32_t point) {
         const std::size_t wanted = std::min(kNeighbours, places_.size() - 1);
-        double reach = 2.2 * usual_;  // a little further than so many are usually
+        double reach = 2.2 * usual_;  // slightly beyond the usual distance of so many neighbours
         while (!find(point, reach, wanted) && reach < widest_) reach *= 2;
         if (squares_.size() < wanted || wanted == 0) return usual_;
         const auto last = squares_.begin() + static_cast<std::ptrdiff_t>(wanted) - 1;
         std::ranges::nth_element(squares_, last);
-        // Places that coincide have no spacing, but want one that can be divided by.
+        // Coincident points have spacing 0, but the spacing must be usable as a divisor.
         constexpr double kLeast = 1e-9;
         return std::max(std::sqrt(*last * std::numbers::pi / static_cast<double>(wanted)), kLeast * usual_);
     }
 
 private:
-    /// Tells whether there are enough neighbours within reach.
+    /// Whether there are enough neighbours within reach.
     bool find(std::uint32_t point, double reach, std::size_t wanted) {
         squares_.clear();
         near_.for_near(places_[point], reach, [&](Point place, std::uint32_t number) {
@@ -100,15 +99,15 @@ private:
     std::span<const Point> places_;
     const CellList& near_;
     double usual_;
-    double widest_;  ///< reach from which on all there are have been found
+    double widest_;  ///< reach at which all points are found
     std::vector<double> squares_;
 };
 
-/// Regions of about equally many points each, halved again and again, that lose points in turn.
+/// Regions with nearly equal numbers of points, by recursive halving, which lose points in turn.
 class Regions {
 public:
     /// Sorts points by region.
-    /// @param order  of the points: made so that those of each region follow each other
+    /// @param order  permutation of the points; reordered such that the points of each region are successive
     Regions(std::span<const Point> places, std::vector<std::uint32_t>& order) {
         while ((order.size() >> depth_) >= 2 * kLeastCrowd) ++depth_;
         sizes_.resize(std::size_t{2} << depth_);
@@ -116,20 +115,21 @@ public:
         left_ = sizes_;
     }
 
-    /// Depth at which regions hold enough points to choose from.
+    /// Returns the depth at which regions have enough points to choose from.
     int depth(std::size_t left) const {
         int depth = 0;
         while (depth < depth_ && (left >> (depth + 1)) >= kLeastCrowd) ++depth;
         return depth;
     }
 
-    /// Points left in each region of a depth.
+    /// Returns the number of points left in each region of a depth.
     std::span<const std::uint32_t> left(int depth) const {
         const std::size_t count = std::size_t{1} << depth;
         return std::span(left_).subspan(count, count);
     }
 
-    /// Region of a depth whose turn it is: of each two the one that has more of its points yet.
+    /// Returns the region of a depth that loses the next point: at each level the half with the larger share of its
+    /// points left.
     std::size_t turn(int depth) const {
         std::size_t region = 1;
         for (int i = 0; i < depth; ++i) {
@@ -141,13 +141,13 @@ public:
         return region - (std::size_t{1} << depth);
     }
 
-    /// Takes a point from a region of a depth, be it its turn or not.
+    /// Counts a point taken from a region of a depth, whether or not it was that region's turn.
     void take(int depth, std::size_t region) {
         for (region += std::size_t{1} << depth; region > 0; region /= 2) --left_[region];
     }
 
 private:
-    /// Tosses a coin between two halves, lest the first ones of all regions have less than the second ones.
+    /// Chooses pseudo-randomly between two equal halves, so that the first halves do not lose points systematically.
     bool is_first(std::size_t region) const {
         std::uint64_t bits = (region << 32 | left_[region]) * 0x9e3779b97f4a7c15;
         bits = (bits ^ bits >> 32) * 0xd6e8feb86659fd93;
@@ -169,17 +169,17 @@ private:
     }
 
     int depth_ = 0;
-    std::vector<std::uint32_t> sizes_;  ///< [2 << depth] of the two halves of region i, 2 i and 2 i + 1
+    std::vector<std::uint32_t> sizes_;  ///< [2 << depth] the halves of region i are 2 i and 2 i + 1
     std::vector<std::uint32_t> left_;
 };
 
-/// Tells how many points there are around one beyond their share: what there are less what there should be, blurred by
-/// quadratic B-splines to nodes of a square grid and back. It holds long waves down, which neighbours do not tell of.
+/// Measures the surplus of points around a point: the actual number minus the wanted number, smoothed by quadratic
+/// B-splines on the nodes of a square grid. It suppresses long waves, which neighbours do not reveal.
 class Surplus {
 public:
-    /// @param reference  points as dense everywhere as those that there are should be, over a common factor
-    /// @param points     that there are, numbered from 0
-    /// @param distance   of nodes
+    /// @param reference  points with the wanted density, up to a common factor
+    /// @param points     actual points, numbered from 0
+    /// @param distance   distance of nodes
     Surplus(const Domain& domain, std::span<const Point> reference, std::span<const Point> points, double distance)
         : x_(domain.unit_bounds().width(), distance, domain.is_torus()),
           y_(domain.unit_bounds().height(), distance, domain.is_torus()),
@@ -196,10 +196,10 @@ public:
         join(there_);
     }
 
-    /// Points around one that there should be, of one in all.
+    /// Returns the wanted smoothed number of points around a point, for one point in all.
     float wanted(std::uint32_t point) const { return read(around_[point], wanted_); }
 
-    /// Points around one that there are.
+    /// Returns the actual smoothed number of points around a point.
     float there(std::uint32_t point) const { return read(around_[point], there_); }
 
     void remove(std::uint32_t point) {
@@ -215,8 +215,8 @@ public:
 private:
     using Weights = std::array<float, 3>;
 
-    /// Nodes along one side, in the middles of its cells and of one cell beyond either end. Those a period apart are
-    /// the same one.
+    /// Nodes along one side, at the centres of its cells and of one cell beyond either end. Nodes a period apart are
+    /// identical.
     struct Axis {
         Axis(double length, double distance, bool torus)
             : cells(std::max(1.0, std::floor(length / distance))),
@@ -224,7 +224,8 @@ private:
               nodes(static_cast<std::size_t>(cells) + 2),
               period(torus ? nodes - 2 : nodes) {}
 
-        /// Cell of a place, counted in cells. @param place  length, changed to the share of the cell that is before it
+        /// Returns the cell of a position.
+        /// @param place  position as a length; replaced by its offset in the cell, in cells
         std::size_t cell(double& place) const {
             place = std::clamp(place * cells_per_length, 0.0, cells);
             const double cell = std::min(std::floor(place), cells - 1);
@@ -237,7 +238,8 @@ private:
         std::size_t nodes, period;
     };
 
-    /// Nine nodes around a place, by the lowest one, and the place within the cell of the middle one, in [0, 1].
+    /// The nine nodes around a position, given by the lowest one, and the position's offset in the cell of the middle
+    /// one, in [0, 1].
     struct Around {
         std::uint32_t column, row;
         float x, y;
@@ -261,10 +263,10 @@ private:
         return sum;
     }
 
-    /// Weights of the cell's node and its two neighbours.
+    /// Returns the weights of the cell's node and its two neighbours.
     static Weights spline(float t) { return {(1 - t) * (1 - t) / 2, 0.5F + t * (1 - t), t * t / 2}; }
 
-    /// Adds a multiple of the weights to the nodes around.
+    /// Adds a multiple of the weights to the nodes around a position.
     void add(const Around& at, float factor, std::vector<float>& nodes) const {
         const Weights x = spline(at.x), y = spline(at.y);
         for (std::size_t j = 0; j < 3; ++j) {
@@ -272,14 +274,14 @@ private:
         }
     }
 
-    /// Lowers a node and those that are the same one.
+    /// Reduces a node and all nodes identical to it.
     void lower(std::size_t column, std::size_t row, float weight) {
         for (std::size_t y = row % y_.period; y < y_.nodes; y += y_.period) {
             for (std::size_t x = column % x_.period; x < x_.nodes; x += x_.period) there_[y * x_.nodes + x] -= weight;
         }
     }
 
-    /// Sums nodes that are the same ones.
+    /// Sums identical nodes and stores the sum in each.
     void join(std::vector<float>& nodes) const {
         for (std::size_t y = 0; y < y_.nodes; ++y) {
             for (std::size_t x = 0; x < x_.nodes; ++x) {
@@ -294,12 +296,12 @@ private:
     }
 
     Axis x_, y_;
-    std::vector<float> wanted_;   ///< [nodes] of one point in all
-    std::vector<float> there_;    ///< [nodes]
-    std::vector<Around> around_;  ///< of points
+    std::vector<float> wanted_;   ///< [nodes] for one point in all
+    std::vector<float> there_;    ///< [nodes] actual smoothed number of points
+    std::vector<Around> around_;  ///< nodes around each point
 };
 
-/// Eight numbers that the processor handles as one, or in parts, by the same operations.
+/// Eight numbers in one or several vector registers, with the same operations in either case.
 constexpr std::uint32_t kLanes = 8;
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
 using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(float))));
@@ -307,22 +309,23 @@ using Places = std::uint32_t __attribute__((vector_size(kLanes * sizeof(float)))
 constexpr Ints kLane = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr float kNone = -std::numeric_limits<float>::infinity();
 
-/// Eight numbers that need not be aligned.
+/// Loads eight numbers without alignment.
 template <class Wide, class Number>
 CCDT_INLINE inline void load(const Number& first, Wide& numbers) {
     std::memcpy(&numbers, &first, sizeof numbers);
 }
 
-/// Points that crowd each other, listed by cells: neighbours stand next to each other and are handled eight at a time.
+/// Crowding of points. Points are listed by cell, so that neighbours are close in memory and are processed eight at a
+/// time.
 class Crowd {
 public:
     /// Two points that are near each other.
     struct Pair {
-        float square;  ///< of the share that their distance has of the reach
+        float square;  ///< squared ratio of their distance to the reach
         std::uint32_t i, j;
     };
 
-    /// @param reaches  [n] within which points crowd each other
+    /// @param reaches  [n] distance within which points crowd each other
     Crowd(const Domain& domain, std::span<const Point> places, std::span<const double> reaches, double widest,
           Team& team, const std::stop_token& stop)
         : cells_(domain, places),
@@ -335,7 +338,7 @@ public:
           y_(places.size() + kLanes),
           nearness_(places.size() + kLanes),
           crowding_(places.size() + kLanes) {
-        // Integers wrap around as a torus does: their difference is that to the nearest copy.
+        // Integer coordinates wrap around as a torus does, so their difference is that to the nearest copy.
         const double range = domain.is_torus() ? 0x1p32 : 0x1p31, usual = reaches[0];
         const Point sides = domain.unit_bounds().max;
         for (std::uint32_t k = 0; k < numbers_.size(); ++k) {
@@ -360,7 +363,8 @@ public:
         std::ranges::sort(pairs_, {}, [](const Pair& pair) { return std::tuple(pair.square, pair.i, pair.j); });
     }
 
-    /// Those that come too near in a step, the nearest first; where points coincide some of them.
+    /// Pairs that become too near during a step, in ascending order of distance; of many coincident points only some
+    /// pairs.
     std::span<const Pair> pairs() const { return pairs_; }
 
     float operator()(std::uint32_t point) const { return crowding_[slots_[point]]; }
@@ -373,7 +377,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t kRange = 4'096;  ///< points of a task
+    static constexpr std::size_t kRange = 4'096;  ///< points per task
     static constexpr float kLeastSquare = static_cast<float>((kLeastDistance / kReach) * (kLeastDistance / kReach));
 
     void find_near(std::uint32_t k, double share, std::vector<CellList::Run>& runs) const {
@@ -381,7 +385,8 @@ private:
         cells_.find_near(places_[i], share * widest_ * reaches_[i], runs);
     }
 
-    /// Squared shares that the distances to a point have of the reach; 1 of what is behind the end, and of itself.
+    /// Computes the squared ratios of the distances from point k to the reach; 1 for entries beyond the end and for k
+    /// itself.
     CCDT_INLINE void get_squares(std::uint32_t k, std::uint32_t begin, std::uint32_t end, Floats& squares) const {
         Places columns, rows;
         Floats other;
@@ -405,7 +410,8 @@ private:
         crowding = square * square * left * factor;
     }
 
-    /// Sums the crowding of a point. @returns the square of the nearest one
+    /// Sums the crowding of a point.
+    /// @returns  the squared ratio of the nearest point
     CCDT_INLINE float add(std::uint32_t k, const std::vector<CellList::Run>& runs) {
         Floats sum{}, nearest = Floats{} + 1;
         for (const auto [begin, end] : runs) {
@@ -461,25 +467,25 @@ private:
 
     const bool is_wide_ = has_two_lanes();
     CellList cells_;
-    std::vector<std::uint32_t> numbers_;  ///< of points, as they are listed
+    std::vector<std::uint32_t> numbers_;  ///< numbers of the points in list order
     std::span<const Point> places_;
     std::span<const double> reaches_;
     double widest_;
-    std::vector<std::uint32_t> slots_;  ///< of points in the list
+    std::vector<std::uint32_t> slots_;  ///< list position of each point
     std::vector<Pair> pairs_;
-    std::vector<CellList::Run> runs_;  ///< of the point that is removed
-    float x_unit_, y_unit_;            ///< of coordinates, over the first point's reach
+    std::vector<CellList::Run> runs_;  ///< neighbours of the point being removed
+    float x_unit_, y_unit_;            ///< units of coordinates, relative to the first point's reach
 
-    // As listed, and eight behind the end.
+    // In list order, with eight more at the end.
     std::vector<std::uint32_t> x_, y_;
-    std::vector<float> nearness_;  ///< the first point's reach over the own one
+    std::vector<float> nearness_;  ///< ratio of the first point's reach to the own reach
     std::vector<float> crowding_;
 };
 
-/// Takes points away, a step after the other, in which reaches stay the same.
+/// Removes points in steps; during a step all reaches stay the same.
 class Elimination {
 public:
-    /// @param even  all spacings are the same
+    /// @param even  whether all spacings are equal
     Elimination(const Domain& domain, std::vector<Point> places, std::vector<double> spacings, bool even,
                 Regions regions, Team& team)
         : domain_(domain),
@@ -493,7 +499,8 @@ public:
         std::iota(left_.begin(), left_.end(), 0U);
     }
 
-    /// Takes a step. @returns the points that went, the first one first
+    /// Runs a step.
+    /// @returns  the removed points, in order of removal
     std::vector<std::uint32_t> step(const std::stop_token& stop) {
         target_ = static_cast<std::size_t>(static_cast<double>(left_.size()) * kStep);
         set_neighbours(stop);
@@ -542,7 +549,8 @@ private:
         });
     }
 
-    /// Of nodes that are no more than about as many as the points, whatever the domain's shape.
+    /// Returns the distance of nodes, such that there are at most about as many nodes as points whatever the domain's
+    /// shape.
     double node_distance() const {
         const Box box = domain_.unit_bounds();
         const double stay = std::max(static_cast<double>(target_), 1.0), left = static_cast<double>(left_.size());
@@ -550,7 +558,8 @@ private:
                          std::sqrt(box.width() * box.height() / left), std::max(box.width(), box.height()) / left});
     }
 
-    /// Point to go next: one of two that would be too near each other among so many that stay, if there are such.
+    /// Returns the point to remove next: one of two that would be too near each other among `stay` points, if there are
+    /// such; else the point with the largest excess in the region whose turn it is.
     std::uint32_t next(std::size_t stay) {
         const double grown = static_cast<double>(target_) / static_cast<double>(std::max<std::size_t>(stay, 1));
         const double least = kLeastDistance / kReach * std::sqrt(grown);
@@ -567,8 +576,8 @@ private:
     float without_wanted(std::uint32_t i) const { return (*crowd_)(i) + kSurplusWeight * surplus_->there(i); }
     float excess(std::uint32_t i, float left) const { return without_wanted(i) - left * wanted_[i]; }
 
-    /// Finds the point of the largest excess. Both of its parts that are not known beforehand only fall in a step, so
-    /// that what they were is a bound of what they are.
+    /// Returns the point with the largest excess. The parts of the excess stored in bounds_ only decrease during a
+    /// step, so that old values are upper bounds.
     std::uint32_t most_crowded(std::uint32_t begin, std::uint32_t end, float left) {
         Ints found;
         is_wide_ ? find_largest_wide(begin, end, left, found) : find_largest_narrow(begin, end, left, found);
@@ -588,7 +597,7 @@ private:
         return most;
     }
 
-    /// Finds a point of a large bound, of every eighth one the largest.
+    /// Finds the largest bound in each lane, i.e. of every eighth point.
     CCDT_INLINE void find_largest(std::uint32_t begin, std::uint32_t end, float left, Ints& found) const {
         Floats most = Floats{} + kNone;
         found = Ints{} + static_cast<std::int32_t>(begin);
@@ -630,30 +639,30 @@ private:
     const Domain& domain_;
     const bool is_wide_ = has_two_lanes();
     std::vector<Point> places_;     ///< [n] in the unit frame
-    std::vector<double> spacings_;  ///< [n]
-    double widest_;                 ///< reach of a point and another one, over its own
+    std::vector<double> spacings_;  ///< [n] local spacings
+    double widest_;                 ///< limit on the reach of a pair relative to the own reach
     Regions regions_;
     std::vector<std::uint32_t> left_;
-    std::span<const Point> reference_;  ///< points of all's density
-    std::vector<Point> sparse_;         ///< them, when they are no longer all
+    std::span<const Point> reference_;  ///< points that represent the wanted density
+    std::vector<Point> sparse_;         ///< storage for the reference once it is no longer places_
     Team& team_;
 
-    // Of those left when the step began.
-    std::size_t target_ = 0;             ///< points left at its end
-    int depth_ = 0;                      ///< of regions
-    std::vector<std::uint32_t> begins_;  ///< of regions
+    // State of the current step, for the points left at its beginning.
+    std::size_t target_ = 0;             ///< number of points left at its end
+    int depth_ = 0;                      ///< depth of the regions
+    std::vector<std::uint32_t> begins_;  ///< start of each region
     std::vector<Point> near_places_;
     std::vector<double> reaches_;
     std::optional<Crowd> crowd_;
     std::vector<std::uint8_t> is_there_;
     std::optional<Surplus> surplus_;
-    std::vector<float> wanted_;  ///< of the surplus' weighted part, for one point that is left
-    std::vector<float> bounds_;  ///< of excess without what is wanted
+    std::vector<float> wanted_;  ///< wanted part of the weighted surplus, per point left
+    std::vector<float> bounds_;  ///< upper bounds of the excess without its wanted part
     std::size_t next_pair_ = 0;
 };
 
-/// @param even  points are as dense everywhere
-/// @returns     spacing around each
+/// Returns the spacing around each point.
+/// @param even  whether points have the same density everywhere
 std::vector<double> spacings_of(const Domain& domain, std::span<const Point> places, bool even, Team& team,
                                 const std::stop_token& stop) {
     const double usual = std::sqrt(domain.unit_area() / static_cast<double>(places.size()));
@@ -668,16 +677,16 @@ std::vector<double> spacings_of(const Domain& domain, std::span<const Point> pla
     return spacings;
 }
 
-/// Keeps points opposite the chart's centre from lying at infinity.
+/// Clamps a coordinate, so that points opposite the chart's centre do not lie at infinity.
 double clamped(double coordinate) {
-    constexpr double kFarthest = 1'000;  // a circle of 13 km around there
+    constexpr double kFarthest = 1'000;  // a circle of 13 km around the opposite point
     return std::clamp(coordinate, -kFarthest, kFarthest);
 }
 
-/// Makes a sum that would be 0, of points all over the globe, a direction.
+/// Gives the mean direction a value even if points all over the globe sum to 0.
 constexpr double kTilt = 1e-6;
 
-constexpr double kLeastSide = 1e-9;  ///< of a chart's square, should all points coincide
+constexpr double kLeastSide = 1e-9;  ///< of a chart's square, in case all points coincide
 
 /// Orders points of the unit frame.
 std::vector<std::uint32_t> order_places(const Domain& domain, std::span<const Point> unsorted, bool even,

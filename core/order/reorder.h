@@ -7,7 +7,7 @@
 
 namespace ccdt {
 
-/// Puts the points of a distribution into an order, and those of its mesh, if there is one, with them.
+/// Reorders the points of a distribution, together with its mesh, if any.
 /// @param order  indices [points]: a permutation
 void reorder(Distribution& distribution, std::span<const std::uint32_t> order);
 

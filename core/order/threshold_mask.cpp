@@ -16,16 +16,16 @@ namespace ccdt {
 
 namespace {
 
-// Test ThresholdMask holds it to what it reaches: a narrower Gaussian leaves more power in low frequencies, a wider one
-// clusters.
-constexpr double kSigma = 1.5;  ///< pixels
-constexpr int kReach = 6;       ///< of the Gaussian, pixels: beyond it is below 4e-4
+// Test ThresholdMask requires the quality that these constants reach. A narrower Gaussian leaves more power in low
+// frequencies, a wider one clusters.
+constexpr double kSigma = 1.5;  ///< in pixels
+constexpr int kReach = 6;       ///< radius of the Gaussian in pixels; beyond it is below 4e-4
 constexpr int kMostSweeps = 32;
 
-/// Share of the pixels below which Gaussians no longer reach from one that is set to the next.
+/// Share of set pixels below which the Gaussians of neighbouring set pixels no longer overlap.
 constexpr double kFew = 1.0 / 16;
 
-/// Pixels of a tile, on their way to be spread evenly.
+/// A pattern of set pixels on a torus, to be spread evenly.
 class PixelPattern {
 public:
     PixelPattern(int width, int height)
@@ -54,7 +54,7 @@ public:
         }
     }
 
-    /// Moves pixels to neighbours where they are crowded less, until none is, or a few times.
+    /// Moves set pixels to less crowded neighbours until none can move, or for a limited number of sweeps.
     void relax(const std::stop_token& stop) {
         std::size_t moves = 1;
         for (int sweep = 0; sweep < kMostSweeps && moves > 0; ++sweep) {
@@ -66,7 +66,8 @@ public:
         }
     }
 
-    /// Takes pixels away, the most crowded one first. @returns them, the first one first
+    /// Unsets pixels, each time the most crowded one.
+    /// @returns  the pixels in order of removal
     std::vector<std::uint32_t> thin(std::size_t count, const std::stop_token& stop) {
         using Entry = std::pair<double, std::uint32_t>;
         std::vector<Entry> all;
@@ -78,7 +79,7 @@ public:
         while (gone.size() < count && !(gone.size() % kStopStride == 0 && stop.stop_requested())) {
             const auto [crowding, i] = queue.top();
             queue.pop();
-            // Those whose neighbours went are crowded less than when they were queued.
+            // Removals nearby have reduced the crowding since the entry was queued.
             if (crowding != crowding_[i]) {
                 queue.emplace(crowding_[i], i);
                 continue;
@@ -90,7 +91,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t kStopStride = 4'096;  ///< pixels between two looks at the stop token
+    static constexpr std::size_t kStopStride = 4'096;  ///< pixels between polls of the stop token
 
     static int wrapped(int i, int period) { return i < 0 ? i + period : i >= period ? i - period : i; }
 
@@ -99,7 +100,7 @@ private:
                static_cast<std::size_t>(wrapped(x, width_));
     }
 
-    /// Moves a pixel to the neighbour where it is crowded least.
+    /// Moves a set pixel to its least crowded neighbour.
     bool move(int x, int y) {
         constexpr double kLeastGain = 1e-9;
         const std::size_t from = pixel(x, y);
@@ -125,7 +126,7 @@ private:
     int width_, height_;
     std::array<double, 2 * kReach + 1> gauss_{};
     std::vector<std::uint8_t> is_set_;
-    std::vector<double> crowding_;  ///< sum of the Gaussians of all that are set
+    std::vector<double> crowding_;  ///< sum of the Gaussians of all set pixels
 };
 
 PixelPattern half_of(int width, int height, std::uint64_t seed, const std::stop_token& stop) {
@@ -136,7 +137,7 @@ PixelPattern half_of(int width, int height, std::uint64_t seed, const std::stop_
     return half;
 }
 
-/// Orders the pixels that are set so that the first of them, however many, are spread evenly.
+/// Orders the set pixels so that the first k of them are spread evenly for any k.
 std::vector<std::uint32_t> order(PixelPattern pattern, const Domain& torus, const std::stop_token& stop) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < pattern.size(); ++i) count += pattern.is_set(i) ? 1 : 0;

@@ -6,23 +6,25 @@
 
 namespace ccdt {
 
-/// Those who work on one computation together. What they do is divided by the input alone, never by their number, so
-/// that results do not depend on it.
+/// Runs the tasks of one computation. How work is divided into tasks depends on the input alone, never on the number of
+/// threads, so that results do not depend on it.
 class Team {
 public:
     virtual ~Team() = default;
 
-    /// Calls task(0) to task(count - 1), each once, in any order, several at the same time, and returns when all have
-    /// ended. Tasks must not touch what another one writes, nor call this.
+    /// Calls task(0) to task(count - 1), each once, in any order, possibly in parallel, and returns after all have
+    /// ended. A task must not touch what another task writes, nor call run().
     ///
-    /// What a task throws is thrown here, of several that of the lowest number; others may then not be called.
+    /// Rethrows what a task throws; of several exceptions the one of the lowest task number. Other tasks may then not
+    /// be called.
     virtual void run(std::size_t count, const std::function<void(std::size_t)>& task) = 0;
 };
 
-/// A team of the caller alone, who does one task after the other.
+/// Returns an executor that runs all tasks in the calling thread, one after the other.
 Team& alone();
 
-/// Divides [0, count) into ranges of so many, the last one of less, and calls function(begin, end) with each.
+/// Divides [0, count) into ranges of `range` numbers, the last one possibly shorter, and calls function(begin, end) for
+/// each.
 template <class Function>
 void for_ranges(Team& team, std::size_t count, std::size_t range, Function&& function) {
     if (count <= range) {

@@ -16,7 +16,7 @@ public:
     }
 };
 
-/// Waits for what mostly comes soon, one step after the other: to be woken takes tens of microseconds.
+/// Spins for a short time, since the condition mostly comes true soon and waking a thread takes tens of microseconds.
 template <class Predicate>
 void wait_awake(Predicate&& has_come) {
     constexpr auto kSoon = std::chrono::microseconds(50);
@@ -40,7 +40,7 @@ ThreadTeam::~ThreadTeam() = default;
 void ThreadTeam::run(std::size_t count, const std::function<void(std::size_t)>& task) {
     const std::size_t helpers = std::min(std::max<std::size_t>(size_(), 1), count) - (count > 0 ? 1 : 0);
     if (helpers == 0) return alone().run(count, task);
-    hire(helpers);
+    start_helpers(helpers);
     Work work;
     work.count = count;
     work.task = &task;
@@ -48,7 +48,7 @@ void ThreadTeam::run(std::size_t count, const std::function<void(std::size_t)>& 
         const std::lock_guard lock(mutex_);
         work_ = &work;
         ++round_;
-        places_ = helpers;
+        open_slots_ = helpers;
     }
     wanted_.notify_all();
     work_on(work);
@@ -62,22 +62,22 @@ void ThreadTeam::run(std::size_t count, const std::function<void(std::size_t)>& 
     if (work.failure) std::rethrow_exception(work.failure);
 }
 
-/// Makes threads until there are so many.
-void ThreadTeam::hire(std::size_t helpers) {
+/// Starts threads until there are `helpers` of them.
+void ThreadTeam::start_helpers(std::size_t helpers) {
     try {
         while (helpers_.size() < helpers) {
             helpers_.emplace_back([this](const std::stop_token& stop) { help(stop); });
         }
-    } catch (const std::system_error&) {  // of threads, at a limit
+    } catch (const std::system_error&) {  // no more threads available
     }
 }
 
 void ThreadTeam::help(const std::stop_token& stop) {
     std::size_t done = 0;
     std::unique_lock lock(mutex_);
-    while (wanted_.wait(lock, stop, [&] { return work_ != nullptr && round_ != done && places_ > 0; })) {
+    while (wanted_.wait(lock, stop, [&] { return work_ != nullptr && round_ != done && open_slots_ > 0; })) {
         done = round_;
-        --places_;
+        --open_slots_;
         ++busy_;
         Work& work = *work_;
         lock.unlock();

@@ -14,44 +14,44 @@
 
 namespace ccdt {
 
-/// A team of threads: the caller's, and others, which are made when they are first wanted and end with the team. One
-/// caller at a time.
+/// Runs tasks on several threads: the caller's, and others that are started when first needed and end with this object.
+/// One caller at a time.
 class ThreadTeam : public Team {
 public:
-    /// @param size  asked before each run: how many threads it may have, the caller's among them; fewer than 1 count as
-    ///              1. Called by the caller's thread.
+    /// @param size  called before each run, on the caller's thread: returns the number of threads to use, the caller's
+    ///              included; less than 1 counts as 1
     explicit ThreadTeam(std::function<std::size_t()> size);
     explicit ThreadTeam(std::size_t size);
     ThreadTeam(const ThreadTeam&) = delete;
     ThreadTeam& operator=(const ThreadTeam&) = delete;
     ~ThreadTeam() override;
 
-    /// Where no further thread can be had, those that there are do the tasks.
+    /// Falls back to the available threads if no more can be started.
     void run(std::size_t count, const std::function<void(std::size_t)>& task) override;
 
 private:
-    /// One call of run().
+    /// State of one call of run().
     struct Work {
         std::size_t count = 0;
         const std::function<void(std::size_t)>* task = nullptr;
-        std::atomic<std::size_t> next = 0;  ///< task that nobody has begun
+        std::atomic<std::size_t> next = 0;  ///< next task to begin
         std::mutex failing;
         std::size_t failed = 0;  ///< lowest number of a task that threw
         std::exception_ptr failure;
     };
 
-    void hire(std::size_t helpers);
+    void start_helpers(std::size_t helpers);
     void help(const std::stop_token& stop);
     static void work_on(Work& work);
 
     std::function<std::size_t()> size_;
     std::mutex mutex_;
-    std::condition_variable_any wanted_;  ///< there is work
-    std::condition_variable left_;        ///< a helper has left it
+    std::condition_variable_any wanted_;  ///< signals work
+    std::condition_variable left_;        ///< signals that a helper has finished
     Work* work_ = nullptr;
-    std::atomic<std::size_t> round_ = 0;  ///< number of the work
-    std::size_t places_ = 0;              ///< helpers that may still join it
-    std::atomic<std::size_t> busy_ = 0;   ///< helpers at it
+    std::atomic<std::size_t> round_ = 0;  ///< number of the current work
+    std::size_t open_slots_ = 0;          ///< helpers that may still join
+    std::atomic<std::size_t> busy_ = 0;   ///< helpers at work
     std::vector<std::jthread> helpers_;
 };
 

@@ -6,11 +6,11 @@ namespace ccdt {
 
 namespace {
 
-/// Places in a cell from which on it has a grid of its own.
+/// Number of points above which a cell gets a nested grid.
 constexpr std::uint32_t kCrowd = 32;
 
-/// Depth of grids in grids, unless rounding leaves their cells no width before. Places that are closer together than
-/// the deepest cells all but coincide.
+/// Limit on the depth of nested grids; rounding can leave cells without width even before. Points closer than the
+/// deepest cells nearly coincide.
 constexpr int kDeepest = 16;
 
 }  // namespace
@@ -30,7 +30,7 @@ void CellList::find_near(Point p, double reach, std::vector<Run>& runs) const {
     for (int j = y.first; j <= y.last; ++j) {
         const int row = wrapped(j, grid.y.cells);
         const Point from{p.x, p.y - (j - row) / grid.y.cells * sides_.y};
-        // On a torus the cells before the first one, and those behind the last one, are at the other end.
+        // On a torus, cells beyond one end continue at the other end.
         const auto add = [&](int first, int last, int period) {
             const int shift = period * grid.x.cells;
             const Range part{std::max(first, x.first) - shift, std::min(last, x.last) - shift};
@@ -64,7 +64,7 @@ std::vector<std::uint32_t> CellList::numbers() const {
     return numbers;
 }
 
-/// Sorts places into the cells of a grid over the box, and those of crowded cells into grids of theirs.
+/// Sorts points into the cells of a grid over the box, and recurses into crowded cells.
 void CellList::divide(const Box& box, std::uint32_t begin, std::uint32_t end, int depth) {
     const double count = end - begin;
     const double side = std::sqrt(box.width() * box.height() / count);

@@ -12,15 +12,16 @@
 
 namespace ccdt {
 
-/// Finds places near another one: a grid of about one place a cell, where cells that many places crowd into have a
-/// grid of their own.
+/// Finds the points near a place. The grid has about one point per cell; crowded cells have a nested grid of their own.
 class CellList {
 public:
-    /// @param places  [n >= 1], in the domain's box; on a torus within it
-    /// O(places), times the depth of grids in grids.
+    /// @param places  [n >= 1], in the domain's bounding box; on a torus, wrapped into it
+    ///
+    /// O(points), times the depth of nested grids.
     CellList(const Domain& domain, std::span<const Point> places);
 
-    /// Calls function(place, number) with each place that may be nearer than the reach, on a torus with its copy there.
+    /// Calls function(point, number) for each point that may be within `reach` of p; on a torus with the copy nearest
+    /// to p. Points farther away can be included.
     /// @param reach  > 0
     template <class Function>
     void for_near(Point p, double reach, Function&& function) const {
@@ -35,15 +36,16 @@ public:
         }
     }
 
-    /// Places that follow each other in the list.
+    /// A range of successive points in sorted order.
     struct Run {
         std::uint32_t begin, end;
     };
 
-    /// Finds the places that for_near() calls with, as runs. @param runs  cleared before
+    /// Finds the points that for_near() visits, as runs.
+    /// @param runs  out; cleared first
     void find_near(Point p, double reach, std::vector<Run>& runs) const;
 
-    /// Numbers of the places, as they are listed.
+    /// Numbers of the points in sorted order; runs index this list.
     std::vector<std::uint32_t> numbers() const;
 
 private:
@@ -58,7 +60,7 @@ private:
 
     struct Grid {
         Axis x, y;
-        std::size_t first;  ///< of its cells in cells_
+        std::size_t first;  ///< its first cell in cells_
 
         std::size_t cell(int column, int row) const {
             return first + static_cast<std::size_t>(row) * static_cast<std::size_t>(x.cells) +
@@ -68,8 +70,8 @@ private:
     };
 
     struct Cell {
-        std::uint32_t begin;     ///< of its places in sorted_; the next cell's ends them
-        std::uint32_t grid = 0;  ///< of its own; 0: none
+        std::uint32_t begin;     ///< its first point in sorted_; the next cell's `begin` is its end
+        std::uint32_t grid = 0;  ///< its nested grid; 0 if none
     };
 
     struct Listed {
@@ -83,7 +85,7 @@ private:
 
     static int wrapped(int i, int cells) { return i < 0 ? i + cells : i >= cells ? i - cells : i; }
 
-    /// Cells of the first grid; on a torus beyond its ends, too, but none twice.
+    /// Range of cells of the first grid. On a torus it may extend beyond the ends, but contains no cell twice.
     Range around(double v, double reach, const Axis& axis) const {
         if (!torus_) return {axis.cell(v - reach), axis.cell(v + reach)};
         const auto cell = [&](double place) {
@@ -109,16 +111,16 @@ private:
         }
     }
 
-    /// Adds the places of a row's cells.
+    /// Appends the points in some cells of one row.
     void add_row(const Grid& grid, int row, Range columns, Point p, double reach, std::vector<Run>& runs) const;
 
     void divide(const Box& box, std::uint32_t begin, std::uint32_t end, int depth);
 
     bool torus_;
     Point sides_;
-    std::vector<Grid> grids_;     ///< the first one is that of the domain
-    std::vector<Cell> cells_;     ///< of each grid, and one that ends them
-    std::vector<Listed> sorted_;  ///< by cells
+    std::vector<Grid> grids_;     ///< the first one covers the domain
+    std::vector<Cell> cells_;     ///< cells of each grid, followed by one that marks the end
+    std::vector<Listed> sorted_;  ///< sorted by cell
 };
 
 }  // namespace ccdt

@@ -9,9 +9,9 @@ namespace ccdt {
 namespace {
 
 constexpr std::size_t kTaps = 4;
-constexpr double kMostCells = 64;  ///< of the grid for each site; a domain may fill next to nothing of its box
+constexpr double kMostCells = 64;  ///< limit on cells per site, since a domain may fill very little of its bounding box
 
-/// The cubic B-spline at the four grid points around.
+/// Returns the values of the cubic B-spline at the four grid points around.
 inline std::array<double, kTaps> weights_at(double f) {
     const double g = 1 - f;
     return {g * g * g / 6, 2.0 / 3 - f * f * (1 - f / 2), 2.0 / 3 - g * g * (1 - g / 2), f * f * f / 6};
@@ -32,7 +32,7 @@ ErrorGrid::ErrorGrid(Point sides, double cell, std::size_t sites, std::span<cons
     : cell_(cell_side(sides, cell, sites)),
       columns_(cells(sides.x, cell_) + kTaps - 1),
       rows_(cells(sides.y, cell_) + kTaps - 1) {
-    constexpr std::size_t kPieces = 2;  // areas are spread in pieces of half a cell, each from its middle
+    constexpr std::size_t kPieces = 2;  // areas are spread in pieces of half a cell, each at its centre
     const std::size_t columns = kPieces * cells(sides.x, cell_), rows = kPieces * cells(sides.y, cell_);
     auto masses = crossed_coverage(border, sides, static_cast<int>(columns), static_cast<int>(rows));
     if (!density.is_uniform()) {
@@ -55,10 +55,10 @@ ErrorGrid::ErrorGrid(Point sides, double cell, std::size_t sites, std::span<cons
     want(masses, side);
 }
 
-/// Finds which points of the grid something may be spread on.
-/// @param side  of the pieces
+/// Determines which points of the grid to store: those that a spread within the pieces can reach.
+/// @param side  size of the pieces
 void ErrorGrid::store(const CrossedCells& pieces, Point side) {
-    constexpr double kMargin = 0.5;  // pieces: rounding may put what lies at a side beyond it
+    constexpr double kMargin = 0.5;  // in pieces; rounding can move a point on a side beyond it
     struct Range {
         std::size_t first, end;
     };
@@ -84,8 +84,8 @@ void ErrorGrid::store(const CrossedCells& pieces, Point side) {
     values_.assign(count, 0);
 }
 
-/// Spreads pieces of areas: along each row, then across.
-/// @param side  of the pieces
+/// Spreads the pieces of areas: along each row, then across.
+/// @param side  size of the pieces
 void ErrorGrid::want(const CrossedCells& masses, Point side) {
     std::vector<double> line(columns_, 0);
     for (std::size_t number = 0; number < masses.rows.size(); ++number) {

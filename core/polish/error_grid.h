@@ -10,28 +10,30 @@
 
 namespace ccdt {
 
-/// Measures how far the density of sites, smoothed over a few of them, is off the wanted one. Sites, and areas by what
-/// they want, are spread by cubic B-splines on a grid; each cell shares out what it has too much among the sites that
-/// are spread on it, so that nothing of the error is lost. Waves of two cells and shorter, the pattern itself, are
-/// smoothed away. Of each row of the grid only points around the area are stored.
+/// Measures the smoothed difference between the actual and the wanted density of sites. Sites and areas, the latter
+/// weighted by the sites they want, are spread on a grid by cubic B-splines. Each cell distributes its excess over the
+/// sites spread on it, so no error is lost. Waves of two cells and shorter, i.e. the pattern itself, are smoothed away.
+/// In each row, only grid points near the area are stored.
 class ErrorGrid {
 public:
-    /// @param sides    of the box that areas and sites lie in, its corner at the origin
-    /// @param cell     side of the grid's cells; larger where that were too many of them for so many sites
-    /// @param border   of the areas; they want as many sites as there are, together
+    /// @param sides    size of the box that contains areas and sites, with its corner at the origin
+    /// @param cell     side of the grid's cells; enlarged if there would be too many for the number of sites
+    /// @param border   border of the areas; together they want `sites` sites
     /// @param density  stretched over the box
+    ///
     /// O(rows + cells between borders + density's cells).
     ErrorGrid(Point sides, double cell, std::size_t sites, std::span<const BorderEdge> border, const Density& density);
 
-    /// Spreads sites, which lie in the areas. O(cells + sites).
+    /// Measures the error of sites, all of which lie in the areas. O(cells + sites).
     void measure(std::span<const Point> sites);
 
-    /// Share of the error, in sites, that falls to one of the sites that were spread: > 0 where they are too many. All
-    /// shares add up to 0, but for areas that no site is near.
+    /// Returns the share of the error, in sites, assigned to one of the measured sites: > 0 where there are too many
+    /// sites. All shares add up to 0, except for areas without a site nearby.
     double at(Point site) const;
 
 private:
-    /// The grid point left of and below the four by four around a place, and how far behind the second one it lies.
+    /// The grid point at the lower left of the 4 x 4 around a place, and the place's offset from the second row and
+    /// column.
     struct Place {
         std::size_t column, row;
         Point fraction;
@@ -41,16 +43,18 @@ private:
         const auto i = static_cast<std::size_t>(x), j = static_cast<std::size_t>(y);
         return {i, j, {x - static_cast<double>(i), y - static_cast<double>(j)}};
     }
-    /// Number of a grid point that is stored.
+    /// Index of a stored grid point.
     std::size_t number(std::size_t column, std::size_t row) const { return numbers_[row] + column; }
     void store(const CrossedCells& pieces, Point side);
     void want(const CrossedCells& masses, Point side);
 
     double cell_;
     std::size_t columns_, rows_;
-    std::vector<std::size_t> numbers_;  ///< [rows] of the first column's point, were it stored; may wrap around
-    std::vector<double> wanted_;        ///< [points] sites
-    std::vector<double> values_;        ///< [points] sites there are; then the share of them that are too many
+    /// [rows] index that the point in column 0 would have if stored; may wrap around.
+    std::vector<std::size_t> numbers_;
+    std::vector<double> wanted_;  ///< [points] wanted sites
+    /// [points] actual sites; after measure(), their excess as a share of the actual sites.
+    std::vector<double> values_;
 };
 
 }  // namespace ccdt

@@ -7,12 +7,12 @@ namespace ccdt {
 
 namespace {
 
-/// Takes from a site's move what would bring it nearer than so much.
-/// @param away      any vector off what it may come near to
-/// @param squared   its length, squared
-/// @param distance  times that length
+/// Removes from a move the part that would bring a site nearer than `least`.
+/// @param away      any vector pointing away from the obstacle
+/// @param squared   squared length of `away`
+/// @param distance  distance from the obstacle times the length of `away`
 void keep_off(Point away, double squared, double distance, double least, Point& move) {
-    // What is far enough for any direction of the move needs no root.
+    // Avoids the square root if the site is far enough whatever the direction of the move.
     if (distance * distance > 2 * (least * least + dot(move, move)) * squared) return;
     const double scale = 1 / std::sqrt(squared);
     const double before = scale * distance, after = before + scale * dot(move, away), kept = std::min(before, least);

@@ -9,28 +9,28 @@
 
 namespace ccdt {
 
-/// Depth of the sites next to the border, in spacings; half a row of the hexagonal grid has 0.47.
+/// Depth of the sites next to the border, in spacings. Half a row of the hexagonal grid has 0.47.
 inline constexpr double kFirstRow = 0.45;
 
-/// Sites next to the border: those that share a triangle with vertices of it.
+/// The first row: the sites that share an edge with a vertex of the border.
 class FirstRow {
 public:
-    /// Lists them; again after all that changes edges. O(triangles).
-    /// @param mesh  trimmed, not a torus'
+    /// Finds the first row. Must be called again after edges change. O(triangles).
+    /// @param mesh  trimmed, not of a torus
     void find(const Triangulation& mesh);
 
-    /// Takes from the moves of sites what would bring them nearer to the edges of the border that they face than some
-    /// depth; those that are nearer do not come nearer still, and slide along it.
-    /// @param spacings  [sites] 1 / sqrt(density of the sites that are wanted)
+    /// Removes the part of each move that would bring a site nearer than `depth` to the border edge opposite to it. A
+    /// site that is already nearer does not come nearer still, but may slide along the edge.
+    /// @param spacings  [sites] 1 / sqrt(wanted density of sites)
     /// @param depth     in spacings
     /// @param moves     in and out [sites]
     void keep_off_edges(const Triangulation& mesh, std::span<const double> spacings, double depth,
                         std::span<Point> moves) const;
-    /// The same for vertices of the border, which hold sites in tongues and needles.
+    /// Does the same for vertices of the border, which hold sites in narrow tongues and needles.
     void keep_off_vertices(const Triangulation& mesh, std::span<const double> spacings, double depth,
                            std::span<Point> moves) const;
 
-    /// [n] in order.
+    /// The sites of the first row [n], in ascending order.
     std::span<const std::uint32_t> sites() const { return sites_; }
 
 private:
@@ -38,8 +38,8 @@ private:
         std::uint32_t site, vertex;
     };
     std::vector<std::uint32_t> sites_;
-    std::vector<Neighbours> ends_;         ///< of edges from sites to vertices of the border
-    std::vector<std::uint32_t> segments_;  ///< edges of the border that a site faces
+    std::vector<Neighbours> ends_;         ///< edges from sites to vertices of the border
+    std::vector<std::uint32_t> segments_;  ///< half-edges on the border opposite to a site
 };
 
 }  // namespace ccdt

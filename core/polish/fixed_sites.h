@@ -6,12 +6,13 @@
 
 namespace ccdt {
 
-/// Points of a domain, in the unit frame, that are there already: sites keep clear of them, and they stay.
+/// Existing points of a domain, in the unit frame. They do not move, and sites keep a distance from them.
 struct FixedSites {
-    double sites = 0;             ///< room in the domain, in units of what each free site has of it
-    std::vector<Point> places;    ///< of those that are the last sites of the mesh
-    std::vector<double> weights;  ///< [places] room that they take, in the same units
-    std::vector<Point> others;    ///< that have no vertex: outside, or too close to the border or to one that has
+    double sites = 0;             ///< size of the domain, in units of the area that each free site gets
+    std::vector<Point> places;    ///< points that are the last sites of the mesh
+    std::vector<double> weights;  ///< [places] area that each takes, in the same units
+    /// Points without a vertex: outside the domain, or too close to the border or to a point with a vertex.
+    std::vector<Point> others;
 };
 
 }  // namespace ccdt

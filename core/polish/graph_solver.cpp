@@ -9,13 +9,14 @@ namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-/// Conductance of the next level's edges over that of those they stand for, which are joined not only side by side:
-/// where a potential falls evenly over two or three edges in line, as wide as an aggregate is, it falls at once over
-/// one here.
+/// Conductance of a coarse edge relative to the fine edges that it replaces. Fine edges form chains, not only parallel
+/// connections: a potential that falls evenly over two or three fine edges in series, the width of an aggregate, falls
+/// over a single coarse edge.
 constexpr double kLengthening = 0.35;
 
-constexpr std::uint32_t kBlock = 512;  ///< vertices of a block
-constexpr std::uint32_t kTask = 2048;  ///< vertices that a task takes, of blocks in turn: each waits for the one before
+constexpr std::uint32_t kBlock = 512;  ///< vertices per block
+/// Vertices per task; a task interleaves its blocks, since each step in a block waits for the one before.
+constexpr std::uint32_t kTask = 2048;
 
 }  // namespace
 
@@ -54,11 +55,11 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
         links[end[edge.a]++] = {edge.b, static_cast<float>(edge.conductance)};
         links[end[edge.b]++] = {edge.a, static_cast<float>(edge.conductance)};
     }
-    // Of a vertex those to the same other one become one.
+    // Merges parallel links of a vertex into one.
     level.first.reserve(vertices + 1);
     level.first.push_back(0);
     level.all.reserve(links.size());
-    std::vector<std::uint32_t> last(vertices, kNone);  // link to each vertex
+    std::vector<std::uint32_t> last(vertices, kNone);  // last link created to each vertex
     for (std::uint32_t v = 0; v < vertices; ++v) {
         const std::size_t begin = level.all.size();
         double sum = 0;
@@ -70,7 +71,7 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
                 level.all[last[link.to]].conductance += link.conductance;
             }
         }
-        // Before v in its block, behind it there, elsewhere.
+        // Sorts the links: lower numbers in the block of v, higher numbers in the block, then other blocks.
         const auto from = level.all.begin() + static_cast<std::ptrdiff_t>(begin);
         const auto beyond =
             std::partition(from, level.all.end(), [v](const Link& link) { return link.to / kBlock == v / kBlock; });
@@ -88,9 +89,9 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
     return level;
 }
 
-/// Makes a vertex of the next level of each vertex none of whose neighbours belongs to one yet, and of these; what is
-/// left goes with the neighbour that it is linked to best.
-/// @returns  how many there are
+/// Aggregates vertices. A vertex with no neighbour in an aggregate yet forms one with all its neighbours. Each
+/// remaining vertex joins the aggregate of the neighbour with the largest conductance.
+/// @returns  number of aggregates
 std::size_t GraphSolver::aggregate(Level& level) {
     std::vector<std::uint32_t> seeds(level.size(), kNone);
     std::uint32_t count = 0;
@@ -130,7 +131,7 @@ inline double GraphSolver::Level::outflow(std::uint32_t v, std::span<const doubl
     return flow;
 }
 
-/// Calls function(begin, end) with the blocks of a level.
+/// Calls function(begin, end) for ranges of vertices of a level, in parallel.
 template <class Function>
 void GraphSolver::for_blocks(std::size_t vertices, Function&& function) const {
     for_ranges(team_, vertices, kTask, [&](std::size_t begin, std::size_t end) {
@@ -138,20 +139,19 @@ void GraphSolver::for_blocks(std::size_t vertices, Function&& function) const {
     });
 }
 
-/// Calls function(begin, end) with the blocks of the finest level.
-/// @returns  the sum of what it returns
+/// Calls function(begin, end) for ranges of vertices of the finest level.
+/// @returns  the sum of the results
 template <class Function>
 double GraphSolver::sum_over_blocks(Function&& function) {
     for_blocks(size(), [&](std::uint32_t begin, std::uint32_t end) { sums_[begin / kTask] = function(begin, end); });
     return std::accumulate(sums_.begin(), sums_.end(), 0.0);
 }
 
-/// Sets the potentials of a level to about what its inflow wants: by relaxation, each vertex' potential set so that as
-/// much flows out as in, by the next level, and by relaxation again, the other way round, so that as an operator it is
-/// symmetric.
+/// Approximates the potentials for a level's inflow: a relaxation sweep, a correction by the next level, and a sweep in
+/// reverse order, which makes the operator symmetric.
 void GraphSolver::cycle(std::size_t number) {
     Level& level = levels_[number];
-    if (level.coarse.empty()) {  // nothing is linked any more
+    if (level.coarse.empty()) {  // no links are left
         std::ranges::fill(level.potential, 0.0);
         return;
     }
@@ -161,8 +161,8 @@ void GraphSolver::cycle(std::size_t number) {
         return sum;
     };
     const auto relax = [&](std::uint32_t v, double all) { level.potential[v] = all * level.inverse[v]; };
-    // From nothing, so that those behind a vertex give nothing yet: what they give when it is their turn is what is
-    // left.
+    // Starts from zero potentials, so later vertices contribute nothing yet; their contribution at the end is the
+    // residual.
     for_blocks(level.size(), [&](std::uint32_t begin, std::uint32_t end) {
         const std::uint32_t most = std::min(kBlock, end - begin);
         for (std::uint32_t i = 0; i < most; ++i) {
@@ -198,7 +198,7 @@ void GraphSolver::cycle(std::size_t number) {
 }
 
 void GraphSolver::solve(std::span<double> inflow, std::span<double> potential, int steps) {
-    constexpr double kNegligible = 1e-24;  // what is left is rounding
+    constexpr double kNegligible = 1e-24;  // below this, the residual is rounding
     Level& finest = levels_.front();
     std::ranges::fill(potential, 0.0);
     std::ranges::fill(direction_, 0.0);

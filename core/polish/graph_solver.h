@@ -9,18 +9,17 @@
 
 namespace ccdt {
 
-/// Solves Laplace's equation on a graph whose edges have conductances: finds potentials whose differences drive through
-/// the edges what flows into the vertices and out again. Conjugate gradients, preconditioned by a multigrid cycle whose
-/// coarser graphs have one vertex for each of some vertices and their neighbours. A graph may consist of several parts
-/// that nothing links. Vertices are relaxed in blocks of successive numbers at the same time, each by what the others'
-/// potentials were before.
+/// Solves Laplace's equation on a graph whose edges have conductances: finds the potentials that drive given inflows
+/// through the edges. Uses conjugate gradients with a multigrid preconditioner. Each vertex of a coarser graph stands
+/// for an aggregate of a vertex and its neighbours. The graph need not be connected. Relaxation processes blocks of
+/// successive vertices in parallel, each with the other blocks' previous potentials.
 ///
 /// Source: Vanek, Mandel, Brezina, Algebraic multigrid by smoothed aggregation, Computing 56 (1996), for the choice of
-/// aggregates. Departs from it in that prolongation is not smoothed; corrections are lengthened instead.
+/// aggregates. Departure: prolongation is not smoothed; instead, corrections are scaled up.
 class GraphSolver {
 public:
     struct Edge {
-        std::uint32_t a, b;  ///< vertices, not the same
+        std::uint32_t a, b;  ///< two different vertices
         double conductance;  ///< > 0
     };
     struct Link {
@@ -28,8 +27,9 @@ public:
         float conductance;
     };
 
-    /// @param edges  those between the same vertices add up; of neighbours numbers should be near each other
-    /// @param team   does the work; must outlive this
+    /// @param edges  parallel edges add up; neighbours should have nearby numbers
+    /// @param team   runs the tasks; must outlive this
+    ///
     /// O(vertices + edges).
     GraphSolver(std::size_t vertices, std::span<const Edge> edges, Team& team = alone());
 
@@ -38,23 +38,27 @@ public:
     /// Edges of a vertex.
     std::span<const Link> links(std::uint32_t vertex) const { return levels_.front().links(vertex); }
 
-    /// Finds potentials so that sum of conductance * (potential - neighbour's) = inflow, as near as so many steps get.
-    /// @param inflow     [vertices], its sum 0 in each part that hangs together; used up
+    /// Finds potentials such that sum of conductance * (potential - neighbour's potential) = inflow, approximately.
+    /// @param inflow     [vertices], with sum 0 in each connected component; overwritten
     /// @param potential  out [vertices]
-    /// O(vertices + edges) a step, which takes off the error two thirds or more.
+    /// @param steps      number of iterations, each of which reduces the error to a third or less
+    ///
+    /// O(vertices + edges) per step.
     void solve(std::span<double> inflow, std::span<double> potential, int steps);
 
 private:
     struct Level {
-        std::vector<std::uint32_t>
-            first;  ///< [vertices + 1] of its links: those within its block in order, then others
-        std::vector<std::uint32_t> later;   ///< [vertices] of these the first to a vertex with a larger number
-        std::vector<std::uint32_t> beyond;  ///< [vertices] of these the first that leaves the block
-        std::vector<Link> all;              ///< of all vertices
-        std::vector<double> sum;            ///< [vertices] of the links' conductances
-        std::vector<double> inverse;        ///< [vertices] 1 over that, or 0
-        std::vector<std::uint32_t> coarse;  ///< [vertices] vertex of the next level; empty on the last one
-        std::vector<std::uint32_t> members, first_member;  ///< of each vertex of the next level [vertices of it + 1]
+        /// [vertices + 1] start of each vertex' links: first those within its block in order, then the others.
+        std::vector<std::uint32_t> first;
+        /// [vertices] first of these links that leads to a vertex with a larger number.
+        std::vector<std::uint32_t> later;
+        std::vector<std::uint32_t> beyond;  ///< [vertices] first of these links that leaves the block
+        std::vector<Link> all;              ///< links of all vertices
+        std::vector<double> sum;            ///< [vertices] sum of the links' conductances
+        std::vector<double> inverse;        ///< [vertices] 1 / sum, or 0
+        std::vector<std::uint32_t> coarse;  ///< [vertices] vertex of the next level; empty on the last level
+        /// Members of each vertex of the next level; [vertices of the next level + 1].
+        std::vector<std::uint32_t> members, first_member;
         std::vector<double> inflow, potential, left;
 
         std::size_t size() const { return sum.size(); }
@@ -75,9 +79,9 @@ private:
     void cycle(std::size_t number);
 
     Team& team_;
-    std::vector<double> sums_;  ///< [blocks]
+    std::vector<double> sums_;  ///< [blocks] partial sums
     std::vector<Level> levels_;
-    std::vector<double> direction_, image_;  ///< [vertices]
+    std::vector<double> direction_, image_;  ///< [vertices] search direction, and its outflows
 };
 
 }  // namespace ccdt

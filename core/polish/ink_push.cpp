@@ -12,14 +12,14 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Direction in which a site goes that stands where another one does: a different one for each.
+/// Returns the direction in which a site moves if it coincides with another one, different for each site.
 Point own_way(std::uint32_t site) {
     constexpr double kGolden = 0.6180339887498949;
     const double angle = 2 * kPi * kGolden * site;
     return {std::cos(angle), std::sin(angle)};
 }
 
-/// Share of the way apart that the first of two sites goes.
+/// Returns the share of the separation that the first of two sites makes.
 double share_of(const InkSite& site, const InkSite& other) {
     const double area = site.own_spacing * site.own_spacing;
     return area / (area + other.own_spacing * other.own_spacing);

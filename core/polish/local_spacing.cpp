@@ -26,7 +26,7 @@ LocalSpacing::LocalSpacing(Point sides, const Density& density, double sites)
     }
 }
 
-/// Number of sites that a block of 2^level x 2^level cells wants.
+/// Number of sites wanted by a block of 2^level x 2^level cells.
 double LocalSpacing::sites_of(std::size_t level, std::size_t column, std::size_t row) const {
     if (level == 0) return sites_per_value_ * density_.value(static_cast<int>(column), static_cast<int>(row));
     const Level& blocks = levels_[level - 1];
@@ -40,7 +40,7 @@ double LocalSpacing::at(Point p) const {
     const std::size_t column = index(p.x / cell_.x, density_.width()), row = index(p.y / cell_.y, density_.height());
     std::size_t level = 0;
     while (level < levels_.size() && sites_of(level, column >> level, row >> level) < 1) ++level;
-    // Blocks at the far sides may be cut.
+    // Blocks at the far sides may be cut off.
     const auto extent = [level](std::size_t place, int cells) {
         const std::size_t begin = place >> level << level;
         return static_cast<double>(std::min(static_cast<std::size_t>(cells), begin + (std::size_t{1} << level)) -

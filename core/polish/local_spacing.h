@@ -8,32 +8,35 @@
 
 namespace ccdt {
 
-/// Spacing of sites around a place, however much denser they are there than elsewhere: by the mean density of the
-/// smallest block of cells, of 1, 2 x 2, 4 x 4 and so on, that holds the place and wants a site.
+/// Spacing of sites around a place, even where sites are far denser than elsewhere. It follows from the mean density of
+/// the smallest block of cells (1, 2 x 2, 4 x 4, ...) that contains the place and wants at least one site.
 class LocalSpacing {
 public:
-    /// @param sides    of the box that the density is stretched over
+    /// @param sides    size of the box over which the density is stretched
     /// @param density  not uniform; must outlive this
-    /// @param sites    in all
+    /// @param sites    total number
+    ///
     /// O(density's cells).
     LocalSpacing(Point sides, const Density& density, double sites);
 
-    /// 1 / sqrt(density of sites).
-    /// @param p  in the box. O(log cells)
+    /// Returns 1 / sqrt(density of sites).
+    /// @param p  in the box
+    ///
+    /// O(log cells).
     double at(Point p) const;
 
 private:
     struct Level {
         std::size_t columns = 0, rows = 0;
-        std::vector<float> sites;  ///< [rows * columns] that each block wants
+        std::vector<float> sites;  ///< [rows * columns] sites wanted by each block
     };
 
     double sites_of(std::size_t level, std::size_t column, std::size_t row) const;
 
     const Density& density_;
-    Point cell_;  ///< sides of the density's cells
+    Point cell_;  ///< size of the density's cells
     double sites_per_value_;
-    std::vector<Level> levels_;  ///< blocks of 2 x 2 cells, of 4 x 4 and so on, the last one of all
+    std::vector<Level> levels_;  ///< blocks of 2 x 2 cells, 4 x 4 cells and so on, up to a single block
 };
 
 }  // namespace ccdt

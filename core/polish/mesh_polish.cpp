@@ -13,15 +13,16 @@ namespace ccdt {
 
 namespace {
 
-/// Longest push, in spacings: two neighbours, 1.07 spacings apart in a hexagonal grid, keep over half of their
+/// Longest push, in spacings. Two neighbours, 1.07 spacings apart in a hexagonal grid, keep more than half of their
 /// distance.
 constexpr double kLongestPush = 0.2;
-/// Spacings from the border that a push keeps clear of. Without, needles hold sites together; more of it does so where
-/// there is little room: Polish.LeavesNoNearPairsAtNeedles. A push that reaches beyond the nearest neighbours would
-/// press sites against the border, from where nothing pushes back: it keeps the first row where it is.
+/// Distance from the border that a push keeps, in spacings. Without it sites get stuck together in needles; a larger
+/// value has the same effect in narrow places: Polish.LeavesNoNearPairsAtNeedles. Pushes that reach beyond the nearest
+/// neighbours would press sites against the border, where nothing pushes back. They keep the first row at its depth
+/// instead.
 constexpr double kBorderDepth = 0.1;
 constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps, as in a relaxation
-// What a task takes.
+// Sites or triangles per task.
 constexpr std::size_t kSites = 8192, kTriangles = 16384;
 
 }  // namespace
@@ -44,7 +45,7 @@ double MeshPolish::spacing(Point p) const {
     return std::sqrt(domain_.unit_area() / fixed_.sites);
 }
 
-/// The nearest place in the domain's box; on a torus the same place, rounded to what is exact there.
+/// Returns the nearest place in the domain's bounding box; on a torus the same place, snapped to multiples of 2^-50.
 Point MeshPolish::inside(Point p) const {
     constexpr double kInside = 1e-9;
     const Point sides = domain_.unit_bounds().max;
@@ -53,11 +54,12 @@ Point MeshPolish::inside(Point p) const {
             std::clamp(p.y, kInside * sides.y, (1 - kInside) * sides.y)};
 }
 
-/// Nearest place to p where a site may stand: in the domain's box, and with density if some is near.
-/// @param spacing  gives the spacing of sites there, if it is asked
+/// Returns the nearest place to p where a site may stand: in the domain's bounding box, and with density if there is
+/// any nearby.
+/// @param spacing  returns the local spacing; called only if needed
 template <class Spacing>
 Point MeshPolish::allowed(Point p, Spacing&& spacing) const {
-    constexpr double kReach = 2;  // spacings; two longer sides reach over the whole box
+    constexpr double kReach = 2;  // in spacings; two longer sides cover the whole box
     p = inside(p);
     if (density_.is_uniform()) return p;
     Point corner;
@@ -72,8 +74,8 @@ Point MeshPolish::allowed(Point p, Spacing&& spacing) const {
 }
 
 void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& stop) {
-    // Fewer rounds leave a larger error of tone: benchmark PictureTone. Without free rounds, which let sites stand
-    // where there is no density, or without momentum in these, too few cross white gaps: Polish.EvensOutSmallSpots.
+    // Fewer rounds leave a larger error of tone: benchmark PictureTone. Free rounds let sites stand where there is no
+    // density. Without them, or without their momentum, too few sites cross white gaps: Polish.EvensOutSmallSpots.
     constexpr int kRounds = 5, kFreeRounds = 3;
     constexpr double kMomentum = 0.5;
     if (density_.is_uniform() || !transport_) return;
@@ -99,15 +101,15 @@ void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& s
     for (Point& p : sites) p = p - Point{whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
 }
 
-void MeshPolish::rest() {
-    if (transport_) transport_->rest();
+void MeshPolish::release_memory() {
+    if (transport_) transport_->release_memory();
     moves_ = std::vector<Point>();
     spacings_ = std::vector<double>();
 }
 
 bool MeshPolish::clear_gaps(std::span<Point> sites) const {
     if (density_.is_uniform()) return false;
-    constexpr double kAnywhere = 1;  // "spacing" that reaches over the longer side
+    constexpr double kAnywhere = 1;  // a "spacing" that makes the reach cover the box
     bool moved = false;
     for (Point& site : sites) {
         const Point to = allowed(site, [] { return kAnywhere; });
@@ -119,7 +121,7 @@ bool MeshPolish::clear_gaps(std::span<Point> sites) const {
 
 void MeshPolish::begin(const Triangulation& mesh) {
     moves_.resize(mesh.site_count());
-    // In a polygon what keeps sites off the border reads them.
+    // In polygons, FirstRow needs the spacings of all sites.
     if (!density_.is_uniform() || !domain_.is_box()) spacings_.resize(mesh.site_count());
     const SiteBlocks& blocks = mesh.blocks();
     std::vector<std::vector<std::uint32_t>> others(blocks.count(0));
@@ -142,7 +144,7 @@ void MeshPolish::begin(const Triangulation& mesh) {
     largest_area_ = std::ranges::max(largest);
 }
 
-/// Lists the edges of a block's share of the triangles: those within the block, and the others.
+/// Lists the edges of a range of triangles, which `block` selects: separately those within the block and the others.
 void MeshPolish::list_edges(const Triangulation& mesh, std::size_t block, std::vector<std::uint32_t>& others) {
     const SiteBlocks& blocks = mesh.blocks();
     const std::size_t count = blocks.count(0);
@@ -184,7 +186,7 @@ bool MeshPolish::find_nearer(const Triangulation& mesh, double least) {
            std::ranges::any_of(edges_, [&](const auto& blocks) { return std::ranges::any_of(blocks, has_near); });
 }
 
-std::vector<std::array<std::uint32_t, 2>> MeshPolish::take_nearer(const Triangulation& mesh, double least) {
+std::vector<std::array<std::uint32_t, 2>> MeshPolish::near_pairs(const Triangulation& mesh, double least) {
     auto pairs = joined_within(mesh, 0.5 * least * hexagonal_spacing(1));
     pairs.insert(pairs.end(), facing_.begin(), facing_.end());
     mesh_transport_.reset();
@@ -199,7 +201,7 @@ std::vector<std::array<std::uint32_t, 2>> MeshPolish::take_nearer(const Triangul
     return taken;
 }
 
-/// Lists the near ones of the sites that edges join, those of smaller number first.
+/// Lists near pairs of sites that an edge joins, the smaller number first.
 std::vector<std::array<std::uint32_t, 2>> MeshPolish::joined_within(const Triangulation& mesh,
                                                                     double half_reach) const {
     std::vector<std::array<std::uint32_t, 2>> joined;
@@ -219,7 +221,7 @@ bool MeshPolish::is_nearer(const Triangulation& mesh, std::uint32_t a, std::uint
     return dot(apart, apart) < reach * reach;
 }
 
-/// Lists near sites that no edge joins. Only those next to the border can be such.
+/// Lists near pairs of sites that no edge joins. Only sites of the first row can form such pairs.
 void MeshPolish::find_facing(const Triangulation& mesh, double half_reach) {
     facing_.clear();
     const auto sites = row_.sites();
@@ -266,7 +268,7 @@ void MeshPolish::move(Triangulation& mesh, std::span<const Point> moves) {
 
 void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                             const std::stop_token& stop) {
-    constexpr double kStuck = 0.6;  // share of the reach; after a push or two only those are nearer that are held
+    constexpr double kStuck = 0.6;  // share of the reach; after a push or two, only sites held by others are nearer
     const double half_reach = 0.5 * reach * hexagonal_spacing(1);
     measure_spacings(mesh);
     std::fill(moves_.begin(), moves_.end(), Point{});
@@ -275,11 +277,12 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
         const double least = half_reach * (spacing_of(a) + spacing_of(b));
         const double squared = dot(along, along);
         if (squared >= least * least) return;
-        // Two that face each other across a tongue of land would only be pressed against its shores.
+        // Two sites that face each other across a narrow tongue would be pressed against its shores, so they turn as
+        // well.
         const bool turns = !domain_.is_box() && squared < kStuck * kStuck * least * least;
         const Point way = turns ? Point{along.x - along.y, along.x + along.y} : along;
         const Point by = push * (least / std::sqrt(squared) - 1) * way;
-        // One that stays leaves all of the way to the other one.
+        // If one of the two is fixed, the other one moves the whole way.
         moves_[a] = moves_[a] - (mesh.is_free(b) ? 1 : 2) * by;
         moves_[b] = moves_[b] + (mesh.is_free(a) ? 1 : 2) * by;
     };
@@ -305,7 +308,7 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
     if (!stop.stop_requested()) apply(mesh);
 }
 
-/// Pushes sites off fixed ones that no edge leads to.
+/// Pushes sites away from fixed points that have no vertex.
 void MeshPolish::push_off_others(const Triangulation& mesh, double half_reach, double push) {
     const Point sides = domain_.unit_bounds().max;
     for (std::uint32_t v = 0; v < mesh.free_count(); ++v) {
@@ -329,11 +332,11 @@ void MeshPolish::apply(Triangulation& mesh) {
             moves_[v] = here;
         }
     });
-    take_back(mesh);
+    revert_moves(mesh);
     if (mesh.is_torus()) mesh.wrap();
 }
 
-/// Twice the area of a triangle before its sites were moved.
+/// Returns twice the area of a triangle before its sites moved.
 double MeshPolish::area_before(const Triangulation& mesh, std::uint32_t triangle) const {
     const auto corners = mesh.corners(triangle);
     const auto place = [&](std::uint32_t i) {
@@ -344,11 +347,11 @@ double MeshPolish::area_before(const Triangulation& mesh, std::uint32_t triangle
     return cross(b - a, c - a);
 }
 
-/// Tells whether a triangle has kept enough of its area, and is no needle unless it was one.
-/// @param area  doubled, that it has now
+/// Whether a triangle has kept enough of its area and has not become a needle.
+/// @param area  its current doubled area
 bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const {
-    constexpr double kSmall = 0.05;       // of the mean area; larger triangles are no needles
-    constexpr double kLeastShape = 1e-5;  // doubled area over the longest edge squared
+    constexpr double kSmall = 0.05;       // relative to the mean area; larger triangles are no needles
+    constexpr double kLeastShape = 1e-5;  // doubled area relative to the longest edge squared
     const bool is_large = area >= kSmall * domain_.unit_area() / static_cast<double>(mesh.site_count());
     if (is_large && area >= kKeptArea * largest_area_) return true;
     const double before = area_before(mesh, triangle);
@@ -360,10 +363,9 @@ bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, dou
     return area >= std::min(before, least) && orientation(a, b, c) > 0;
 }
 
-/// Shortens moves and takes them back next to triangles that would turn over, or lose most of their area, until there
-/// is none.
-void MeshPolish::take_back(Triangulation& mesh) {
-    constexpr int kHalvings = 3;  // in polygons, where vertices of the border leave less room
+/// Shortens or reverts moves at triangles that would be inverted or lose most of their area, until there are none.
+void MeshPolish::revert_moves(Triangulation& mesh) {
+    constexpr int kHalvings = 3;  // in polygons, where vertices of the border leave less space
     const std::size_t triangles = mesh.triangle_count();
     std::vector<std::vector<std::uint32_t>> lists((triangles + kTriangles - 1) / kTriangles);
     std::vector<double> largest(lists.size());
@@ -384,7 +386,7 @@ void MeshPolish::take_back(Triangulation& mesh) {
         found = false;
         for (const auto& list : lists) {
             for (const std::uint32_t t : list) {
-                if (is_sound(mesh, t, mesh.doubled_area(t))) continue;  // since a neighbour was taken back
+                if (is_sound(mesh, t, mesh.doubled_area(t))) continue;  // a neighbour has been moved back meanwhile
                 for (const std::uint32_t v : mesh.corners(t)) {
                     if (!mesh.is_site(v) || mesh.point(v) == moves_[v]) continue;
                     mesh.points()[v] = moves_[v] + kept * (mesh.point(v) - moves_[v]);

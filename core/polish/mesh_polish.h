@@ -22,64 +22,64 @@
 
 namespace ccdt {
 
-/// Steps of a polish on the sites of one triangulation: near neighbours are pushed apart, and what is left of long
-/// waves of density error, most of it along the border and where the density is steep, is transported away.
+/// Steps of a polish of the sites of one triangulation. Near neighbours are pushed apart. Transport removes the long
+/// waves of density error that iterations leave, mostly along the border and where the density is steep.
 class MeshPolish {
 public:
-    /// Prepares the transforms that even out long waves in boxes and on tori.
+    /// Prepares the transforms that remove long waves in boxes and on tori.
     /// @param domain, density  must outlive this
-    /// @param capacity         of the domain, in units of one cell with density 1; not used if the density is uniform
-    /// @param sites            that are free
-    /// @param fixed            the mesh's last sites are these, if there are any
-    /// @param stop             asked now and then; leaves what is of no use
-    /// @param team             does the steps; must outlive this
+    /// @param capacity         of the domain, in units of one cell of density 1; unused if the density is uniform
+    /// @param sites            number of free sites
+    /// @param fixed            existing points; `fixed.places` are the mesh's last sites
+    /// @param stop             polled regularly; after a stop the object must not be used
+    /// @param team             runs the steps; must outlive this
     MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites, FixedSites fixed = {},
                const std::stop_token& stop = {}, Team& team = alone());
 
     const Density& density() const { return density_; }
 
-    /// 1 / sqrt(density of the sites that are wanted) around a point.
+    /// Returns 1 / sqrt(wanted density of sites) around a point.
     double spacing(Point p) const;
 
-    /// Evens out first sites, which no triangulation binds yet: they may cross gaps in the density.
-    /// Nothing happens for a uniform density.
+    /// Evens out the initial sites, before they are triangulated, so that they can cross gaps in the density. Does
+    /// nothing for a uniform density.
     void even_out_start(std::span<Point> sites, const std::stop_token& stop);
 
-    /// Gives back what most of the memory is for until the next step.
-    void rest();
+    /// Releases most of the memory until the next step.
+    void release_memory();
 
-    /// Lists the edges between sites. Comes before the other steps, and again after all that changes edges.
+    /// Lists the edges between sites. Must be called before the steps below, and again after edges change.
     void begin(const Triangulation& mesh);
 
-    /// Moves neighbours that are nearer than they should be apart, and sites as others push them. Of this step and the
-    /// following ones all triangles stay counter-clockwise; the Delaunay property is lost.
-    /// @param reach   over the distance of neighbours in a hexagonal grid
-    /// @param push    share of what is missing by which each of the two moves
-    /// @param pushed  [sites] or empty: how far others push each site
+    /// Moves neighbours that are too near apart, and adds the given moves. This step and the following ones keep all
+    /// triangles counter-clockwise, but not the Delaunay property.
+    /// @param reach   relative to the neighbour distance in a hexagonal grid
+    /// @param push    share of the missing distance by which each of the two sites moves
+    /// @param pushed  [sites] moves caused by other inks; may be empty
     void push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                     const std::stop_token& stop);
 
-    /// Tells whether any two sites are nearer than so much, over the distance of neighbours in a hexagonal grid. In
-    /// polygons such two may stand on two shores, or a vertex of the border between them, so that no edge joins them:
-    /// the next pushes push them apart, too.
+    /// Whether any two sites are nearer than `least`, relative to the neighbour distance in a hexagonal grid. In
+    /// polygons no edge may join such sites: they can face each other across water or around a vertex of the border.
+    /// The next pushes move these pairs apart, too.
     bool find_nearer(const Triangulation& mesh, double least);
 
-    /// Returns the pairs of sites that find_nearer() has found; each site is the first of one pair at most. Drops what is
-    /// cached of the mesh, since either site of a pair may be relocated.
-    std::vector<std::array<std::uint32_t, 2>> take_nearer(const Triangulation& mesh, double least);
+    /// Returns the pairs of near sites that find_nearer() has found, each site at most once as first of a pair. Drops
+    /// cached data of the mesh, since either site of a pair may be relocated.
+    std::vector<std::array<std::uint32_t, 2>> near_pairs(const Triangulation& mesh, double least);
 
-    /// Undoes long waves of density error. Nothing happens in polygons if the density is not smooth.
+    /// Removes long waves of density error. Does nothing in polygons if the density is not smooth.
     void even_out(Triangulation& mesh, const std::stop_token& stop);
 
-    /// Silences the low frequencies of a torus of uniform density that is wide enough for its sites, none of them
-    /// fixed; nothing happens once they are silent.
+    /// Removes the power of low frequencies on a torus of uniform density that is wide enough and has no fixed sites.
+    /// Does nothing once they are silent.
     void silence(Triangulation& mesh, const std::stop_token& stop);
 
-    /// @param moves  [sites]
+    /// Moves the sites. @param moves  [sites]
     void move(Triangulation& mesh, std::span<const Point> moves);
 
-    /// Takes sites where there is no density to the nearest place with some.
-    /// @returns  whether there were any
+    /// Moves sites from places without density to the nearest place with some.
+    /// @returns  whether any site moved
     bool clear_gaps(std::span<Point> sites) const;
 
 private:
@@ -91,7 +91,7 @@ private:
     void measure_spacings(const Triangulation& mesh);
     double spacing_of(std::uint32_t site) const { return spacings_.empty() ? even_spacing_ : spacings_[site]; }
     void apply(Triangulation& mesh);
-    void take_back(Triangulation& mesh);
+    void revert_moves(Triangulation& mesh);
     double area_before(const Triangulation& mesh, std::uint32_t triangle) const;
     bool is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const;
     Point inside(Point p) const;
@@ -102,20 +102,21 @@ private:
     const Domain& domain_;
     const Density& density_;
     FixedSites fixed_;
-    std::optional<CellList> others_;  ///< of the fixed sites
+    std::optional<CellList> others_;  ///< fixed sites without a vertex
     std::optional<Transport> transport_;
-    std::optional<MeshTransport> mesh_transport_;  ///< in polygons, once it is asked for
-    std::optional<Stealth> stealth_;               ///< once it is asked for
-    std::optional<LocalSpacing> local_;            ///< where a density varies and transport_ does not know it
+    std::optional<MeshTransport> mesh_transport_;  ///< for polygons, created when first needed
+    std::optional<Stealth> stealth_;               ///< created when first needed
+    std::optional<LocalSpacing> local_;            ///< for a varying density without transport_
     Support support_;
-    FirstRow row_;  ///< in polygons
-    /// Half-edges between sites, of each block those within it but not within a smaller one [levels][blocks].
+    FirstRow row_;  ///< for polygons
+    /// Half-edges between sites: for each block, those within it but not within a smaller block [levels][blocks].
     std::vector<std::vector<std::vector<std::uint32_t>>> edges_;
     std::vector<std::array<std::uint32_t, 2>> facing_;  ///< near sites that no edge joins
-    std::vector<Point> moves_;                          ///< [sites] and, once they are made, where these were before
-    std::vector<double> spacings_;                      ///< [sites]; empty if all have the same
-    double even_spacing_ = 0;                           ///< that one
-    double largest_area_ = 0;                           ///< of all triangles before a move, doubled
+    /// [sites] moves; after they are applied, the previous positions.
+    std::vector<Point> moves_;
+    std::vector<double> spacings_;  ///< [sites]; empty if all are equal
+    double even_spacing_ = 0;       ///< the spacing if all are equal
+    double largest_area_ = 0;       ///< doubled area of the largest triangle before a move
 };
 
 }  // namespace ccdt

@@ -12,15 +12,15 @@ namespace ccdt {
 namespace {
 
 constexpr std::uint32_t kNone = Triangulation::kNone;
-// What a task takes.
+// Sites or triangles per task.
 constexpr std::size_t kSites = 4096, kTriangles = 8192;
 
 double length(Point p) {
     return std::sqrt(dot(p, p));
 }
 
-/// Site that each vertex goes with: of the border the nearest one at the other end of an edge, else that of a vertex
-/// there [vertices]; kNone where a part has no site.
+/// Returns the site that each vertex is merged with [vertices]: a site with itself, a border vertex with the nearest
+/// site joined to it by an edge, or else with the site of an adjacent border vertex. kNone in a part without sites.
 std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     struct Half {
         std::uint32_t from, to;
@@ -55,15 +55,17 @@ std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     return owner;
 }
 
-/// Edges of the mesh that are passed, with the conductances of linear finite elements, vertices of the border taken for
-/// one with their sites.
+/// Lists the edges of the mesh accepted by `passes`, with the conductances of linear finite elements. Border vertices
+/// are merged with their sites.
 std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, const MeshTransport::Passes& passes) {
-    // Of needles; a negative one, of two triangles at an edge of the border, is no conductance.
+    // Bounds on conductances, for needles. Two triangles at an edge of the border can give a negative value, which is
+    // no conductance.
     constexpr double kLeast = 1e-3, kMost = 2;
-    // Doubled area over squared sides: angles of thinner triangles are rounding alone.
+    // Doubled area relative to squared sides; angles of thinner triangles are rounding errors.
     constexpr double kThinnest = 1e-12;
     const auto owner = owners(mesh);
-    std::vector<std::array<double, 3>> cotangents(mesh.triangle_count());  // of the angles that face the edges
+    // Cotangents of the angles opposite to the edges.
+    std::vector<std::array<double, 3>> cotangents(mesh.triangle_count());
     for_ranges(mesh.team(), cotangents.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
             const auto [a, b, c] = mesh.places(static_cast<std::uint32_t>(t));
@@ -95,7 +97,7 @@ std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, co
     return edges;
 }
 
-/// Numbers what hangs together [vertices].
+/// Numbers the connected components and returns that of each vertex [vertices].
 std::vector<std::uint32_t> parts_of(const GraphSolver& graph) {
     std::vector<std::uint32_t> part_of(graph.size(), kNone), reached;
     std::uint32_t parts = 0;
@@ -117,7 +119,7 @@ std::vector<std::uint32_t> parts_of(const GraphSolver& graph) {
     return part_of;
 }
 
-/// Borders of the parts that have sites, each weighing as much as makes it want as many as it has.
+/// Returns the borders of the parts that have sites, weighted such that each part wants as many sites as it has.
 std::vector<BorderEdge> border_of(const Domain& domain, const Density& density, const Triangulation& mesh) {
     const Point sides = domain.unit_bounds().max;
     const auto index = [](double share, int cells) {
@@ -146,7 +148,7 @@ std::vector<BorderEdge> border_of(const Domain& domain, const Density& density, 
     return border;
 }
 
-/// The spacing of sites where they are farthest apart, but not much more than the mean.
+/// Returns the cell size of the error grid: the spacing where sites are sparsest, but at most twice the mean.
 double cell_of(const Domain& domain, const Density& density, std::size_t sites) {
     constexpr double kMost = 2;
     const double mean = std::sqrt(domain.unit_area() / static_cast<double>(sites));
@@ -186,10 +188,11 @@ MeshTransport::MeshTransport(const Triangulation& mesh, Measure measure, const P
       sums_(part_of_.empty() ? 0 : *std::ranges::max_element(part_of_) + 1),
       counts_(sums_.size()) {}
 
-/// What the measure has smoothed across water stays where it is.
+/// Computes the errors of the sites. Subtracts the mean error of each component, which the measure's smoothing across
+/// gaps in the domain can cause.
 void MeshTransport::find_errors(const Triangulation& mesh) {
-    // In tongues one site too few is most of what there is: no error of first order. Countries in core/README.md: a
-    // third of this leaves 5 dB more of waves of four spacings in Canada.
+    // In narrow tongues one missing site is most of the density, which is no first-order error. Countries in
+    // core/README.md: a third of this limit leaves 5 dB more of waves of four spacings in Canada.
     constexpr double kMost = 0.3;
     measure_(std::span<const Point>(mesh.points()).first(mesh.site_count()), error_);
     std::ranges::fill(sums_, 0.0);
@@ -203,9 +206,9 @@ void MeshTransport::find_errors(const Triangulation& mesh) {
         error_[v] = sums_[part_of_[v]] / counts_[part_of_[v]] - error_[v];
 }
 
-/// Carries what flows along an edge over its length: half of it moves with the site at either end.
+/// Converts flows along edges to moves: each end of an edge moves by half the flow times the edge vector.
 void MeshTransport::flow(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves) const {
-    constexpr double kLongestMove = 0.35;  // spacings; countries in core/README.md: .25 loses 1 dB among fjords
+    constexpr double kLongestMove = 0.35;  // in spacings; countries in core/README.md: .25 loses 1 dB among fjords
     for_ranges(team_, mesh.site_count(), kSites, [&](std::size_t begin, std::size_t end) {
         for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
             Point move;

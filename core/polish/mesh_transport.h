@@ -16,41 +16,46 @@
 
 namespace ccdt {
 
-/// Evens out long waves in domains of any shape, as Transport does in boxes and on tori: finds how far the sites'
-/// density, smoothed over a few of them, is off the wanted one, and small moves of all sites that undo it.
+/// Removes long waves of density error in domains of any shape, as Transport does in boxes and on tori. It computes the
+/// smoothed difference between actual and wanted density, and small moves of all sites that cancel it.
 ///
-/// What sites are too many is measured on a grid, and flows off along the edges of their triangulation, whose
-/// conductances are those of linear finite elements. So nothing flows across the border, nor from one part of the
-/// domain to another: each wants as many sites as it has. For densities that vary little from one site to the next.
+/// The excess of sites is measured on a grid. It flows along the edges of the triangulation, with the conductances of
+/// linear finite elements. So nothing flows across the border or between parts of the domain: each part wants as many
+/// sites as it has. The density must vary little between neighbouring sites.
 ///
-/// Source: as Transport, in whose place Laplace's equation is solved on the mesh; core/README.md derives it.
+/// Source: as Transport, but Laplace's equation is solved on the mesh; core/README.md has the derivation.
 class MeshTransport {
 public:
-    /// @param mesh     trimmed, not a torus'
-    /// @param density  of the sites that are wanted
-    /// O(sites + vertices of the border), and the grid's cells: at most 64 for each site.
+    /// @param mesh     trimmed, not of a torus
+    /// @param density  wanted density of sites
+    ///
+    /// O(sites + vertices of the border + the grid's cells), with at most 64 cells per site.
     MeshTransport(const Domain& domain, const Density& density, const Triangulation& mesh);
 
-    /// Finds the share of the error, in sites, that falls to each site, as ErrorGrid::at() has it.
+    /// Computes the share of the error, in sites, assigned to each site, as ErrorGrid::at() does.
     using Measure = std::function<void(std::span<const Point> sites, std::span<double> errors)>;
 
-    /// Tells whether what is too many may flow along the edge between two sites.
+    /// Whether excess may flow along the edge between two sites.
     using Passes = std::function<bool(std::uint32_t, std::uint32_t)>;
 
-    /// The same, of sites whose error is measured otherwise, and that do not all follow each other.
+    /// Uses another measure of the error, and lets only some edges carry a flow.
     /// O(sites + vertices of the border).
     MeshTransport(const Triangulation& mesh, Measure measure, const Passes& passes);
 
-    /// Computes the moves of a round. Sites do not come nearer to the border than half a row, unless they are.
-    /// @param mesh      as it was, or with edges flipped and sites moved since by less than a spacing or two
-    /// @param spacings  [sites] 1 / sqrt(density of the sites that are wanted)
-    /// @param moves     out [sites], none longer than 0.35 of the spacing there
-    /// @param stop      asked now and then
-    /// @returns         false if it was stopped: the moves are of no use
+    /// Computes the moves of one round. Sites do not come nearer to the border than half a row, unless they already
+    /// are.
+    /// @param mesh      the mesh given at construction, possibly with flipped edges and sites moved by less than a
+    ///                  spacing or two
+    /// @param spacings  [sites] 1 / sqrt(wanted density of sites)
+    /// @param moves     out [sites], each at most 0.35 of the local spacing
+    /// @param stop      polled regularly
+    /// @returns         false after a stop, when the moves must not be used
+    ///
     /// O(sites + vertices of the border).
     bool displacements(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves,
                        const std::stop_token& stop = {});
-    /// @param row  of the mesh as it is
+    /// Does the same with a given first row.
+    /// @param row  first row of the current mesh
     bool displacements(const Triangulation& mesh, const FirstRow& row, std::span<const double> spacings,
                        std::span<Point> moves, const std::stop_token& stop = {});
 
@@ -61,10 +66,11 @@ private:
     Team& team_;
     GraphSolver solver_;
     Measure measure_;
-    std::vector<double> error_, potential_;  ///< [sites]
-    std::vector<std::uint32_t> part_of_;     ///< [sites]: that edges link, of those that pass
-    std::vector<double> sums_;               ///< [parts] of the error
-    std::vector<double> counts_;             ///< [parts] of sites
+    std::vector<double> error_, potential_;  ///< [sites] error and potential of each site
+    /// [sites] connected component with respect to the edges that carry a flow.
+    std::vector<std::uint32_t> part_of_;
+    std::vector<double> sums_;    ///< [components] sum of the error
+    std::vector<double> counts_;  ///< [components] number of sites
 };
 
 }  // namespace ccdt

@@ -8,8 +8,8 @@ namespace ccdt {
 
 namespace {
 
-/// Does rounds of a polish until it is stopped.
-/// @param round  called with the number of each, from 0
+/// Runs rounds of a polish until stopped.
+/// @param round  called with the number of the round, from 0
 /// @param after  called after each round that was not stopped; may be empty
 template <class Round>
 void repeat(int rounds, const std::stop_token& stop, const std::function<void()>& after, Round&& round) {
@@ -19,7 +19,7 @@ void repeat(int rounds, const std::stop_token& stop, const std::function<void()>
     }
 }
 
-/// Sites of all inks that each cell wants.
+/// Returns the density of the sites of all inks together.
 Density sum_of_densities(std::span<const Polish::Layer> layers) {
     const Density& first = layers[0].steps->density();
     if (first.is_uniform()) return Density::uniform();
@@ -52,7 +52,7 @@ Polish::Polish(const Domain& domain, std::vector<Layer> layers, const std::stop_
 
 void Polish::refine(const PolishSettings& settings, const std::stop_token& stop, const std::function<void()>& after,
                     const Retouch& retouch) {
-    constexpr double kNearPush = 0.5;  // each of two goes half of what is missing
+    constexpr double kNearPush = 0.5;  // each of the two sites moves half of the missing distance
     const auto push_near = [&] { push_apart(settings.nearest, kNearPush, settings.ink_nearest, settings.push, stop); };
     begin();
     repeat(settings.rounds, stop, after, [&](int round) {
@@ -70,7 +70,7 @@ void Polish::refine(const PolishSettings& settings, const std::stop_token& stop,
     repeat(settings.even_rounds, stop, after, [&](int) {
         even_out_together(stop);
         even_out_each(stop);
-        for (int push = 0; push < settings.even_pushes; ++push) push_near();
+        for (int push = 0; push < settings.near_pushes_per_even_round; ++push) push_near();
     });
     repeat(settings.near_rounds, stop, after, [&](int) { push_near(); });
     push_again(settings, push_near, stop);
@@ -80,7 +80,7 @@ void Polish::refine(const PolishSettings& settings, const std::stop_token& stop,
            [&](int) { layers_.front().steps->silence(*layers_.front().mesh, stop); });
 }
 
-/// Calls with each ink, and the moves of its sites if there are several, until it is stopped.
+/// Calls function(layer, moves) for each ink until stopped; `moves` is empty if there is only one ink.
 template <class Function>
 void Polish::for_each(const std::stop_token& stop, Function&& function) {
     std::span<Point> moves = moves_;
@@ -92,13 +92,13 @@ void Polish::for_each(const std::stop_token& stop, Function&& function) {
     }
 }
 
-/// 1 / sqrt(density of all inks' sites).
+/// Returns 1 / sqrt(density of the sites of all inks).
 double Polish::spacing(Point p) const {
     if (transport_) return transport_->spacing(p);
     return std::sqrt(domain_.unit_area() / static_cast<double>(sites_.size()));
 }
 
-/// Copies where all inks' sites stand.
+/// Copies the positions of the sites of all inks.
 void Polish::gather() {
     std::size_t site = 0;
     for (std::uint32_t ink = 0; ink < layers_.size(); ++ink) {
@@ -120,15 +120,15 @@ bool Polish::is_any_nearer(double least) {
                             layers_, [&](const Layer& layer) { return layer.steps->find_nearer(*layer.mesh, least); });
 }
 
-/// Repeats a push on triangulations made anew while any two sites are too near. Two that no pushes part have others all
-/// around them, or both shores of a neck: one goes elsewhere.
+/// Repeats a push on new triangulations while any two sites are too near. Two sites that pushes cannot separate are
+/// enclosed by others or by the two shores of a neck; one of them is relocated.
 void Polish::push_again(const PolishSettings& settings, const std::function<void()>& push,
                         const std::stop_token& stop) {
-    for (int round = 0; round < settings.most_again && !stop.stop_requested() && is_any_nearer(settings.least);
+    for (int round = 0; round < settings.max_retries && !stop.stop_requested() && is_any_nearer(settings.least);
          ++round) {
         for (const Layer& layer : layers_) {
-            if (round < settings.take_after || !layer.separate) continue;
-            layer.separate(layer.steps->take_nearer(*layer.mesh, settings.least));
+            if (round < settings.relocate_after || !layer.separate) continue;
+            layer.separate(layer.steps->near_pairs(*layer.mesh, settings.least));
         }
         restore_meshes(stop);
         push();
@@ -159,7 +159,7 @@ void Polish::even_out_each(const std::stop_token& stop) {
     for_each(stop, [&](const Layer& layer, std::span<Point>) { layer.steps->even_out(*layer.mesh, stop); });
 }
 
-/// Evens out the sites of all inks as if they were of one; nothing happens where they are.
+/// Evens out the sites of all inks as if they were of one ink. Does nothing outside boxes and tori.
 void Polish::even_out_together(const std::stop_token& stop) {
     if (!transport_) return;
     gather();

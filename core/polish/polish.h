@@ -19,36 +19,37 @@
 
 namespace ccdt {
 
-/// Polishes the sites of one ink or of several. Rounds that push near sites apart alternate with rounds that undo long
-/// waves of density error; sites of different inks keep apart as well, and long waves are evened out of each ink and of
-/// all together.
+/// Polishes the sites of one or several inks. Rounds that push near sites apart alternate with rounds that remove long
+/// waves of density error. Sites of different inks are pushed apart as well. Long waves are removed from each ink and
+/// from all inks together.
 class Polish {
 public:
     /// The sites of one ink.
     struct Layer {
         MeshPolish* steps = nullptr;
         Triangulation* mesh = nullptr;
-        std::function<void(int passes)> equalise;  ///< makes the mesh Delaunay and its triangles more equal; may be
-                                                   ///< empty if no settings want it
-        /// Separates pairs of near sites of a polygon: one of each is taken to where there is more room; may be empty:
-        /// none is.
+        /// Makes the mesh Delaunay and its triangles more equal; may be empty if the settings never need it.
+        std::function<void(int passes)> equalise;
+        /// Relocates one site of each pair of near sites in a polygon to a place with more space. May be empty, in
+        /// which case nothing is relocated.
         std::function<void(std::span<const std::array<std::uint32_t, 2>> pairs)> separate = {};
     };
 
-    /// Computes moves of all sites of several inks.
+    /// Computes moves of the sites of all inks.
     /// @param sites  [layers] in the unit frame
     /// @returns      [layers][sites]
     using Retouch = std::function<std::vector<std::vector<Point>>(std::span<const std::vector<Point>> sites)>;
 
-    /// @param layers  [n >= 1], their densities on one grid; all must outlive this
-    /// @param stop    asked now and then; leaves what is of no use
+    /// @param layers  [n >= 1], with densities on one common grid; all must outlive this
+    /// @param stop    polled regularly; after a stop the object must not be used
     Polish(const Domain& domain, std::vector<Layer> layers, const std::stop_token& stop = {});
 
     /// Moves the sites of all meshes. All triangles stay counter-clockwise; the Delaunay property is lost.
-    /// @param stop     asked several times a round
+    /// @param stop     polled several times per round
     /// @param after    called after each round that was not stopped; may be empty
-    /// @param retouch  called in each round that retouches; may be empty if there is none
-    /// Same input, same bytes. O(sites log sites) a round.
+    /// @param retouch  called in each retouch round; may be empty if there is none
+    ///
+    /// Deterministic. O(sites log sites) per round.
     void refine(const PolishSettings& settings, const std::stop_token& stop, const std::function<void()>& after = {},
                 const Retouch& retouch = {});
 
@@ -71,12 +72,12 @@ private:
     const Domain& domain_;
     std::vector<Layer> layers_;
 
-    // Of all inks together, one after the other; empty if there is one ink alone.
+    // Data of all inks together, ink by ink; empty if there is only one ink.
     std::optional<Density> density_;
     std::optional<Transport> transport_;
-    std::vector<Point> places_;   ///< [sites]
-    std::vector<InkSite> sites_;  ///< [sites]
-    std::vector<Point> moves_;    ///< [sites]
+    std::vector<Point> places_;   ///< [sites] positions
+    std::vector<InkSite> sites_;  ///< [sites] sites with their inks
+    std::vector<Point> moves_;    ///< [sites] moves
 };
 
 }  // namespace ccdt

@@ -6,22 +6,22 @@ namespace ccdt {
 
 namespace {
 
-/// Settings of both qualities that polish.
+/// Settings of the two qualities that polish.
 struct Row {
     PolishSettings standard, best;
 };
 
-// Benchmark TorusPattern: more rounds or a longer reach gain distance, and raise the spectrum's peak; fewer rounds that
-// even out, or a longer reach of the near ones, leave long waves; without near rounds the smallest distances are lost.
+// Benchmark TorusPattern. More rounds or a longer reach increase the least distance and raise the spectrum's peak.
+// Fewer even rounds, or a longer reach of near pushes, leave long waves. Without near rounds some pairs stay close.
 constexpr Row kSmooth{
     {.rounds = 5, .reach = 0.93, .push = 0.4, .even_rounds = 1, .near_rounds = 4, .nearest = 0.84},
     {.rounds = 40, .reach = 0.87, .push = 0.5, .even_rounds = 4, .near_rounds = 4, .nearest = 0.84},
 };
-// Benchmark CountryPattern. A push that reaches all neighbours, its triangles made equal again, gains distance and
-// evenness alike, the more rounds the better. Waves that are evened out before triangles are made equal cost no
-// evenness: half as often leaves a decibel more of them where there are fjords. Those that are at the end cost some,
-// where borders are ragged: one round more than here, and standard were less even than draft. A longer reach of the
-// near pushes makes triangles less equal for distance.
+// Benchmark CountryPattern. Pushes that reach all neighbours, followed by relaxation, improve both distances and
+// equality of capacities; more rounds are better. Removing waves before the relaxation costs no equality: doing so half
+// as often leaves a decibel more of waves where there are fjords. Removing waves at the end costs some equality where
+// borders are ragged: with one more round, standard would be less equal than draft. A longer reach of near pushes
+// trades equality for distance.
 constexpr Row kPolygon{
     {.reach = 1.1,
      .push = 1,
@@ -29,25 +29,25 @@ constexpr Row kPolygon{
      .relax_passes = 4,
      .relax_evens = 2,
      .even_rounds = 1,
-     .even_pushes = 2,
+     .near_pushes_per_even_round = 2,
      .nearest = 0.84,
      .least = 0.72,
-     .most_again = 8,
-     .take_after = 2},
+     .max_retries = 8,
+     .relocate_after = 2},
     {.reach = 1.1,
      .push = 1,
      .relax_rounds = 12,
      .relax_passes = 5,
      .relax_evens = 2,
      .even_rounds = 4,
-     .even_pushes = 2,
+     .near_pushes_per_even_round = 2,
      .nearest = 0.85,
      .least = 0.72,
-     .most_again = 8,
-     .take_after = 3},
+     .max_retries = 8,
+     .relocate_after = 3},
 };
-// Where dots may not cross a border, evening out pushes them onto it. With fewer of the last pushes, or shorter ones,
-// one dot in a hundred has a neighbour that is nearer than .75: test_dot_maps.py, Counties.
+// In dot maps, where dots may not cross a border, evening out pushes dots onto it. With fewer or weaker near pushes at
+// the end, one dot in a hundred has a neighbour nearer than .75: test_dot_maps.py, Counties.
 constexpr Row kMap{
     {.early = 2, .reach = 0.93, .push = 0.4, .even_rounds = 1, .near_rounds = 4, .nearest = 0.82, .least = 0.72},
     {.rounds = 10,
@@ -60,16 +60,16 @@ constexpr Row kMap{
      .near_rounds = 4,
      .nearest = 0.82},
 };
-// Benchmark PictureTone: without rounds that only even out, or with a longer reach of the near ones, the tone errs
-// more; twice as many rounds of the first kind gain next to nothing.
+// Benchmark PictureTone. Without even rounds, or with a longer reach of near pushes, the error of tone is larger. Twice
+// as many rounds of the first kind gain almost nothing.
 constexpr Row kVarying{
     {.rounds = 4, .reach = 0.93, .push = 0.4, .even_rounds = 3, .near_rounds = 2, .nearest = 0.72},
     {.rounds = 20, .reach = 0.93, .push = 0.4, .even_rounds = 10, .near_rounds = 2, .nearest = 0.72},
 };
-// Benchmark InksPattern: shorter reaches between inks, or fewer rounds, lose distance between them, as does never
-// finding neighbours anew where the density varies (a fiftieth of it; doing so each round gains no more). The last
-// round costs distance, too, but without it the tone of each ink is lost: DistributeInks.KeepsTheToneOfEachInk. More
-// rounds that retouch gain little: test_colour.py, Likeness.
+// Benchmark InksPattern. Shorter reaches between inks, or fewer rounds, reduce the distance between inks. Never finding
+// neighbours again costs a fiftieth of it where the density varies; doing so in each round gains no more. The last
+// round costs distance as well, but without it the tone of each ink is lost: DistributeInks.KeepsTheToneOfEachInk. More
+// retouch rounds gain little: test_colour.py, Likeness.
 constexpr Row kInks{
     {.rounds = 10,
      .even_every = 2,
@@ -97,7 +97,7 @@ constexpr Row kInks{
      .retouch_rounds = 6},
 };
 
-/// The first leaves a power of about 1e-7, the second 1e-11, the third what rounding makes.
+/// The first round leaves a power of about 1e-7, the second 1e-11, the third only rounding.
 constexpr int kStealthRounds = 4;
 
 }  // namespace

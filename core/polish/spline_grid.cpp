@@ -14,13 +14,13 @@ namespace ccdt {
 namespace {
 
 constexpr std::size_t kTaps = 6;
-constexpr std::size_t kMargin = 3;  ///< cells that taps reach beyond the grid
+constexpr std::size_t kMargin = 3;  ///< cells beyond the grid that taps reach
 
-/// Of each of the numbers in a vector the values at the six grid points around.
+/// Values at the six grid points around, for each number of a vector.
 template <class Pairs>
 using Taps = std::array<Pairs, kTaps>;
 
-/// The quintic B-spline at the six grid points around.
+/// Returns the values of the quintic B-spline at the six grid points around.
 template <class Pairs>
 CCDT_INLINE inline Taps<Pairs> weights_at(Pairs f) {
     const auto outer = [](Pairs d) CCDT_INLINE {  // at distance 2 + d
@@ -39,7 +39,7 @@ CCDT_INLINE inline Taps<Pairs> weights_at(Pairs f) {
     return {outer(f), inner(f), middle(f), middle(g), inner(g), outer(g)};
 }
 
-/// Slopes of the six weights.
+/// Returns the derivatives of the six weights.
 template <class Pairs>
 CCDT_INLINE inline Taps<Pairs> slopes_at(Pairs f) {
     const auto outer = [](Pairs d) CCDT_INLINE {
@@ -55,7 +55,7 @@ CCDT_INLINE inline Taps<Pairs> slopes_at(Pairs f) {
     return {outer(f), inner(f), middle(f), -middle(g), -inner(g), -outer(g)};
 }
 
-/// The six neighbouring values of a row that taps of a point reach.
+/// The six successive values of a row that the taps of a point cover.
 template <class Lanes>
 struct Row {
     typename Lanes::Pairs low{};
@@ -91,7 +91,7 @@ struct Row {
     }
 };
 
-/// What taps have for x, of each point two successive ones.
+/// Returns the x components of taps, two successive ones of each point per vector.
 template <class Lanes>
 CCDT_INLINE inline std::array<typename Lanes::Pairs, kTaps / 2> across(const Taps<typename Lanes::Pairs>& taps) {
     return {Lanes::firsts(taps[0], taps[1]), Lanes::firsts(taps[2], taps[3]), Lanes::firsts(taps[4], taps[5])};
@@ -121,7 +121,7 @@ SplineGrid::SplineGrid(bool torus, Point sides, int columns, int rows, Team& tea
       stride_(static_cast<std::size_t>(columns) + 2 * kMargin),
       transform_(make_transform(torus, columns, rows, team, padded_size())) {
     assert(sides.x > 0 && sides.y > 0);
-    take_room();
+    acquire_memory();
     const double waves = torus ? 1 : 0.5;
     const auto windows = [&](int count, int cells) {
         std::vector<double> values;
@@ -136,19 +136,19 @@ std::size_t SplineGrid::padded_size() const {
     return stride_ * (static_cast<std::size_t>(rows_) + 2 * kMargin);
 }
 
-/// Where a point lies along one side, in cells from the first grid point. Grid points are cells' corners on a torus, as
-/// Fourier's transform has them, and cells' middles in a box.
+/// Position along one side, in cells from the first grid point. Grid points are at the corners of cells on a torus, as
+/// in the Fourier transform, and at their centres in a box.
 inline double SplineGrid::along(double coordinate, double side, int cells) const {
     const double share = coordinate / side;
     return (torus_ ? share - whole(share) : std::clamp(share, 0.0, 1.0) - 0.5 / cells) * cells;
 }
 
-/// The last grid point at or before a place along one side, -1 for those before the first.
+/// Returns the last grid point at or before a position along one side; -1 before the first one.
 inline double SplineGrid::point_before(double place, int cells) {
-    return std::min(whole(place), cells - 1.0);  // rounding may make a place on a torus its far end
+    return std::min(whole(place), cells - 1.0);  // rounding can put a position on a torus at its far end
 }
 
-/// As along() and point_before() have it, of all coordinates at once.
+/// Vectorised along() and point_before() for all coordinates.
 template <class Lanes>
 CCDT_INLINE inline SplineGrid::Places<Lanes> SplineGrid::places(const std::array<Point, Lanes::kCount>& points) const {
     using Pairs = typename Lanes::Pairs;
@@ -174,22 +174,22 @@ CCDT_INLINE inline SplineGrid::Places<Lanes> SplineGrid::places(const std::array
     return places;
 }
 
-/// Row of the padded grid where the taps of a point begin.
+/// Returns the row of the padded grid at which the taps of a point begin.
 inline std::size_t SplineGrid::first_row(Point p) const {
     return static_cast<std::size_t>(point_before(along(p.y, sides_.y, rows_), rows_) + 1);
 }
 
-void SplineGrid::rest() {
-    std::visit([](auto& transform) { transform.rest(); }, transform_);
+void SplineGrid::release_memory() {
+    std::visit([](auto& transform) { transform.release_memory(); }, transform_);
     padded_ = {};
 }
 
-void SplineGrid::take_room() {
+void SplineGrid::acquire_memory() {
     if (padded_.empty()) padded_ = std::visit([](auto& transform) { return transform.spare(); }, transform_);
 }
 
 void SplineGrid::clear() {
-    take_room();
+    acquire_memory();
     constexpr std::size_t kRange = 65536;
     for_ranges(team_, padded_.size(), kRange, [&](std::size_t begin, std::size_t end) {
         std::ranges::fill(padded_.subspan(begin, end - begin), 0.0);
@@ -245,7 +245,7 @@ CCDT_INLINE inline std::array<Point, Lanes::kCount> SplineGrid::gradients_of(
     using Pairs = typename Lanes::Pairs;
     const auto [first, fractions] = places<Lanes>(points);
     const auto weights = weights_at(fractions), slopes = slopes_at(fractions);
-    // The columns, summed; of each point two successive ones.
+    // Column sums; for each point two successive columns.
     std::array<std::array<Pair, Lanes::kCount>, kTaps / 2> weighted, sloping;
     for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
         Row<Lanes> along_y, slope_y;
@@ -291,12 +291,12 @@ void SplineGrid::gradients(std::span<const Point> points, std::span<Point> gradi
     for (; done < points.size(); ++done) gradients[done] = gradient(points[done]);
 }
 
-/// Calls add(numbers) with the points that count, some at a time. The rows of the grid are divided into bands: points of
-/// one band follow each other, and are added at the same time as those of the bands beyond the next, which their taps do
-/// not reach.
+/// Calls add(numbers) with groups of the points for which counts(number) is true. The rows of the grid are divided into
+/// bands. Every other band is processed in parallel, since taps reach no further than the next band.
 template <class Counts, class Add>
 void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& add) {
-    constexpr std::size_t kFew = 8192;  // of which the lists below take longer than they are worth; also of a task
+    // Below this many points, sorting costs more than it gains; also the size of a task.
+    constexpr std::size_t kFew = 8192;
     std::vector<std::uint32_t> order;
     if (points.size() <= kFew) {
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -307,14 +307,15 @@ void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& a
     const std::size_t bands = static_cast<std::size_t>(rows_) / kRows + 1;
     const std::size_t parts = (points.size() + kFew - 1) / kFew;
     const auto band_of = [&](std::size_t i) { return first_row(points[i]) / kRows; };
-    std::vector<std::uint32_t> next(parts * bands, 0);  // place in the order for a part's next point of each band
+    // [parts][bands] place in the order for a part's next point of each band.
+    std::vector<std::uint32_t> next(parts * bands, 0);
     for_ranges(team_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
         std::uint32_t* const count = &next[begin / kFew * bands];
         for (std::size_t i = begin; i < end; ++i) {
             if (counts(i)) ++count[band_of(i)];
         }
     });
-    std::vector<std::uint32_t> begins{0};  // [bands + 1]
+    std::vector<std::uint32_t> begins{0};  // [bands + 1] start of each band
     for (std::size_t band = 0; band < bands; ++band) {
         std::uint32_t begin = begins.back();
         for (std::size_t part = 0; part < parts; ++part) begin += std::exchange(next[part * bands + band], begin);
@@ -373,7 +374,7 @@ void SplineGrid::transform_back() {
     }
 }
 
-/// Adds up on the grid what was spread, that beyond it where it belongs.
+/// Sums the spread values on the grid; the margins are folded back into it.
 void SplineGrid::fold() {
     const std::span<double> cells = grid();
     const auto rows = static_cast<std::size_t>(rows_);
@@ -389,7 +390,7 @@ void SplineGrid::fold() {
     }
 }
 
-/// Copies the grid's values, and around it those that are repeated there.
+/// Copies the grid's values, and fills the margins by periodic or mirrored repetition.
 void SplineGrid::unfold() {
     const std::span<double> cells = grid();
     for_ranges(team_, static_cast<std::size_t>(rows_) + 2 * kMargin, kRows, [&](std::size_t begin, std::size_t end) {
@@ -398,7 +399,7 @@ void SplineGrid::unfold() {
     });
 }
 
-/// The same as fold() where both lie in one memory: the grid's rows move up to each other once all is added to them.
+/// Does the same as fold() in place: adds the margins, then compacts the rows.
 void SplineGrid::close_up() {
     const auto rows = static_cast<std::size_t>(rows_), columns = static_cast<std::size_t>(columns_);
     for_ranges(team_, rows, kRows, [&](std::size_t begin, std::size_t end) {
@@ -417,7 +418,7 @@ void SplineGrid::close_up() {
     }
 }
 
-/// The same as unfold() where both lie in one memory.
+/// Does the same as unfold() in place.
 void SplineGrid::open_up() {
     const auto rows = static_cast<std::size_t>(rows_), columns = static_cast<std::size_t>(columns_);
     for (std::size_t row = rows; row-- > 0;) {
@@ -445,7 +446,7 @@ void SplineGrid::backward() {
     std::visit([](auto& transform) { transform.backward(); }, transform_);
 }
 
-/// Index within a row or column of the grid of one with margins.
+/// Maps an index in a padded row or column to the grid.
 std::size_t SplineGrid::folded(std::size_t padded, int cells) const {
     const int i = static_cast<int>(padded) - static_cast<int>(kMargin);
     const int period = torus_ ? cells : 2 * cells;
@@ -453,7 +454,7 @@ std::size_t SplineGrid::folded(std::size_t padded, int cells) const {
     return static_cast<std::size_t>(k < cells ? k : period - 1 - k);
 }
 
-/// Calls visit(place in a row with margins, place there that it repeats) for all margins of a row.
+/// Calls visit(index in a padded row, index of the cell that it repeats) for all margin cells of a row.
 template <class Visit>
 void SplineGrid::for_margins(Visit&& visit) const {
     for (std::size_t i = 0; i < kMargin; ++i) {
@@ -463,7 +464,7 @@ void SplineGrid::for_margins(Visit&& visit) const {
     }
 }
 
-/// Calls visit(row, row that it repeats) for all rows beyond the grid.
+/// Calls visit(row, row that it repeats) for all margin rows.
 template <class Visit>
 void SplineGrid::for_margin_rows(Visit&& visit) {
     for (std::size_t i = 0; i < kMargin; ++i) {
@@ -472,7 +473,7 @@ void SplineGrid::for_margin_rows(Visit&& visit) {
     }
 }
 
-/// Calls visit(value, number of the cell) for a row of the grid with margins.
+/// Calls visit(value, number of the cell) for one padded row.
 template <class Visit>
 void SplineGrid::for_padded(std::size_t number, Visit&& visit) {
     const auto columns = static_cast<std::size_t>(columns_);

@@ -14,56 +14,57 @@
 
 namespace ccdt {
 
-/// A grid over a box or a torus that points are spread on and read from with quintic B-splines, and its transform:
-/// Fourier's on a torus, the cosine one in a box, as if mirrored at its sides. Together a non-uniform transform: the
-/// splines' own spectrum, window(), divides out; for frequencies up to a fifth of a cycle a cell its error is below
-/// 3e-4 of what lies beyond.
+/// A grid over a box or torus, onto which points are spread and from which values are read with quintic B-splines, and
+/// its transform: Fourier on a torus, cosine in a box, as if mirrored at the sides. Together they form a non-uniform
+/// transform once the spectrum of the splines, window(), is divided out. For frequencies up to a fifth of a cycle per
+/// cell, the error is below 3e-4 of the content at higher frequencies.
 /// Source: Beylkin, On the fast Fourier transform of functions with singularities, 1995.
 class SplineGrid {
 public:
-    /// @param sides          of the box, > 0
+    /// @param sides          size of the box, > 0
     /// @param columns, rows  even, >= 2; see good_size()
-    /// @param team           does what is done on all of the grid, and with many points; must outlive this
+    /// @param team           runs operations on the whole grid and on many points; must outlive this
     SplineGrid(bool torus, Point sides, int columns, int rows, Team& team = alone());
 
     int columns() const { return columns_; }
     int rows() const { return rows_; }
     Point cell() const { return {sides_.x / columns_, sides_.y / rows_}; }
 
-    /// Gives the memory back. The next clear() brings it again; nothing else may come before.
-    void rest();
-    /// Sets all values to 0; to be called before the first spread().
+    /// Releases the memory. The next call must be clear(), which allocates it again.
+    void release_memory();
+    /// Sets all values to 0. Must be called before the first spread().
     void clear();
-    /// Adds a point of this value.
-    /// @param p  inside the box; on a torus anywhere
+    /// Adds a point with a value.
+    /// @param p  inside the box; on a torus any copy
     void spread(Point p, double value);
-    /// Adds the change of what a point of value 1 spreads, as it moves by a vector that is as small as may be: the
-    /// transpose of gradient(), but for what is told of window().
+    /// Adds the first-order change of the spread of a point with value 1 when it moves by `move`: the transpose of
+    /// gradient(), apart from the factor window().
     void spread_move(Point p, Point move);
-    /// Adds many points: spread() of each whose value is not 0.
+    /// Adds many points, as spread() does for each point with a value other than 0.
     /// @param values  [points]; empty: 1 each
     void spread(std::span<const Point> points, std::span<const double> values);
-    /// The same with spread_move().
+    /// Adds the changes of many moves, as spread_move() does for each.
     void spread_moves(std::span<const Point> points, std::span<const Point> moves);
-    /// Computes the coefficients of what was spread.
+    /// Computes the coefficients of the spread values.
     void transform();
 
     /// Computes from coefficients the values that gradient() reads.
     void transform_back();
-    /// Gradient of the function whose coefficients were those over window(), in its units per unit of length.
+    /// Returns the gradient of the function with the given coefficients, provided they were divided by window(), per
+    /// unit of length.
     Point gradient(Point p) const;
-    /// The same at many points, in less time than each by itself.
-    /// @param gradients  out [points]; may be where the points are
+    /// Computes the gradients at many points, faster than one by one.
+    /// @param gradients  out [points]; may be the memory of `points`
     void gradients(std::span<const Point> points, std::span<Point> gradients) const;
 
-    /// Values of the cells [rows * columns], for plain transforms: forward() and backward(), which multiply by cells()
-    /// together.
+    /// Values of the cells [rows * columns], for plain transforms by forward() and backward(), which together multiply
+    /// by cells().
     std::span<double> grid();
     void forward();
     void backward();
     double cells() const { return copies() * columns_ * rows_; }
 
-    /// Calls visit(coefficients), a span of double in a box and of std::complex<double> on a torus, numbered as by
+    /// Calls visit(coefficients) with a span of double in a box and of std::complex<double> on a torus, numbered as in
     /// for_frequencies().
     template <class Visit>
     void with_coefficients(Visit&& visit) {
@@ -74,8 +75,8 @@ public:
         }
     }
 
-    /// Calls visit(number of the coefficient, column, row) for all, several at the same time; rows may be negative.
-    /// Those that alias are left out.
+    /// Calls visit(number of the coefficient, column, row) for all frequencies, some in parallel; rows may be negative.
+    /// Skips aliased frequencies.
     template <class Visit>
     void for_frequencies(Visit&& visit) const {
         for_ranges(team_, static_cast<std::size_t>(rows_), kRows, [&](std::size_t begin, std::size_t end) {
@@ -89,7 +90,7 @@ public:
         });
     }
 
-    /// Row as for_frequencies() tells it.
+    /// Row number as for_frequencies() passes it.
     int signed_row(int row) const { return torus_ && 2 * row > rows_ ? row - rows_ : row; }
 
     std::size_t coefficient_count() const { return static_cast<std::size_t>(kept_) * static_cast<std::size_t>(rows_); }
@@ -98,7 +99,7 @@ public:
                static_cast<std::size_t>(column);
     }
 
-    /// Cycles per unit of length.
+    /// Frequency in cycles per unit of length.
     Point frequency(int column, int row) const {
         const double waves = torus_ ? 1 : 0.5;
         return {waves * column / sides_.x, waves * row / sides_.y};
@@ -110,11 +111,12 @@ public:
                row_windows_[static_cast<std::size_t>(std::abs(row))];
     }
 
-    /// A coefficient over the integral that it stands for.
+    /// Ratio of a coefficient to the integral that it represents.
     double copies() const { return torus_ ? 1 : 4; }
 
 private:
-    /// Of each point the padded grid point three columns and rows before it, and how far behind the third one it lies.
+    /// For each point, the padded grid point three columns and rows before it, and the point's offset from the third
+    /// one.
     template <class Lanes>
     struct Places {
         std::array<std::size_t, Lanes::kCount> first;
@@ -132,7 +134,7 @@ private:
     std::array<Point, 2> two_gradients(const std::array<Point, 2>& points) const;
     std::size_t first_row(Point p) const;
     std::size_t padded_size() const;
-    void take_room();
+    void acquire_memory();
     void fold();
     void unfold();
     void close_up();
@@ -148,19 +150,19 @@ private:
     void add_all(std::span<const Point> points, Counts&& counts, Add&& add);
     std::size_t folded(std::size_t padded, int cells) const;
 
-    static constexpr std::size_t kRows = 16;  ///< that a task takes; more than taps reach
+    static constexpr std::size_t kRows = 16;  ///< rows per task; more than the taps reach
 
     Team& team_;
     bool torus_;
     Point sides_;
     int columns_;
     int rows_;
-    int kept_;  ///< columns of coefficients
-    Pair half_cell_;  ///< over the box's sides
+    int kept_;        ///< columns of coefficients
+    Pair half_cell_;  ///< half a cell relative to the box's sides
     std::size_t stride_;
     std::vector<double> column_windows_, row_windows_;
     std::variant<RealTransform, CosineTransform> transform_;
-    /// The grid, and around it the room that taps reach; on a torus the spectrum's memory, in a box the grid's own.
+    /// The grid with its margin for taps. On a torus it uses the spectrum's memory, in a box the grid's own.
     std::span<double> padded_;
 };
 

@@ -10,13 +10,13 @@ namespace ccdt {
 namespace {
 
 constexpr double kTau = 2 * std::numbers::pi;
-constexpr double kCells = 5;       ///< of the splines' grid, a cycle of the highest frequency: see SplineGrid
-constexpr double kFewestRows = 4;  ///< spacings across a torus
-constexpr double kLeft = 0.01;     ///< share of F that the steps of a round may leave; the next one squares the rest
+constexpr double kCells = 5;       ///< cells of the spline grid per cycle of the highest frequency; see SplineGrid
+constexpr double kFewestRows = 4;  ///< least width of a torus, in spacings
+constexpr double kLeft = 0.01;     ///< share of F that one round's steps may leave; the next round squares it
 constexpr int kMostSteps = 40;
-constexpr std::size_t kSites = 8192;  ///< that a task takes
+constexpr std::size_t kSites = 8192;  ///< sites per task
 
-/// The frequency that is the first not to be silenced, in cycles a unit.
+/// Returns the lowest frequency that is not silenced, in cycles per unit.
 double end_of(const Domain& torus, std::size_t sites) {
     return Stealth::kLimit * std::sqrt(static_cast<double>(sites) / torus.unit_area());
 }
@@ -44,8 +44,8 @@ Stealth::Stealth(const Domain& torus, std::size_t sites, Team& team)
     : team_(team),
       sides_(torus.unit_bounds().max),
       sites_(static_cast<double>(sites)),
-      listener_(highest(end_of(torus, sites), sides_.x), highest(end_of(torus, sites), sides_.y)),
-      listened_(sites),
+      transform_(highest(end_of(torus, sites), sides_.x), highest(end_of(torus, sites), sides_.y)),
+      positions_(sites),
       grid_(true, sides_, cells_for(end_of(torus, sites), sides_.x), cells_for(end_of(torus, sites), sides_.y), team) {
     const double end = end_of(torus, sites);
     const int columns = highest(end, sides_.x), rows = highest(end, sides_.y);
@@ -61,7 +61,7 @@ Stealth::Stealth(const Domain& torus, std::size_t sites, Team& team)
 }
 
 bool Stealth::displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop) {
-    if (!listen(sites, stop) || loudest_ < kSilence) return false;
+    if (!measure(sites, stop) || largest_power_ < kSilence) return false;
     Coefficients left(waves_.size()), eased(waves_.size()), changed(waves_.size()), potential(waves_.size());
     std::ranges::transform(sums_, left.begin(), [](const auto& sum) { return -sum; });
     precondition(left, eased);
@@ -88,26 +88,26 @@ bool Stealth::displacements(std::span<const Point> sites, std::span<Point> moves
     return true;
 }
 
-/// Computes F, and how loud it is. Returns false if it was stopped.
-bool Stealth::listen(std::span<const Point> sites, const std::stop_token& stop) {
+/// Computes F and its largest power. Returns false after a stop.
+bool Stealth::measure(std::span<const Point> sites, const std::stop_token& stop) {
     const auto share = [](double place, double side) {
         const double periods = place / side;
         return std::clamp(periods - std::floor(periods), 0.0, 1.0);
     };
-    std::ranges::transform(sites, listened_.begin(), [&](Point p) {
+    std::ranges::transform(sites, positions_.begin(), [&](Point p) {
         return WeightedPoint{{share(p.x, sides_.x), share(p.y, sides_.y)}, 1};
     });
-    listener_.run(listened_, stop);
+    transform_.run(positions_, stop);
     if (stop.stop_requested()) return false;
-    loudest_ = 0;
+    largest_power_ = 0;
     for (std::size_t k = 0; k < waves_.size(); ++k) {
-        sums_[k] = listener_.value(waves_[k].column, waves_[k].row);
-        loudest_ = std::max(loudest_, std::norm(sums_[k]) / sites_);
+        sums_[k] = transform_.value(waves_[k].column, waves_[k].row);
+        largest_power_ = std::max(largest_power_, std::norm(sums_[k]) / sites_);
     }
     return true;
 }
 
-/// J* p: the gradient of a potential at the sites.
+/// Computes J* p, the gradient of a potential at the sites.
 void Stealth::find_moves(const Coefficients& potential, std::span<const Point> sites, std::span<Point> moves) {
     grid_.with_coefficients([&](auto spectrum) {
         if constexpr (std::is_same_v<typename decltype(spectrum)::value_type, std::complex<double>>) {
@@ -126,7 +126,7 @@ void Stealth::find_moves(const Coefficients& potential, std::span<const Point> s
     });
 }
 
-/// J u: how moves change F.
+/// Computes J u, the change of F caused by moves.
 void Stealth::change_of(std::span<const Point> sites, std::span<const Point> moves, Coefficients& change) {
     grid_.clear();
     grid_.spread_moves(sites, moves);
@@ -141,7 +141,7 @@ void Stealth::change_of(std::span<const Point> sites, std::span<const Point> mov
     });
 }
 
-/// Of all waves, k as well as -k.
+/// Inner product over all waves, k and -k.
 double Stealth::product(const Coefficients& a, const Coefficients& b) const {
     double sum = 0;
     for (std::size_t k = 0; k < waves_.size(); ++k) sum += 2 * (a[k].real() * b[k].real() + a[k].imag() * b[k].imag());

@@ -14,53 +14,57 @@
 
 namespace ccdt {
 
-/// Takes all power out of the low frequencies of sites on a torus of uniform density, by the smallest moves that do.
+/// Removes all power from the low frequencies of sites on a torus of uniform density, by the smallest moves that do so.
 ///
-/// With F(k) = sum over sites j of e^(-2 pi i k.x_j), moves u change F by J u, to first order. Of all with F + J u = 0
-/// the least by sum of squares is the gradient of a potential of these frequencies alone: u = J* p, J J* p = -F. There
-/// are 0.79 equations a site below kLimit, and two unknowns, so that J J* is well-conditioned: conjugate gradients,
-/// preconditioned by its diagonal, take about five steps. That is Newton's method: each round squares what is left.
+/// With F(k) = sum over sites j of e^(-2 pi i k.x_j), moves u change F by J u, to first order. Among all moves with F +
+/// J u = 0, the one of least squares is the gradient of a potential with these frequencies only: u = J* p, J J* p = -F.
+/// Below kLimit there are 0.79 equations and two unknowns per site, so J J* is well-conditioned: conjugate gradients,
+/// preconditioned by the diagonal, take about five steps. This is Newton's method: each round squares the relative
+/// error.
 ///
-/// Sets without low frequencies are known as stealthy. Source: Batten, Stillinger, Torquato 2008, who minimise
-/// sum |F|^2 by steepest descent from random sites; here they start so near that a few rounds do.
+/// Point sets without low frequencies are called stealthy. Source: Batten, Stillinger, Torquato 2008, who minimise sum
+/// |F|^2 by steepest descent from random sites. Here the start is so close that a few rounds suffice.
 class Stealth {
 public:
-    /// Frequencies below this, over sqrt(sites / area), are silenced.
+    /// Limit of the removed frequencies, in units of sqrt(sites / area).
     static constexpr double kLimit = 0.5;
-    /// Power, of which random sites have 1, below which a frequency is silent. Rounding makes 1e-18 or so.
+    /// Power below which a frequency is silent; random sites have power 1. Rounding leaves about 1e-18.
     static constexpr double kSilence = 1e-12;
 
-    /// The fewest sites of a torus for which it is wide enough: four of their spacings, sqrt(area / sites), each way.
+    /// Returns the least number of sites for which a torus is wide enough: four spacings, sqrt(area / sites), in each
+    /// direction.
     static double fewest_sites(Point sides);
 
-    /// Tells whether a torus is wide enough for so many sites, its sides taken for what they were before rounding.
+    /// Whether a torus is wide enough for a number of sites. Tolerates the rounding of its sides.
     static bool fits(const Domain& torus, std::size_t sites);
 
-    /// @param torus  that fits the sites
-    /// About 400 bytes a site.
-    /// @param team  must outlive this
+    /// @param torus  wide enough for the sites, see fits()
+    /// @param team   runs the tasks; must outlive this
+    ///
+    /// About 400 bytes per site.
     Stealth(const Domain& torus, std::size_t sites, Team& team = alone());
 
-    /// Computes the moves of a round.
-    /// @param sites  [sites] in the unit frame; anywhere
+    /// Computes the moves of one round.
+    /// @param sites  [sites] in the unit frame; any copy
     /// @param moves  out [sites]
-    /// @param stop   asked now and then
-    /// @returns      false if it was stopped, or all is silent: the moves are of no use
-    /// Same input, same bytes. O(sites log sites).
+    /// @param stop   polled regularly
+    /// @returns      false after a stop, or if all low frequencies are silent; the moves must not be used then
+    ///
+    /// Deterministic. O(sites log sites).
     bool displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop = {});
 
-    /// The largest power among the frequencies, of the sites before the last moves.
-    double loudest() const { return loudest_; }
+    /// The largest power among the low frequencies, of the sites before the last moves.
+    double largest_power() const { return largest_power_; }
 
 private:
-    using Coefficients = std::vector<std::complex<double>>;  ///< [waves_]
+    using Coefficients = std::vector<std::complex<double>>;  ///< [waves_] one coefficient for each wave
 
     struct Wave {
         int column, row;  ///< cycles along the torus' sides; column >= 0
-        double diagonal;  ///< of J J*
+        double diagonal;  ///< diagonal element of J J*
     };
 
-    bool listen(std::span<const Point> sites, const std::stop_token& stop);
+    bool measure(std::span<const Point> sites, const std::stop_token& stop);
     void find_moves(const Coefficients& potential, std::span<const Point> sites, std::span<Point> moves);
     void change_of(std::span<const Point> sites, std::span<const Point> moves, Coefficients& change);
     double product(const Coefficients& a, const Coefficients& b) const;
@@ -70,10 +74,10 @@ private:
     Point sides_;
     double sites_;
     std::vector<Wave> waves_;  ///< one of each pair k, -k
-    NonuniformTransform listener_;
-    std::vector<WeightedPoint> listened_;  ///< [sites]
+    NonuniformTransform transform_;
+    std::vector<WeightedPoint> positions_;  ///< [sites] sites relative to the torus' sides
     SplineGrid grid_;
-    double loudest_ = 0;
+    double largest_power_ = 0;
     Coefficients sums_;  ///< F
 };
 

@@ -10,18 +10,19 @@
 
 namespace ccdt {
 
-/// Finds the nearest place with density: keeps sites out of parts without any.
+/// Finds the nearest place with nonzero density, to keep sites out of regions without density.
 class Support {
 public:
-    /// @param density  not uniform, or none of the following must be called
+    /// @param density  if uniform, no member function may be called
+    ///
     /// O(density's cells).
     Support(const Domain& domain, const Density& density);
 
-    /// Finds the nearest point with density, to a factor of sqrt(2) of its distance: p itself where there is some, or
-    /// where none is within reach. O(cells within reach).
+    /// Returns the nearest point with density, within a factor of sqrt(2) of the least distance. Returns p itself if it
+    /// has density, or if no such point is within reach. O(cells within reach).
     Point nearest(Point p, double reach) const;
 
-    /// The same for a place with density; none for others.
+    /// Returns p, moved off the sides of its cell, if the cell has density; else none.
     std::optional<Point> here(Point p) const;
 
 private:
@@ -34,7 +35,7 @@ private:
     int columns_;
     int rows_;
     Point to_grid_;
-    std::vector<bool> has_density_;  ///< [rows * columns], as they stay in the cache where the density does not
+    std::vector<bool> has_density_;  ///< [rows * columns]; as bits they stay in the cache, unlike the density
 };
 
 }  // namespace ccdt

@@ -13,43 +13,45 @@ namespace ccdt {
 
 namespace {
 
-// What a task takes.
+// Sites, cells or rows per task.
 constexpr std::size_t kSites = 8192, kCells = 16384, kRows = 16;
 constexpr double kPi = std::numbers::pi;
 
-constexpr double kCellsPerSpacing = 2;  ///< a grid's highest frequency is one cycle a spacing, just above kShortest
-/// Highest frequency that is looked at, in cycles a spacing: share_undone() of it is below 1e-16 for uniform densities,
-/// 5e-4 for others.
+constexpr double kCellsPerSpacing = 2;  ///< a grid's highest frequency is one cycle per spacing, just above kShortest
+/// Highest frequency considered, in cycles per spacing. share_undone() at this limit is below 1e-16 for uniform
+/// densities and 5e-4 for others.
 constexpr double kShortest = 0.95;
-/// Longest move in spacings: two neighbours, 1.07 spacings apart in a hexagonal grid, keep half of their distance.
+/// Longest move, in spacings. Two neighbours, 1.07 spacings apart in a hexagonal grid, keep half of their distance.
 constexpr double kLongestMove = 0.25;
-/// Spacings of 1 to 32, densities of 1 to 1,000: in linear light 8 bits have 1 to 113, which with kCaution are 4.1
-/// octaves.
+/// Limit on octaves: spacings of 1 to 32, densities of 1 to 1,000. In linear light, 8 bits give densities of 1 to 113,
+/// which with kCaution are 4.1 octaves.
 constexpr std::size_t kMostOctaves = 6;
-/// Most of the finest spacing's density over the mean one: with 4 cells a spacing squared that makes 16 cells a site.
+/// Largest ratio of the finest spacing's density to the mean density. With 4 cells per squared spacing, this makes 16
+/// cells per site.
 constexpr double kMostContrast = 4;
 
-// Either way the tone errs more: benchmark PictureTone, but for more smoothing of levels, which it prefers.
-constexpr double kSmoothing = 1;  ///< of the density that spacings are taken from, in finest spacings
-/// Smoothing of the density that octaves are taken from: next to dark parts light ones count as fine.
+// Larger and smaller values both increase the error of tone (benchmark PictureTone), except that more smoothing of
+// levels would reduce it.
+constexpr double kSmoothing = 1;  ///< of the density that gives spacings, in finest spacings
+/// Smoothing of the density that gives octaves: near dark regions, light ones count as fine.
 constexpr double kLevelSmoothing = 2;
-constexpr double kCaution = 0.7;  ///< octaves by which a site's limit lies above its spacing
+constexpr double kCaution = 0.7;  ///< octaves by which a site's limit exceeds its spacing
 
-/// Share of a wave's error that a round undoes; its frequency in cycles a spacing. Octaves of a varying density overlap
-/// and want a softer end. Ends that are lower or higher leave more error: benchmarks TorusPattern and PictureTone.
+/// Returns the share of a wave's error that a round undoes, for its frequency in cycles per spacing. The octaves of a
+/// varying density overlap and need a softer end. Lower or higher ends leave more error: benchmarks TorusPattern and
+/// PictureTone.
 double share_undone(double frequency, bool uniform) {
     constexpr double kUniformEnd = 0.52, kVaryingEnd = 0.57;
     const double ratio = frequency / (uniform ? kUniformEnd : kVaryingEnd), squared = ratio * ratio;
     return std::exp(uniform ? -squared * squared * squared : -squared * squared);
 }
 
-constexpr double kLevels = 8192;  ///< of an octave
+constexpr double kLevels = 8192;  ///< steps per octave
 
 constexpr auto kFirst = std::bit_cast<std::uint32_t>(0x1p-8f);
-constexpr unsigned kDropped = 11;  ///< bits of a number's fraction
+constexpr unsigned kDropped = 11;  ///< dropped bits of the fraction
 
-/// A number in 16 bits, off by at most 1/8192 of itself; one that is not within a factor of 256 of 1, the nearest that
-/// is.
+/// Encodes a number in 16 bits with a relative error of at most 1/8192. Numbers outside [1/256, 256) are clamped.
 std::uint16_t shortened(double number) {
     const float bounded = std::clamp(static_cast<float>(number), 0x1p-8f, 0x1.ffep7f);
     return static_cast<std::uint16_t>((std::bit_cast<std::uint32_t>(bounded) - kFirst + (1u << (kDropped - 1))) >>
@@ -59,7 +61,7 @@ double lengthened(std::uint16_t bits) {
     return static_cast<double>(std::bit_cast<float>((static_cast<std::uint32_t>(bits) << kDropped) + kFirst));
 }
 
-/// What is kept of a coefficient.
+/// Single-precision storage of a coefficient.
 template <class Coefficient>
 using Kept = std::conditional_t<std::is_same_v<Coefficient, double>, float, std::complex<float>>;
 
@@ -72,7 +74,7 @@ double sinc(double cycles) {
     return x == 0 ? 1 : std::sin(x) / x;
 }
 
-/// Density that the average site stands in, over the mean density.
+/// Returns the density at the average site, relative to the mean density.
 double contrast_of(const Density& density, const CellBlock& block) {
     double squares = 0;
     for (int row = block.low; row < block.high; ++row) {
@@ -106,7 +108,7 @@ Transport::Transport(const Domain& domain, const Density& density, std::size_t s
     const double denser = std::min(contrast, kMostContrast);
     finest_ = std::sqrt(area / (sites_ * denser));
     if (contrast > kMostContrast) denser_.emplace(domain.unit_bounds().max, density, sites_);
-    // In a box thinner than its sites' spacing they stand in a line.
+    // In a box thinner than the spacing, sites stand in a line.
     in_line_ = std::max(sides_.x, sides_.y) / (sites_ * denser);
     octaves_.reserve(kMostOctaves);
     add_octave();
@@ -144,15 +146,15 @@ void Transport::add_octave() {
     });
 }
 
-/// Coefficient of the potential of a wave of coefficient 1, over octave 0's window; not of the constant one. The unit
-/// of length is octave 0's spacing, by which it is neither too large nor too small for a float.
+/// Returns the coefficient of the potential of a wave with coefficient 1, divided by octave 0's window; not for the
+/// constant wave. The unit of length is octave 0's spacing, which keeps values in the range of a float.
 double Transport::potential_of(int column, int row) const {
     const SplineGrid& finest = octaves_[0].grid;
     const Point f = octave_spacing(0) * finest.frequency(column, row);
     return -1 / (4 * kPi * kPi * dot(f, f) * finest.window(column, row));
 }
 
-/// Sites that each cell of octave 0 wants.
+/// Sites wanted by each cell of octave 0.
 std::vector<double> Transport::masses(const Density& density, const CellBlock& block) const {
     const SplineGrid& grid = octaves_[0].grid;
     const auto columns = static_cast<std::size_t>(grid.columns()), rows = static_cast<std::size_t>(grid.rows());
@@ -167,7 +169,7 @@ std::vector<double> Transport::masses(const Density& density, const CellBlock& b
     return mass;
 }
 
-/// A function of a grid's frequencies along x, for its columns, and along y, for its rows.
+/// Evaluates a function of a grid's frequencies along x for its columns, and along y for its rows.
 template <class Function>
 std::array<std::vector<double>, 2> along_axes(const SplineGrid& grid, Function&& function) {
     std::array<std::vector<double>, 2> values;
@@ -176,7 +178,7 @@ std::array<std::vector<double>, 2> along_axes(const SplineGrid& grid, Function&&
     return values;
 }
 
-/// Masses blurred by a Gaussian, per unit of area; where octave 0 has its grid.
+/// Blurs masses by a Gaussian. Returns densities per unit of area, in the memory of octave 0's grid.
 std::span<const double> Transport::smooth(const std::vector<double>& masses, double sigma) {
     SplineGrid& grid = octaves_[0].grid;
     const Point cell = grid.cell();
@@ -204,7 +206,8 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
     spacings_.resize(masses.size());
     const auto fine = smooth(masses, kSmoothing * finest_);
     for_ranges(team_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t cell = begin; cell < end; ++cell) spacings_[cell] = shortened(spacing_at(fine[cell]) / finest_);
+        for (std::size_t cell = begin; cell < end; ++cell)
+            spacings_[cell] = shortened(spacing_at(fine[cell]) / finest_);
     });
     const auto coarse = smooth(masses, kLevelSmoothing * finest_);
     std::vector<double> highest((masses.size() + kCells - 1) / kCells, 0);
@@ -225,7 +228,7 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
     for (std::uint16_t& level : levels_) level = std::min(level, last);
 }
 
-/// Computes the density's potential, as sites spread by it would have it.
+/// Computes the potential of the wanted density, as if sites were spread by it.
 void Transport::set_targets(const std::vector<double>& masses, const std::stop_token& stop) {
     SplineGrid& grid = octaves_[0].grid;
     const Point cell = grid.cell();
@@ -245,7 +248,7 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
                 const Point f = grid.frequency(i, j);
                 if (number == 0 || dot(f, f) >= highest) return;
                 Coefficient coefficient = coefficients[number];
-                // Cells' middles lie half a cell beyond a torus' grid points.
+                // On a torus, centres of cells are half a cell beyond the grid points.
                 if constexpr (!std::is_same_v<Coefficient, double>)
                     coefficient *= std::polar(1.0, -kPi * (f.x * cell.x + f.y * cell.y));
                 targets[number] += static_cast<Kept<Coefficient>>(
@@ -256,8 +259,8 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
     }
 }
 
-/// Computes the same for a density that has more detail than the finest grid resolves: it is spread as sites are, in
-/// pieces no larger than the grid's cells.
+/// Computes the same for a density with more detail than the finest grid resolves: spreads it like sites, in pieces no
+/// larger than the grid's cells.
 void Transport::set_fine_targets(const Density& density, const CellBlock& block, const std::stop_token& stop) {
     const Point cell = octaves_[0].grid.cell();
     const auto pieces = [](double side, double longest) {
@@ -288,13 +291,13 @@ void Transport::set_fine_targets(const Density& density, const CellBlock& block,
     });
 }
 
-/// The nearest place in the grids' box, from its corner.
+/// Returns the nearest position in the grids' box, relative to its corner.
 inline Point Transport::in_box(Point p) const {
     if (torus_) return p;
     return {std::clamp(p.x - origin_.x, 0.0, sides_.x), std::clamp(p.y - origin_.y, 0.0, sides_.y)};
 }
 
-/// Number of the cell of octave 0 that a place lies in.
+/// Returns the cell of octave 0 that contains a position.
 /// @param p  in the grids' box
 inline std::size_t Transport::cell_of(Point p) const {
     const SplineGrid& grid = octaves_[0].grid;
@@ -306,7 +309,7 @@ inline std::size_t Transport::cell_of(Point p) const {
            index(p.x * over_sides_.x, grid.columns());
 }
 
-/// Share of an octave in what belongs to another one.
+/// Returns the share of an octave in sites at a level.
 double Transport::part(std::uint16_t level, std::size_t octave) {
     const double distance = std::abs(level / kLevels - static_cast<double>(octave));
     return std::max(0.0, 1 - distance);
@@ -337,7 +340,7 @@ void Transport::spread(Point p, double weight) {
 }
 
 /// Transforms all octaves.
-/// @returns  false if it was stopped
+/// @returns  false after a stop
 bool Transport::transform(const std::stop_token& stop) {
     for (Octave& octave : octaves_) {
         if (stop.stop_requested()) return false;
@@ -347,7 +350,7 @@ bool Transport::transform(const std::stop_token& stop) {
 }
 
 /// Spreads all sites and transforms them.
-/// @returns  false if it was stopped
+/// @returns  false after a stop
 bool Transport::spread(std::span<const Point> sites, std::span<const double> weights, const std::stop_token& stop) {
     const auto weight = [&](std::size_t i) {
         const std::size_t whole = sites.size() - weights.size();
@@ -357,10 +360,10 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
     std::vector<double> values;
     if (levels_.empty()) {
         for (std::size_t i = 0; !weights.empty() && i < sites.size(); ++i) values.push_back(weight(i));
-        octaves_[0].grid.spread(sites, values);  // which has the whole box
+        octaves_[0].grid.spread(sites, values);  // octave 0 covers the whole box here
         return transform(stop);
     }
-    std::vector<Point> moved;  // where the box begins elsewhere than the unit frame
+    std::vector<Point> moved;  // positions relative to the box, if its corner differs from that of the unit frame
     if (!(origin_ == Point{})) moved.resize(sites.size());
     const std::span<const Point> places = moved.empty() ? sites : moved;
     std::vector<std::uint16_t> levels(sites.size());
@@ -381,9 +384,9 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
     return transform(stop);
 }
 
-/// Solves Laplace phi = error: adds up the long waves of all octaves, each up to its own limit, but for those that the
-/// density alone has, once its own are known.
-/// @param total  coefficients of octave 0; from its sites' to the potential's
+/// Solves Laplace phi = error: sums the long waves of all octaves, each up to its own limit, and subtracts those of the
+/// wanted density, once known.
+/// @param total  coefficients of octave 0; in: of the sites, out: of the potential
 template <class Coefficient>
 void Transport::solve(std::span<Coefficient> total) {
     const SplineGrid& finest = octaves_[0].grid;
@@ -413,8 +416,8 @@ void Transport::solve(std::span<Coefficient> total) {
     }
 }
 
-void Transport::rest() {
-    for (Octave& octave : octaves_) octave.grid.rest();
+void Transport::release_memory() {
+    for (Octave& octave : octaves_) octave.grid.release_memory();
 }
 
 bool Transport::displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop,

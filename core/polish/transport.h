@@ -18,57 +18,60 @@
 
 namespace ccdt {
 
-/// Evens out long waves: finds how far the sites' density, smoothed over a few of them, is off the wanted one, and
-/// small displacements of all sites that undo it.
+/// Removes long waves of density error: computes the smoothed difference between actual and wanted density of sites,
+/// and small displacements of all sites that cancel it.
 ///
-/// Displacements u change the sites' density by -div(density u). Of all that undo an error E = sites - density the one
-/// is taken for which density u is a gradient, grad phi: Laplace phi = E, which a Fourier transform solves on a torus,
-/// and a cosine transform in a box that no site leaves. Waves shorter than about two spacings are the pattern itself,
-/// not an error, and are left alone. Where the density varies, sites and density are split among octaves of spacing
-/// alike, each with its own limit. To first order a round undoes E; what is left is of second order, and of ridges so
-/// thin that the gradient cannot follow them. In a box all this is done where there is density at all: margins without
-/// any count for nothing.
+/// Displacements u change the density of sites by -div(density u). Of all displacements that cancel an error E = sites
+/// - density, the one is chosen for which density u is a gradient, grad phi: Laplace phi = E. A Fourier transform
+/// solves this on a torus, and a cosine transform in a box, which no site leaves. Waves shorter than about two spacings
+/// are the pattern itself and are not changed. If the density varies, sites and density are both split among octaves of
+/// spacing, each with its own limit. To first order one round cancels E. What remains is of second order, or due to
+/// ridges too thin for the gradient to follow. In a box, only the bounding box of nonzero density is used, so empty
+/// margins do not matter.
 ///
-/// Departs from a plain blur in that what is called an error ends sharply: no wave below is left, none above is harmed.
+/// Departure from a plain blur: the errors to be removed end sharply, so that no wave below the limit remains and none
+/// above it is affected.
 /// Source: one step of Moser's flow (1965; Dacorogna and Moser 1990), which is steepest descent on the energy of long
-/// waves; core/README.md derives it.
+/// waves; core/README.md has the derivation.
 class Transport {
 public:
-    /// @param domain   a box or a torus; its sides and the density's values are in the ranges that their headers name,
-    ///                 so that contrast, spacings and the grids' sides are finite and not 0
+    /// @param domain   a box or a torus; the documented ranges of its sides and of the density's values keep contrast,
+    ///                 spacings and grid sizes finite and nonzero
     /// @param density  must outlive this
     /// @param sites    >= 1
-    /// @param stop     asked now and then; leaves what is of no use
-    /// @param team     must outlive this
+    /// @param stop     polled regularly; after a stop the object must not be used
+    /// @param team     runs the tasks; must outlive this
+    ///
     /// O(density's cells + sites log sites).
     Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {},
               Team& team = alone());
 
-    /// Computes the moves of a round.
-    /// @param sites    [sites] in the unit frame; inside, on a torus anywhere
-    /// @param moves    out [sites], none longer than a quarter of the spacing there
-    /// @param stop     asked now and then
-    /// @param weights  of the last sites, which count as so many each; all others count as one
-    /// @returns      false if it was stopped: the moves are of no use
+    /// Computes the moves of one round.
+    /// @param sites    [sites] in the unit frame; inside, on a torus any copy
+    /// @param moves    out [sites], each at most a quarter of the local spacing
+    /// @param stop     polled regularly
+    /// @param weights  weights of the last sites; all others have weight 1
+    /// @returns        false after a stop, when the moves must not be used
+    ///
     /// O(sites log sites).
     bool displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop = {},
                        std::span<const double> weights = {});
 
-    /// 1 / sqrt(density of sites) around a point, the density smoothed over a spacing; in the unit frame. Where sites
-    /// are denser than octaves go, over as little as holds one.
+    /// Returns 1 / sqrt(density of sites) around a point in the unit frame, with the density smoothed over a spacing.
+    /// If sites are denser than the octaves resolve, uses the smallest block of cells that wants one site.
     double spacing(Point p) const;
 
-    /// Gives back what most of the memory is for until displacements() are asked for again.
-    void rest();
+    /// Releases most of the memory until the next call of displacements().
+    void release_memory();
 
 private:
     /// Sites whose spacing is about 2^octave times the finest.
     struct Octave {
         SplineGrid grid;
-        /// From coefficients to their share of the potential's; see factor().
+        /// Factors from coefficients to their share of the potential; see factor().
         std::vector<float> factors;
 
-        /// For the coefficient (column, row), the same for (column, -row).
+        /// Factor for the coefficients (column, row) and (column, -row), which are equal.
         float& factor(int column, int row) { return factors[grid.number(column, std::abs(row))]; }
     };
 
@@ -93,18 +96,20 @@ private:
     Team& team_;
     bool torus_;
     bool uniform_;
-    Point origin_;  ///< of the box that holds all of the density, and its sides
+    Point origin_;  ///< lower left corner of the box that contains all of the density
     Point sides_;
-    Point over_sides_;  ///< 1 over these
+    Point over_sides_;  ///< 1 / sides_
     double sites_;
-    double finest_ = 0;   ///< spacing of octave 0
-    double in_line_ = 0;  ///< the same, were all sites in a line along the longer side; grids are no finer
+    double finest_ = 0;  ///< spacing of octave 0
+    /// The spacing if all sites stood on a line along the longer side; a lower bound of the grids' resolution.
+    double in_line_ = 0;
     std::vector<Octave> octaves_;
-    /// [coefficients of octave 0] of the potential that the density alone would have, if it is not uniform.
+    /// [coefficients of octave 0] of the potential of the wanted density alone; empty if that is uniform
     std::variant<std::vector<float>, std::vector<std::complex<float>>> targets_;
-    std::vector<std::uint16_t> levels_;    ///< [cells of octave 0] octave that sites there belong to, in kLevels
-    std::vector<std::uint16_t> spacings_;  ///< [cells of octave 0] over octave 0's, shortened()
-    std::optional<LocalSpacing> denser_;  ///< if sites are closer somewhere than octave 0 resolves
+    /// [cells of octave 0] octave of the sites in the cell, in units of 1 / kLevels.
+    std::vector<std::uint16_t> levels_;
+    std::vector<std::uint16_t> spacings_;  ///< [cells of octave 0] spacing relative to octave 0, encoded by shortened()
+    std::optional<LocalSpacing> denser_;   ///< present if sites are denser somewhere than octave 0 resolves
 };
 
 }  // namespace ccdt

@@ -14,15 +14,15 @@
 namespace ccdt {
 namespace {
 
-using Stop = std::uint32_t;  ///< where the pen stops: a point, by its place along Hilbert's curve
+using Stop = std::uint32_t;  ///< a point, numbered along Hilbert's curve
 
 constexpr std::size_t kMostNeighbours = 8;
 constexpr std::uint32_t kLongestChange = 25'000;  ///< stops that one improvement may move in memory
-constexpr std::uint32_t kLongestRun = 3;          ///< stops that are moved elsewhere together
-constexpr double kLeastGain = 1e-12;              ///< of the points' extent; less may be rounding
-constexpr std::size_t kStopStride = 256;          ///< stops between two looks at the stop token
+constexpr std::uint32_t kLongestRun = 3;          ///< stops that are relocated together
+constexpr double kLeastGain = 1e-12;              ///< relative to the points' extent; smaller gains may be rounding
+constexpr std::size_t kStopStride = 256;          ///< stops between polls of the stop token
 
-/// Place along Hilbert's curve of a point of the unit square, as 24 bits of each coordinate tell it.
+/// Returns the position of a point of the unit square along Hilbert's curve, with 24 bits per coordinate.
 std::uint64_t hilbert_key(Point p) {
     constexpr std::uint32_t kSide = 1U << 24;
     auto x = static_cast<std::uint32_t>(p.x * (kSide - 1));
@@ -42,7 +42,7 @@ std::uint64_t hilbert_key(Point p) {
     return key;
 }
 
-/// Points moved and scaled into the unit square.
+/// Returns the points translated and scaled into the unit square.
 std::vector<Point> normalised(std::span<const Point> points) {
     Box box{points.front(), points.front()};
     for (const Point& p : points) box.include(p);
@@ -67,7 +67,7 @@ double distance(Point a, Point b) {
     return std::sqrt(dot(a - b, a - b));
 }
 
-/// The nearest few of each point's neighbours in the triangulation, nearest first.
+/// The nearest of each point's neighbours in the Delaunay triangulation, nearest first.
 class Neighbours {
 public:
     Neighbours(std::span<const Point> points, const std::stop_token& stop) : begins_(points.size() + 1) {
@@ -105,11 +105,11 @@ private:
                   [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
     }
 
-    std::vector<std::uint32_t> begins_;  ///< [n + 1]
+    std::vector<std::uint32_t> begins_;  ///< [n + 1] start of each list in lists_
     std::vector<Stop> lists_;
 };
 
-/// A closed tour, kept as an array.
+/// A closed tour, stored as an array.
 class Tour {
 public:
     explicit Tour(std::uint32_t size) : stops_(size), places_(size) {
@@ -121,13 +121,13 @@ public:
     Stop next(Stop stop) const { return at(places_[stop] + 1); }
     Stop previous(Stop stop) const { return at(places_[stop] + size() - 1); }
 
-    /// Steps forward from one to another.
+    /// Number of steps forward from one stop to another.
     std::uint32_t steps(Stop from, Stop to) const { return wrapped(places_[to] + size() - places_[from]); }
 
-    /// Turns around the way from one forward to another, unless that moves too many.
+    /// Reverses the path from one stop forward to another, unless that moves too many stops.
     bool reverse(Stop first, Stop last) {
         std::uint32_t inner = steps(first, last) + 1;
-        if (2 * inner > size()) {  // the rest turned around makes the same tour
+        if (2 * inner > size()) {  // reversing the rest makes the same tour
             const Stop after = next(last);
             last = previous(first);
             first = after;
@@ -146,8 +146,8 @@ public:
         return true;
     }
 
-    /// Takes a run of stops out and puts it back after another, unless that moves too many.
-    /// @param first  of the run, which goes forward from there
+    /// Removes a run of stops and inserts it after another stop, unless that moves too many stops.
+    /// @param first  first stop of the run
     /// @param after  not in the run
     bool move(Stop first, std::uint32_t length, Stop after, bool turned) {
         std::array<Stop, kLongestRun> run{};
@@ -178,11 +178,11 @@ private:
         places_[stop] = place;
     }
 
-    std::vector<Stop> stops_;            ///< by place
+    std::vector<Stop> stops_;            ///< by position
     std::vector<std::uint32_t> places_;  ///< by stop
 };
 
-/// Stops whose surroundings have changed, each once, first in first out.
+/// A queue of stops whose surroundings have changed, without duplicates.
 class Queue {
 public:
     explicit Queue(std::uint32_t size) : ring_(size), waiting_(size, true), count_(size) {
@@ -212,8 +212,8 @@ private:
     std::size_t count_;
 };
 
-/// Shortens an open path. It is kept as a closed tour with one stop more, the gap, which is next to everything: the
-/// path's ends lie on both sides of it.
+/// Shortens an open path. The path is stored as a closed tour with an extra stop, the gap, at distance 0 from every
+/// stop. The ends of the path are adjacent to the gap.
 class Shortener {
 public:
     Shortener(std::span<const Point> points, const Neighbours& neighbours)
@@ -248,8 +248,8 @@ private:
         }
     }
 
-    /// 2-opt: the ways from a to its next (or previous) stop and from a near c to its own are exchanged for one between
-    /// a and c and one between those.
+    /// 2-opt: replaces the edge from a to its next (or previous) stop b and the edge from a nearby stop c to its next
+    /// (or previous) stop d by the edges a-c and b-d.
     bool exchange(Stop a) {
         for (const bool forward : {true, false}) {
             const auto beside = [&](Stop stop) { return forward ? tour_.next(stop) : tour_.previous(stop); };
@@ -268,7 +268,7 @@ private:
         return false;
     }
 
-    /// Or-opt: a run of stops that begins or ends at a goes between a near stop and one beside that.
+    /// Or-opt: moves a run of stops that begins or ends at a between a nearby stop and a neighbour of that stop.
     bool relocate(Stop a) {
         Stop forward = a;
         Stop backward = a;
@@ -281,7 +281,7 @@ private:
         return false;
     }
 
-    /// @param a  the run's first or last stop, which goes next to the near one
+    /// @param a  the run's first or last stop, which becomes adjacent to the nearby stop
     bool relocate(Stop a, Stop first, Stop last, std::uint32_t length) {
         const Stop before = tour_.previous(first);
         const Stop behind = tour_.next(last);
@@ -317,7 +317,7 @@ std::vector<std::uint32_t> short_path(std::span<const Point> points, const std::
     if (points.empty()) return {};
     const std::vector<Point> unit = normalised(points);
     const std::vector<std::uint32_t> start = along_hilbert(unit);
-    // Points that are near in the plane are then near in memory, too.
+    // Points near in the plane are then near in memory.
     std::vector<Point> sorted(unit.size());
     std::transform(start.begin(), start.end(), sorted.begin(), [&](std::uint32_t i) { return unit[i]; });
     if (stop.stop_requested()) return start;

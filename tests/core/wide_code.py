@@ -1,5 +1,5 @@
-"""Checks that what is compiled for some processors alone is called on these alone: no function that other files may
-share, as all of the standard library's are, has instructions that not every processor knows.
+"""Checks that code compiled for AVX2 is only called on processors with AVX2: no function that other files may share, as
+all inline functions of the standard library, contains AVX instructions.
 
 Usage: wide_code.py OBJECT...
 """
@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 FUNCTION = re.compile(r"^[0-9a-f]+ <(.*)>:$")
-WIDE = re.compile(r"^\s+[0-9a-f]+:\s+v[a-z]")  # mnemonics of AVX and what came after
+WIDE = re.compile(r"^\s+[0-9a-f]+:\s+v[a-z]")  # mnemonics of AVX and later extensions
 SHARED = re.compile(r"^(?:[^(]* )?(?:std|__gnu_cxx)::")
 KEPT_APART = re.compile(r"pocketfft_by_avx2")
 
@@ -22,7 +22,7 @@ def functions_with_wide_code(path):
             name = found[1]
         elif name and WIDE.match(line):
             yield name
-            name = None  # once is enough
+            name = None  # reports each function once
 
 
 def main(paths):

@@ -35,7 +35,7 @@ Sets white_noise(std::size_t sets, std::size_t points, Point sides = {1, 1}) {
     return result;
 }
 
-/// columns x rows points, one in the middle of each cell.
+/// Returns columns x rows points, one at the centre of each cell.
 Set lattice(int columns, int rows, Point sides) {
     Set points;
     for (int r = 0; r < rows; ++r) {
@@ -50,7 +50,7 @@ Analysis measured(const Sets& sets, const Domain& domain, const AnalysisOptions&
     return std::move(analysis).value_or(Analysis());
 }
 
-/// Means over all rings but the innermost few, which hold too few frequencies for their variance to mean much.
+/// Means over all rings except the innermost few, which have too few frequencies for a reliable variance.
 struct Means {
     double power = 0;
     double anisotropy = 0;
@@ -67,8 +67,8 @@ Means means_of(const Analysis& analysis) {
     return means;
 }
 
-TEST(Analysis, ReadsWhiteNoiseAsOneAndIsotropic) {
-    // 64,000 frequencies or so: their mean deviates by 0.4 % over the root of the number of sets.
+TEST(Analysis, MeasuresWhiteNoiseAsOneAndIsotropic) {
+    // About 64,000 frequencies: their mean deviates by 0.4 % divided by the square root of the number of sets.
     for (const std::size_t count : {1, 10}) {
         for (const Point sides : {Point{1, 1}, Point{300, 100}}) {
             const auto analysis = measured(white_noise(count, 2500, sides), torus(sides.x, sides.y));
@@ -80,13 +80,13 @@ TEST(Analysis, ReadsWhiteNoiseAsOneAndIsotropic) {
             EXPECT_NEAR(means.power, 1, 0.02 / std::sqrt(sets));
             EXPECT_NEAR(means.anisotropy, -10 * std::log10(sets), 0.15);
             EXPECT_NEAR(*analysis.low_frequency_power, 1, 0.1);
-            // The nearest of n points at random: half over the root of n on average, at unit area.
+            // The mean nearest distance of n random points is half of 1 / sqrt(n) at unit area.
             EXPECT_NEAR(analysis.mean_distance, 0.5 / std::sqrt(2 / std::sqrt(3.0)), 0.015);
         }
     }
 }
 
-TEST(Analysis, ReadsWhiteNoiseAsOneInAWindow) {
+TEST(Analysis, MeasuresWhiteNoiseAsOneInAWindow) {
     for (const Point sides : {Point{1, 1}, Point{300, 100}}) {
         const auto analysis = measured(white_noise(10, 2500, sides), window(sides.x, sides.y));
         EXPECT_NEAR(means_of(analysis).power, 1, 0.02);
@@ -108,7 +108,7 @@ TEST(Analysis, FindsTheReciprocalPointsOfALattice) {
     }
     EXPECT_GT(peaks, 40);
     EXPECT_NEAR(*analysis.low_frequency_power, 0, 1e-12);
-    // The rows lie closer than the columns.
+    // The rows are closer together than the columns.
     const double densest = std::sqrt(2 / std::sqrt(3.0) * 24 / (kColumns * kRows));
     EXPECT_NEAR(analysis.min_distance, 0.4 / densest, 1e-12);
     EXPECT_NEAR(analysis.mean_distance, 0.4 / densest, 1e-12);
@@ -121,7 +121,7 @@ TEST(Analysis, PutsThePrincipalFrequencyOfASquareLatticeAtOne) {
 }
 
 TEST(Analysis, RemovesTheMeanFromAWindow) {
-    // A lattice has power nowhere but at its reciprocal points, which the window widens by two frequencies or so.
+    // A lattice has power only at its reciprocal points, which the window widens by about two frequencies.
     const auto analysis = measured({lattice(30, 30, {2, 2})}, window(2, 2));
     EXPECT_LT(*analysis.low_frequency_power, 1e-6);
     for (std::size_t r = 0; r < analysis.frequency.size(); ++r) {
@@ -132,7 +132,7 @@ TEST(Analysis, RemovesTheMeanFromAWindow) {
     EXPECT_GT(*std::ranges::max_element(analysis.power), 10);
 }
 
-TEST(Analysis, DoesNotSeeScale) {
+TEST(Analysis, IsInvariantUnderScaling) {
     const auto small = measured(white_noise(2, 300, {2, 1}), torus(2, 1));
     const auto large = measured(white_noise(2, 300, {2048, 1024}), torus(2048, 1024));
     EXPECT_EQ(small.power, large.power);
@@ -140,7 +140,7 @@ TEST(Analysis, DoesNotSeeScale) {
     EXPECT_EQ(small.min_distance, large.min_distance);
 }
 
-TEST(Analysis, DoesNotSeeShiftsOnATorus) {
+TEST(Analysis, IsInvariantUnderShiftsOnATorus) {
     const Sets sets = white_noise(1, 400);
     Sets shifted = sets;
     for (Point& p : shifted[0]) p = {std::fmod(p.x + 0.3, 1), std::fmod(p.y + 0.7, 1)};
@@ -150,7 +150,7 @@ TEST(Analysis, DoesNotSeeShiftsOnATorus) {
     EXPECT_NEAR(after.mean_distance, before.mean_distance, 1e-12);
 }
 
-TEST(Analysis, TurnsWithThePoints) {
+TEST(Analysis, RotatesWithThePoints) {
     const Sets sets = white_noise(1, 200, {3, 1});
     Sets turned = sets;
     for (Point& p : turned[0]) p = {p.y, p.x};
@@ -179,7 +179,7 @@ TEST(Analysis, AveragesPowersAndDistances) {
     }
 }
 
-TEST(Analysis, GoesAsFarAsToldTo) {
+TEST(Analysis, ReachesTheRequestedFrequency) {
     for (const double most : {1.0, 2.5, 6.0}) {
         const auto analysis = measured(white_noise(1, 400), torus(), {most});
         EXPECT_DOUBLE_EQ(analysis.frequency.front(), 1 / 20.0);
@@ -189,7 +189,7 @@ TEST(Analysis, GoesAsFarAsToldTo) {
     }
 }
 
-TEST(Analysis, MakesDoWithTwoPoints) {
+TEST(Analysis, AcceptsTwoPoints) {
     const auto analysis = measured({{{0.25, 0.5}, {0.75, 0.5}}}, torus());
     EXPECT_FALSE(analysis.low_frequency_power);
     EXPECT_DOUBLE_EQ(analysis.min_distance, 0.5 / std::sqrt(1 / std::sqrt(3.0)));
@@ -198,7 +198,7 @@ TEST(Analysis, MakesDoWithTwoPoints) {
     EXPECT_EQ(analysis.spectrum.at(0, 0), 0);
 }
 
-TEST(Analysis, TakesDomainsOfExtremeShapeAndSize) {
+TEST(Analysis, AcceptsDomainsOfExtremeShapeAndSize) {
     for (const Point sides : {Point{1000, 1}, Point{1e-100, 1e-100}, Point{1e100, 2e100}}) {
         const auto analysis = measured(white_noise(1, 200, sides), torus(sides.x, sides.y));
         EXPECT_DOUBLE_EQ(analysis.unit, std::sqrt(200 / sides.x / sides.y));
@@ -213,13 +213,13 @@ nlohmann::json read_data(const std::string& name) {
     return nlohmann::json::parse(file);
 }
 
-/// By how much numbers differ from what they should be, in shares of it.
+/// Returns the relative difference of a number from its expected value.
 double relative_error(double found, double expected) {
     return std::abs(found / expected - 1);
 }
 
 TEST(Analysis, AgreesWithAnIndependentProgram) {
-    constexpr double kTolerance = 1e-7;  // they are written with 9 digits
+    constexpr double kTolerance = 1e-7;  // the numbers are written with 9 digits
     for (const std::string kind : {"torus", "rectangle"}) {
         const auto request = read_data(kind);
         Sets sets;
@@ -251,7 +251,7 @@ void expect_refused(const Sets& sets, const Domain& domain, ErrorCode code, cons
     EXPECT_FALSE(analysis.error().message.empty());
 }
 
-TEST(Analysis, RefusesWhatItCannotMeasure) {
+TEST(Analysis, RefusesInvalidSets) {
     const Sets good = white_noise(3, 10);
     Sets bad = good;
     bad[2].pop_back();
@@ -290,7 +290,7 @@ TEST(Analysis, RefusesATransformThatIsTooLarge) {
     expect_refused(sets, torus(), ErrorCode::LimitExceeded, "max_frequency", {16});
 }
 
-TEST(Analysis, StopsWhenAsked) {
+TEST(Analysis, StopsOnRequest) {
     std::stop_source stop;
     stop.request_stop();
     const auto analysis = analyse(white_noise(2, 1000), torus(), {}, stop.get_token());
@@ -298,7 +298,7 @@ TEST(Analysis, StopsWhenAsked) {
     EXPECT_EQ(analysis.error().code, ErrorCode::Stopped);
 }
 
-TEST(Analysis, IsTheSameEveryTime) {
+TEST(Analysis, IsDeterministic) {
     const Sets sets = white_noise(2, 500);
     const auto first = measured(sets, torus()), second = measured(sets, torus());
     EXPECT_EQ(first.power, second.power);

@@ -16,8 +16,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kError = 1e-10;        // of the sum of |weights|
-constexpr double kErrorOfNoise = 1e-9;  // of its root
+constexpr double kError = 1e-10;        // relative to the sum of |weights|
+constexpr double kErrorOfNoise = 1e-9;  // relative to its square root
 
 std::vector<WeightedPoint> noise(std::size_t count) {
     Random random(7, 0);
@@ -26,7 +26,7 @@ std::vector<WeightedPoint> noise(std::size_t count) {
     return points;
 }
 
-/// Gives points weights of both signs.
+/// Assigns weights of both signs.
 /// @returns  the sum of |weights|
 double weigh(std::vector<WeightedPoint>& points, std::uint64_t seed) {
     double sum = 0;
@@ -38,7 +38,7 @@ double weigh(std::vector<WeightedPoint>& points, std::uint64_t seed) {
     return sum;
 }
 
-/// The sum itself, point by point.
+/// Computes the sum directly, point by point.
 Complex direct_sum(const std::vector<WeightedPoint>& points, int i, int j) {
     Complex sum;
     for (const auto& [position, weight] : points) {
@@ -47,7 +47,7 @@ Complex direct_sum(const std::vector<WeightedPoint>& points, int i, int j) {
     return sum;
 }
 
-/// The largest difference from the sums over all frequencies.
+/// Returns the largest difference from the direct sums over all frequencies.
 double largest_error(const std::vector<WeightedPoint>& points, int highest_x, int highest_y) {
     NonuniformTransform transform(highest_x, highest_y);
     transform.run(points, {});
@@ -60,18 +60,18 @@ double largest_error(const std::vector<WeightedPoint>& points, int highest_x, in
     return largest;
 }
 
-TEST(NonuniformTransform, IsTheSumOverPointsWithoutStructure) {
+TEST(NonuniformTransform, EqualsTheSumOverRandomPoints) {
     const auto points = noise(400);
     EXPECT_LT(largest_error(points, 40, 40), kErrorOfNoise * std::sqrt(400));
 }
 
-TEST(NonuniformTransform, IsTheSumUnderAnyWeights) {
+TEST(NonuniformTransform, EqualsTheSumForAnyWeights) {
     auto points = noise(300);
     const double sum = weigh(points, 8);
     EXPECT_LT(largest_error(points, 30, 30), kError * sum);
 }
 
-TEST(NonuniformTransform, IsTheSumOnGridsOfAnyShape) {
+TEST(NonuniformTransform, EqualsTheSumOnGridsOfAnyShape) {
     const auto points = noise(100);
     EXPECT_LT(largest_error(points, 0, 0), kError * 100);
     EXPECT_LT(largest_error(points, 200, 0), kError * 100);
@@ -79,7 +79,7 @@ TEST(NonuniformTransform, IsTheSumOnGridsOfAnyShape) {
     EXPECT_LT(largest_error(points, 31, 47), kError * 100);
 }
 
-TEST(NonuniformTransform, IsTheSumAtTheBorder) {
+TEST(NonuniformTransform, EqualsTheSumAtTheBorder) {
     std::vector<WeightedPoint> points;
     for (const double x : {0.0, 0x1p-60, 0.5, 1 - 0x1p-53, 1.0}) {
         for (const double y : {0.0, 0.25, 1.0}) points.push_back({{x, y}, 1});
@@ -87,8 +87,8 @@ TEST(NonuniformTransform, IsTheSumAtTheBorder) {
     EXPECT_LT(largest_error(points, 25, 25), kError * static_cast<double>(points.size()));
 }
 
-TEST(NonuniformTransform, IsTheSumOverALattice) {
-    // All terms agree at some frequencies, beyond the highest one too: the most that can be folded back.
+TEST(NonuniformTransform, EqualsTheSumOverALattice) {
+    // All terms are in phase at some frequencies, including one beyond the highest: the worst case of aliasing.
     std::vector<WeightedPoint> points;
     for (int r = 0; r < 16; ++r) {
         for (int c = 0; c < 16; ++c) points.push_back({{c / 16.0, r / 16.0}, 1});
@@ -96,7 +96,7 @@ TEST(NonuniformTransform, IsTheSumOverALattice) {
     EXPECT_LT(largest_error(points, 40, 40), kError * 256);
 }
 
-TEST(NonuniformTransform, ForgetsTheRunBefore) {
+TEST(NonuniformTransform, IsIndependentOfThePreviousRun) {
     const auto points = noise(50);
     NonuniformTransform fresh(10, 10), used(10, 10);
     used.run(noise(80), {});
@@ -107,7 +107,7 @@ TEST(NonuniformTransform, ForgetsTheRunBefore) {
     }
 }
 
-TEST(ShiftedTransform, IsTheSumAroundAnyFrequency) {
+TEST(ShiftedTransform, EqualsTheSumAroundAnyFrequency) {
     auto points = noise(300);
     const double sum = weigh(points, 9);
     ShiftedTransform transform(20, 11);
@@ -120,7 +120,7 @@ TEST(ShiftedTransform, IsTheSumAroundAnyFrequency) {
     }
 }
 
-TEST(NonuniformTransform, TellsItsSizeBeforehand) {
+TEST(NonuniformTransform, PredictsItsSize) {
     EXPECT_EQ(NonuniformTransform::cells(100, 50), 400 * 200);
     EXPECT_EQ(NonuniformTransform::cells(0, 0), 24 * 24);
     EXPECT_GT(NonuniformTransform::cells(1e200, 1), 1e200);

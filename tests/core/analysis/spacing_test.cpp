@@ -12,7 +12,7 @@
 namespace ccdt {
 namespace {
 
-/// Every pair measured.
+/// Measures all pairs.
 Spacing by_hand(const std::vector<Point>& points, Point sides, bool periodic) {
     Spacing spacing{std::numeric_limits<double>::infinity(), 0};
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -41,7 +41,7 @@ void expect_right(const std::vector<Point>& points, Point sides) {
     }
 }
 
-/// @param power  1 spreads evenly; more crowds towards the origin
+/// @param power  1: uniform; a larger power crowds points towards the origin
 std::vector<Point> noise(std::size_t count, Point sides, double power, std::uint64_t seed) {
     Random random(seed, 0);
     std::vector<Point> points(count);
@@ -51,7 +51,7 @@ std::vector<Point> noise(std::size_t count, Point sides, double power, std::uint
     return points;
 }
 
-TEST(Spacing, FindsTheNearestOfAllPairs) {
+TEST(Spacing, EqualsTheMinimumOverAllPairs) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         for (const std::size_t count : {2, 3, 5, 17, 100, 300}) {
             expect_right(noise(count, {1, 1}, 1, seed), {1, 1});
@@ -61,7 +61,7 @@ TEST(Spacing, FindsTheNearestOfAllPairs) {
     }
 }
 
-TEST(Spacing, FindsTheNearestInCrowds) {
+TEST(Spacing, EqualsTheMinimumOverAllPairsInCrowds) {
     expect_right(noise(300, {1, 1}, 8, 1), {1, 1});
     auto points = noise(200, {1e-6, 1e-6}, 1, 2);
     points.push_back({0.9, 0.95});
@@ -74,19 +74,19 @@ TEST(Spacing, MeasuresAcrossTheBorderOfATorus) {
     EXPECT_NEAR(measure_spacing(points, {3, 1}, false, {}).min, 2.9, 1e-15);
 }
 
-TEST(Spacing, TakesPointsOnTheBorder) {
+TEST(Spacing, AcceptsPointsOnTheBorder) {
     expect_right({{0, 0}, {1, 1}, {1, 0}, {0.5, 1}}, {1, 1});
 }
 
-TEST(Spacing, IsZeroForTwins) {
+TEST(Spacing, IsZeroForCoincidentPoints) {
     const std::vector<Point> points = {{0.3, 0.3}, {0.3, 0.3}, {0.3, 0.8}};
     const Spacing spacing = measure_spacing(points, {1, 1}, false, {});
     EXPECT_EQ(spacing.min, 0);
     EXPECT_DOUBLE_EQ(spacing.mean, 0.5 / 3);
 }
 
-TEST(Spacing, TakesManyPointsInOnePlaceOrOnOneLine) {
-    // Looking at every pair would take minutes.
+TEST(Spacing, AcceptsManyCoincidentOrCollinearPoints) {
+    // Comparing all pairs would take minutes.
     std::vector<Point> points(200'000, Point{0.5, 0.5});
     EXPECT_EQ(measure_spacing(points, {1, 1}, true, {}).mean, 0);
     for (std::size_t i = 0; i < points.size(); ++i) points[i].y = 0.25 + 0x1p-30 * static_cast<double>(i);

@@ -21,7 +21,7 @@ TEST(Ccvt, EndsByItself) {
     }
 }
 
-/// Around the unit torus, over the distance in the densest packing.
+/// Returns the least distance on the unit torus, relative to that of the densest packing.
 double least_distance(const std::vector<Point>& points) {
     double least = 1;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -34,7 +34,7 @@ double least_distance(const std::vector<Point>& points) {
 }
 
 /// Published implementations reach 0.676 on average at 1,024 sites.
-TEST(Ccvt, KeepsSitesAsFarApartAsTheLiterature) {
+TEST(Ccvt, ReachesThePublishedDistances) {
     double mean = 0;
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
         const auto result = ccvt(Domain::torus(1, 1).value(), Density::uniform(),
@@ -52,8 +52,8 @@ TEST(Ccvt, PlacesASingleSiteAtTheCentroid) {
     EXPECT_NEAR(p.y, 1, 0.02);
 }
 
-/// Every site stands for the same capacity, so that a part of the domain holds its share of the sites almost exactly.
-TEST(Ccvt, GivesEveryPartItsShare) {
+/// Each site represents the same capacity, so a part of the domain has its share of the sites almost exactly.
+TEST(Ccvt, GivesEachPartItsShare) {
     const Density steps = test::grid_of(4, 1, [](int i, int) { return 1.0 + i; });
     const auto points =
         ccvt(Domain::rectangle(1, 1).value(), steps, {.sites = 500, .seed = 2, .iterations = kCcvtIterations})->points;

@@ -15,7 +15,7 @@ using test::grid_of;
 
 constexpr int kCells = 300;
 
-/// Places at the centres of a fine grid over the unit square, each with the site nearest to it.
+/// Visits the centres of a fine grid over the unit square, each with its nearest site.
 template <class Visit>
 void for_each_place(const std::vector<Point>& sites, bool around, Visit&& visit) {
     for (int j = 0; j < kCells; ++j) {
@@ -53,13 +53,13 @@ TEST(Cvt, LowersTheEnergy) {
             EXPECT_LT(now, before) << iterations;
             before = now;
         }
-        // A hexagonal grid has 5 / (18 sqrt 3) of the cell's area.
+        // A hexagonal grid has 5 / (18 sqrt 3) times the cell's area.
         EXPECT_GT(before, 0.1603 / 60);
         EXPECT_LT(before, 0.1603 / 60 * 1.06);
     }
 }
 
-TEST(Cvt, BringsSitesToTheCentroidsOfTheirCells) {
+TEST(Cvt, MovesSitesToTheCentroidsOfTheirCells) {
     const Density ramp = grid_of(kCells, kCells, [](int i, int) { return 50.0 + i; });
     for (const bool around : {false, true}) {
         const Domain domain = (around ? Domain::torus(1, 1) : Domain::rectangle(1, 1)).value();

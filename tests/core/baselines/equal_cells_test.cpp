@@ -54,7 +54,7 @@ double squared(const PeriodicImages& images, Point a, Point b) {
     return dot(way, way);
 }
 
-/// What the best swap between two cells would gain.
+/// Returns the gain of the best swap between two cells.
 double best_gain(const EqualCells& cells, const PeriodicImages& images, std::size_t i, std::size_t j) {
     const auto most = [&](std::size_t own, std::size_t other) {
         double gain = -1;
@@ -67,7 +67,7 @@ double best_gain(const EqualCells& cells, const PeriodicImages& images, std::siz
     return most(i, j) + most(j, i);
 }
 
-TEST(EqualCells, DealOutAllSamplesEvenly) {
+TEST(EqualCells, AssignEqualNumbersOfSamples) {
     for (const auto& [name, images] : settings()) {
         EqualCells cells = start(images);
         const auto given = sorted(random_points(kSites * kCapacity, 1));
@@ -96,14 +96,14 @@ TEST(EqualCells, LowerTheEnergyUntilNoSwapIsLeft) {
     }
 }
 
-TEST(EqualCells, HaveTheirSitesAtTheCentroids) {
+TEST(EqualCells, HaveSitesAtTheCentroids) {
     for (const auto& [name, images] : settings()) {
         EqualCells cells = start(images);
         for (int sweep = 0; sweep < 4; ++sweep) {
             for (std::size_t i = 0; i < kSites; ++i) {
                 Point sum;
                 for (const Point& p : cells.cell(i)) sum = sum + images.shortest(p - cells.centroids()[i]);
-                // Around a torus the moving centroid may change which copy of a far sample is nearest.
+                // On a torus the moving centroid can change which copy of a distant sample is nearest.
                 const double limit = images.is_torus() && sweep == 0 ? 0.1 : 1e-12;
                 EXPECT_LT(std::sqrt(dot(sum, sum)) / kCapacity, limit) << name << ", " << sweep;
             }
@@ -112,7 +112,7 @@ TEST(EqualCells, HaveTheirSitesAtTheCentroids) {
     }
 }
 
-TEST(EqualCells, TakeAnyNumberOfSamples) {
+TEST(EqualCells, AcceptAnyNumberOfSamples) {
     for (const std::size_t capacity : {1, 2, 3, 7, 64}) {
         for (const std::size_t sites : {1, 2, 6}) {
             EqualCells cells(random_points(sites * capacity, 1), random_points(sites, 2), settings()[0].images, {});
@@ -122,7 +122,7 @@ TEST(EqualCells, TakeAnyNumberOfSamples) {
     }
 }
 
-TEST(EqualCells, StopWhenAsked) {
+TEST(EqualCells, StopOnRequest) {
     std::stop_source stop;
     stop.request_stop();
     EqualCells cells = start(settings()[0].images);

@@ -19,8 +19,8 @@ std::vector<Point> samples_of(const Domain& domain, const Density& density, std:
     return mass_samples(domain, sites.mesh(), density, count, seed, {});
 }
 
-/// Mean of the squared differences from the numbers expected in 8 x 8 cells of the unit square, over those numbers; 1
-/// for independent samples.
+/// Returns the mean squared deviation from the expected numbers in 8 x 8 cells of the unit square, relative to these
+/// numbers; 1 for independent samples.
 template <class Expected>
 double dispersion(const std::vector<Point>& samples, Expected&& expected) {
     std::vector<double> counts(64, 0);
@@ -43,7 +43,7 @@ TEST(MassSamples, AreSpreadEvenly) {
 }
 
 TEST(MassSamples, FollowTheDensity) {
-    // The second density is the first one, on a grid whose cells the samples are larger than.
+    // The second density is the first one on a grid finer than the spacing of samples.
     for (const int cells : {8, 512}) {
         const Density ramp = grid_of(cells, cells, [&](int i, int) { return 8 * i / cells + 0.5; });
         for (const Domain& domain : {Domain::rectangle(1, 1).value(), Domain::torus(1, 1).value()}) {
@@ -66,14 +66,14 @@ TEST(MassSamples, LieInThePolygon) {
     }
 }
 
-TEST(MassSamples, FindTheOnlyPixelWithInk) {
+TEST(MassSamples, FindTheOnlyPixelWithDensity) {
     const Density pixel = grid_of(1000, 1000, [](int i, int j) { return i == 700 && j == 500 ? 1.0 : 0.0; });
     for (const Point& p : samples_of(Domain::rectangle(1, 1).value(), pixel, 1000)) {
         EXPECT_TRUE(p.x >= 0.7 && p.x <= 0.701 && p.y >= 0.5 && p.y <= 0.501) << p.x << " " << p.y;
     }
 }
 
-TEST(MassSamples, KeepOffTheWhite) {
+TEST(MassSamples, AvoidWhite) {
     const Density board = grid_of(16, 16, [](int i, int j) { return (i + j) % 2 == 0 ? 0.0 : 1.0; });
     for (const Point& p : samples_of(Domain::rectangle(1, 1).value(), board, 1000)) {
         EXPECT_EQ((static_cast<int>(16 * p.x) + static_cast<int>(16 * p.y)) % 2, 1);
@@ -87,7 +87,7 @@ TEST(MassSamples, DependOnTheSeed) {
     EXPECT_NE(samples_of(square, Density::uniform(), 1000, 2), samples);
 }
 
-TEST(MassSamples, StopWhenAsked) {
+TEST(MassSamples, StopOnRequest) {
     const Domain square = Domain::rectangle(1, 1).value();
     const auto sites = SiteMesh::create(square, Density::uniform(), {.sites = 10}, {}).value();
     std::stop_source stop;

@@ -30,7 +30,7 @@ std::vector<Baseline> baselines() {
     return {{"cvt", cvt}, {"odt", odt}, {"ccvt", ccvt}, {"random", random_sites, false}};
 }
 
-/// What every method promises alike.
+/// The contract that all methods share.
 class Baselines : public testing::TestWithParam<std::size_t> {
 protected:
     Result<Distribution> run(const Domain& domain, const Density& density, const Options& options,
@@ -103,7 +103,7 @@ TEST_P(Baselines, PlaceAllSitesOnATorus) {
     }
 }
 
-TEST_P(Baselines, GiveTheSamePointsForTheSameSeed) {
+TEST_P(Baselines, AreDeterministicForASeed) {
     const Density ramp = densities()[1].second;
     for (const Domain& domain : {square_, torus_}) {
         const Options options{.sites = 200, .seed = 11, .iterations = 5};
@@ -113,14 +113,14 @@ TEST_P(Baselines, GiveTheSamePointsForTheSameSeed) {
     }
 }
 
-TEST_P(Baselines, DependOnRatiosOfTheDensityAlone) {
+TEST_P(Baselines, DependOnRatiosOfTheDensityOnly) {
     const Density ramp = grid_of(16, 16, [](int i, int j) { return 1.0 + i * j; });
     const Density scaled = grid_of(16, 16, [](int i, int j) { return 0x1p40 * (1.0 + i * j); });
     const Options options{.sites = 200, .seed = 4, .iterations = 5};
     EXPECT_EQ(run(square_, ramp, options)->points, run(square_, scaled, options)->points);
 }
 
-/// Shares of the points in quarters from left to right.
+/// Returns the shares of points in four vertical strips, from left to right.
 std::vector<double> quarters(const std::vector<Point>& points) {
     std::vector<double> shares(4, 0);
     for (const Point& p : points) shares[static_cast<std::size_t>(4 * p.x)] += 1 / static_cast<double>(points.size());
@@ -128,7 +128,7 @@ std::vector<double> quarters(const std::vector<Point>& points) {
 }
 
 TEST_P(Baselines, FollowTheDensity) {
-    // Moments weighted by the density alone would draw shares towards its square root, a sixth and a third.
+    // Moments weighted by the density alone would move the shares towards its square root: a sixth and a third.
     const Density steps = grid_of(64, 64, [](int i, int) { return i < 16 || i >= 48 ? 1.0 : 4.0; });
     const std::vector<double> wanted{0.1, 0.4, 0.4, 0.1};
     for (const Domain& domain : {square_, torus_}) {
@@ -146,7 +146,7 @@ double distance_around(Point a, Point b) {
     return std::hypot(way.x - std::round(way.x), way.y - std::round(way.y));
 }
 
-/// Mean distance to the nearest other point over all points that `which` takes.
+/// Returns the mean distance to the nearest other point, over all points for which `which` is true.
 template <class Which>
 double mean_nearest(const std::vector<Point>& points, Which&& which) {
     double sum = 0, count = 0;
@@ -238,7 +238,7 @@ TEST_P(Baselines, ReportEachIteration) {
     }
 }
 
-TEST_P(Baselines, StopOnTheWay) {
+TEST_P(Baselines, StopBetweenIterations) {
     std::stop_source source;
     Control control{.stop = source.get_token(), .progress = {}};
     control.progress = [&](const Progress& progress) {
@@ -251,7 +251,7 @@ TEST_P(Baselines, StopOnTheWay) {
     EXPECT_EQ(test::count_outside(kSquare, result->points), 0u);
 }
 
-TEST_P(Baselines, StopBeforeTheyHaveBegun) {
+TEST_P(Baselines, StopBeforeTheStart) {
     std::stop_source source;
     source.request_stop();
     for (const std::size_t sites : {100, 5000}) {

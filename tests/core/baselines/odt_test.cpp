@@ -12,7 +12,7 @@
 namespace ccdt {
 namespace {
 
-/// From corner to corner the shorter way around the unit torus.
+/// Returns the shortest vector between two corners on the unit torus.
 Point way(Point from, Point to) {
     const Point d = to - from;
     return {d.x - std::round(d.x), d.y - std::round(d.y)};
@@ -22,8 +22,8 @@ double doubled_area(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>
     return cross(way(mesh.vertices[t[0]], mesh.vertices[t[1]]), way(mesh.vertices[t[0]], mesh.vertices[t[2]]));
 }
 
-/// By how much the piecewise linear interpolation of the squared distance from a point errs: over a triangle, a twelfth
-/// of its area times the sum of the squared edges.
+/// Returns the error of the piecewise linear interpolation of the squared distance from a point: over a triangle, a
+/// twelfth of its area times the sum of its squared edges.
 double interpolation_error(const TriangleMesh& mesh) {
     double error = 0;
     for (const auto& t : mesh.triangles) {
@@ -50,7 +50,7 @@ TEST(Odt, LowersTheInterpolationErrorInEveryIteration) {
         EXPECT_LT(now, before) << iterations;
         before = now;
     }
-    // Equilateral triangles have 1 / (2 sqrt 3) of the area of two of them.
+    // Equilateral triangles have 1 / (2 sqrt 3) times the area of two of them.
     EXPECT_GT(before, 0.28868 / 300);
     EXPECT_LT(before, 0.28868 / 300 * 1.1);
 }
@@ -60,7 +60,7 @@ Point circumcentre(Point p, Point q) {
     return {(q.y * dot(p, p) - p.y * dot(q, q)) / d, (p.x * dot(q, q) - q.x * dot(p, p)) / d};
 }
 
-TEST(Odt, BringsSitesToTheMeanOfTheCircumcentres) {
+TEST(Odt, MovesSitesToTheMeanCircumcentre) {
     const TriangleMesh mesh = mesh_after(1000, 50);
     std::vector<Point> moments(50);
     std::vector<double> areas(50, 0);
@@ -82,8 +82,8 @@ TEST(Odt, ComesToRest) {
     EXPECT_LT(result->iterations, 1000);
 }
 
-/// The middle of the border's first row lies about half a row in: between the share that an empty strip would leave
-/// and one of sites that crowd.
+/// The middle of the first row lies about half a row from the border: between the values for an empty strip and for
+/// crowded sites.
 TEST(Odt, KeepsTheDensityAlongTheBorder) {
     const Domain square = Domain::rectangle(1, 1).value();
     double near = 0;

@@ -27,25 +27,25 @@ void expect_moments(const Moments& found, double mass, Point first, double toler
 TEST(SquaredDensity, IsOneIfUniform) {
     const SquaredDensity weight(rectangle(), Density::uniform());
     const std::vector<Point> triangle{{0.1, 0.1}, {0.4, 0.1}, {0.1, 0.4}};
-    // Of area 0.045 around its centroid (0.2, 0.2).
+    // Area 0.045 around the centroid (0.2, 0.2).
     expect_moments(weight.over(triangle, {0.2, 0.2}), 0.045, {0, 0}, 1e-15);
     expect_moments(weight.over(triangle, {0, 0.1}), 0.045, {0.045 * 0.2, 0.045 * 0.1}, 1e-15);
 }
 
 TEST(SquaredDensity, SquaresEachCell) {
-    // Cells of 0.25 x 0.25; of the rectangle, a strip of 0.1 lies in the first column and one of 0.2 in the second.
+    // Cells of 0.25 x 0.25. A strip of 0.1 of the rectangle lies in the first column, and one of 0.2 in the second.
     const Density density = grid_of(4, 2, [](int i, int j) { return i + 1.0 + 4 * j; });
     const SquaredDensity weight(rectangle(), density);
     const std::vector<Point> box{{0.15, 0}, {0.45, 0}, {0.45, 0.25}, {0.15, 0.25}};
     const Moments found = weight.over(box, {0, 0});
-    const double unit = 1.0 / 64 * 16;  // over the largest value squared, in cells
+    const double unit = 1.0 / 64 * 16;  // relative to the squared largest value, in cells
     const double first = unit * 1 * 0.1 * 0.25, second = unit * 4 * 0.2 * 0.25;
     const double scale = found.mass / (first + second);
     expect_moments({found.mass / scale, 1 / scale * found.first}, first + second,
                    {first * 0.2 + second * 0.35, (first + second) * 0.125}, 1e-14);
 }
 
-/// Sum over a fine grid of places.
+/// Sums over the points of a fine grid.
 Moments sum_over(const std::vector<Point>& corners, const Density& density, Point from) {
     constexpr int kPlaces = 1500;
     Moments sum;
@@ -67,7 +67,7 @@ Moments sum_over(const std::vector<Point>& corners, const Density& density, Poin
     return sum;
 }
 
-TEST(SquaredDensity, AgreesWithASum) {
+TEST(SquaredDensity, AgreesWithANumericalSum) {
     Random random(5, 0);
     const Density density = grid_of(17, 11, [&](int, int) { return random.uniform(); });
     const SquaredDensity weight(rectangle(), density);
@@ -77,7 +77,7 @@ TEST(SquaredDensity, AgreesWithASum) {
     const double scale = expected.mass / found.mass;
     EXPECT_NEAR(scale * found.first.x / expected.mass, expected.first.x / expected.mass, 1e-4);
     EXPECT_NEAR(scale * found.first.y / expected.mass, expected.first.y / expected.mass, 1e-4);
-    // Masses of two polygons have the ratio of their sums.
+    // The masses of two polygons have the ratio of their sums.
     const std::vector<Point> other{{0.5, 0.1}, {0.9, 0.3}, {0.6, 0.45}};
     EXPECT_NEAR(weight.over(other, from).mass / found.mass, sum_over(other, density, from).mass / expected.mass, 1e-3);
 }

@@ -7,7 +7,7 @@
 namespace ccdt {
 namespace {
 
-/// Variance over mean of the points' counts in 8 x 8 cells; 1 for independent points.
+/// Returns the variance over the mean of the points' counts in 8 x 8 cells; 1 for independent points.
 double dispersion(const std::vector<Point>& points) {
     std::vector<double> counts(64, 0);
     for (const Point& p : points) {

@@ -28,15 +28,15 @@ std::vector<Point> moved_at_random(const SiteMesh& sites, double size, std::uint
     return wanted;
 }
 
-/// Into [0, 1], as at mirrors.
+/// Reflects a number into [0, 1].
 double folded(double x) {
     return std::abs(x - 2 * std::round(x / 2));
 }
 
-TEST(SiteMesh, MovesSitesWhereTheyAreWanted) {
+TEST(SiteMesh, MovesSitesToTheWantedPositions) {
     const Domain square = Domain::rectangle(1, 1).value();
     const Density uniform = Density::uniform();
-    // Small moves keep the triangles, large ones turn many over.
+    // Small moves keep the triangles, large ones invert many of them.
     for (const double size : {1e-4, 1e-2, 2.0}) {
         SiteMesh sites = start(square, uniform, 500);
         for (std::uint64_t round = 0; round < 5; ++round) {
@@ -67,7 +67,7 @@ TEST(SiteMesh, KeepsSitesInTheDomain) {
     }
 }
 
-TEST(SiteMesh, KeepsOffTheBorderAsFarAsCoordinatesAreExact) {
+TEST(SiteMesh, KeepsTheMarginOfCoordinateResolution) {
     const Domain far = domain_of(test::moved({{test::box(0, 0, 1, 1), {}}}, {5e8, 5e8}));
     const Density uniform = Density::uniform();
     SiteMesh sites = start(far, uniform, 1);
@@ -77,7 +77,7 @@ TEST(SiteMesh, KeepsOffTheBorderAsFarAsCoordinatesAreExact) {
     }
 }
 
-TEST(SiteMesh, TakesTheShorterWayAroundATorus) {
+TEST(SiteMesh, MovesTheShorterWayOnATorus) {
     const Domain torus = Domain::torus(1, 1).value();
     const Density uniform = Density::uniform();
     SiteMesh sites = start(torus, uniform, 100);

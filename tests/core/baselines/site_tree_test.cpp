@@ -23,7 +23,7 @@ std::vector<Setting> settings() {
             {"thin torus", PeriodicImages(Domain::torus(0.125, 1).value()), {0.125, 1}}};
 }
 
-/// Half of them crowd into a corner.
+/// Returns sites, half of them crowded into a corner.
 std::vector<Point> sites_in(Point sides, std::size_t count) {
     Random random(3, count);
     std::vector<Point> sites;
@@ -40,7 +40,7 @@ double distance(const PeriodicImages& images, Point a, Point b) {
     return std::sqrt(dot(way, way));
 }
 
-TEST(SiteTree, FindsTheNearestSiteLeft) {
+TEST(SiteTree, FindsTheNearestSiteNotHidden) {
     for (const auto& [name, images, sides] : settings()) {
         for (const std::size_t count : {1, 2, 7, 100}) {
             const auto sites = sites_in(sides, count);
@@ -60,7 +60,7 @@ TEST(SiteTree, FindsTheNearestSiteLeft) {
                 EXPECT_NEAR(std::sqrt(dot(way, way)), least, 1e-15) << name;
                 EXPECT_NEAR(distance(images, sites[found->site], found->place), 0, 1e-15) << name;
                 left.erase(found->site);
-                tree.take_away(found->site);
+                tree.hide(found->site);
             }
             EXPECT_FALSE(tree.nearest({0, 0})) << name;
         }
@@ -71,7 +71,7 @@ TEST(SiteTree, FindsAllSitesWithinADistance) {
     for (const auto& [name, images, sides] : settings()) {
         const auto sites = sites_in(sides, 200);
         SiteTree tree(sites, images);
-        tree.take_away(5);
+        tree.hide(5);
         Random random(2, 0);
         std::vector<SiteTree::Found> found;
         for (int i = 0; i < 100; ++i) {
@@ -94,7 +94,7 @@ TEST(SiteTree, FindsAllSitesWithinADistance) {
     }
 }
 
-TEST(SiteTree, TakesSitesBeyondTheSeam) {
+TEST(SiteTree, FindsSitesAcrossTheSeam) {
     const PeriodicImages images(Domain::torus(1, 1).value());
     const std::vector<Point> sites{{-0.1, 1.2}, {0.4, 0.6}};
     EXPECT_EQ(SiteTree(sites, images).nearest({0.9, 0.2})->site, 0u);

@@ -42,7 +42,7 @@ TEST(VoronoiCells, FillTheDomain) {
     }
 }
 
-/// Of a fine grid of places in the unit square, those nearest to each site.
+/// Sums over the points of a fine grid in the unit square, for each site over the points nearest to it.
 std::vector<Moments> sums_of(const std::vector<Point>& sites, const Density& density, bool around) {
     constexpr int kPlaces = 1000;
     std::vector<Moments> sums(sites.size());
@@ -68,7 +68,7 @@ std::vector<Moments> sums_of(const std::vector<Point>& sites, const Density& den
     return sums;
 }
 
-TEST(VoronoiCells, HoldThePlacesNearestToTheirSites) {
+TEST(VoronoiCells, ContainThePointsNearestToTheirSites) {
     const Density steps = grid_of(8, 5, [](int i, int j) { return 1.0 + i * j; });
     for (const bool around : {false, true}) {
         const Domain domain = (around ? Domain::torus(1, 1) : Domain::rectangle(1, 1)).value();
@@ -90,7 +90,7 @@ TEST(VoronoiCells, HoldThePlacesNearestToTheirSites) {
     }
 }
 
-TEST(VoronoiCells, AreCutOffAtTheBorder) {
+TEST(VoronoiCells, AreClippedAtTheBorder) {
     const Domain half = domain_of({{{{0, 0}, {1, 0}, {1, 1}}, {}}});
     const Density uniform = Density::uniform();
     const auto mesh = SiteMesh::create(half, uniform, {.sites = 2}, {}).value();
@@ -98,19 +98,19 @@ TEST(VoronoiCells, AreCutOffAtTheBorder) {
     const auto cells = VoronoiCells(half, mesh.mesh(), uniform).integrate(sites, {});
     EXPECT_NEAR(cells[0].mass, 0.125, 1e-12);
     EXPECT_NEAR(cells[1].mass, 0.375, 1e-12);
-    // The first one's centroid is (1/3, 1/6).
+    // The centroid of the first cell is (1/3, 1/6).
     EXPECT_NEAR(cells[0].first.x, 0.125 * (1.0 / 3 - 0.3), 1e-12);
     EXPECT_NEAR(cells[0].first.y, 0.125 * (1.0 / 6 - 0.1), 1e-12);
 }
 
-TEST(VoronoiCells, LoseLittleFarFromAllSites) {
+TEST(VoronoiCells, AreAccurateFarFromAllSites) {
     const Density spot = grid_of(500, 500, [](int i, int j) { return i / 5 == 50 && j / 5 == 40 ? 1.0 : 1e-5; });
     const Domain square = Domain::rectangle(1, 1).value();
     const double mass = cells_of(square, spot, 500).mass();
     EXPECT_NEAR(mass, cells_of(square, spot, 1).mass(), 1e-9 * mass);
 }
 
-TEST(VoronoiCells, StopWhenAsked) {
+TEST(VoronoiCells, StopOnRequest) {
     const Domain square = Domain::rectangle(1, 1).value();
     const Density uniform = Density::uniform();
     const auto mesh = SiteMesh::create(square, uniform, {.sites = 20'000}, {}).value();

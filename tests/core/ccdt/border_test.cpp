@@ -13,14 +13,14 @@ std::size_t vertices_between_corners(const Domain& domain, std::size_t sites) {
     return static_cast<std::size_t>(std::ranges::count(border.corner, false));
 }
 
-TEST(Border, HasVerticesAsFarApartAsSites) {
+TEST(Border, HasVerticesAtTheSpacingOfSites) {
     constexpr std::size_t kSites = 10'000;
     const auto vertices = static_cast<double>(vertices_between_corners(*Domain::rectangle(1, 1), kSites));
     const double spacing = std::sqrt(2 / std::sqrt(3.0) / kSites);
     EXPECT_NEAR(vertices, 4 / spacing, 8);
 }
 
-TEST(Border, HasAVertexForEachSiteAtMostAlongAThinDomain) {
+TEST(Border, HasAtMostOneVertexPerSiteAlongAThinDomain) {
     constexpr std::size_t kSites = 10'000;
     for (const double width : {1e-6, 1e-5, 1e-4}) {
         const auto vertices = vertices_between_corners(*Domain::rectangle(1, width), kSites);

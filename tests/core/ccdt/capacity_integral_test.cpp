@@ -16,7 +16,7 @@ using test::grid_of;
 using test::Parts;
 using test::StartMesh;
 
-/// Triangulation of a domain with given sites in it.
+/// Returns the triangulation of a domain with given sites.
 Triangulation mesh_of(const Domain& domain, const std::vector<Point>& sites) {
     Triangulation mesh(sites.size(), triangulate(bare_border(domain)).value());
     for (std::uint32_t i = 0; i < sites.size(); ++i) EXPECT_TRUE(mesh.insert(i, sites[i])) << i;
@@ -67,7 +67,8 @@ TEST(CapacityIntegral, OfTheWholeBoxIsTheSumOfTheCells) {
     EXPECT_NEAR(CapacityIntegral(domain, noise).total(), noise.total(), 1e-12 * noise.total());
 }
 
-/// The ramp is sampled at the cells' centres: the difference to the linear function is of second order in their size.
+/// The ramp is sampled at the cells' centres; the difference from the linear function is of second order in the cell
+/// size.
 TEST(CapacityIntegral, FollowsALinearRamp) {
     constexpr int kCells = 512;
     const Domain domain = domain_of(kSquare);
@@ -87,7 +88,7 @@ TEST(CapacityIntegral, FollowsALinearRamp) {
 }
 
 TEST(CapacityIntegral, IsExactWhereEdgesLieOnCellLines) {
-    // Four cells of values 1/8, 1/4, 1/2 and 1, a site in the middle: each triangle has half of two cells.
+    // Four cells of values 1/8, 1/4, 1/2 and 1 with a site at the centre: each triangle covers half of two cells.
     const Domain domain = domain_of(kSquare);
     const Density density = grid_of(2, 2, [](int i, int j) { return std::ldexp(1.0, i + 2 * j - 3); });
     const Triangulation mesh = mesh_of(domain, {{0.5, 0.5}});
@@ -122,7 +123,7 @@ TEST(CapacityIntegral, IsExactForTrianglesSmallerThanACell) {
     EXPECT_NEAR(sum_of(capacities), capacity.total(), 1e-12 * capacity.total());
 }
 
-TEST(CapacityIntegral, TurnsWithItsDensity) {
+TEST(CapacityIntegral, RotatesWithItsDensity) {
     const Domain domain = domain_of(kSquare);
     const Density density = grid_of(5, 5, [](int i, int j) { return 1.0 + 3 * i + 7 * j; });
     const Density turned = grid_of(5, 5, [](int i, int j) { return 1.0 + 3 * j + 7 * (4 - i); });
@@ -158,7 +159,7 @@ TEST_P(CapacitySum, IsTheTotal) {
             if (!(CapacityIntegral(domain, density).total() > 0)) continue;
             StartMesh start(domain, density, Options{.sites = sites, .seed = 7});
             start.measure();
-            // What is left of the domain in a row counts into sums along the way: it bounds the rounding.
+            // Sums along the way include the rest of the domain in each row, which bounds the rounding error.
             EXPECT_NEAR(sum_of(start.capacities), start.capacity.total(), 1e-12 * density.total());
         }
     }
@@ -188,8 +189,8 @@ TEST(CapacityIntegral, AddsUpWhereVerticesLieOnCellLines) {
     }
 }
 
-/// A triangle's capacity changes with a small move of a corner as the sweeps of its edges there say, to first order.
-TEST(CapacityIntegral, ChangesByWhatEdgesSweep) {
+/// To first order, a small move of a corner changes a triangle's capacity by the integrals that its edges sweep.
+TEST(CapacityIntegral, ChangesByTheSweptIntegrals) {
     Random random(11, 0);
     const Density density = grid_of(24, 16, [&](int, int) { return random.uniform() < 0.3 ? 0.0 : random.uniform(); });
     for (const Domain& domain : {Domain::rectangle(3, 2).value(), Domain::torus(3, 2).value()}) {
@@ -226,7 +227,7 @@ TEST(CapacityIntegral, ChangesByWhatEdgesSweep) {
     }
 }
 
-/// What exact passes need, each number of it.
+/// Returns all numbers that exact passes need.
 std::vector<double> flows_of(const CapacityIntegral& capacity, const Triangulation& mesh) {
     std::vector<TriangleFlows> flows;
     capacity.of_edges(mesh, flows);
@@ -238,7 +239,7 @@ std::vector<double> flows_of(const CapacityIntegral& capacity, const Triangulati
     return numbers;
 }
 
-TEST(CapacityIntegral, FollowsFourEdgesAtOnceAsTwo) {
+TEST(CapacityIntegral, IntegratesFourEdgesAtOnceAsTwo) {
     Random random(13, 0);
     const Density density = grid_of(37, 23, [&](int, int) { return random.uniform() < 0.3 ? 0.0 : random.uniform(); });
     for (const Domain& domain :

@@ -21,7 +21,7 @@ bool same_bytes(const std::vector<Point>& a, const std::vector<Point>& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Point)) == 0;
 }
 
-/// Three inks, each dense where another one is not.
+/// Three inks, each dense where another one is sparse.
 std::vector<Density> ramps() {
     const auto ramp = [](double x, double y) {
         return grid_of(64, 64, [=](int i, int j) { return 0.2 + x * i / 64 + y * j / 64; });
@@ -29,7 +29,7 @@ std::vector<Density> ramps() {
     return {ramp(1, 0), ramp(-0.1, 0.8), ramp(0, 0)};
 }
 
-TEST(DistributeInks, GivesEachInkItsSitesInside) {
+TEST(DistributeInks, GivesEachInkItsSitesInsideTheDomain) {
     const std::vector<std::size_t> counts{500, 0, 1};
     const auto inks = distribute_inks(kSquare, ramps(), counts, {.seed = 3}).value();
     ASSERT_EQ(inks.size(), counts.size());
@@ -54,7 +54,7 @@ TEST(DistributeInks, GivesOneInkTheDotsOfGrey) {
     }
 }
 
-TEST(DistributeInks, TellsOfAllInksAsOneRun) {
+TEST(DistributeInks, ReportsProgressOfAllInksAsOneRun) {
     std::vector<Progress> told;
     const Control control{{}, [&](const Progress& progress) { told.push_back(progress); }};
     const Options options{.iterations = 3};
@@ -75,7 +75,7 @@ TEST(DistributeInks, TellsOfAllInksAsOneRun) {
     }
 }
 
-TEST(DistributeInks, ReturnsAllInksAsTheyStandWhenStopped) {
+TEST(DistributeInks, ReturnsTheCurrentSitesOfAllInksWhenStopped) {
     std::stop_source source;
     const Control control{source.get_token(), [&](const Progress& progress) {
                               if (progress.iteration == 2) source.request_stop();
@@ -98,7 +98,7 @@ TEST(DistributeInks, FailsIfStoppedDuringTheStart) {
     EXPECT_EQ(inks.error().code, ErrorCode::Stopped);
 }
 
-TEST(DistributeInks, GivesTheSameBytesAgain) {
+TEST(DistributeInks, IsDeterministic) {
     const std::vector<std::size_t> counts{400, 300, 200};
     const auto once = distribute_inks(kSquare, ramps(), counts, {.seed = 9}).value();
     const auto again = distribute_inks(kSquare, ramps(), counts, {.seed = 9}).value();
@@ -106,7 +106,7 @@ TEST(DistributeInks, GivesTheSameBytesAgain) {
     EXPECT_FALSE(same_bytes(once[0].points, distribute_inks(kSquare, ramps(), counts, {}).value()[0].points));
 }
 
-/// Each ink by itself, and seeds that have nothing to do with each other.
+/// Distributes each ink separately, with independent seeds.
 std::vector<Distribution> each_alone(const Domain& domain, const std::vector<Density>& densities,
                                      const std::vector<std::size_t>& counts) {
     std::vector<Distribution> inks;
@@ -116,7 +116,7 @@ std::vector<Distribution> each_alone(const Domain& domain, const std::vector<Den
     return inks;
 }
 
-/// Distances from each site to the nearest one of another ink, from the smallest.
+/// Returns the distances from each site to the nearest site of another ink, in ascending order.
 std::vector<double> distances_between(const std::vector<Distribution>& inks) {
     std::vector<double> distances;
     for (std::size_t a = 0; a < inks.size(); ++a) {
@@ -142,9 +142,9 @@ TEST(DistributeInks, KeepsDotsOfDifferentInksApart) {
     EXPECT_GT(distances[tenth], 1.8 * alone[tenth]);
 }
 
-/// Mean power of the sites' waves of up to 4 periods a side that the density does not have; 1 for independent sites.
+/// Returns the mean power of the error of tone in waves of up to 4 periods per side; 1 for independent sites.
 double tone_error(const Density& density, const std::vector<Point>& points) {
-    constexpr int kWaves = 8;  // half periods
+    constexpr int kWaves = 8;  // in half periods
     constexpr double kPi = 3.141592653589793;
     const double scale = static_cast<double>(points.size()) / density.total();
     double power = 0;
@@ -169,7 +169,7 @@ TEST(DistributeInks, KeepsTheToneOfEachInk) {
     const std::vector<Density> densities = ramps();
     const std::vector<std::size_t> counts{1200, 900, 600};
     constexpr int kSeeds = 4;
-    double error = 0;  // the mean one
+    double error = 0;  // mean error
     for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
         const auto inks = distribute_inks(kSquare, densities, counts, {.seed = seed}).value();
         for (std::size_t i = 0; i < counts.size(); ++i) {
@@ -180,7 +180,7 @@ TEST(DistributeInks, KeepsTheToneOfEachInk) {
     EXPECT_LT(error, 1.3e-5);
 }
 
-TEST(DistributeInks, KnowsAllKindsOfDomains) {
+TEST(DistributeInks, AcceptsAllKindsOfDomains) {
     const std::vector<std::size_t> counts{300, 200, 100};
     const std::vector<Density> uniform(3, Density::uniform());
     for (const Domain& domain : {Domain::torus(1, 1).value(), test::domain_of({{test::l_shape(), {}}})}) {
@@ -194,7 +194,7 @@ TEST(DistributeInks, KnowsAllKindsOfDomains) {
     }
 }
 
-/// Moves all sites by as much.
+/// Returns the same move for all sites.
 std::vector<std::vector<Point>> moved_by(Point move, std::span<const std::vector<Point>> sites) {
     std::vector<std::vector<Point>> moves;
     for (const auto& ink : sites) moves.emplace_back(ink.size(), move);
@@ -235,7 +235,7 @@ TEST(DistributeInks, RetouchesNeitherDraftsNorOneInk) {
     EXPECT_TRUE(distribute_inks(kSquare, ramps(), one, {}, {}, retouch));
 }
 
-TEST(DistributeInks, LeavesOutThePolishWhenStoppedBeforeIt) {
+TEST(DistributeInks, SkipsThePolishWhenStoppedBeforeIt) {
     std::stop_source source;
     const Control control{source.get_token(), [&](const Progress& progress) {
                               if (progress.iteration == progress.iterations) source.request_stop();
@@ -258,7 +258,7 @@ TEST(DistributeInks, RefusesDensitiesOfDifferentGrids) {
     EXPECT_TRUE(distribute_inks(kSquare, densities, std::vector<std::size_t>{9, 0}, {}));
 }
 
-TEST(DistributeInks, RefusesWhatDistributeRefuses) {
+TEST(DistributeInks, RefusesTheSameInputsAsDistribute) {
     const std::vector<Density> densities = ramps();
     const auto none = distribute_inks(kSquare, densities, std::vector<std::size_t>{0, 0, 0}, {});
     ASSERT_FALSE(none);

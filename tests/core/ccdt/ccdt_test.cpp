@@ -80,8 +80,8 @@ std::vector<std::pair<std::string, Density>> densities() {
 
 class Distribute : public testing::TestWithParam<std::size_t> {};
 
-/// The promise to callers: n sites, each its own place, strictly inside.
-TEST_P(Distribute, KeepsItsPromise) {
+/// The contract: n distinct sites, strictly inside.
+TEST_P(Distribute, PlacesDistinctSitesStrictlyInside) {
     const Place place = places()[GetParam()];
     const Domain domain = domain_of(place.parts);
     for (const auto& [name, density] : densities()) {
@@ -117,7 +117,7 @@ TEST(Distribute, PlacesAThousandSites) {
     }
 }
 
-TEST(Distribute, FillsASinglePixel) {
+TEST(Distribute, FillsASinglePixelWithInk) {
     const Density dot = grid_of(100, 100, [](int i, int j) { return i == 70 && j == 50 ? 1.0 : 0.0; });
     const auto result = run(kSquare, dot, {.sites = 1000, .seed = 3});
     EXPECT_EQ(test::count_outside(kSquare, result.points), 0u);
@@ -128,15 +128,15 @@ TEST(Distribute, FillsASinglePixel) {
     EXPECT_GT(in_pixel, 950);
 }
 
-TEST(Distribute, StartsInTheOnlyPixelWithInk) {
+TEST(Distribute, StartsInTheOnlyPixelWithDensity) {
     const Density pixel = grid_of(1000, 1000, [](int i, int j) { return i == 700 && j == 500 ? 1.0 : 0.0; });
     for (const Point& p : run(kSquare, pixel, {.sites = 1000, .seed = 1, .iterations = 0}).points) {
         EXPECT_TRUE(p.x >= 0.700 && p.x <= 0.701 && p.y >= 0.500 && p.y <= 0.501) << p.x << " " << p.y;
     }
 }
 
-TEST(Distribute, StandsVerticesOfTheBorderThatMeetAHole) {
-    // A vertex set on the outer edge rounds to the very corner of the hole.
+TEST(Distribute, HandlesBorderVerticesThatMeetAHole) {
+    // A vertex set on the outer edge is rounded to the corner of the hole.
     const Parts parts{{{{0, 0}, {1, 0.67211498554141436}, {0.16277443304464762, 1}},
                        {{{0.056603773584905662, 0.038044244464608364}, {0.4, 0.5}, {0.41, 0.52}}}}};
     EXPECT_EQ(run(parts, Density::uniform(), {.sites = 1000, .seed = 1}).points.size(), 1000u);
@@ -149,8 +149,8 @@ TEST(Distribute, SetsFewVerticesOnTheBorderOfASliver) {
     for (const Point& p : result.points) EXPECT_TRUE(p.y > 0 && p.y < 1e-8) << p.y;
 }
 
-/// Part of this corner of the density reaches the triangle's box, none of it the triangle.
-TEST(Distribute, RefusesADensityThatOnlyRoundingPutsInside) {
+/// This corner of the density overlaps the triangle's box, but not the triangle.
+TEST(Distribute, RefusesADensityInsideOnlyByRounding) {
     const Parts triangle{{{{1, 0}, {1, 1}, {0, 1}}, {}}};
     Random random(1, 1);
     for (int i = 0; i < 200; ++i) {
@@ -167,7 +167,7 @@ TEST(Distribute, RefusesADensityThatOnlyRoundingPutsInside) {
 }
 
 TEST(Distribute, RefusesADensityOutsideTheDomain) {
-    // The domain is the half of its box that lies beyond the diagonal.
+    // The domain is the half of its box beyond the diagonal.
     const Parts half{{{{1, 0}, {1, 1}, {0, 1}}, {}}};
     for (int size = 4; size < 64; ++size) {
         const Density corner = grid_of(size, size + 5, [](int i, int j) { return i + j < 2 ? 0.1 + 0.7 * i : 0.0; });
@@ -195,7 +195,7 @@ TEST(Distribute, RefusesOptionsOutOfRange) {
     for (const double bad : {0.0, -1.0, std::nan("")}) expect_refused({.sites = 5, .tolerance = bad}, "tolerance");
 }
 
-TEST(Distribute, GivesTheSameBytesForTheSameSeed) {
+TEST(Distribute, IsDeterministicForASeed) {
     const Density picture = portrait();
     for (const Density& density : {Density::uniform(), picture}) {
         const Options options{.sites = 2000, .seed = 11};
@@ -205,7 +205,7 @@ TEST(Distribute, GivesTheSameBytesForTheSameSeed) {
     }
 }
 
-TEST(Distribute, GivesTheSameBytesOnAllThreads) {
+TEST(Distribute, IsIdenticalInConcurrentRuns) {
     const Domain domain = domain_of(test::read_geojson("South-Africa-50m.geojson"));
     const Density density = portrait();
     const Options options{.sites = 1500, .seed = 11};
@@ -220,7 +220,7 @@ TEST(Distribute, GivesTheSameBytesOnAllThreads) {
     for (const auto& result : results) EXPECT_TRUE(same_bytes(result, expected));
 }
 
-/// A team that counts what it is given to do.
+/// An executor that counts its tasks.
 class CountingTeam : public Team {
 public:
     void run(std::size_t count, const std::function<void(std::size_t)>& task) override {
@@ -230,7 +230,7 @@ public:
     int runs = 0;
 };
 
-TEST(Distribute, HasTheTeamPolishToo) {
+TEST(Distribute, RunsThePolishOnTheExecutorToo) {
     const auto runs_of = [](Quality quality) {
         CountingTeam team;
         Control control;
@@ -245,7 +245,7 @@ TEST(Distribute, HasTheTeamPolishToo) {
     EXPECT_GT(standard, draft + 100) << "a polish of 15 rounds, each of several steps";
 }
 
-TEST(Distribute, GivesTheSameBytesByAnyTeam) {
+TEST(Distribute, IsIdenticalOnAnyNumberOfThreads) {
     constexpr std::size_t kSites = 20'000;  // enough for several blocks of sites, on several levels
     const Domain land = domain_of(test::read_geojson("South-Africa-50m.geojson"));
     const Domain square = domain_of(kSquare), torus = Domain::torus(1, 0.8).value();
@@ -283,9 +283,9 @@ TEST(Distribute, GivesTheSameBytesByAnyTeam) {
     }
 }
 
-TEST(Distribute, MovesAndGrowsWithItsDomain) {
+TEST(Distribute, IsEquivariantUnderTranslationAndScaling) {
     for (const char* name : {"Italy-110m.geojson", "Switzerland-10m.geojson"}) {
-        // Coordinates on a lattice, so that moving them is exact.
+        // Coordinates on a lattice, so that translations are exact.
         Parts parts = test::scaled(test::read_geojson(name), 0x1p20);
         for (PolygonPart& part : parts) {
             for (Point& p : part.outer) p = {std::round(p.x), std::round(p.y)};
@@ -304,14 +304,14 @@ TEST(Distribute, MovesAndGrowsWithItsDomain) {
     }
 }
 
-TEST(Distribute, DependsOnRatiosOfTheDensityAlone) {
+TEST(Distribute, DependsOnRatiosOfTheDensityOnly) {
     const Density ramp = grid_of(16, 16, [](int i, int j) { return 1.0 + i * j; });
     const Density scaled = grid_of(16, 16, [](int i, int j) { return 0x1p40 * (1.0 + i * j); });
     const Options options{.sites = 500, .seed = 4};
     EXPECT_TRUE(same_bytes(run(kSquare, ramp, options).points, run(kSquare, scaled, options).points));
 }
 
-TEST(Distribute, WorksAsWellTurned) {
+TEST(Distribute, WorksEquallyWellWhenRotated) {
     const Density density = portrait();
     const Density turned =
         grid_of(128, 96, [&](int i, int j) { return density.value(j, 127 - i); });  // clockwise by a right angle
@@ -329,7 +329,8 @@ TEST(Distribute, KeepsADelaunayMesh) {
     for (const Place& place : {places()[0], places()[6], places()[12], places()[17]}) {
         std::size_t holes = 0;
         for (const PolygonPart& part : place.parts) holes += part.holes.size();
-        // In the unit frame, as exact predicates see it: these domains scale by powers of two, or are only counted.
+        // Tests in the unit frame by exact predicates. Only some domains scale by powers of two; for the others,
+        // triangles are only counted.
         const bool exact = place.name != "South Africa";
         for (const int iterations : {0, 1, 2, 5}) {
             for (const Density& density : {Density::uniform(), picture}) {
@@ -370,12 +371,12 @@ TEST(Distribute, LowersTheVariation) {
     EXPECT_LT(draft.variation(), 0.06);
     EXPECT_LT(draft.trace[1], draft.trace[0]);
     EXPECT_LT(run(kSquare, portrait(), {.sites = 4096, .seed = 1, .quality = Quality::Draft}).variation(), 0.08);
-    // Polishing trades a little of it for distance and for long waves.
+    // The polish trades some variation for distance and for fewer long waves.
     EXPECT_LT(run(large, Density::uniform(), {.sites = 16384, .seed = 1}).variation(), 0.08);
     EXPECT_LT(run(kSquare, portrait(), {.sites = 4096, .seed = 1}).variation(), 0.085);
 }
 
-/// Neighbours are pushed apart as far as the density wants it where they are.
+/// Neighbours are pushed apart to the local spacing of the density.
 TEST(Distribute, KeepsTheVariationLowInPolygonsOfVaryingDensity) {
     std::vector<double> values;
     for (int i = 0; i < 64; ++i) values.push_back(4 + 15 * i);
@@ -392,7 +393,7 @@ TEST(Distribute, DoesNotStallNextToWhite) {
     }
 }
 
-TEST(Distribute, TellsTheVariationOfThePolishedPoints) {
+TEST(Distribute, ReportsTheVariationOfThePolishedPoints) {
     const Options options{.sites = 1000, .seed = 2, .quality = Quality::Draft};
     const auto draft = run(kSquare, portrait(), options);
     EXPECT_FALSE(draft.polished);
@@ -465,7 +466,7 @@ TEST(Distribute, ReportsNoPolishOfDrafts) {
     EXPECT_EQ(seen.back().done(), 5.0 / 6);
 }
 
-TEST(Distribute, StopsBeforeItHasBegun) {
+TEST(Distribute, StopsBeforeTheStart) {
     std::stop_source source;
     source.request_stop();
     for (const std::size_t sites : {100, 20000}) {
@@ -481,7 +482,7 @@ TEST(Distribute, StopsBeforeItHasBegun) {
     }
 }
 
-TEST(Distribute, StopsOnTheWay) {
+TEST(Distribute, StopsBetweenIterations) {
     std::stop_source source;
     Control control{.stop = source.get_token(), .progress = {}};
     control.progress = [&](const Progress& progress) {
@@ -496,7 +497,7 @@ TEST(Distribute, StopsOnTheWay) {
     EXPECT_EQ(test::count_distinct(result->points), 1000u);
 }
 
-TEST(Distribute, StopsInThePolish) {
+TEST(Distribute, StopsDuringThePolish) {
     std::stop_source source;
     Control control{.stop = source.get_token(), .progress = {}};
     control.progress = [&](const Progress& progress) {
@@ -515,7 +516,7 @@ TEST(Distribute, StopsInThePolish) {
     EXPECT_EQ(result->mesh->triangles.size(), run(kSquare, Density::uniform(), draft).mesh->triangles.size());
 }
 
-/// Sites within a distance of the border, over the share of the area that lies there.
+/// Returns the number of sites within a distance of the border, relative to the share of the area.
 std::vector<double> crowding(const Parts& parts, std::size_t sites, const std::vector<double>& spacings, int seeds) {
     const Domain domain = domain_of(parts);
     std::vector<std::pair<Point, Point>> edges;
@@ -553,7 +554,7 @@ std::vector<double> crowding(const Parts& parts, std::size_t sites, const std::v
         const auto share = shares(points.points);
         for (std::size_t k = 0; k < spacings.size(); ++k) ratio[k] += share[k] / seeds;
     }
-    // The share of the area, from a stratified start with many sites.
+    // The share of the area is estimated from a stratified start with many sites.
     const auto area = shares(run(parts, Density::uniform(), {.sites = 30'000, .seed = 99, .iterations = 0}).points);
     for (std::size_t k = 0; k < spacings.size(); ++k) ratio[k] /= area[k];
     return ratio;
@@ -571,13 +572,13 @@ TEST(Distribute, CrowdsNoSitesAtTheBorderOfACountry) {
     }
 }
 
-/// Every site of the first row faces dozens of edges.
+/// Each site of the first row faces dozens of edges.
 TEST(Distribute, CrowdsNoSitesAtABorderOfVeryShortEdges) {
     const Parts circle = {{test::circle({0, 0}, 1, 5000), {}}};
     for (const double ratio : crowding(circle, 1024, {1, 1.5, 2, 4}, 4)) EXPECT_NEAR(ratio, 1, 0.15);
 }
 
-/// Islands, from one site to most of them: sites cannot go from one to another later.
+/// Islands that get from one site to most of the sites; later sites cannot move between islands.
 TEST(Distribute, GivesEachPartItsShare) {
     const std::vector<double> sides{10, 4, 3, 2, 1.5, 1, 0.7, 0.3};
     Parts parts;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/ccdt/ccdt.h"
-#include "core/ccdt/fixed_room.h"
+#include "core/ccdt/fixed_area.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/random.h"
 #include "tests/support/shapes.h"
@@ -44,7 +44,7 @@ std::vector<Point> place(const Domain& domain, std::size_t sites, const std::vec
     return placed->points;
 }
 
-/// Distances from points to the nearest of others, in order.
+/// Returns the distances from points to the nearest of other points, in ascending order.
 std::vector<double> distances(const std::vector<Point>& points, const std::vector<Point>& others, bool torus = false) {
     std::vector<double> nearest;
     for (const Point& p : points) {
@@ -60,38 +60,38 @@ std::vector<double> distances(const std::vector<Point>& points, const std::vecto
     return nearest;
 }
 
-FixedRoom room_of(const std::vector<Point>& fixed, std::size_t sites) {
+FixedArea area_of(const std::vector<Point>& fixed, std::size_t sites) {
     constexpr int kSide = 256;
     std::vector<double> masses(kSide * kSide, 1);
-    return take_room(square(), fixed, sites, kSide, kSide, masses);
+    return subtract_fixed_area(square(), fixed, sites, kSide, kSide, masses);
 }
 
-TEST(FixedRoom, OfOneAloneIsThatOfASite) {
-    EXPECT_NEAR(room_of({{0.5, 0.5}}, 100).sites, 101, 0.1);
-    EXPECT_NEAR(room_of({{0.2, 0.3}, {0.8, 0.9}}, 100).sites, 102, 0.2);
-    EXPECT_NEAR(room_of({{0.2, 0.3}, {0.8, 0.9}}, 100).weights[1], 1, 0.1);
+TEST(FixedArea, OfAnIsolatedPointEqualsThatOfASite) {
+    EXPECT_NEAR(area_of({{0.5, 0.5}}, 100).sites, 101, 0.1);
+    EXPECT_NEAR(area_of({{0.2, 0.3}, {0.8, 0.9}}, 100).sites, 102, 0.2);
+    EXPECT_NEAR(area_of({{0.2, 0.3}, {0.8, 0.9}}, 100).weights[1], 1, 0.1);
 }
 
-TEST(FixedRoom, OfManyInAPlaceIsThatOfOne) {
-    EXPECT_NEAR(room_of(std::vector<Point>(1000, {0.5, 0.5}), 100).sites, 101, 0.1);
+TEST(FixedArea, OfCoincidentPointsEqualsThatOfOne) {
+    EXPECT_NEAR(area_of(std::vector<Point>(1000, {0.5, 0.5}), 100).sites, 101, 0.1);
 }
 
-TEST(FixedRoom, OfAClusterIsItsAreaAndARim) {
-    // A tenth of the square's side squared, and half a site's distance around it.
+TEST(FixedArea, OfAClusterIsItsOwnAreaAndARim) {
+    // A tenth of the square's side squared, plus a rim of half a site's distance.
     const double sites = 10'000, rim = std::sqrt(1 / (sites * std::acos(-1)));
     const double area = 0.01 + 0.4 * rim;
-    const double found = room_of(drawn(20'000, {0.4, 0.4}, 0.1), 10'000).sites;
+    const double found = area_of(drawn(20'000, {0.4, 0.4}, 0.1), 10'000).sites;
     EXPECT_NEAR(found, sites / (1 - area), 0.003 * sites);
 }
 
-TEST(FixedRoom, ReachesInFromOutside) {
-    const double sites = room_of({{-0.02, 0.5}}, 100).sites;
+TEST(FixedArea, OfPointsOutsideReachesIntoTheDomain) {
+    const double sites = area_of({{-0.02, 0.5}}, 100).sites;
     EXPECT_GT(sites, 100.1);
     EXPECT_LT(sites, 100.5);
-    EXPECT_NEAR(room_of({{-0.2, 0.5}}, 100).sites, 100, 1e-6);
+    EXPECT_NEAR(area_of({{-0.2, 0.5}}, 100).sites, 100, 1e-6);
 }
 
-TEST(Fixed, AreKeptClearOfEverywhere) {
+TEST(Fixed, KeepTheirDistanceFromSites) {
     const Domain torus = Domain::torus(1, 1).value();
     const Domain polygon =
         Domain::create({{{{0, 0}, {1, 0}, {1, 1}, {0.5, 0.4}, {0, 1}}, {box(0.2, 0.2, 0.1, 0.1)}}}).value();
@@ -102,13 +102,13 @@ TEST(Fixed, AreKeptClearOfEverywhere) {
         const auto to_fixed = distances(points, fixed, domain.is_torus());
         EXPECT_GT(to_fixed.front(), 0.7 * hexagonal);
         EXPECT_GT(distances(points, points, domain.is_torus()).front(), 0.7 * hexagonal);
-        // No hole is left around them either.
+        // No hole is left around the fixed points either.
         const auto from_fixed = distances(fixed, points, domain.is_torus());
         EXPECT_LT(from_fixed[from_fixed.size() / 2], 1.1 * hexagonal);
     }
 }
 
-TEST(Fixed, MayBeClustersAndCopies) {
+TEST(Fixed, CanBeClusteredAndCoincident) {
     std::vector<Point> fixed = drawn(300, {0.45, 0.45}, 0.1);
     fixed.insert(fixed.end(), 50, {0.2, 0.2});
     for (int i = 0; i < 100; ++i) fixed.push_back({0.8 + 1e-9 * i, 0.8});
@@ -116,7 +116,7 @@ TEST(Fixed, MayBeClustersAndCopies) {
         const auto points = place(domain, 1000, fixed);
         const double hexagonal = hexagonal_spacing(1010);
         EXPECT_GT(distances(points, fixed, domain.is_torus()).front(), 0.7 * hexagonal);
-        // As many around the copies as around one point: none is drawn in, none kept out.
+        // Coincident points have as many sites around them as a single point: none are attracted or repelled.
         for (const Point& copies : {Point{0.2, 0.2}, Point{0.8, 0.8}}) {
             const auto near = std::ranges::count_if(
                 points, [&](const Point& p) { return std::sqrt(dot(p - copies, p - copies)) < 1.5 * hexagonal; });
@@ -126,25 +126,25 @@ TEST(Fixed, MayBeClustersAndCopies) {
     }
 }
 
-TEST(Fixed, LeaveTheRestEven) {
-    // In the half without fixed points there are as many as in as large a part of the other half's rest.
+TEST(Fixed, LeaveTheOtherSitesEven) {
+    // The half without fixed points has the same density of sites as the rest of the other half.
     const std::vector<Point> fixed = drawn(5000, {0.5, 0}, 0.25);
     const auto points = place(square(), 4000, fixed);
     const auto left = std::ranges::count_if(points, [](const Point& p) { return p.x < 0.5; });
     EXPECT_NEAR(static_cast<double>(left) / 4000, 0.5 / (1 - 0.0625), 0.01);
 }
 
-TEST(Fixed, MayBeManyMoreThanTheSites) {
+TEST(Fixed, CanOutnumberTheSites) {
     std::vector<Point> fixed;
     constexpr int kSide = 30;
     for (int i = 0; i < kSide * kSide; ++i) fixed.push_back({(i % kSide + 0.5) / kSide, (i / kSide + 0.5) / kSide});
-    // There is no place farther from all points of a square lattice than the middle of a square.
+    // No place is farther from all points of a square lattice than the centre of a square.
     for (const std::size_t sites : {1, 10}) {
         EXPECT_GT(distances(place(square(), sites, fixed), fixed).front(), 0.85 * std::sqrt(0.5) / kSide);
     }
 }
 
-TEST(Fixed, FollowADensity) {
+TEST(Fixed, TakeAreaByTheDensity) {
     const std::vector<double> values = {1, 4};
     const auto density = Density::grid(2, 1, values).value();
     const std::vector<Point> fixed = drawn(60);
@@ -155,7 +155,7 @@ TEST(Fixed, FollowADensity) {
     EXPECT_NEAR(static_cast<double>(right + fixed_right), 0.8 * 1060, 15);
 }
 
-TEST(Fixed, MayLieAnywhereAndComeInAnyOrder) {
+TEST(Fixed, CanLieAnywhereInAnyOrder) {
     const double most = std::numeric_limits<double>::max();
     std::vector<Point> fixed = drawn(20);
     for (const Point& p : {Point{most, most}, {-most, 0}, {1e-308, 1}, {0, 0}, {1, 0.5}, {-0.01, 0.3}, {7, 7}})
@@ -169,7 +169,7 @@ TEST(Fixed, MayLieAnywhereAndComeInAnyOrder) {
     }
 }
 
-TEST(Fixed, AreVerticesOfTheMeshBehindTheSites) {
+TEST(Fixed, AreMeshVerticesAfterTheSites) {
     Options options;
     options.sites = 100;
     options.fixed = {{0.5, 0.5}, {0.25, 0.75}};

@@ -21,8 +21,9 @@ std::vector<std::pair<std::string, Domain>> domains() {
             {"ring", domain_of(test::Parts{{outer, {hole}}})}};
 }
 
-/// Goals of a uniform density are those that its triangles would have by their areas, be they stored for each or not.
-TEST(EvenGoals, AreThoseOfEachTriangle) {
+/// The goals of a uniform density equal those derived from the triangles' areas, whether or not they are stored
+/// individually.
+TEST(EvenGoals, EqualTheGoalsOfEachTriangle) {
     for (const bool fixed : {false, true}) {
         for (auto& [name, domain] : domains()) {
             StartMesh start(std::move(domain), Density::uniform(), {.sites = 400, .seed = 5});
@@ -40,14 +41,14 @@ TEST(EvenGoals, AreThoseOfEachTriangle) {
     }
 }
 
-/// If each triangle added up all edges that its site faces, this would take hours.
-TEST(Goals, AddUpTheEdgesThatASiteFacesOnce) {
+/// This would take hours if each triangle summed all edges that its site faces.
+TEST(Goals, SumTheEdgesThatASiteFacesOnce) {
     StartMesh start(domain_of({{test::circle({0, 0}, 1, 200'000), {}}}), Density::uniform(), {.sites = 2, .seed = 5});
     start.measure();
     EXPECT_EQ(start.goals.size(), start.mesh.triangle_count());
 }
 
-TEST(TriangleGoals, KnowNothingOfNone) {
+TEST(TriangleGoals, AreNeutralForNoTriangle) {
     const TriangleGoals each(std::vector<TriangleGoal>{{3, 1, 1}}), rare(TriangleGoal{2, 1, 1}, {4}, {{5, 0.5, 0.5}});
     const TriangleGoals weights(std::vector<double>{2, 0, 3}, {1}, {{5, 0.5, 0.5}});
     EXPECT_EQ(each.of(0).weight, 3);

@@ -26,7 +26,7 @@ struct Problem {
     Options options;
 };
 
-/// Runs iterations by hand, checking what must hold after each pass and after each iteration.
+/// Runs iterations step by step and checks the invariants after each pass and each iteration.
 void expect_descent(const Problem& problem) {
     StartMesh start(problem.domain, problem.density, problem.options);
     Relaxation relaxation(start.mesh, start.border.corner, problem.density.is_uniform(), {});
@@ -94,7 +94,7 @@ TEST(Relaxation, DescendsAroundATorus) {
     }
 }
 
-/// Where the vertices stand after some iterations, moved two at once or one after the other.
+/// Returns the positions of vertices after some iterations, with two sites moved at once or one by one.
 std::vector<Point> relaxed(const Domain& domain, const Density& density, std::size_t sites, bool by_two) {
     StartMesh start(domain, density, {.sites = sites, .seed = 4});
     RelaxationOptions options;
@@ -109,7 +109,7 @@ std::vector<Point> relaxed(const Domain& domain, const Density& density, std::si
     return start.mesh.points();
 }
 
-TEST(Relaxation, MovesTwoSitesAtOnceAsOneAfterTheOther) {
+TEST(Relaxation, MovesTwoSitesAtOnceAsInSequence) {
     for (const std::size_t sites : {1, 2, 5, 9, 64, 700, 6000}) {
         SCOPED_TRACE(sites);
         for (const Density& density : {Density::uniform(), spot_and_corner()}) {
@@ -119,7 +119,7 @@ TEST(Relaxation, MovesTwoSitesAtOnceAsOneAfterTheOther) {
     }
 }
 
-/// The variation after 12 iterations, of which the last 8 are exact or, as all others, hold the triangles' mean
+/// Returns the variation after 12 iterations. If `exact`, the last 8 are exact; all others keep the triangles' mean
 /// densities fixed.
 double reached(const Domain& domain, const Density& density, bool exact) {
     StartMesh start(domain, density, {.sites = 2000, .seed = 3});
@@ -149,7 +149,7 @@ double reached(const Domain& domain, const Density& density, bool exact) {
     return start.measure();
 }
 
-TEST(Relaxation, GetsPastWhiteByExactPasses) {
+TEST(Relaxation, DoesNotStallNextToWhiteInExactPasses) {
     for (const Domain& domain : {domain_of(kSquare), Domain::torus(1, 1).value()}) {
         SCOPED_TRACE(domain.is_torus() ? "torus" : "box");
         EXPECT_LT(reached(domain, test::pear(), true), 0.07);
@@ -158,14 +158,14 @@ TEST(Relaxation, GetsPastWhiteByExactPasses) {
 }
 
 TEST(Relaxation, KeepsExactPassesInsideTheBorder) {
-    // The density ends in a body that the border cuts.
+    // The density ends within the domain, along a curve that meets the border.
     const Density cut = grid_of(80, 80, [](int i, int j) { return std::hypot(i, j - 40) < 30 ? 1.0 : 0.0; });
     EXPECT_LT(reached(domain_of(kSquare), cut, true), 0.06);
     EXPECT_GT(reached(domain_of(kSquare), cut, false), 0.1);
 }
 
-TEST(Relaxation, RestsWhereExactPassesHaveNothingToGain) {
-    // A uniform density written as a grid: an exact pass is a plain one that moves no further than the minimum.
+TEST(Relaxation, RestsAtTheMinimumOfExactPasses) {
+    // A uniform density given as a grid: an exact pass equals a plain one without over-relaxation.
     const Density one = grid_of(20, 20, [](int, int) { return 1.0; });
     StartMesh start(domain_of(kSquare), one, {.sites = 120, .seed = 10});
     start.measure();
@@ -182,7 +182,7 @@ TEST(Relaxation, RestsWhereExactPassesHaveNothingToGain) {
     }
 }
 
-TEST(Relaxation, BringsALoneSiteToTheMiddle) {
+TEST(Relaxation, MovesASingleSiteToTheCentre) {
     const Domain domain = domain_of(kSquare);
     Triangulation mesh(1, triangulate(bare_border(domain)).value());
     ASSERT_TRUE(mesh.insert(0, {0.3, 0.8}));
@@ -195,7 +195,8 @@ TEST(Relaxation, BringsALoneSiteToTheMiddle) {
 }
 
 TEST(Relaxation, DividesASquareByItsTargets) {
-    // Triangles over opposite edges add up to half the square wherever the site is: x and y are chosen freely.
+    // Triangles over opposite edges add up to half the square wherever the site is, so x and y can be chosen
+    // independently.
     const Domain domain = domain_of(kSquare);
     Triangulation mesh(1, triangulate(bare_border(domain)).value());
     ASSERT_TRUE(mesh.insert(0, {0.5, 0.5}));
@@ -216,7 +217,8 @@ TEST(Relaxation, DividesASquareByItsTargets) {
     EXPECT_NEAR(relaxation.energy(), 0, 1e-15);
 }
 
-/// Height of a site that the upper edge of a square, in one piece, wants at 0.4, and the lower one, in pieces, at 0.2.
+/// Returns the height of a site if the target of the upper edge of a square, in one piece, asks for 0.4 and that of the
+/// lower edge, in several pieces, for 0.2.
 double height_above_pieces(std::size_t pieces) {
     Ring ring;
     for (std::size_t i = 0; i < pieces; ++i) ring.push_back({static_cast<double>(i) / static_cast<double>(pieces), 0});
@@ -233,7 +235,8 @@ double height_above_pieces(std::size_t pieces) {
             if (mesh.twin(h) == Triangulation::kNone) width = mesh.along(h).x;
         }
         const double height = width > 0 ? 0.2 : 0.6, share = std::abs(width);
-        goals[t] = share > 0 ? TriangleGoal{1, height * share, share} : TriangleGoal{0, 0};  // sides have no say
+        // Other sides have weight 0.
+        goals[t] = share > 0 ? TriangleGoal{1, height * share, share} : TriangleGoal{0, 0};
     }
     Relaxation relaxation(mesh, std::vector<bool>(ring.size(), true), false, {.border_spring = 0});
     relaxation.prepare(goals);
@@ -248,7 +251,7 @@ TEST(Relaxation, CountsAFanAsOneTriangle) {
     EXPECT_NEAR(height_above_pieces(40), whole, 0.02);
 }
 
-TEST(Relaxation, KeepsTheBorderWhereItIs) {
+TEST(Relaxation, KeepsVerticesOnTheBorder) {
     const Domain domain = domain_of(kSquare);
     StartMesh start(domain, Density::uniform(), {.sites = 500, .seed = 8});
     start.measure();
@@ -278,9 +281,9 @@ TEST(Relaxation, MovesNothingWithoutWeight) {
     EXPECT_EQ(start.mesh.points(), before);
 }
 
-/// Both layouts of a site's surroundings, the plain one and that with a goal for each triangle, solve the same
-/// equations: where one of them has come to rest, the other one rests too.
-TEST(Relaxation, RestsInTheSamePlaceOnAllPaths) {
+/// Both record layouts, the plain one and the one with a goal for each triangle, solve the same equations. So the
+/// resting positions of one are resting positions of the other.
+TEST(Relaxation, ConvergesToTheSamePositionsOnAllPaths) {
     StartMesh start(domain_of(kSquare), Density::uniform(), {.sites = 120, .seed = 10});
     start.measure();
     Relaxation plain(start.mesh, start.border.corner, true, {});

@@ -23,7 +23,7 @@ std::ptrdiff_t count_left_of(const Triangulation& mesh, double x) {
                          [x](Point p) { return p.x < x; });
 }
 
-/// Takes sites from one place to a triangle at another one.
+/// Moves sites from around one place to a triangle at another place.
 void crowd(Triangulation& mesh, Point from, Point to, int count) {
     const auto distance = [](Point a, Point b) { return std::sqrt(dot(a - b, a - b)); };
     for (int i = 0; i < count; ++i) {
@@ -42,7 +42,7 @@ void crowd(Triangulation& mesh, Point from, Point to, int count) {
     }
 }
 
-TEST(Resettlement, TakesSitesToWhereTheyAreMissing) {
+TEST(Resettlement, MovesSitesToWhereTheyAreMissing) {
     constexpr std::size_t kSites = 60;
     StartMesh start(domain_of(kStrip), Density::uniform(), {.sites = kSites, .seed = 2});
     crowd(start.mesh, {0, 0.05}, {0.95, 0.05}, 5);
@@ -57,7 +57,7 @@ TEST(Resettlement, TakesSitesToWhereTheyAreMissing) {
     EXPECT_EQ(test::count_not_delaunay(start.mesh), 0u);
 }
 
-TEST(Resettlement, LeavesWhatIsEven) {
+TEST(Resettlement, KeepsEvenSites) {
     StartMesh start(domain_of(kStrip), Density::uniform(), {.sites = 60, .seed = 2});
     for (int round = 0; round < 5; ++round) {
         start.measure();
@@ -72,7 +72,7 @@ TEST(Resettlement, LeavesWhatIsEven) {
     EXPECT_EQ(start.mesh.points(), before);
 }
 
-TEST(Resettlement, CrossesNoWater) {
+TEST(Resettlement, StaysWithinAPart) {
     StartMesh start(domain_of({{test::box(0, 0, 0.45, 0.1), {}}, {test::box(0.55, 0, 0.45, 0.1), {}}}),
                     Density::uniform(), {.sites = 60, .seed = 2});
     crowd(start.mesh, {0, 0.05}, {0.95, 0.05}, 10);
@@ -84,7 +84,7 @@ TEST(Resettlement, CrossesNoWater) {
     }
 }
 
-TEST(Resettlement, TakesASiteToTheRoomiestPlace) {
+TEST(Resettlement, MovesASiteToTheSparsestPlace) {
     StartMesh start(domain_of(kStrip), Density::uniform(), {.sites = 60, .seed = 2});
     crowd(start.mesh, {0, 0.05}, {0.95, 0.05}, 4);
     start.measure();
@@ -93,9 +93,9 @@ TEST(Resettlement, TakesASiteToTheRoomiestPlace) {
         if (start.mesh.point(v).x > start.mesh.point(last).x) last = v;
     }
     Resettlement resettlement(start.mesh, start.goals);
-    EXPECT_TRUE(resettlement.take_away(last));
+    EXPECT_TRUE(resettlement.move_away(last));
     EXPECT_LT(start.mesh.point(last).x, 0.2);
-    EXPECT_FALSE(resettlement.take_away(last)) << "what is told of it is true no more";
+    EXPECT_FALSE(resettlement.move_away(last)) << "what is told of it is true no more";
 }
 
 /// One site on each of two islands, both next to the strait between them.
@@ -114,7 +114,7 @@ TEST(Resettlement, SeparatesTheOnlySitesOfTwoIslands) {
     EXPECT_FALSE(Resettlement(start.mesh, start.goals).separate({0, 1})) << "neither has a better place";
 }
 
-TEST(Resettlement, MakesNoTrianglesThatAreTooFlat) {
+TEST(Resettlement, MakesNoFlatTriangles) {
     StartMesh start(domain_of(kStrip), Density::uniform(), {.sites = 60, .seed = 2});
     crowd(start.mesh, {0, 0.05}, {0.95, 0.05}, 5);
     start.measure();

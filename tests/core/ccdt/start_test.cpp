@@ -12,7 +12,7 @@ namespace {
 using test::domain_of;
 using test::grid_of;
 
-/// Variance over mean of the sites' counts in 8 x 8 cells of the unit square; 1 for independent sites.
+/// Returns the variance over the mean of the sites' counts in 8 x 8 cells of the unit square; 1 for independent sites.
 double dispersion(const Density& density, Start kind, std::size_t sites, std::uint64_t seed,
                   const std::vector<double>& expected) {
     const Domain domain = Domain::rectangle(1, 1).value();
@@ -39,14 +39,14 @@ TEST(StartSites, SpreadEvenlyWhenStratified) {
     EXPECT_LT(mean_dispersion(Density::uniform(), Start::Stratified, kEven), 0.15);
 }
 
-TEST(StartSites, SpreadLikePoissonWhenRandom) {
+TEST(StartSites, AreAPoissonProcessWhenRandom) {
     const double random = mean_dispersion(Density::uniform(), Start::Random, kEven);
     EXPECT_GT(random, 0.8);
     EXPECT_LT(random, 1.2);
 }
 
 TEST(StartSites, FollowTheDensity) {
-    // Grids coarser and finer than the cells, and finer than what is summed up in blocks.
+    // Grids coarser and finer than the cells, and finer than the summation blocks.
     for (const int cells : {8, 64, 1024}) {
         const auto ramp = [&](int i, int) { return i + 0.5; };
         const Density density = grid_of(cells, cells, ramp);
@@ -59,7 +59,7 @@ TEST(StartSites, FollowTheDensity) {
     }
 }
 
-TEST(StartSites, KeepOffTheWhite) {
+TEST(StartSites, AvoidWhite) {
     const Density half = grid_of(16, 16, [](int i, int j) { return (i + j) % 2 == 0 ? 0.0 : 1.0; });
     const Domain domain = Domain::rectangle(1, 1).value();
     for (const Start kind : {Start::Stratified, Start::Random}) {
@@ -71,8 +71,8 @@ TEST(StartSites, KeepOffTheWhite) {
     }
 }
 
-TEST(StartSites, KeepOffFineWhite) {
-    // Lines of one pixel, thirty pixels apart, in a picture far finer than the sites.
+TEST(StartSites, AvoidFineWhite) {
+    // Lines of one pixel, thirty pixels apart, in a picture much finer than the spacing of sites.
     const Density lines = grid_of(1200, 1200, [](int i, int) { return i % 30 == 7 ? 1.0 : 0.0; });
     const Domain domain = Domain::rectangle(1, 1).value();
     for (const Start kind : {Start::Stratified, Start::Random}) {
@@ -96,7 +96,7 @@ TEST(StartSites, StayInTheBox) {
     }
 }
 
-TEST(StartSites, DependOnSeedSiteAndAttemptAlone) {
+TEST(StartSites, DependOnSeedSiteAndAttemptOnly) {
     const Domain domain = Domain::rectangle(1, 1).value();
     const Density uniform = Density::uniform();
     const StartSites start(domain, uniform, Options{.sites = 100, .seed = 1});

@@ -37,7 +37,7 @@ double sum_of(const std::vector<double>& values) {
 
 using Corners = std::vector<Point>;
 
-/// What of a convex polygon lies where axis . p <= level.
+/// Clips a convex polygon to axis . p <= level.
 Corners clipped(const Corners& polygon, Point axis, double level) {
     Corners kept;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -57,7 +57,7 @@ double area_of(const Corners& polygon) {
     return doubled / 2;
 }
 
-/// Integral over a triangle, in cells, of a density that repeats itself: what of the triangle lies in each cell.
+/// Integrates a periodic density over a triangle, in cells, by clipping the triangle to each cell.
 double integral(const Density& density, const std::array<Point, 3>& triangle) {
     const auto range = [&](double Point::*axis) {
         const auto [low, high] = std::minmax({triangle[0].*axis, triangle[1].*axis, triangle[2].*axis});
@@ -128,7 +128,7 @@ Distribution run(const Domain& domain, const Density& density, const Options& op
 
 constexpr std::array kQualities = {Quality::Draft, Quality::Standard, Quality::Best};
 
-TEST(TorusDistribute, KeepsItsPromise) {
+TEST(TorusDistribute, PlacesDistinctSitesInTheBox) {
     Random random(2, 0);
     const std::vector<Density> densities{
         Density::uniform(), noise(), hills(0), grid_of(64, 64, [](int i, int) { return i < 32 ? 0.0 : 1.0; }),
@@ -163,7 +163,7 @@ TEST(TorusDistribute, LowersTheVariation) {
     EXPECT_LT(run(torus(3, 2), hills(0), options).variation(), 0.08);
 }
 
-TEST(TorusDistribute, GivesTheSameBytesForTheSameSeed) {
+TEST(TorusDistribute, IsDeterministicForASeed) {
     for (const Quality quality : kQualities) {
         for (const Density& density : {Density::uniform(), hills(0)}) {
             const Options options{.sites = 800, .seed = 4, .quality = quality};
@@ -174,7 +174,7 @@ TEST(TorusDistribute, GivesTheSameBytesForTheSameSeed) {
     }
 }
 
-/// Distance of each point to the nearest other one around the torus.
+/// Returns the distance of each point to its nearest neighbour on the torus.
 std::vector<double> nearest_distances(const std::vector<Point>& points, Point sides) {
     std::vector<double> distances;
     for (const Point p : points) {
@@ -211,8 +211,8 @@ TEST(TorusDistribute, HasNoSeam) {
     }
 }
 
-/// A density moved by half a period gives sets as good, moved by half a period.
-TEST(TorusDistribute, TurnsWithItsDensity) {
+/// A density shifted by half a period gives equally good sets, shifted by half a period.
+TEST(TorusDistribute, ShiftsWithItsDensity) {
     constexpr std::uint64_t kSeeds = 4;
     for (const Quality quality : kQualities) {
         double variation = 0, moved_variation = 0, x = 0, moved_x = 0;

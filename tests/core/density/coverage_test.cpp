@@ -14,7 +14,7 @@ std::vector<BorderEdge> closed(const std::vector<Point>& ring, double weight = 1
     return border;
 }
 
-/// A triangle of half a unit square, and above it, of twice the weight, a square with a hole.
+/// A triangle of half a unit square, and above it a square with a hole, of twice the weight.
 std::vector<BorderEdge> areas() {
     auto border = closed({{1, 0}, {2, 0}, {2, 1}});
     for (const auto& ring : {closed({{4, 2}, {7, 2}, {7, 5}, {4, 5}}, 2), closed({{5, 3}, {5, 4}, {6, 4}, {6, 3}}, 2)})
@@ -22,7 +22,7 @@ std::vector<BorderEdge> areas() {
     return border;
 }
 
-TEST(Coverage, IsTheShareOfEachCell) {
+TEST(Coverage, IsTheCoveredShareOfEachCell) {
     const auto share = coverage(areas(), {8, 6}, 8, 6);
     ASSERT_EQ(share.size(), 48u);
     EXPECT_NEAR(share[1], 0.5, 1e-12);
@@ -32,7 +32,7 @@ TEST(Coverage, IsTheShareOfEachCell) {
     EXPECT_NEAR(std::accumulate(share.begin(), share.end(), 0.0), 0.5 + 2 * 8, 1e-12);
 }
 
-TEST(Coverage, HoldsCellsBetweenBordersAlone) {
+TEST(Coverage, ListsOnlyCellsBetweenBorders) {
     const CrossedCells cells = crossed_coverage(areas(), {8, 6}, 16, 12);
     ASSERT_EQ(cells.rows.size(), 12u);
     EXPECT_EQ(cells.rows[0].end - cells.rows[0].first, 3u) << "from 1 to 2, and the column that begins at 2";

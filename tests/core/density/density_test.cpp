@@ -33,7 +33,7 @@ TEST(Density, KeepsTheRatiosOfItsValues) {
     EXPECT_EQ(std::vector<double>(sums.begin(), sums.end()), (std::vector<double>{0, 1, 1, 2.5}));
 }
 
-TEST(Density, IsTheSameInUnitsOfAnyPowerOfTwo) {
+TEST(Density, IsInvariantUnderPowersOfTwo) {
     const std::vector<double> values{0, 1, 1.0 / 3, 5, 0.7, 1e-9};
     const Density expected = *grid(3, 2, values);
     for (const int exponent : {-1000, -40, -1, 1, 40, 1000}) {
@@ -46,7 +46,7 @@ TEST(Density, IsTheSameInUnitsOfAnyPowerOfTwo) {
     }
 }
 
-TEST(Density, BringsTheLargestValueNearOneFromAnywhere) {
+TEST(Density, ScalesTheLargestValueNearOne) {
     constexpr double kLeastDouble = 5e-324, kMostDouble = std::numeric_limits<double>::max();
     for (const double value : {kLeastDouble, 3e-310, 1e-300, 0.3, 1.0, 1.9999, 2.0, 1e100, kMostDouble}) {
         const auto density = grid(2, 1, {0, value});
@@ -58,7 +58,7 @@ TEST(Density, BringsTheLargestValueNearOneFromAnywhere) {
     }
 }
 
-TEST(Density, TakesWhatIsNothingBesideTheLargestFor0) {
+TEST(Density, TreatsNegligibleValuesAsZero) {
     EXPECT_EQ(grid(2, 1, {Density::kLeast, 1})->value(0, 0), Density::kLeast);
     EXPECT_EQ(grid(2, 1, {Density::kLeast / 2, 1})->value(0, 0), 0);
     EXPECT_EQ(grid(2, 1, {5e-324, 1})->value(0, 0), 0);
@@ -66,14 +66,14 @@ TEST(Density, TakesWhatIsNothingBesideTheLargestFor0) {
     EXPECT_EQ(grid(2, 1, {1e-320, 1e300})->value(0, 0), 0);
 }
 
-TEST(Density, TakesFloats) {
+TEST(Density, AcceptsFloats) {
     const std::vector<float> values{0.5f, 0.25f};
     const auto density = Density::grid(2, 1, std::span<const float>(values));
     ASSERT_TRUE(density);
     EXPECT_EQ(density->value(1, 0), 0.5);
 }
 
-TEST(Density, KnowsItsSupport) {
+TEST(Density, FindsItsSupport) {
     const auto support = [](std::vector<double> values) { return Density::grid(4, 3, std::span(values))->support(); };
     const auto expect = [](const CellBlock& block, int left, int low, int right, int high) {
         EXPECT_EQ(block.left, left);

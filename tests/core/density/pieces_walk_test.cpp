@@ -27,10 +27,10 @@ struct Segment {
     Point a, b;
 };
 
-/// Pieces of two segments side by side, but for those of length 0.
+/// Returns the pieces of two segments processed together, without those of length 0.
 std::array<std::vector<Piece>, 2> pieces_of(const std::array<Segment, 2>& two) {
-    const Segments<OneLane> segments{{two[0].a.x, two[1].a.x}, {two[0].a.y, two[1].a.y}, {two[0].b.x, two[1].b.x},
-                                     {two[0].b.y, two[1].b.y}};
+    const Segments<OneLane> segments{
+        {two[0].a.x, two[1].a.x}, {two[0].a.y, two[1].a.y}, {two[0].b.x, two[1].b.x}, {two[0].b.y, two[1].b.y}};
     std::array<std::vector<Piece>, 2> pieces;
     walk_pieces(segments, kColumns, kRows, [&](Pair column, Pair row, Pair from, Pair to) {
         for (std::size_t i = 0; i < 2; ++i) {
@@ -41,7 +41,8 @@ std::array<std::vector<Piece>, 2> pieces_of(const std::array<Segment, 2>& two) {
 }
 
 void expect_covered(const Segment& segment, const std::vector<Piece>& pieces) {
-    SCOPED_TRACE(testing::Message() << segment.a.x << ' ' << segment.a.y << " to " << segment.b.x << ' ' << segment.b.y);
+    SCOPED_TRACE(testing::Message() << segment.a.x << ' ' << segment.a.y << " to " << segment.b.x << ' '
+                                    << segment.b.y);
     double end = 0;
     for (const Piece& piece : pieces) {
         EXPECT_EQ(piece.from, end);
@@ -76,14 +77,14 @@ TEST(PiecesWalk, CoversSegmentsCellByCell) {
     }
 }
 
-/// Along lines of the grid, through its points, of no length, thinner than any inverse can be told, and beyond the
-/// grid by rounding.
-TEST(PiecesWalk, CoversSegmentsAtTheEndsOfRanges) {
+/// Segments along grid lines, through grid points, of length 0, too thin for a finite inverse, and beyond the grid by
+/// rounding.
+TEST(PiecesWalk, CoversDegenerateSegments) {
     constexpr double kLeast = std::numeric_limits<double>::denorm_min(), kTiny = 1e-308, kOff = 1e-15;
-    const std::vector<double> xs{0, kLeast, kTiny, -kTiny, -kOff, 7, 7 + kOff, 7.5, kColumns - kOff, kColumns,
-                                 kColumns * (1 + kOff)};
-    const std::vector<double> ys{0, kLeast, kTiny, -kTiny, -kOff, 5, 5 - kOff, 5.5, kRows - kOff, kRows,
-                                 kRows * (1 + kOff)};
+    const std::vector<double> xs{
+        0, kLeast, kTiny, -kTiny, -kOff, 7, 7 + kOff, 7.5, kColumns - kOff, kColumns, kColumns * (1 + kOff)};
+    const std::vector<double> ys{
+        0, kLeast, kTiny, -kTiny, -kOff, 5, 5 - kOff, 5.5, kRows - kOff, kRows, kRows * (1 + kOff)};
     for (const double ax : xs) {
         for (const double bx : xs) {
             for (const double ay : ys) {

@@ -13,7 +13,7 @@ MapFeature feature(const test::Parts& parts, std::vector<std::size_t> dots) {
     return {Domain::repair(parts).value().domain, std::move(dots)};
 }
 
-TEST(Confine, LeavesWhatBothHave) {
+TEST(Confine, KeepsTheIntersection) {
     std::vector<MapFeature> features = {feature({{box(0, 0, 2, 2), {}}}, {3, 4}),
                                         feature({{box(2, 0, 2, 2), {}}}, {1, 0})};
     const Domain kept = Domain::repair({{box(1, 0.5, 2, 1), {box(1.25, 0.75, 0.5, 0.5)}}}).value().domain;
@@ -26,14 +26,14 @@ TEST(Confine, LeavesWhatBothHave) {
     EXPECT_EQ(features[0].dots, (std::vector<std::size_t>{3, 4}));
 }
 
-TEST(Confine, LeavesWhatIsInsideAlone) {
+TEST(Confine, KeepsFeaturesInside) {
     std::vector<MapFeature> features = {feature({{box(1, 1, 1, 1), {}}}, {5})};
     ASSERT_TRUE(confine(features, Domain::repair({{box(0, 0, 3, 3), {}}}).value().domain));
     EXPECT_EQ(features[0].area.corner_count(), 4U);
     EXPECT_EQ(features[0].area.area(), 1);
 }
 
-TEST(Confine, TellsWhoseDotsAreLost) {
+TEST(Confine, ReportsFeaturesThatLoseTheirDots) {
     std::vector<MapFeature> features = {feature({{box(0, 0, 1, 1), {}}}, {0}), feature({{box(2, 0, 1, 1), {}}}, {2, 1}),
                                         feature({{box(4, 0, 1, 1), {}}}, {7})};
     const auto lost = confine(features, Domain::repair({{box(4.5, 0, 9, 9), {}}}).value().domain);

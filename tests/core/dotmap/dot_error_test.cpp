@@ -12,10 +12,10 @@ namespace {
 
 using test::box;
 
-/// Squares side by side, and dots on a square grid in each.
+/// Adjacent squares, with dots on a square grid in each.
 class Squares {
 public:
-    /// @param rows  of dots in each square [squares]
+    /// @param rows  [squares] rows of dots in each square
     explicit Squares(const std::vector<int>& rows) {
         for (std::size_t i = 0; i < rows.size(); ++i) {
             const auto west = static_cast<double>(i);
@@ -62,7 +62,7 @@ private:
     std::vector<FeatureDot> dots_;
 };
 
-TEST(DotError, FindsNoneInGrids) {
+TEST(DotError, FindsNoErrorInGrids) {
     const Squares squares({20, 20});
     const auto errors = squares.errors();
     for (std::size_t dot = 0; dot < errors.size(); ++dot) {
@@ -73,7 +73,7 @@ TEST(DotError, FindsNoneInGrids) {
     }
 }
 
-TEST(DotError, TellsWhereThereAreTooMany) {
+TEST(DotError, LocatesASurplus) {
     const Squares squares({20, 20});
     std::vector<Point> places;
     for (const FeatureDot& dot : squares.dots()) places.push_back({dot.place.x, dot.place.y * dot.place.y});
@@ -88,8 +88,9 @@ TEST(DotError, TellsWhereThereAreTooMany) {
     }
 }
 
-/// Of what crowds at the border of two features each knows, be their spacings of one octave or of two.
-TEST(DotError, LooksAcrossBorders) {
+/// Features account for each other's dots at the common border, whether their spacings are in one octave or in adjacent
+/// ones.
+TEST(DotError, IncludesNeighbouringFeatures) {
     for (const int rows : {20, 28}) {
         const Squares squares({20, rows});
         std::vector<Point> places;
@@ -105,8 +106,8 @@ TEST(DotError, LooksAcrossBorders) {
     }
 }
 
-/// Next to ground so dense that its dots would count for many, and next to a desert.
-TEST(DotError, LeavesContrastsAlone) {
+/// One feature adjoins ground so dense that its dots would count for many, and almost empty ground.
+TEST(DotError, IgnoresFeaturesOfVeryDifferentDensity) {
     for (const int rows : {200, 3}) {
         const Squares squares({20, rows});
         const auto errors = squares.errors();

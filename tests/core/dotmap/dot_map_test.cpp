@@ -57,7 +57,8 @@ void check(const std::vector<Given>& given, const ClassDots& dots, std::size_t n
     EXPECT_EQ(test::count_distinct(dots.dots.points), dots.dots.points.size());
 }
 
-/// Nearest distance of each dot that has one of another feature near, over the mean of both hexagonal ones.
+/// Returns the nearest distance of each dot with a dot of another feature nearby, relative to the mean of both
+/// hexagonal distances.
 std::vector<double> distances(const ClassDots& dots, const std::vector<MapFeature>& features, bool across) {
     std::vector<double> found;
     const auto spacing = [&](std::size_t i) {
@@ -104,7 +105,7 @@ TEST(DistributeDots, LeavesNoStripAlongBorders) {
     const auto features = features_of(kNeighbours);
     const auto classes = distribute(features);
     ASSERT_TRUE(classes);
-    // The half of a row that lies at the border between the two upper and lower halves, and the next ones.
+    // Counts the dots in strips of one row's height above the border at y = 1.
     const auto& points = classes->front().dots.points;
     const double row = hexagonal_spacing(600.0 / 2) * std::sqrt(0.75);
     std::vector<int> rows(6, 0);
@@ -116,7 +117,7 @@ TEST(DistributeDots, LeavesNoStripAlongBorders) {
     for (const int count : rows) EXPECT_NEAR(count, mean, 0.35 * mean);
 }
 
-TEST(DistributeDots, KeepsCountsOfWhatOverlaps) {
+TEST(DistributeDots, KeepsTheCountsOfOverlappingFeatures) {
     const std::vector<Given> given = {{{{box(0, 0, 2, 2), {}}}, {200}},
                                       {{{box(1, 1, 2, 2), {}}}, {300}},
                                       {{{box(1, 1, 2, 2), {}}}, {50}},
@@ -127,7 +128,7 @@ TEST(DistributeDots, KeepsCountsOfWhatOverlaps) {
     check(given, classes->front());
 }
 
-TEST(DistributeDots, ReachesContrastsOfACity) {
+TEST(DistributeDots, HandlesStrongContrasts) {
     const std::vector<Given> given = {{{{box(0, 0, 100, 100), {box(50, 50, 1, 1)}}}, {100}},
                                       {{{box(50, 50, 1, 1), {}}}, {700}}};
     const auto features = features_of(given);
@@ -138,7 +139,7 @@ TEST(DistributeDots, ReachesContrastsOfACity) {
     EXPECT_GT(within[within.size() / 100], 0.7);
 }
 
-TEST(DistributeDots, PassesOverFeaturesWithoutDots) {
+TEST(DistributeDots, SkipsFeaturesWithoutDots) {
     const std::vector<Given> given = {
         {{{box(0, 0, 1, 1), {}}}, {1}}, {{{box(1, 0, 1, 1), {}}}, {0}}, {{{box(2, 0, 1, 1), {}}}, {2}}};
     const auto features = features_of(given);
@@ -147,7 +148,7 @@ TEST(DistributeDots, PassesOverFeaturesWithoutDots) {
     check(given, classes->front());
 }
 
-TEST(DistributeDots, KeepsSliversAndIslands) {
+TEST(DistributeDots, FillsSliversAndIslands) {
     Given islands{{}, {60}};
     for (int i = 0; i < 20; ++i) islands.parts.push_back({box(3 * i, 0, 1, 0.5), {}});
     const std::vector<Given> given = {
@@ -173,12 +174,12 @@ TEST(DistributeDots, KeepsClassesApart) {
         found.push_back(least / hexagonal_spacing(325));
     }
     std::ranges::sort(found);
-    // Of dots that know nothing of each other it is 0.1.
+    // For independent dots it would be 0.1.
     EXPECT_GT(found[found.size() / 20], 0.4);
 }
 
-/// Of 60 fixed points at random, on two features of which one is twice as dense, and a hundred in one place.
-TEST(DistributeDots, KeepsClearOfFixedPoints) {
+/// 60 random fixed points on two features, one of them twice as dense, and a hundred coincident ones.
+TEST(DistributeDots, KeepsDistanceFromFixedPoints) {
     const std::vector<Given> given = {{{{box(0, 0, 1, 1), {}}}, {400, 30}}, {{{box(1, 0, 1, 1), {}}}, {800, 0}}};
     Options options;
     Random random(7, 0);
@@ -203,7 +204,7 @@ TEST(DistributeDots, KeepsClearOfFixedPoints) {
         }
         std::ranges::sort(from_fixed);
         EXPECT_GT(from_fixed.front(), 0.6);
-        // No hole is left around them either.
+        // No hole is left around the fixed points either.
         EXPECT_LT(from_fixed[from_fixed.size() / 2], 1.1);
     }
 }
@@ -231,7 +232,7 @@ TEST(DistributeDots, RefusesAFeatureWithoutDensity) {
     EXPECT_EQ(classes.error().field, "features/0");
 }
 
-TEST(DistributeDots, RepeatsItself) {
+TEST(DistributeDots, IsDeterministic) {
     const auto features = features_of(kNeighbours);
     const auto once = distribute(features), again = distribute(features);
     EXPECT_EQ(once->front().dots.points, again->front().dots.points);
@@ -240,7 +241,7 @@ TEST(DistributeDots, RepeatsItself) {
     EXPECT_NE(once->front().dots.points, distribute(features, Density::uniform(), other)->front().dots.points);
 }
 
-TEST(DistributeDots, IsTheSameByAnyTeam) {
+TEST(DistributeDots, IsIdenticalOnAnyNumberOfThreads) {
     const auto features = features_of({{{{box(0, 0, 1, 1), {}}}, {9000, 500}},
                                        {{{box(1, 0, 1, 1), {}}}, {6000, 2500}},
                                        {{{box(0, 1, 2, 1), {}}}, {12000, 0}},
@@ -265,7 +266,7 @@ TEST(DistributeDots, IsTheSameByAnyTeam) {
     }
 }
 
-TEST(DistributeDots, TellsItsProgressAndStops) {
+TEST(DistributeDots, ReportsProgressAndStops) {
     const auto features = features_of(kNeighbours);
     std::vector<double> done;
     std::stop_source source;

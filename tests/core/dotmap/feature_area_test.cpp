@@ -17,7 +17,7 @@ FeatureArea area_of(const Parts& parts) {
     return FeatureArea(Domain::create(parts).value());
 }
 
-TEST(FeatureArea, ContainsWhatPredicatesSay) {
+TEST(FeatureArea, AgreesWithExactPredicates) {
     const Parts shapes[] = {{{test::star({3, 2}, 2, 0.7, 40), {test::circle({3, 2}, 0.5, 17)}}},
                             {test::sieve(5)},
                             test::read_geojson("South-Africa-50m.geojson"),
@@ -38,7 +38,7 @@ TEST(FeatureArea, ContainsWhatPredicatesSay) {
     }
 }
 
-TEST(FeatureArea, KnowsTheSameByCells) {
+TEST(FeatureArea, GivesTheSameAnswersWithAGrid) {
     const Parts shapes[] = {{{test::star({3, 2}, 2, 0.7, 40), {test::circle({3, 2}, 0.5, 17)}}},
                             {test::sieve(5)},
                             test::read_geojson("South-Africa-50m.geojson"),
@@ -62,7 +62,7 @@ TEST(FeatureArea, KnowsTheSameByCells) {
     }
 }
 
-TEST(FeatureArea, LeavesOutTheBorder) {
+TEST(FeatureArea, ExcludesTheBorder) {
     const Parts parts = {{test::l_shape(), {}}};
     const FeatureArea area = area_of(parts);
     const Ring& ring = parts.front().outer;
@@ -73,13 +73,13 @@ TEST(FeatureArea, LeavesOutTheBorder) {
     }
 }
 
-TEST(FeatureArea, GoesAlongTheBorderInTheWay) {
+TEST(FeatureArea, SlidesAlongAnObstructingBorder) {
     const FeatureArea area = area_of({{test::box(0, 0, 4, 1), {}}});
     EXPECT_EQ(area.towards({1, 0.5}, {2, 0.25}), (Point{2, 0.25}));
     EXPECT_EQ(area.towards({1, 0.5}, {2, 1.5}), (Point{2, 0.5}));
 }
 
-TEST(FeatureArea, NeverGoesOut) {
+TEST(FeatureArea, NeverLeavesTheArea) {
     const Parts parts = {{test::star({0, 0}, 1, 0.3, 16), {}}};
     const FeatureArea area = area_of(parts);
     Random random(2, 0);
@@ -90,7 +90,7 @@ TEST(FeatureArea, NeverGoesOut) {
     }
 }
 
-TEST(FeatureIndex, FindsAllThatMayHoldAPlace) {
+TEST(FeatureIndex, FindsAllFeaturesAtAPosition) {
     std::vector<FeatureArea> areas;
     for (int i = 0; i < 40; ++i) areas.push_back(area_of({{test::box(i % 8, i / 8, 1.5, 1.5), {}}}));
     const FeatureIndex index(areas);

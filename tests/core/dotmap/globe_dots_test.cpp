@@ -42,7 +42,7 @@ TEST(DistributeDotsOnGlobe, IsEvenOnTheGround) {
     }
     const auto height = [](double degrees) { return std::sin(degrees * M_PI / 180); };
     EXPECT_NEAR(north / 2000.0, (height(70) - height(60)) / (height(70) - height(50)), 0.01);
-    // Ground in square metres by a sphere of the same area.
+    // Ground in square metres on the sphere of equal area.
     const double ground = 6371007.2 * 6371007.2 * (height(70) - height(50)) * 20 * M_PI / 180;
     EXPECT_NEAR(placed->pitch, std::sqrt(ground / 2500), 0.01 * placed->pitch);
 }
@@ -65,8 +65,8 @@ TEST(DistributeDotsOnGlobe, CrossesTheAntimeridian) {
     EXPECT_GT(least, 0.4 * std::sqrt(200.0 / 600));
 }
 
-TEST(DistributeDotsOnGlobe, KeepsOffTheBorderOfAll) {
-    // A degree of latitude has 111 km; on the border of the two dots may lie.
+TEST(DistributeDotsOnGlobe, KeepsTheBufferFromTheOuterBorder) {
+    // A degree of latitude has 111 km. Dots may lie on the border between the two features.
     const std::vector<Given> given = {
         {{{box(0, 0, 2, 2), {}}}, 200}, {{{box(2, 0, 2, 2), {}}}, 200}, {{{box(4, 0.5, 0.5, 0.5), {}}}, 5}};
     const auto placed = distribute(given, 50'000);
@@ -87,7 +87,7 @@ TEST(DistributeDotsOnGlobe, KeepsOffTheBorderOfAll) {
     EXPECT_EQ(distribute({given[2]}, 50'000).error().field, "buffer");
 }
 
-TEST(DistributeDotsOnGlobe, RefusesAllOfTheGlobe) {
+TEST(DistributeDotsOnGlobe, RefusesTheWholeGlobe) {
     const auto placed = distribute({{{{box(-180, -90, 180, 180), {}}}, 10}, {{{box(0, -90, 180, 180), {}}}, 10}});
     ASSERT_FALSE(placed);
     EXPECT_EQ(placed.error().code, ErrorCode::Unusable);

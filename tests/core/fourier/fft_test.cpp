@@ -20,7 +20,7 @@ using Complex = std::complex<double>;
 
 constexpr double kPi = std::numbers::pi;
 
-/// Even and odd, prime and composite, flat and of one cell.
+/// Even and odd, prime and composite, one-dimensional and single-cell sizes.
 constexpr std::pair<int, int> kSizes[] = {{12, 10}, {9, 16}, {7, 13}, {1, 6}, {6, 1}, {1, 1}};
 
 std::vector<double> noise(std::size_t size) {
@@ -30,7 +30,7 @@ std::vector<double> noise(std::size_t size) {
     return values;
 }
 
-/// The product of all that is not 2, 3 or 5 in a number.
+/// Returns a number divided by all its factors 2, 3 and 5.
 int rough_part(int number) {
     for (const int prime : {2, 3, 5}) {
         while (number % prime == 0) number /= prime;
@@ -54,7 +54,7 @@ TEST(GoodSize, RoundsUp) {
     EXPECT_EQ(good_size(1e9), 1'000'000'000);
 }
 
-TEST(RealTransform, StartsWithNothing) {
+TEST(RealTransform, StartsWithZeros) {
     RealTransform transform(6, 4);
     EXPECT_EQ(transform.grid().size(), 24u);
     EXPECT_EQ(transform.spectrum().size(), 16u);
@@ -62,7 +62,7 @@ TEST(RealTransform, StartsWithNothing) {
     for (const Complex value : transform.spectrum()) EXPECT_EQ(value, Complex());
 }
 
-TEST(RealTransform, TurnsAnImpulseIntoAWave) {
+TEST(RealTransform, TransformsAnImpulseToAWave) {
     for (const auto& [columns, rows] : kSizes) {
         const int x = columns / 3, y = rows / 2;
         RealTransform transform(columns, rows);
@@ -79,7 +79,7 @@ TEST(RealTransform, TurnsAnImpulseIntoAWave) {
     }
 }
 
-TEST(RealTransform, FindsTheOnlyWave) {
+TEST(RealTransform, FindsASingleWave) {
     constexpr int kColumns = 12, kRows = 10, kU = 3, kV = 2;
     RealTransform transform(kColumns, kRows);
     for (int y = 0; y < kRows; ++y) {
@@ -99,7 +99,7 @@ TEST(RealTransform, FindsTheOnlyWave) {
     }
 }
 
-TEST(RealTransform, ComesBackTimesTheNumberOfCells) {
+TEST(RealTransform, RoundTripsUpToTheNumberOfCells) {
     for (const auto& [columns, rows] : kSizes) {
         RealTransform transform(columns, rows);
         const auto values = noise(transform.grid().size());
@@ -112,7 +112,7 @@ TEST(RealTransform, ComesBackTimesTheNumberOfCells) {
     }
 }
 
-TEST(RealTransform, KeepsTheGridGoingForward) {
+TEST(RealTransform, KeepsTheGridInTheForwardTransform) {
     RealTransform transform(12, 10);
     const auto values = noise(120);
     std::ranges::copy(values, transform.grid().begin());
@@ -120,7 +120,7 @@ TEST(RealTransform, KeepsTheGridGoingForward) {
     EXPECT_TRUE(std::ranges::equal(transform.grid(), values));
 }
 
-TEST(RealTransform, MovesWithWhatItHolds) {
+TEST(RealTransform, KeepsItsContentsWhenMoved) {
     RealTransform first(4, 4);
     first.grid()[0] = 3;
     RealTransform second(std::move(first));
@@ -130,12 +130,12 @@ TEST(RealTransform, MovesWithWhatItHolds) {
     EXPECT_EQ(first.grid().size(), 4u);
 }
 
-TEST(RealTransform, RemembersNothingOfARest) {
+TEST(RealTransform, IsClearedByARelease) {
     const auto values = noise(120);
     const auto rests = [&](auto&& transform) {
         std::ranges::copy(values, transform.grid().begin());
         transform.forward();
-        transform.rest();
+        transform.release_memory();
         for (const double value : transform.grid()) EXPECT_EQ(value, 0);
         std::ranges::copy(values, transform.grid().begin());
         transform.forward();
@@ -146,7 +146,7 @@ TEST(RealTransform, RemembersNothingOfARest) {
     EXPECT_NEAR(rests(CosineTransform(12, 10)) / 480, values[17], 1e-14);
 }
 
-TEST(RealTransform, IsTheSameOnManyThreads) {
+TEST(RealTransform, IsThreadSafe) {
     constexpr int kSide = 90;
     const auto values = noise(kSide * kSide);
     const auto transformed = [&] {
@@ -164,7 +164,7 @@ TEST(RealTransform, IsTheSameOnManyThreads) {
     for (const auto& result : found) EXPECT_EQ(result, expected);
 }
 
-TEST(RealTransform, IsTheSameByAnyTeam) {
+TEST(RealTransform, IsIdenticalOnAnyNumberOfThreads) {
     const auto values = noise(90 * 100);
     const auto there_and_back = [&](auto&& transform) {
         std::ranges::copy(values, transform.grid().begin());
@@ -181,7 +181,7 @@ TEST(RealTransform, IsTheSameByAnyTeam) {
     }
 }
 
-TEST(CosineTransform, FindsTheOnlyWave) {
+TEST(CosineTransform, FindsASingleWave) {
     for (const auto& [columns, rows] : kSizes) {
         const int u = columns / 2, v = rows / 3;
         CosineTransform transform(columns, rows);
@@ -192,7 +192,7 @@ TEST(CosineTransform, FindsTheOnlyWave) {
             }
         }
         transform.forward();
-        // A cosine's squares have mean a half, but for the constant one.
+        // The mean square of a cosine is a half, except for the constant.
         const double expected = columns * rows * (u == 0 ? 2.0 : 1.0) * (v == 0 ? 2.0 : 1.0);
         for (int y = 0; y < rows; ++y) {
             for (int x = 0; x < columns; ++x) {
@@ -204,7 +204,7 @@ TEST(CosineTransform, FindsTheOnlyWave) {
     }
 }
 
-TEST(CosineTransform, TurnsAnImpulseIntoAWave) {
+TEST(CosineTransform, TransformsAnImpulseToAWave) {
     constexpr int kColumns = 8, kRows = 5, kX = 3, kY = 4;
     CosineTransform transform(kColumns, kRows);
     transform.grid()[kY * kColumns + kX] = 1;
@@ -217,7 +217,7 @@ TEST(CosineTransform, TurnsAnImpulseIntoAWave) {
     }
 }
 
-TEST(CosineTransform, ComesBackTimesFourTimesTheNumberOfCells) {
+TEST(CosineTransform, RoundTripsUpToFourTimesTheNumberOfCells) {
     for (const auto& [columns, rows] : kSizes) {
         CosineTransform transform(columns, rows);
         const auto values = noise(transform.grid().size());

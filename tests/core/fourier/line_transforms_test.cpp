@@ -26,10 +26,12 @@ std::vector<Complex> complex_noise(std::size_t size) {
     return values;
 }
 
-/// What all transforms make of some numbers, one after the other.
+/// Returns the results of all transforms of some numbers, concatenated.
 std::vector<double> transformed(const LineTransforms& transforms, const LineSet& lines) {
     std::vector<double> found;
-    const auto keep = [&](const std::vector<double>& values) { found.insert(found.end(), values.begin(), values.end()); };
+    const auto keep = [&](const std::vector<double>& values) {
+        found.insert(found.end(), values.begin(), values.end());
+    };
     const auto keep_complex = [&](const std::vector<Complex>& values) {
         for (const Complex value : values) keep({value.real(), value.imag()});
     };
@@ -52,7 +54,7 @@ std::vector<double> transformed(const LineTransforms& transforms, const LineSet&
     return found;
 }
 
-TEST(LineTransforms, AreTheSameByAnyProcessor) {
+TEST(LineTransforms, AreIdenticalOnAnyProcessor) {
     for (const std::size_t size : {1, 2, 3, 7, 16, 60, 243, 1000, 1024}) {
         for (const std::size_t count : {1, 2, 3, 4, 5, 16}) {
             for (const LineSet& lines : {LineSet{size, 1, count, size}, LineSet{size, count, count, 1}}) {
@@ -63,7 +65,7 @@ TEST(LineTransforms, AreTheSameByAnyProcessor) {
     }
 }
 
-TEST(LineTransforms, AreTheSameWhateverLiesBeside) {
+TEST(LineTransforms, AreIndependentOfOtherLines) {
     constexpr std::size_t kSize = 90, kCount = 7;
     const auto values = noise(kSize * kCount);
     auto together = values;

@@ -9,7 +9,7 @@
 namespace ccdt {
 namespace {
 
-TEST(ConstrainedDelaunay, BeginsNothingOnceItIsStopped) {
+TEST(ConstrainedDelaunay, DoesNothingAfterAStop) {
     constexpr std::size_t kPoints = 10'000;
     Random random(1, 0);
     std::vector<Point> points;

@@ -16,7 +16,7 @@ Domain square() {
     return Domain::rectangle(4, 4).value();
 }
 
-TEST(Without, TakesWhatAreasCover) {
+TEST(Without, SubtractsAreas) {
     const std::vector<Area> areas = {{box(1, 1, 1, 1)}, {box(3, -1, 4, 2)}};
     const auto left = without(square(), areas);
     ASSERT_TRUE(left) << left.error().message;
@@ -35,14 +35,14 @@ TEST(Without, KeepsTheBoundingBox) {
     EXPECT_EQ(left->to_user({0.75, 0.5}), (Point{3, 2}));
 }
 
-TEST(Without, TakesEachAreaByTheEvenOddRuleAndAllTogether) {
+TEST(Without, SubtractsTheUnionOfEvenOddAreas) {
     const std::vector<Area> areas = {{box(0, 0, 3, 3), box(1, 1, 1, 1)}, {box(2, 2, 2, 2)}};
     const auto left = without(square(), areas);
     ASSERT_TRUE(left);
     EXPECT_DOUBLE_EQ(left->area(), 16 - (9 - 1) - (4 - 1));
 }
 
-TEST(Without, LeavesWhatNothingReachesAsItIs) {
+TEST(Without, ReturnsUntouchedDomainsUnchanged) {
     const std::vector<Area> areas = {{box(5, 5, 1, 1)}, {}, {{{-1, -1}, {-2, 9}}}};
     const auto left = without(square(), areas);
     ASSERT_TRUE(left);
@@ -50,15 +50,15 @@ TEST(Without, LeavesWhatNothingReachesAsItIs) {
     EXPECT_TRUE(left->is_box());
 }
 
-TEST(Without, LeavesNothingOfWhatIsCovered) {
+TEST(Without, RefusesAFullyCoveredDomain) {
     const std::vector<Area> areas = {{box(-1, -1, 6, 6)}};
     const auto left = without(square(), areas);
     ASSERT_FALSE(left);
     EXPECT_EQ(left.error().code, ErrorCode::Unusable);
 }
 
-TEST(Without, CutsFarCornersOffWhereTheirEdgesRun) {
-    // The edge through the middle of the square runs from one far corner to another.
+TEST(Without, ClipsDistantCornersAlongTheirEdges) {
+    // The edge through the centre of the square joins two distant corners.
     for (const double far : {1e3, 1e9, 1e140}) {
         const std::vector<Area> areas = {{{{-far, -far}, {far, far}, {far, -far}}}};
         const auto left = without(square(), areas);
@@ -70,7 +70,7 @@ TEST(Without, CutsFarCornersOffWhereTheirEdgesRun) {
     EXPECT_NEAR(without(square(), all)->area(), 12, 1e-12);
 }
 
-TEST(Without, HoldsNoPointOfAnArea) {
+TEST(Without, ContainsNoPointOfTheAreas) {
     const auto italy = test::read_geojson("Italy-110m.geojson");
     const auto domain = Domain::create(italy);
     ASSERT_TRUE(domain);
@@ -87,7 +87,7 @@ TEST(Without, HoldsNoPointOfAnArea) {
     EXPECT_EQ(test::count_outside({{lake, {}}, {box(15, 35, 5, 5), {}}}, placed->points), 2000U);
 }
 
-TEST(RepairedArea, IsGivenBackAsItIsIfValidAndElseRepaired) {
+TEST(RepairedArea, KeepsValidInputAndRepairsOther) {
     const std::vector<PolygonPart> valid = {{box(0, 0, 3, 3), {box(1, 1, 1, 1)}}};
     const auto kept = Domain::repair_area(valid);
     ASSERT_TRUE(kept);

@@ -27,7 +27,7 @@ void expect_refused(const Parts& parts, const std::string& field) {
     EXPECT_FALSE(domain.error().message.empty());
 }
 
-/// For errors that may be named by either of two rings or vertices.
+/// Accepts any of several fields, for errors that may name either of two rings or vertices.
 void expect_refused(const Parts& parts, const std::vector<std::string>& fields) {
     const auto domain = Domain::create(parts);
     ASSERT_FALSE(domain);
@@ -55,7 +55,7 @@ TEST(Domain, RefusesRectanglesWithoutSize) {
     }
 }
 
-TEST(Domain, PutsWhatIsNextToTheLowerSidesOnThem) {
+TEST(Domain, SnapsCornersNearTheLowerSides) {
     const auto domain = Domain::create({PolygonPart{{{1e-45, 0}, {0.5, -5e-324}, {1, 0.5}, {0.5, 1}}, {}}});
     ASSERT_TRUE(domain) << domain.error().message;
     for (const Ring& ring : domain->rings()) {
@@ -82,7 +82,7 @@ TEST(Domain, JoinsTheSidesOfATorus) {
     EXPECT_FALSE(Domain::rectangle(3, 2)->is_torus());
 }
 
-TEST(Domain, RefusesToriThatAreNone) {
+TEST(Domain, RefusesInvalidTori) {
     EXPECT_TRUE(Domain::torus(1, 1000));
     EXPECT_TRUE(Domain::torus(1000, 1));
     const double infinity = std::numeric_limits<double>::infinity();
@@ -141,14 +141,14 @@ TEST(Domain, KeepsCollinearVertices) {
     EXPECT_DOUBLE_EQ(domain->area(), 1);
 }
 
-TEST(Domain, TakesUnitPointsBack) {
+TEST(Domain, ConvertsUnitPointsToUserCoordinates) {
     const auto domain = Domain::create({{box(100, -50, 8, 4), {}}});
     ASSERT_TRUE(domain);
     EXPECT_EQ(domain->to_user({0, 0}), (Point{100, -50}));
     EXPECT_EQ(domain->to_user({1, 0.5}), (Point{108, -46}));
 }
 
-TEST(Domain, TakesAllCopiesOnATorusToOnePlace) {
+TEST(Domain, MapsPeriodicCopiesToOnePoint) {
     const auto torus = Domain::torus(8, 4);
     ASSERT_TRUE(torus);
     for (const double x : {0.25, 1.25, -0.75}) {
@@ -158,7 +158,7 @@ TEST(Domain, TakesAllCopiesOnATorusToOnePlace) {
     EXPECT_EQ(torus->to_user({-1e-20, -1e-20}), (Point{0, 0})) << "rounds to the upper sides";
 }
 
-TEST(Domain, IsTheSameWhereverItLiesAndHoweverLarge) {
+TEST(Domain, IsInvariantUnderTranslationAndScaling) {
     const Parts parts = test::read_geojson("Italy-110m.geojson");
     const auto domain = Domain::create(parts);
     const auto large = Domain::create(test::scaled(parts, 0x1p30));
@@ -191,7 +191,7 @@ TEST(Domain, AcceptsManyHoles) {
     EXPECT_NEAR(domain->area(), 0.75, 1e-12);
 }
 
-TEST(Domain, RefusesNothing) {
+TEST(Domain, RefusesNoPartsAtAll) {
     const auto domain = Domain::create({});
     ASSERT_FALSE(domain);
     EXPECT_EQ(domain.error().code, ErrorCode::Unusable);
@@ -226,7 +226,7 @@ TEST(Domain, RefusesExtentsThatNumbersCannotResolve) {
     EXPECT_FALSE(Domain::torus(0.99e-140, 0.99e-140));
 }
 
-TEST(Domain, KeepsSquaresOfLengthsOrdinaryNumbers) {
+TEST(Domain, KeepsSquaredLengthsFiniteAndNormal) {
     for (const double side : {1e-140, 1e140}) {
         for (const double shape : {1.0, 1e-11}) {
             const auto domain = Domain::rectangle(side, shape * side);
@@ -260,7 +260,7 @@ TEST(Domain, RefusesSpikes) {
 }
 
 TEST(Domain, CountsVerticesAsTheCallerDoes) {
-    // Repeated and closing vertices count, and a turned ring keeps its numbers.
+    // Repeated and closing vertices count, and a reversed ring keeps its numbers.
     const Ring ring{{0, 0}, {0, 0}, {0, 4}, {2, 2}, {4, 4}, {4, 0}, {2, 2}, {0, 0}};
     expect_refused({{ring, {}}}, std::vector<std::string>{"/0/0/3", "/0/0/6"});
 }
@@ -296,7 +296,7 @@ TEST(Domain, AcceptsRingsThatTouchAtPoints) {
     EXPECT_DOUBLE_EQ(parts->area(), 2.5);
 }
 
-TEST(Domain, RefusesAnInsideThatHolesCut) {
+TEST(Domain, RefusesADisconnectedInside) {
     expect_refused({{box(0, 0, 4, 4), {{{2, 0}, {3, 2}, {2, 4}, {1, 2}}}}}, "/0/0");
 }
 
@@ -312,14 +312,14 @@ TEST(Domain, RefusesOverlappingParts) {
     EXPECT_FALSE(Domain::create({{box(0, 0, 2, 2), {}}, {box(2, 0, 2, 2), {}}})) << "a common edge";
 }
 
-TEST(Domain, TakesRingsOfManyVertices) {
+TEST(Domain, AcceptsRingsOfManyVertices) {
     const auto domain = Domain::create({{test::circle({0, 0}, 1, kManyVertices), {}}});
     ASSERT_TRUE(domain);
     EXPECT_EQ(domain->corner_count(), static_cast<std::size_t>(kManyVertices));
     EXPECT_NEAR(domain->area(), 3.141592653589793, 1e-8);
 }
 
-TEST(Domain, TakesManyCollinearVertices) {
+TEST(Domain, AcceptsManyCollinearVertices) {
     for (const double slope : {0.0, 0.7}) {
         Ring ring;
         for (int i = 0; i <= kManyVertices / 4; ++i) {
@@ -333,14 +333,14 @@ TEST(Domain, TakesManyCollinearVertices) {
     }
 }
 
-TEST(Domain, RefusesAMessOfManyVertices) {
+TEST(Domain, RefusesManyRandomCrossings) {
     Random random(1, 0);
     Ring ring;
     for (int i = 0; i < kManyVertices; ++i) ring.push_back({random.uniform(), random.uniform()});
     EXPECT_FALSE(Domain::create({{ring, {}}}));
 }
 
-TEST(Domain, StopsWhenItIsToldTo) {
+TEST(Domain, StopsOnRequest) {
     std::stop_source stop;
     const Parts parts{{box(0, 0, 8, 8), {}}};
     EXPECT_TRUE(Domain::create(parts, stop.get_token()));
@@ -350,16 +350,16 @@ TEST(Domain, StopsWhenItIsToldTo) {
     EXPECT_EQ(domain.error().code, ErrorCode::Stopped);
 }
 
-TEST(Domain, IsEnclosedByChainsOfAnyOrder) {
+TEST(Domain, IsEnclosedByChainsInAnyOrder) {
     const Ring outer = box(0, 0, 4, 2), hole{{1, 1}, {2, 1}, {2, 1.5}, {1, 1.5}};
-    // There and back, in and out of the rest.
+    // A spike that runs back and forth across the ring.
     const Ring spike{{3, 1}, {9, 9}};
     const auto domain = Domain::enclosed_by({hole, spike, outer});
     ASSERT_TRUE(domain) << domain.error().message;
     EXPECT_DOUBLE_EQ(domain->area(), 7.5);
     EXPECT_EQ(domain->rings().size(), 2u);
     EXPECT_EQ(domain->bounds().max, (Point{4, 2}));
-    // Edges that two have in common enclose nothing.
+    // Shared edges enclose nothing.
     const auto joined = Domain::enclosed_by({box(0, 0, 1, 1), box(1, 0, 1, 1)});
     ASSERT_TRUE(joined) << joined.error().message;
     EXPECT_EQ(joined->rings().size(), 1u);
@@ -367,7 +367,7 @@ TEST(Domain, IsEnclosedByChainsOfAnyOrder) {
     EXPECT_EQ(Domain::enclosed_by({outer, outer}).error().code, ErrorCode::Unusable);
 }
 
-TEST(Domain, UnitesWhatTouchesOverlapsAndLiesApart) {
+TEST(Domain, UnitesTouchingOverlappingAndSeparateDomains) {
     const Domain domains[] = {Domain::create({{box(0, 0, 4, 4), {box(1, 1, 2, 2)}}}).value(),
                               Domain::create({{box(1, 1, 1, 2), {}}}).value(),
                               Domain::create({{box(4, 0, 2, 4), {}}}).value(),
@@ -387,7 +387,7 @@ TEST(Domain, UnitesWhatTouchesOverlapsAndLiesApart) {
     EXPECT_EQ(Domain::united(all, stopped.get_token()).error().code, ErrorCode::Stopped);
 }
 
-TEST(Domain, RefusesWhatItsCoordinatesCannotResolve) {
+TEST(Domain, RefusesAreasTooThinForTheirCoordinates) {
     const auto thin = Domain::create({{{{1e9, 1e9}, {1e9 + 10, 1e9}, {1e9 + 10, 1e9 + 1e-5}, {1e9, 1e9 + 1e-5}}, {}}});
     ASSERT_FALSE(thin);
     EXPECT_EQ(thin.error().code, ErrorCode::Unusable);

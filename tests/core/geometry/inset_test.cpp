@@ -23,7 +23,8 @@ Domain inset_of(const Parts& parts, double distance) {
     return *left;
 }
 
-/// Corners of the border are as far from the old one as they should be, and no farther than slices of arcs are.
+/// Checks that corners of the new border keep their distance from the old one, and exceed it by no more than the slices
+/// of arcs allow.
 void expect_distance(const Domain& left, const Parts& parts, double distance) {
     double least = 1e300, most = 0;
     for (const Ring& ring : left.rings()) {
@@ -45,7 +46,7 @@ TEST(Inset, OfARectangleIsARectangle) {
     EXPECT_EQ(left.bounds().max, (Point{5, 5}));
 }
 
-TEST(Inset, GoesAroundHolesInArcs) {
+TEST(Inset, SurroundsHolesByArcs) {
     const Parts parts = {{box(0, 0, 9, 9), {box(4, 4, 1, 1)}}};
     const Domain left = inset_of(parts, 1);
     EXPECT_NEAR(left.area(), 49 - 5 - std::numbers::pi, 0.02);
@@ -54,8 +55,8 @@ TEST(Inset, GoesAroundHolesInArcs) {
     expect_distance(left, parts, 1);
 }
 
-TEST(Inset, FallsApartWhereTheDomainIsNarrow) {
-    // Two squares, and a corridor of width 1 between them.
+TEST(Inset, SplitsWhereTheDomainIsNarrow) {
+    // Two squares joined by a corridor of width 1.
     const Parts parts = {
         {{{0, 0}, {4, 0}, {4, 1}, {8, 1}, {8, 0}, {12, 0}, {12, 4}, {8, 4}, {8, 2}, {4, 2}, {4, 4}, {0, 4}}, {}}};
     EXPECT_EQ(inset_of(parts, 0.4).rings().size(), 1U);
@@ -64,7 +65,7 @@ TEST(Inset, FallsApartWhereTheDomainIsNarrow) {
     expect_distance(left, parts, 0.6);
 }
 
-TEST(Inset, KeepsItsDistanceFromCoastsFinerAndCoarserThanThat) {
+TEST(Inset, KeepsDistanceFromFineAndCoarseBorders) {
     for (const auto* name : {"Italy-110m.geojson", "Switzerland-10m.geojson", "South-Africa-50m.geojson"}) {
         const Parts parts = test::read_geojson(name);
         for (const double distance : {1e-9, 1e-3, 0.1, 0.3}) {
@@ -81,7 +82,7 @@ TEST(Inset, OfAFineCircleIsACircle) {
     expect_distance(left, parts, 0.5);
 }
 
-/// A circle whose corners reach in, each by another share of a depth.
+/// A circle with reflex corners, each with a different share of the depth.
 Parts ragged_circle(int corners, double depth) {
     Ring ring = test::circle({0, 0}, 1, corners);
     double share = 0.5;
@@ -93,7 +94,7 @@ Parts ragged_circle(int corners, double depth) {
     return {{ring, {}}};
 }
 
-TEST(Inset, OfRaggedBordersKeepsItsDistance) {
+TEST(Inset, KeepsDistanceFromRaggedBorders) {
     const Parts parts = ragged_circle(1500, 0.1);
     for (const double distance : {1e-6, 1e-4, 3e-3, 1e-2, 3e-2, 0.1, 0.45}) {
         SCOPED_TRACE(testing::Message() << distance);
@@ -101,7 +102,7 @@ TEST(Inset, OfRaggedBordersKeepsItsDistance) {
     }
 }
 
-TEST(Inset, TakesNoMoreOfRaggedBordersThanItMust) {
+TEST(Inset, RemovesNoMoreThanNeededAtRaggedBorders) {
     const Parts parts = ragged_circle(1500, 0.1);
     for (const double distance : {3e-3, 3e-2, 0.3}) {
         const Domain left = inset_of(parts, distance);
@@ -123,14 +124,14 @@ TEST(Inset, TakesNoMoreOfRaggedBordersThanItMust) {
     }
 }
 
-TEST(Inset, OfManyCornersIsNotRefused) {
+TEST(Inset, AcceptsManyCorners) {
     const Parts parts = ragged_circle(20'000, 0.1);
     for (const double distance : {1e-300, 1e-12, 1e-3, 0.1, 0.5})
         EXPECT_GT(inset_of(parts, distance).area(), 0.4) << distance;
 }
 
-TEST(Inset, OfManyCornersKeepsItsDistance) {
-    // From lines beside all edges, which meet nowhere, to such as are too long for many of them.
+TEST(Inset, KeepsDistanceWithManyCorners) {
+    // Covers the cases from offset lines that do not meet to distances too long for many edges.
     const Parts parts = ragged_circle(12'000, 0.1);
     for (const double distance : {1e-8, 1e-6, 1e-5, 1e-4}) {
         const Domain left = inset_of(parts, distance);
@@ -144,7 +145,7 @@ TEST(Inset, OfManyCornersKeepsItsDistance) {
     }
 }
 
-TEST(Inset, OfManyCornersTakesAStrip) {
+TEST(Inset, RemovesAStripWithManyCorners) {
     constexpr double kDistance = 1e-5;
     const Parts parts = {{test::star({0, 0}, 1, 0.9999, 12'000), {test::star({0, 0}, 0.5, 0.4999, 12'000)}}};
     const Domain domain = Domain::create(parts).value(), left = inset_of(parts, kDistance);
@@ -159,8 +160,8 @@ TEST(Inset, OfManyCornersTakesAStrip) {
     EXPECT_NEAR((domain.area() - left.area()) / (kDistance * perimeter), 1, 0.01);
 }
 
-TEST(Inset, DropsLinesThatMeetNoneAndAreTooNear) {
-    // A ring thinner than the distance, within whose hole there is the line of its outer border; and a disc beside it.
+TEST(Inset, DropsSeparateLinesThatAreTooNear) {
+    // A ring thinner than the distance, whose hole contains the offset line of its outer border; and a separate disc.
     const Parts parts = {{test::circle({0, 0}, 1, 12'000), {test::circle({0, 0}, 0.9999, 12'000)}},
                          {test::circle({3, 0}, 1, 12'000), {}}};
     const Domain left = inset_of(parts, 2e-4);
@@ -168,7 +169,7 @@ TEST(Inset, DropsLinesThatMeetNoneAndAreTooNear) {
     EXPECT_NEAR(left.area(), std::numbers::pi * 0.9998 * 0.9998, 1e-5);
 }
 
-TEST(Inset, StopsWhenAsked) {
+TEST(Inset, StopsOnRequest) {
     std::stop_source source;
     source.request_stop();
     const auto left = inset(Domain::create(ragged_circle(1500, 0.1)).value(), 0.1, source.get_token());
@@ -176,7 +177,7 @@ TEST(Inset, StopsWhenAsked) {
     EXPECT_EQ(left.error().code, ErrorCode::Stopped);
 }
 
-TEST(Inset, KeepsOutOfDiscsThatLieBesideTheirPoints) {
+TEST(Inset, KeepsOutOfOffCentreDiscs) {
     const Parts parts = {{box(0, 0, 4, 4), {box(1, 1, 1, 1)}}};
     const auto shifted = [](Point p) { return Disc{{p.x + 0.125 * p.y, p.y}, 0.25 + 0.125 * p.x}; };
     const auto left = inset(Domain::create(parts).value(), shifted);
@@ -205,8 +206,8 @@ TEST(Inset, KeepsOutOfDiscsThatLieBesideTheirPoints) {
               Domain::create(parts)->rings());
 }
 
-TEST(Inset, KeepsOneDistanceWhereDiscsHardlyDiffer) {
-    // Radii differ by a tenth from west to east, and discs lie beside their points by a thousandth of them.
+TEST(Inset, UsesOneDistanceForSimilarDiscs) {
+    // Radii differ by a tenth from west to east, and the discs are off their points by a thousandth of the radius.
     const Parts parts = ragged_circle(6'000, 0.1);
     const Domain domain = Domain::create(parts).value();
     for (const double size : {1e-6, 1e-4, 1e-2}) {
@@ -229,7 +230,7 @@ TEST(Inset, KeepsOneDistanceWhereDiscsHardlyDiffer) {
     }
 }
 
-TEST(Inset, DrawsArcsNoFinerThanMakesADifference) {
+TEST(Inset, LimitsTheFinenessOfArcs) {
     constexpr double kSize = 1e-7;
     const Parts parts = {{test::star({0, 0}, 1, 0.999, 12'000), {}}};
     const auto disc = [](Point p) { return Disc{p, kSize}; };
@@ -237,7 +238,7 @@ TEST(Inset, DrawsArcsNoFinerThanMakesADifference) {
     EXPECT_LE(inset(domain, disc, kSize)->corner_count(), 3 * domain.corner_count());
 }
 
-TEST(Inset, MayLeaveNothing) {
+TEST(Inset, RefusesAnEmptyResult) {
     const Domain square = Domain::rectangle(4, 4).value();
     for (const double distance : {2.0, 3.0, 1e308}) {
         const auto left = inset(square, distance);
@@ -247,7 +248,7 @@ TEST(Inset, MayLeaveNothing) {
     EXPECT_TRUE(inset(square, 1.9));
 }
 
-TEST(LargestClearance, IsTheRadiusOfTheLargestCircle) {
+TEST(LargestClearance, IsTheRadiusOfTheLargestInscribedCircle) {
     const auto largest = [](const Parts& parts) { return largest_clearance(Domain::create(parts).value()); };
     EXPECT_NEAR(largest({{box(3, 3, 4, 2), {}}}), 1, 0.01);
     EXPECT_NEAR(largest({{{{0, 0}, {3, 0}, {0, 4}}, {}}}), 1, 0.01);

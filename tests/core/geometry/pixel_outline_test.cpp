@@ -12,7 +12,7 @@
 namespace ccdt {
 namespace {
 
-/// Rows from the top, separated by /; # is marked.
+/// Parses rows from the top, separated by /; # marks a pixel.
 PixelSet pixels_of(std::string_view rows) {
     PixelSet pixels;
     int column = 0;
@@ -57,14 +57,14 @@ TEST(PixelOutline, HasTheCornersOfAPixel) {
     EXPECT_EQ(*area, (Area{{{12, 20}, {12, 22}, {10, 22}, {10, 20}}}));
 }
 
-TEST(PixelOutline, LeavesHoles) {
+TEST(PixelOutline, KeepsHoles) {
     const auto area = outline_of(pixels_of("####/#..#/####"), {{0, 0}, {4, 3}}, kMany);
     ASSERT_EQ(area->size(), 2U);
     EXPECT_DOUBLE_EQ(signed_area(area->front()), 12);
     EXPECT_DOUBLE_EQ(signed_area(area->back()), -2);
 }
 
-TEST(PixelOutline, HasAChainForEachOfTwoPixelsThatTouchAtACorner) {
+TEST(PixelOutline, SeparatesPixelsThatTouchAtACorner) {
     for (const auto* rows : {"#./.#", ".#/#."}) {
         const auto area = outline_of(pixels_of(rows), {{0, 0}, {2, 2}}, kMany);
         ASSERT_EQ(area->size(), 2U) << rows;
@@ -72,24 +72,24 @@ TEST(PixelOutline, HasAChainForEachOfTwoPixelsThatTouchAtACorner) {
     }
 }
 
-TEST(PixelOutline, MeetsTheBoxToTheLastDigit) {
+TEST(PixelOutline, MatchesTheBoxExactly) {
     const Box box{{0.1, -0.7}, {1.0 / 3, 1e-3}};
     const auto area = outline_of(pixels_of("###/###/###"), box, kMany);
     ASSERT_EQ(area->size(), 1U);
     EXPECT_EQ(area->front(), (Ring{{box.max.x, box.min.y}, box.max, {box.min.x, box.max.y}, box.min}));
 }
 
-TEST(PixelOutline, IsEmptyOfNoPixels) {
+TEST(PixelOutline, IsEmptyWithoutMarkedPixels) {
     EXPECT_TRUE(outline_of(pixels_of(".."), {{0, 0}, {2, 1}}, kMany)->empty());
 }
 
-TEST(PixelOutline, KeepsToTheLimit) {
+TEST(PixelOutline, RespectsTheLimitOnCorners) {
     const PixelSet pixels = pixels_of("#.#/.#.");
     EXPECT_TRUE(outline_of(pixels, {{0, 0}, {3, 2}}, 12));
     EXPECT_FALSE(outline_of(pixels, {{0, 0}, {3, 2}}, 11));
 }
 
-TEST(PixelOutline, EnclosesWhatIsMarked) {
+TEST(PixelOutline, EnclosesTheMarkedPixels) {
     Random random(7, 0);
     for (int i = 0; i < 50; ++i) {
         PixelSet pixels{1 + static_cast<int>(random.uniform() * 12), 1 + static_cast<int>(random.uniform() * 12), {}};

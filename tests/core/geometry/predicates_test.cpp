@@ -9,13 +9,13 @@
 namespace ccdt {
 namespace {
 
-TEST(Orientation, FollowsTheTurn) {
+TEST(Orientation, HasTheSignOfTheTurn) {
     EXPECT_EQ(orientation({0, 0}, {1, 0}, {0, 1}), 1);
     EXPECT_EQ(orientation({0, 0}, {0, 1}, {1, 0}), -1);
     EXPECT_EQ(orientation({0, 0}, {1, 1}, {3, 3}), 0);
 }
 
-TEST(Orientation, TellsOneUnitInTheLastPlace) {
+TEST(Orientation, ResolvesOneUnitInTheLastPlace) {
     const Point a{12, 12}, b{24, 24};
     const double up = std::nextafter(0.5, 1.0);
     EXPECT_EQ(orientation(a, b, {0.5, 0.5}), 0);
@@ -36,7 +36,7 @@ TEST(Orientation, IsExactAndAntisymmetricNearALine) {
     }
 }
 
-TEST(InCircle, TellsInsideFromOutside) {
+TEST(InCircle, DistinguishesInsideFromOutside) {
     const Point a{1, 0}, b{0, 1}, c{-1, 0};
     EXPECT_TRUE(in_circle(a, b, c, {0, 0}));
     EXPECT_FALSE(in_circle(a, b, c, {0, -2}));

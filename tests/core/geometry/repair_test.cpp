@@ -23,7 +23,7 @@ RepairedDomain repaired(const Parts& parts) {
     return result ? *std::move(result) : RepairedDomain{Domain::rectangle(1, 1).value(), {}};
 }
 
-/// The border of a domain, in the caller's coordinates, as parts that together are even-odd.
+/// Whether a point is inside a domain, by the even-odd rule over all rings in the caller's coordinates.
 bool is_inside(const Domain& domain, Point p) {
     const Box& bounds = domain.bounds();
     const double scale = std::max(bounds.width(), bounds.height());
@@ -34,7 +34,7 @@ bool is_inside(const Domain& domain, Point p) {
     return inside;
 }
 
-/// A domain is where its parts are, as far as rounding lets one tell.
+/// Checks that a domain covers the same area as its parts, up to rounding.
 void expect_same_area(const Domain& domain, const Parts& parts) {
     constexpr int kProbes = 400;
     constexpr double kNear = 1e-9;
@@ -48,7 +48,7 @@ void expect_same_area(const Domain& domain, const Parts& parts) {
     }
 }
 
-/// Points are placed, all inside, and the mesh covers the domain.
+/// Checks that sites are placed, all inside, and that the mesh covers the domain.
 void expect_sites_inside(const Domain& domain, const Parts& parts) {
     Options options;
     options.sites = 200;
@@ -72,8 +72,8 @@ struct Case {
     const char* name;
     Parts parts;
     double area;
-    std::vector<std::string> fields;  ///< of what is told
-    std::string said;                 ///< by the first of them
+    std::vector<std::string> fields;  ///< of the reported faults
+    std::string said;                 ///< text of the first fault
 };
 
 std::vector<Case> cases() {
@@ -151,7 +151,7 @@ std::vector<Case> cases() {
     };
 }
 
-TEST(Repair, PutsRightWhatIsWrong) {
+TEST(Repair, RepairsEachKindOfFault) {
     for (const Case& each : cases()) {
         SCOPED_TRACE(each.name);
         const RepairedDomain result = repaired(each.parts);
@@ -167,7 +167,7 @@ TEST(Repair, PutsRightWhatIsWrong) {
     }
 }
 
-TEST(Repair, TellsNothingOfWhatIsValid) {
+TEST(Repair, ReportsNoFaultsOfValidPolygons) {
     const Ring square = box(0, 0, 4, 4);
     const std::vector<Parts> valid{{{square, {}}},
                                    {{square, {{{0, 0}, {2, 1}, {1, 2}}}}},
@@ -183,8 +183,8 @@ TEST(Repair, TellsNothingOfWhatIsValid) {
     }
 }
 
-/// Where three fans of the inside meet, and where a point of one ring lies on the edge of another.
-TEST(Repair, KeepsFansApart) {
+/// Three fans of the inside meet at one point, and a point of one ring lies on the edge of another.
+TEST(Repair, SeparatesFansAtACommonCorner) {
     Parts fans;
     for (int i = 0; i < 3; ++i) {
         const double from = 2.1 * i, to = from + 1;
@@ -197,12 +197,12 @@ TEST(Repair, KeepsFansApart) {
     expect_sites_inside(result.domain, fans);
 }
 
-/// Touching in the caller's coordinates is touching, whichever way the unit frame rounds it.
-TEST(Repair, TakesRoundingForTouching) {
+/// Rings that touch in the caller's coordinates count as touching, however the unit frame rounds them.
+TEST(Repair, TreatsRoundedContactsAsTouching) {
     Random random(3, 0);
     for (int i = 0; i < 200; ++i) {
         const double x = random.uniform() * 1000, y = random.uniform() * 1000, side = 1 + random.uniform();
-        // The hole's corner halfway along an edge, as exactly as doubles can have it.
+        // The hole's corner is the midpoint of an edge, as exactly as doubles allow.
         const Point a{x, y}, b{x + side, y + side / 3}, c{x, y + 2 * side};
         const Point middle = 0.5 * (a + b);
         const Ring hole{middle, {x + 0.2 * side, y + 0.9 * side}, {x + 0.15 * side, y + 0.8 * side}};
@@ -211,7 +211,7 @@ TEST(Repair, TakesRoundingForTouching) {
     }
 }
 
-TEST(Repair, DropsWhatLiesFarOut) {
+TEST(Repair, DropsDistantSpikes) {
     const Ring spiked{{0, 0}, {1, 0}, {1e6, 1e6}, {1, 0}, {1, 1}, {0, 1}};
     const RepairedDomain result = repaired({{spiked, {}}});
     EXPECT_EQ(result.domain.bounds().max, (Point{1, 1}));
@@ -220,13 +220,13 @@ TEST(Repair, DropsWhatLiesFarOut) {
     expect_sites_inside(result.domain, {{box(0, 0, 1, 1), {}}});
 }
 
-/// Rings that cross everywhere, many of them through what rounding made of other crossings.
-TEST(Repair, PutsScribblesRight) {
+/// Rings cross everywhere, many of them at rounded crossings of others.
+TEST(Repair, RepairsScribbles) {
     for (const int corners : {5, 8, 20, 60, 120}) {
         for (std::uint64_t seed = 0; seed < 12; ++seed) {
             Random random(seed, static_cast<std::uint64_t>(corners));
             Parts parts(1 + seed % 3);
-            const double grid = seed % 4 == 0 ? 8 : 0;  // corners on each other and on edges
+            const double grid = seed % 4 == 0 ? 8 : 0;  // puts corners on each other and on edges
             const auto any = [&] {
                 const double value = random.uniform();
                 return grid > 0 ? std::floor(grid * value) : value;
@@ -243,7 +243,7 @@ TEST(Repair, PutsScribblesRight) {
     }
 }
 
-TEST(Repair, RefusesWhatHasNoArea) {
+TEST(Repair, RefusesPolygonsWithoutArea) {
     const std::vector<std::pair<Parts, std::string>> flat{
         {{{{{0, 0}, {1, 1}, {2, 2}}, {}}}, "/0/0"},
         {{{{{0, 0}, {3, 0}, {1, 0}, {2, 0}}, {}}}, "/0/0"},
@@ -261,7 +261,7 @@ TEST(Repair, RefusesWhatHasNoArea) {
     }
 }
 
-TEST(Repair, RefusesWhatCrossesTooOften) {
+TEST(Repair, RefusesTooManyCrossings) {
     Random random(1, 0);
     Ring ring;
     for (int i = 0; i < 20'000; ++i) ring.push_back({random.uniform(), random.uniform()});
@@ -271,7 +271,7 @@ TEST(Repair, RefusesWhatCrossesTooOften) {
     EXPECT_NE(result.error().message.find("too often"), std::string::npos) << result.error().message;
 }
 
-TEST(Repair, TellsAHundredFaultsAndCountsTheOthers) {
+TEST(Repair, ListsAHundredFaultsAndCountsTheRest) {
     Parts parts;
     for (int i = 0; i < 250; ++i)
         parts.push_back({{{2.0 * i, 0}, {2.0 * i + 1, 1}, {2.0 * i + 1, 0}, {2.0 * i, 1}}, {}});
@@ -282,7 +282,7 @@ TEST(Repair, TellsAHundredFaultsAndCountsTheOthers) {
     EXPECT_EQ(result.repairs.back().detail, "150 more such faults");
 }
 
-TEST(Repair, StopsWhenItIsToldTo) {
+TEST(Repair, StopsOnRequest) {
     std::stop_source stop;
     stop.request_stop();
     const auto result = Domain::repair({{{{0, 0}, {4, 4}, {4, 0}, {0, 4}}, {}}}, stop.get_token());

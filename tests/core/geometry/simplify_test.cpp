@@ -8,7 +8,7 @@
 namespace ccdt {
 namespace {
 
-/// A circle whose corners are by turns a little farther out.
+/// A circle with every other corner slightly farther out.
 Ring jagged_circle(int corners, double depth) {
     Ring ring;
     for (int i = 0; i < corners; ++i) {
@@ -18,7 +18,7 @@ Ring jagged_circle(int corners, double depth) {
     return ring;
 }
 
-TEST(Simplified, RemovesWhatIsFinerThanTheDistance) {
+TEST(Simplified, RemovesDetailFinerThanTheDistance) {
     const Ring ring = jagged_circle(10'000, 1e-4);
     const Ring coarse = simplified(ring, 1e-3);
     EXPECT_LT(coarse.size(), 300U);
@@ -29,7 +29,7 @@ TEST(Simplified, RemovesWhatIsFinerThanTheDistance) {
     }
 }
 
-TEST(Simplified, KeepsWhatIsCoarser) {
+TEST(Simplified, KeepsCoarserDetail) {
     const Ring ring = jagged_circle(1000, 1e-1);
     EXPECT_EQ(simplified(ring, 1e-3), ring);
 }

@@ -13,7 +13,7 @@ void expect_equal(Direction a, Direction b) {
     EXPECT_EQ(std::memcmp(&a, &b, sizeof a), 0);
 }
 
-TEST(Chart, KnowsEveryPlaceByTheSameBytes) {
+TEST(Chart, MapsEquivalentLongitudesToIdenticalBytes) {
     for (const double latitude : {-89.9, -30.0, 0.0, 45.5}) {
         expect_equal(direction_of({180, latitude}), direction_of({-180, latitude}));
         expect_equal(direction_of({-12.5, latitude}), direction_of({347.5, latitude}));
@@ -23,7 +23,7 @@ TEST(Chart, KnowsEveryPlaceByTheSameBytes) {
     expect_equal(direction_of({0, -90}), {0, 0, -1});
 }
 
-TEST(Chart, FindsPlacesAgain) {
+TEST(Chart, InvertsDirections) {
     for (const double latitude : {-90.0, -89.999'999, -60.0, -1e-9, 0.0, 33.3, 89.9, 90.0}) {
         for (const double longitude : {-179.9, -90.0, 0.0, 1e-9, 122.2}) {
             const Point place = place_of(direction_of({longitude, latitude}));
@@ -34,7 +34,7 @@ TEST(Chart, FindsPlacesAgain) {
     }
 }
 
-TEST(Chart, TakesPointsToThePlaneAndBack) {
+TEST(Chart, RoundTripsThroughThePlane) {
     for (const Direction centre : {Direction{0, 0, 1}, direction_of({15, 65}), direction_of({-170, -3})}) {
         const Chart chart(centre);
         EXPECT_NEAR(chart.to_plane(centre).x, 0, 1e-15);
@@ -47,8 +47,9 @@ TEST(Chart, TakesPointsToThePlaneAndBack) {
     }
 }
 
-/// What `proj +proj=stere +lat_0=65 +lon_0=15 +ellps=WGS84` of PROJ 9.1 has, with the areal scale.
-TEST(Chart, IsTheStereographicProjectionOfProj) {
+/// The expected values, with the areal scale, are those of `proj +proj=stere +lat_0=65 +lon_0=15 +ellps=WGS84` of PROJ
+/// 9.1.
+TEST(Chart, EqualsTheStereographicProjectionOfProj) {
     struct Row {
         Point place, metres;
         double scale;

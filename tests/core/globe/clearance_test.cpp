@@ -9,9 +9,9 @@
 namespace ccdt {
 namespace {
 
-TEST(DiscOnGround, HoldsAllThatIsNearerAndLittleElse) {
+TEST(DiscOnGround, ContainsNearerPointsAndLittleElse) {
     const Chart chart(direction_of({10, 50}));
-    constexpr double kEquator = 6'378'137, kPole = 6'399'594;  // metres to a radian of the conformal sphere
+    constexpr double kEquator = 6'378'137, kPole = 6'399'594;  // metres per radian of the conformal sphere
     for (const double metres : {1.0, 1e4, 1e6}) {
         for (const Point place : {Point{0, 0}, Point{0.1, 0}, Point{-0.3, 0.4}, Point{0, -1.5}, Point{20, 0}}) {
             const auto [centre, radius] = disc_on_ground(chart, place, metres);
@@ -28,13 +28,13 @@ TEST(DiscOnGround, HoldsAllThatIsNearerAndLittleElse) {
     }
 }
 
-TEST(DiscOnGround, IsEverywhereBeforeItGoesAroundTheGlobe) {
+TEST(DiscOnGround, CoversThePlaneBeforeItSurroundsTheGlobe) {
     const Chart chart(direction_of({10, 50}));
     EXPECT_GT(disc_on_ground(chart, {0, 0}, 2.1e7).radius, 1e300);
     EXPECT_GT(disc_on_ground(chart, {0, 0}, 1e308).radius, 1e300);
 }
 
-TEST(KeepOffBorder, KeepsTheBufferWhereEdgesAreBentCoarsely) {
+TEST(KeepOffBorder, KeepsTheBufferWithCoarselyBentEdges) {
     constexpr double kMetresOfDegree = 111'694;  // along a meridian, at most
     const Ring cap{{-180, 85}, {180, 85}, {180, 90}, {-180, 90}};
     const Domain degrees = Domain::repair({{cap, {}}})->domain;
@@ -57,7 +57,7 @@ TEST(KeepOffBorder, KeepsTheBufferWhereEdgesAreBentCoarsely) {
     }
 }
 
-TEST(KeepOffBorder, TakesAFineBorderForACoarseOne) {
+TEST(KeepOffBorder, SimplifiesFineBorders) {
     constexpr int kCorners = 60'000;
     constexpr double kRadius = 0.1, kPitch = 1e-2, kBuffer = 1000;
     Ring ring;

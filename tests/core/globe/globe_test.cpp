@@ -11,7 +11,7 @@
 namespace ccdt {
 namespace {
 
-/// Between two longitudes and two latitudes.
+/// Returns the box between two longitudes and two latitudes.
 Ring box(double west, double south, double east, double north) {
     return {{west, south}, {east, south}, {east, north}, {west, north}};
 }
@@ -43,7 +43,7 @@ TEST(DistributeOnGlobe, IsEvenOnTheWholeGlobe) {
     EXPECT_NEAR(share(globe.sites.points, [](Point p) { return p.y > 60; }), 0.0673, 0.004);
 }
 
-TEST(DistributeOnGlobe, WeighsTheGroundByADensity) {
+TEST(DistributeOnGlobe, WeightsTheGroundByADensity) {
     const std::vector<double> values{1, 3};
     const auto density = Density::grid(1, 2, std::span<const double>(values)).value();
     const auto north = placed(region(box(-180, -60, 180, 60)), {.sites = 2000}, density);
@@ -54,7 +54,7 @@ TEST(DistributeOnGlobe, WeighsTheGroundByADensity) {
     EXPECT_NEAR(share(across.sites.points, [](Point p) { return p.x < 0; }), 0.75, 0.01);
 }
 
-TEST(DistributeOnGlobe, KeepsNoDistanceFromACut) {
+TEST(DistributeOnGlobe, KeepsNoBufferFromACut) {
     const Domain world = region(box(-180, -90, 180, 90));
     const Options options{.sites = 500};
     const auto kept = distribute_on_globe(world, Density::uniform(), options, distribute, 1e5);
@@ -62,7 +62,7 @@ TEST(DistributeOnGlobe, KeepsNoDistanceFromACut) {
     EXPECT_EQ(kept->sites.points, placed(world, options).sites.points);
 }
 
-TEST(DistributeOnGlobe, TakesTheLeastBuffers) {
+TEST(DistributeOnGlobe, AcceptsTheSmallestBuffers) {
     for (const double buffer : {1e-300, 1e-5, 1e-4, 1e-2}) {
         const auto kept =
             distribute_on_globe(region(box(0, 0, 1, 1)), Density::uniform(), {.sites = 20}, distribute, buffer);
@@ -70,7 +70,7 @@ TEST(DistributeOnGlobe, TakesTheLeastBuffers) {
     }
 }
 
-TEST(DistributeOnGlobe, KeepsABufferOfManyCorners) {
+TEST(DistributeOnGlobe, KeepsABufferWithManyCorners) {
     Ring coast;
     constexpr int kCorners = 20'000;
     for (int i = 0; i < kCorners; ++i) {
@@ -98,7 +98,7 @@ TEST(DistributeOnGlobe, JoinsTheMeshesOfTwoCharts) {
     }
 }
 
-/// Points on the ground around a place, evenly.
+/// Returns points around a place, evenly distributed on the ground.
 std::vector<Point> cap_of_points(Point centre, double angle, int count) {
     const Chart chart(direction_of(centre));
     std::vector<Point> points;
@@ -110,8 +110,8 @@ std::vector<Point> cap_of_points(Point centre, double angle, int count) {
     return points;
 }
 
-TEST(DistributeOnGlobe, SharesSitesOutByWhatFixedPointsLeave) {
-    constexpr double kCap = 20 * std::numbers::pi / 180;  // that of the second chart
+TEST(DistributeOnGlobe, DividesSitesByTheGroundThatFixedPointsLeave) {
+    constexpr double kCap = 20 * std::numbers::pi / 180;  // the cap of the second chart
     const Direction middle = direction_of({-150, -30});
     const auto is_in_cap = [&](Point p) { return dot(direction_of(p), middle) > std::cos(kCap); };
     const double all = 2000, due = (1 - std::cos(kCap)) / 2;  // share of the ground
@@ -125,7 +125,7 @@ TEST(DistributeOnGlobe, SharesSitesOutByWhatFixedPointsLeave) {
     }
 }
 
-TEST(DistributeOnGlobe, TakesOneSiteAndTheLeastRegions) {
+TEST(DistributeOnGlobe, AcceptsOneSiteAndTheSmallestRegions) {
     EXPECT_EQ(placed(region(box(-180, -90, 180, 90)), {.sites = 1}).sites.points.size(), 1u);
     const Domain field = region(box(10, 60, 10.00001, 60.00001));
     for (const Point p : placed(field, {.sites = 100}).sites.points) {
@@ -133,12 +133,12 @@ TEST(DistributeOnGlobe, TakesOneSiteAndTheLeastRegions) {
     }
 }
 
-TEST(DistributeOnGlobe, GivesTheSameBytes) {
+TEST(DistributeOnGlobe, IsDeterministic) {
     const Domain degrees = region(box(100, 0, 250, 70));
     EXPECT_EQ(placed(degrees, {.sites = 300}).sites.points, placed(degrees, {.sites = 300}).sites.points);
 }
 
-TEST(DistributeOnGlobe, StopsWhenAsked) {
+TEST(DistributeOnGlobe, StopsOnRequest) {
     std::stop_source stop;
     stop.request_stop();
     const auto stopped = distribute_on_globe(region(box(0, 0, 90, 90)), Density::uniform(), {.sites = 10}, distribute,

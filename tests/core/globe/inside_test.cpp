@@ -7,7 +7,7 @@ namespace {
 
 const std::vector<Ring> kRings = {{{0, 0}, {4, 0}, {4, 4}, {2, 1}, {0, 4}}, {{1, 0.25}, {1, 0.5}, {3, 0.5}, {3, 0.25}}};
 
-TEST(Inside, TellsWhatIsInsideRings) {
+TEST(Inside, DistinguishesInsideFromOutside) {
     const Inside inside(kRings);
     for (const Point p : {Point{0.5, 0.5}, Point{3.9, 3.5}, Point{2, 0.75}, Point{2, 0.1}})
         EXPECT_TRUE(inside.contains(p));
@@ -16,7 +16,7 @@ TEST(Inside, TellsWhatIsInsideRings) {
         EXPECT_FALSE(inside.contains(p)) << p.x << ' ' << p.y;
 }
 
-TEST(Inside, NudgesWhatIsOutside) {
+TEST(Inside, MovesPointsOutsideToTheInside) {
     const Inside inside(kRings);
     EXPECT_EQ(inside.nearest({0.5, 0.5}, 1), (Point{0.5, 0.5}));
     for (const Point p :

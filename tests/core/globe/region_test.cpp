@@ -8,7 +8,7 @@
 namespace ccdt {
 namespace {
 
-/// Between two longitudes and two latitudes.
+/// Returns the box between two longitudes and two latitudes.
 Ring box(double west, double south, double east, double north) {
     return {{west, south}, {east, south}, {east, north}, {west, north}};
 }
@@ -17,7 +17,7 @@ using Parts = std::vector<PolygonPart>;
 
 const Ring kGlobe = box(-180, -90, 180, 90);
 
-/// Region of parts in degrees, as a request brings them.
+/// Returns the region of parts in degrees, processed as in a request.
 Domain region(const Parts& parts) {
     return Domain::repair(unrolled(parts).value()).value().domain;
 }
@@ -28,7 +28,7 @@ std::vector<ChartedPart> charted(const Parts& parts) {
     return result ? *std::move(result) : std::vector<ChartedPart>();
 }
 
-/// Square kilometres of the ground, by a mean over rows of the box that a part lies in.
+/// Returns the area on the ground in square kilometres, by means over rows of the part's box.
 double area(const ChartedPart& part) {
     constexpr int kRows = 400;
     const Box& box = part.domain.bounds();
@@ -51,7 +51,8 @@ double area(const ChartedPart& part) {
     return sum * box.width() * box.height() / kRows / kRows / 1e6;
 }
 
-/// Square kilometres between two longitudes and two latitudes, by Simpson's rule on the radii of the ellipsoid.
+/// Returns the area in square kilometres between two longitudes and two latitudes, by Simpson's rule on the radii of
+/// the ellipsoid.
 double area_of_box(double west, double south, double east, double north) {
     constexpr double kDegree = 3.14159265358979323846 / 180, kRadius = 6378.137, kSquare = 0.00669437999014;
     constexpr int kSteps = 1000;
@@ -75,7 +76,7 @@ TEST(Unrolled, FollowsRingsAcrossTheMeridianOf180Degrees) {
     EXPECT_EQ(unrolled({{kGlobe, {}}})->front().outer, kGlobe) << "an edge all around stays";
 }
 
-TEST(Unrolled, BringsHolesToTheirRing) {
+TEST(Unrolled, ShiftsHolesToTheirRing) {
     const Ring outer{{170, 0}, {200, 0}, {200, 20}, {170, 20}}, hole = box(-175, 5, -170, 10);
     EXPECT_EQ(unrolled({{outer, {hole}}})->front().holes.front(), box(185, 5, 190, 10));
 }
@@ -85,13 +86,13 @@ TEST(Unrolled, ClosesRingsAroundAPole) {
     const Ring expected{{-120, -70}, {0, -65}, {120, -75}, {240, -70}, {240, -90}, {-120, -90}};
     EXPECT_EQ(unrolled({{south, {}}})->front().outer, expected);
     EXPECT_EQ(unrolled({{{{0, 80}, {120, 80}, {-120, 80}}, {}}})->front().outer.back(), (Point{0, 90}));
-    // Cut out of its hole, as maps that were sewn together have it.
+    // The tip was cut out of the hole, as in maps assembled from several pieces.
     const Ring tip{{-120, -89}, {0, -89}, {120, -89}};
     const auto sewn = unrolled({{tip, {south}}});
     EXPECT_EQ(sewn->front().outer, expected);
 }
 
-TEST(Unrolled, RefusesWhatIsNotOnTheGlobe) {
+TEST(Unrolled, RefusesPositionsOffTheGlobe) {
     const double nothing = std::numeric_limits<double>::quiet_NaN();
     for (const Point wrong : {Point{0, 91}, Point{0, -1e308}, Point{541, 0}, Point{-1e308, 0}, Point{nothing, 0}}) {
         const auto refused = unrolled({{{{0, 0}, {1, 0}, {1, 1}}, {{{0, 0}, wrong, {1, 1}}}}});
@@ -101,14 +102,14 @@ TEST(Unrolled, RefusesWhatIsNotOnTheGlobe) {
     }
 }
 
-TEST(ChartRegion, BendsEdges) {
+TEST(ChartRegion, ApproximatesCurvedEdges) {
     const auto parts = charted({{box(-100, 40, -60, 50), {}}});
     ASSERT_EQ(parts.size(), 1u);
     EXPECT_GT(parts.front().domain.corner_count(), 10u);
     EXPECT_NEAR(area(parts.front()) / area_of_box(-100, 40, -60, 50), 1, 3e-3);
 }
 
-TEST(ChartRegion, BendsEdgesNoFurtherThanIsOfUse) {
+TEST(ChartRegion, LimitsTheAccuracyOfCurvedEdges) {
     const Domain degrees = Domain::create({{{{0, 0}, {2, 0}, {2, 1}, {0, 1}}, {}}}).value();
     const auto corners = [&](double buffer) {
         return chart_region(degrees, 100, buffer)->front().domain.corner_count();
@@ -117,7 +118,7 @@ TEST(ChartRegion, BendsEdgesNoFurtherThanIsOfUse) {
     EXPECT_LT(corners(1e-300), 1'000'000U);
 }
 
-TEST(ChartRegion, LimitsThePiecesThatASmallBufferAsksFor) {
+TEST(ChartRegion, LimitsThePiecesForASmallBuffer) {
     const Domain cap = region({{box(-180, 85, 180, 90), {}}});
     for (const double buffer : {10.0, 1.0, 1e-3, 1e-300}) {
         const ChartedPart part = std::move(chart_region(cap, 50, buffer)->front());
@@ -128,7 +129,7 @@ TEST(ChartRegion, LimitsThePiecesThatASmallBufferAsksFor) {
     EXPECT_EQ(chart_region(cap, 50, 1000)->front().error, 0);
 }
 
-TEST(ChartRegion, JoinsWhatMeetsAtTheMeridianOf180Degrees) {
+TEST(ChartRegion, JoinsPartsAtTheMeridianOf180Degrees) {
     const Ring whole = box(170, -20, 190, 10);
     const Ring west = box(170, -20, 180, 10), east{{-180, -20}, {-170, -20}, {-170, 10}, {-180, 10}, {-180, 0}};
     for (const Parts& parts : {Parts{{whole, {}}}, Parts{{west, {}}, {east, {}}}}) {
@@ -139,7 +140,7 @@ TEST(ChartRegion, JoinsWhatMeetsAtTheMeridianOf180Degrees) {
     }
 }
 
-TEST(ChartRegion, JoinsWhatGoesAroundAPole) {
+TEST(ChartRegion, JoinsRegionsAroundAPole) {
     for (const Ring& cap : {box(-180, -90, 180, -70), Ring{{0, -70}, {120, -70}, {240, -70}}}) {
         const auto laid = charted({{cap, {}}});
         ASSERT_EQ(laid.size(), 1u);
@@ -148,7 +149,7 @@ TEST(ChartRegion, JoinsWhatGoesAroundAPole) {
     }
 }
 
-TEST(InOneTurn, CutsWhatLiesBeyond) {
+TEST(InOneTurn, WrapsPartsBeyondOneTurn) {
     const Domain wide = region({{box(-190, 0, -170, 10), {box(-182, 2, -178, 4)}}, {box(170, 20, 200, 30), {}}});
     const auto cut = in_one_turn(wide);
     ASSERT_TRUE(cut) << cut.error().message;
@@ -162,7 +163,7 @@ TEST(InOneTurn, CutsWhatLiesBeyond) {
     EXPECT_EQ(in_one_turn(narrow)->bounds().max.x, 200);
 }
 
-TEST(ChartRegion, CutsWhatCoversTheGlobe) {
+TEST(ChartRegion, CutsRegionsThatCoverTheGlobe) {
     for (const Parts& parts :
          {Parts{{kGlobe, {}}}, Parts{{kGlobe, {box(10, 40, 12, 42)}}}, Parts{{box(-180, -89, 180, 89), {}}}}) {
         const auto laid = charted(parts);
@@ -172,7 +173,7 @@ TEST(ChartRegion, CutsWhatCoversTheGlobe) {
     EXPECT_EQ(charted({{box(-180, -60, 180, 85), {}}}).size(), 1u) << "the south is free";
 }
 
-TEST(ChartRegion, RefusesWhatItCannotLay) {
+TEST(ChartRegion, RefusesTinyRegionsAndStops) {
     const auto message = [](const Parts& parts) { return chart_region(region(parts), 10).error().message; };
     EXPECT_EQ(message({{box(0, 0, 1e-9, 1e-9), {}}}), "the polygon is too small on the globe");
     std::stop_source stop;

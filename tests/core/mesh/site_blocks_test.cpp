@@ -28,7 +28,7 @@ TEST(SiteBlocks, DivideAllSitesInOrder) {
     }
 }
 
-TEST(SiteBlocks, EndInOneOfAll) {
+TEST(SiteBlocks, EndInOneBlockOfAllSites) {
     for (const std::size_t sites : kCounts) {
         SCOPED_TRACE(sites);
         const SiteBlocks blocks(sites);
@@ -41,7 +41,7 @@ TEST(SiteBlocks, EndInOneOfAll) {
     }
 }
 
-TEST(SiteBlocks, FindTheSmallestBlockAround) {
+TEST(SiteBlocks, FindTheSmallestBlockAroundVertices) {
     const SiteBlocks blocks(131'072);  // 64 blocks of 2,048
     ASSERT_EQ(blocks.levels(), 4);
     const auto around = [&](std::initializer_list<std::uint32_t> vertices) {

@@ -19,7 +19,7 @@ Point period_of(double width, double height) {
     return Domain::torus(width, height).value().unit_bounds().max;
 }
 
-/// Triangulation of a torus with given sites on it.
+/// Returns the triangulation of a torus with given sites.
 Triangulation mesh_of(Point period, const std::vector<Point>& sites) {
     Triangulation mesh(sites.size(), period);
     for (std::uint32_t i = 0; i < sites.size(); ++i) EXPECT_TRUE(mesh.insert(i, sites[i])) << i;
@@ -34,7 +34,7 @@ std::vector<Point> random_sites(Point period, std::size_t count, std::uint64_t s
     return sites;
 }
 
-/// How many copies of sites lie strictly inside the circle of a triangle: all that are near enough are looked at.
+/// Counts the copies of sites strictly inside the circumcircle of a triangle, among all copies near enough.
 std::size_t count_in_circles(const Triangulation& mesh) {
     constexpr double kRoom = 1e-6;
     const Point period = mesh.period();
@@ -72,7 +72,7 @@ void expect_valid(const Triangulation& mesh) {
     EXPECT_NEAR(area, whole, 1e-12 * whole);
 }
 
-TEST(TorusTriangulation, HoldsAnyNumberOfSites) {
+TEST(TorusTriangulation, IsValidForAnyNumberOfSites) {
     const Point period = period_of(1, 1);
     for (std::size_t sites = 1; sites <= 50; ++sites) {
         SCOPED_TRACE(sites);
@@ -81,7 +81,7 @@ TEST(TorusTriangulation, HoldsAnyNumberOfSites) {
     expect_valid(mesh_of(period, random_sites(period, 3000, 1)));
 }
 
-TEST(TorusTriangulation, HoldsOnStretchedTori) {
+TEST(TorusTriangulation, IsValidOnStretchedTori) {
     for (const auto& [width, height] : {std::pair{2.0, 1.0}, {1.0, 3.7}, {1.0, 30.0}, {1.0, 1000.0}, {1000.0, 1.0}}) {
         const Point period = period_of(width, height);
         for (const std::size_t sites : {1, 2, 3, 5, 10, 40, 400}) {
@@ -91,8 +91,8 @@ TEST(TorusTriangulation, HoldsOnStretchedTori) {
     }
 }
 
-TEST(TorusTriangulation, HoldsALattice) {
-    // Four at a time on a circle, and some on the seam itself.
+TEST(TorusTriangulation, IsValidForALattice) {
+    // Groups of four cocircular sites, some of them on the seam.
     constexpr int kSide = 16;
     std::vector<Point> sites;
     for (int j = 0; j < kSide; ++j) {
@@ -103,7 +103,7 @@ TEST(TorusTriangulation, HoldsALattice) {
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) EXPECT_EQ(mesh.doubled_area(t), 1.0 / 256);
 }
 
-TEST(TorusTriangulation, HoldsSitesCrowdedOntoTheSeam) {
+TEST(TorusTriangulation, IsValidForSitesCrowdedAtTheSeam) {
     const Point period = period_of(1, 1);
     Random random(3, 0);
     std::vector<Point> sites;
@@ -115,7 +115,7 @@ TEST(TorusTriangulation, HoldsSitesCrowdedOntoTheSeam) {
     expect_valid(mesh_of(period, sites));
 }
 
-TEST(TorusTriangulation, TakesALoneSiteForItsOwnNeighbour) {
+TEST(TorusTriangulation, MakesASingleSiteItsOwnNeighbour) {
     const Triangulation mesh = mesh_of(period_of(1, 1), {{0.25, 0.75}});
     ASSERT_EQ(mesh.triangle_count(), 2u);
     for (std::uint32_t t = 0; t < 2; ++t) {
@@ -125,7 +125,7 @@ TEST(TorusTriangulation, TakesALoneSiteForItsOwnNeighbour) {
     }
 }
 
-TEST(TorusTriangulation, RefusesCopiesOfAPlaceThatIsTaken) {
+TEST(TorusTriangulation, RefusesCopiesOfAnOccupiedPosition) {
     const Point period = period_of(2, 1);
     Triangulation mesh(2, period);
     ASSERT_TRUE(mesh.insert(0, {0.25, 0.125}));
@@ -139,7 +139,7 @@ TEST(TorusTriangulation, RefusesCopiesOfAPlaceThatIsTaken) {
     EXPECT_EQ(count_not_delaunay(mesh), 0u);
 }
 
-TEST(TorusTriangulation, FlipsBackAfterMoves) {
+TEST(TorusTriangulation, IsDelaunayAgainAfterMoves) {
     for (const std::size_t sites : {2, 3, 5, 20, 1000}) {
         SCOPED_TRACE(sites);
         const Point period = period_of(2, 1);
@@ -157,8 +157,8 @@ TEST(TorusTriangulation, FlipsBackAfterMoves) {
     }
 }
 
-/// A set and the same one moved around the torus have the same triangles.
-TEST(TorusTriangulation, HasNoSeam) {
+/// A set of sites and its shifted copy have the same triangles.
+TEST(TorusTriangulation, IsInvariantUnderShifts) {
     const Point period = period_of(1, 1);
     const std::vector<Point> sites = random_sites(period, 300, 9);
     std::vector<Point> moved = sites;

@@ -37,7 +37,7 @@ void expect_valid(const Triangulation& mesh, std::size_t parts, std::size_t hole
     EXPECT_EQ(mesh.triangle_count(), 2 * mesh.site_count() + border + 2 * holes - 2 * parts);
 }
 
-TEST(Triangulation, SplitsASquareAboutItsCentre) {
+TEST(Triangulation, SplitsASquareAtItsCentre) {
     Triangulation mesh = empty_mesh(kSquare, 1);
     ASSERT_TRUE(mesh.insert(0, {0.5, 0.5}));
     mesh.trim();
@@ -47,7 +47,7 @@ TEST(Triangulation, SplitsASquareAboutItsCentre) {
     expect_valid(mesh, 1, 0);
 }
 
-TEST(Triangulation, RefusesPlacesThatAreNotStrictlyInside) {
+TEST(Triangulation, RefusesPositionsNotStrictlyInside) {
     const Parts ring{{test::box(0, 0, 4, 4), {test::box(1, 1, 2, 2)}}};
     Triangulation mesh = empty_mesh(ring, 1);
     EXPECT_FALSE(mesh.insert(0, {0.5, 0.5})) << "in the hole";
@@ -59,7 +59,7 @@ TEST(Triangulation, RefusesPlacesThatAreNotStrictlyInside) {
     expect_valid(mesh, 1, 1);
 }
 
-TEST(Triangulation, RefusesAPlaceThatIsTaken) {
+TEST(Triangulation, RefusesAnOccupiedPosition) {
     Triangulation mesh = empty_mesh(kSquare, 2);
     EXPECT_TRUE(mesh.insert(0, {0.25, 0.5}));
     EXPECT_FALSE(mesh.insert(1, {0.25, 0.5}));
@@ -68,8 +68,8 @@ TEST(Triangulation, RefusesAPlaceThatIsTaken) {
     expect_valid(mesh, 1, 0);
 }
 
-TEST(Triangulation, TakesSitesOnEdgesAndCircles) {
-    // Every site of a lattice lies on edges of the ones before, and four at a time on a circle.
+TEST(Triangulation, AcceptsSitesOnEdgesAndCircles) {
+    // Each site of the lattice lies on edges of earlier sites, and groups of four are cocircular.
     constexpr int kSide = 31;
     Triangulation mesh = empty_mesh(kSquare, kSide * kSide);
     std::uint32_t site = 0;
@@ -80,7 +80,7 @@ TEST(Triangulation, TakesSitesOnEdgesAndCircles) {
     expect_valid(mesh, 1, 0);
 }
 
-TEST(Triangulation, TakesSitesCrowdedIntoOnePlace) {
+TEST(Triangulation, AcceptsSitesCrowdedAtOnePosition) {
     Random random(4, 0);
     Triangulation mesh = empty_mesh(kSquare, 500);
     for (std::uint32_t i = 0; i < 500; ++i) {
@@ -91,7 +91,7 @@ TEST(Triangulation, TakesSitesCrowdedIntoOnePlace) {
     expect_valid(mesh, 1, 0);
 }
 
-TEST(Triangulation, HoldsInAllShapes) {
+TEST(Triangulation, IsValidInAllShapes) {
     struct Case {
         Parts parts;
         std::size_t holes;
@@ -112,7 +112,7 @@ TEST(Triangulation, HoldsInAllShapes) {
     }
 }
 
-TEST(Triangulation, InsertsAllSitesByAnyTeam) {
+TEST(Triangulation, InsertsAllSitesOnAnyNumberOfThreads) {
     constexpr std::size_t kSites = 30'000;
     const Options options{.sites = kSites, .seed = 3};
     const Parts ring{{test::box(0, 0, 4, 4), {test::box(1, 1, 2, 2)}}};
@@ -143,8 +143,8 @@ TEST(Triangulation, InsertsAllSitesByAnyTeam) {
     }
 }
 
-TEST(Triangulation, LeavesOutSitesWithoutAPlace) {
-    // Half of the sites are drawn outside: they are told, and the others are all there.
+TEST(Triangulation, ReturnsSitesWithoutAPosition) {
+    // Half of the sites are drawn outside: these are returned, and all others are inserted.
     constexpr std::size_t kSites = 10'000;
     Triangulation mesh = empty_mesh(kSquare, kSites);
     std::vector<std::uint32_t> sites(kSites);
@@ -165,7 +165,7 @@ TEST(Triangulation, LeavesOutSitesWithoutAPlace) {
     expect_valid(mesh, 1, 0);
 }
 
-TEST(Triangulation, FlipsBackAfterMoves) {
+TEST(Triangulation, IsDelaunayAgainAfterMoves) {
     StartMesh start(domain_of(kSquare), Density::uniform(), Options{.sites = 2000, .seed = 5});
     Triangulation& mesh = start.mesh;
     Random random(6, 0);
@@ -179,7 +179,7 @@ TEST(Triangulation, FlipsBackAfterMoves) {
     EXPECT_EQ(mesh.restore_delaunay(), 0u);
 }
 
-TEST(Triangulation, StaysSoundWhenFlippingIsStopped) {
+TEST(Triangulation, StaysValidWhenFlippingIsStopped) {
     Triangulation mesh = empty_mesh(kSquare, 2);
     ASSERT_TRUE(mesh.insert(0, {0.5, 0.4}));
     ASSERT_TRUE(mesh.insert(1, {0.5, 0.6}));
@@ -232,8 +232,8 @@ TEST(Triangulation, RelocatesSitesWithinTheirOwnTriangles) {
     EXPECT_EQ(mesh.restore_delaunay(), 0u);
 }
 
-/// On both diagonals of a square an edge turned away from the site would end in a flat triangle.
-TEST(Triangulation, LeavesSitesWhoseEdgesCannotBeTurned) {
+/// On both diagonals of a square, flipping an edge away from the site would create a flat triangle.
+TEST(Triangulation, KeepsSitesWhoseEdgesCannotBeFlipped) {
     Triangulation mesh = empty_mesh({{test::box(0, 0, 0.5, 0.5), {}}, {test::box(0.75, 0, 0.25, 0.25), {}}}, 1);
     ASSERT_TRUE(mesh.insert(0, {0.25, 0.25}));
     mesh.trim();
@@ -245,7 +245,7 @@ TEST(Triangulation, LeavesSitesWhoseEdgesCannotBeTurned) {
     expect_valid(mesh, 2, 0);
 }
 
-TEST(Triangulation, TellsWhatFlipsHaveChanged) {
+TEST(Triangulation, ReportsVerticesChangedByFlips) {
     Triangulation mesh = empty_mesh(kSquare, 4);
     ASSERT_TRUE(mesh.insert(0, {0.5, 0.3}));
     ASSERT_TRUE(mesh.insert(1, {0.5, 0.7}));
@@ -254,7 +254,7 @@ TEST(Triangulation, TellsWhatFlipsHaveChanged) {
     mesh.trim();
     EXPECT_EQ(mesh.restore_delaunay(), 0u);
     for (std::uint32_t v = 0; v < 4; ++v) EXPECT_FALSE(mesh.has_changed(v));
-    // The short diagonal of the four was 0-1; now it is 2-3.
+    // The short diagonal of the four was 0-1 before the move and is 2-3 after it.
     mesh.points()[2] = {0.45, 0.5};
     mesh.points()[3] = {0.55, 0.5};
     EXPECT_GE(mesh.restore_delaunay(), 1u);

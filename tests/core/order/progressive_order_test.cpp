@@ -40,7 +40,7 @@ bool is_permutation(std::vector<std::uint32_t> order, std::size_t count) {
 }
 
 /// Random points have a mean distance of 0.47, and a power of 1.
-TEST(ProgressiveOrder, SpreadsTheFirstPointsAnyNumberOfThem) {
+TEST(ProgressiveOrder, SpreadsAnyNumberOfFirstPoints) {
     const Domain torus = *Domain::torus(1, 1);
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         const auto points = distributed(torus, Density::uniform(), 8'192, seed);
@@ -56,7 +56,7 @@ TEST(ProgressiveOrder, SpreadsTheFirstPointsAnyNumberOfThem) {
     }
 }
 
-TEST(ProgressiveOrder, IsTheSameByAnyTeam) {
+TEST(ProgressiveOrder, IsIdenticalOnAnyNumberOfThreads) {
     constexpr std::size_t kPoints = 20'000;  // enough for several tasks
     Random random(4, 0);
     std::vector<Point> points(kPoints);
@@ -72,7 +72,7 @@ TEST(ProgressiveOrder, IsTheSameByAnyTeam) {
     }
 }
 
-TEST(ProgressiveOrder, HoldsLongWavesDown) {
+TEST(ProgressiveOrder, SuppressesLongWaves) {
     const Domain square = *Domain::rectangle(1, 1);
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         const auto points = distributed(square, Density::uniform(), 8'192, seed);
@@ -98,7 +98,7 @@ TEST(ProgressiveOrder, FollowsTheDensity) {
     }
 }
 
-TEST(ProgressiveOrder, KeepsTheFirstApartOnThePole) {
+TEST(ProgressiveOrder, KeepsTheFirstPointsApartAtThePole) {
     Random random(3, 0);
     std::vector<Point> points;
     while (points.size() < 4'000)
@@ -106,7 +106,7 @@ TEST(ProgressiveOrder, KeepsTheFirstApartOnThePole) {
     const auto order = progressive_order_on_globe(points);
     ASSERT_TRUE(is_permutation(order, points.size()));
     const auto first = first_of(points, order, 250);
-    // A cap of 20 degrees has 2 pi (1 - cos 20) of the unit sphere.
+    // A cap of 20 degrees has the area 2 pi (1 - cos 20 degrees) on the unit sphere.
     const double hexagonal = std::sqrt(2 / std::sqrt(3.0) * 2 * 3.14159265 * (1 - std::cos(0.349066)) / 250);
     double sum = 0;
     for (const Point p : first) {
@@ -116,10 +116,10 @@ TEST(ProgressiveOrder, KeepsTheFirstApartOnThePole) {
         }
         sum += std::acos(most) / hexagonal;
     }
-    EXPECT_GT(sum / 250, 0.65);  // of the first 250 as they were drawn 0.47
+    EXPECT_GT(sum / 250, 0.65);  // the first 250 points in their original order have 0.47
 }
 
-TEST(ProgressiveOrder, TakesWhateverPointsThereAre) {
+TEST(ProgressiveOrder, AcceptsDegeneratePoints) {
     const Domain square = *Domain::rectangle(2, 1);
     EXPECT_TRUE(progressive_order(square, {}, false).empty());
     EXPECT_TRUE(progressive_order_on_globe({}).empty());
@@ -131,13 +131,13 @@ TEST(ProgressiveOrder, TakesWhateverPointsThereAre) {
     EXPECT_TRUE(is_permutation(progressive_order_on_globe(opposite), opposite.size()));
 }
 
-TEST(ProgressiveOrder, Repeats) {
+TEST(ProgressiveOrder, IsDeterministic) {
     const Domain square = *Domain::rectangle(1, 1);
     const auto points = distributed(square, Density::uniform(), 1'000, 1);
     EXPECT_EQ(progressive_order(square, points, false), progressive_order(square, points, false));
 }
 
-TEST(ProgressiveOrder, EndsWhenItIsStopped) {
+TEST(ProgressiveOrder, StopsOnRequest) {
     std::stop_source source;
     source.request_stop();
     const Domain square = *Domain::rectangle(1, 1);
@@ -145,7 +145,7 @@ TEST(ProgressiveOrder, EndsWhenItIsStopped) {
     EXPECT_TRUE(is_permutation(progressive_order(square, points, false, source.get_token()), points.size()));
 }
 
-TEST(Reorder, TakesTheMeshAlong) {
+TEST(Reorder, ReordersTheMesh) {
     Options options;
     options.sites = 50;
     options.keep_mesh = true;
@@ -164,7 +164,7 @@ TEST(Reorder, TakesTheMeshAlong) {
                       given.mesh->vertices[given.mesh->triangles[t][corner]]);
         }
     }
-    EXPECT_EQ(ordered.mesh->boundary, given.mesh->boundary);  // of vertices behind the points
+    EXPECT_EQ(ordered.mesh->boundary, given.mesh->boundary);  // these vertices follow the points
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 namespace ccdt {
 namespace {
 
-/// Variance of how many pixels below a rank are in blocks of a few pixels a side, at all places of the tile, also over
-/// its seams; over that of pixels chosen at random.
+/// Returns the variance of the number of pixels below a rank in blocks of a few pixels per side, over all positions in
+/// the tile and across its seams, relative to that of random pixels.
 double unevenness(const std::vector<std::uint32_t>& ranks, int side, int block, double share) {
     const double count = static_cast<double>(ranks.size()), least = share * count;
     double sum = 0;
@@ -30,7 +30,7 @@ double unevenness(const std::vector<std::uint32_t>& ranks, int side, int block, 
     return sum / count / (share * (1 - share) * block * block);
 }
 
-TEST(ThresholdMask, HasEachRankOnce) {
+TEST(ThresholdMask, ContainsEachRankOnce) {
     for (const auto& [width, height] : {std::pair{8, 8}, {9, 13}, {64, 16}, {31, 97}}) {
         auto ranks = threshold_mask(width, height, 1);
         std::ranges::sort(ranks);
@@ -45,19 +45,19 @@ TEST(ThresholdMask, IsEvenAtEveryThreshold) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         const auto ranks = threshold_mask(kSide, kSide, seed);
         for (const double share : {1.0 / 64, 1.0 / 16, 0.15, 0.25, 0.4, 0.5, 0.6, 0.75, 0.85, 15.0 / 16, 63.0 / 64}) {
-            // Blocks that hold about 16 of those that are fewer.
+            // Blocks that contain about 16 of the rarer pixels.
             const int block = static_cast<int>(4 / std::sqrt(std::min(share, 1 - share)));
             EXPECT_LT(unevenness(ranks, kSide, block, share), 0.16) << share;
         }
     }
 }
 
-TEST(ThresholdMask, RepeatsAndDependsOnTheSeed) {
+TEST(ThresholdMask, IsDeterministicForASeed) {
     EXPECT_EQ(threshold_mask(32, 24, 1), threshold_mask(32, 24, 1));
     EXPECT_NE(threshold_mask(32, 24, 1), threshold_mask(32, 24, 2));
 }
 
-TEST(ThresholdMask, EndsWhenItIsStopped) {
+TEST(ThresholdMask, StopsOnRequest) {
     std::stop_source source;
     source.request_stop();
     EXPECT_EQ(threshold_mask(64, 64, 1, source.get_token()).size(), 4'096U);

@@ -24,14 +24,14 @@ TEST(ThreadTeam, CallsEachTaskOnce) {
     }
 }
 
-TEST(ThreadTeam, WorksAtTheSameTime) {
-    // Three tasks that wait for each other end only if three threads have them.
+TEST(ThreadTeam, RunsTasksInParallel) {
+    // Three tasks that wait for each other end only if three threads run them.
     ThreadTeam team(3);
     std::barrier together(3);
     team.run(3, [&](std::size_t) { together.arrive_and_wait(); });
 }
 
-TEST(ThreadTeam, HasAsManyThreadsAsItMay) {
+TEST(ThreadTeam, RespectsTheNumberOfThreads) {
     std::size_t size = 1;
     ThreadTeam team([&] { return size; });
     const auto own = std::this_thread::get_id();
@@ -47,7 +47,7 @@ TEST(ThreadTeam, HasAsManyThreadsAsItMay) {
     EXPECT_EQ(others, 1);
 }
 
-TEST(ThreadTeam, ThrowsWhatTheFirstTaskThrew) {
+TEST(ThreadTeam, RethrowsTheExceptionOfTheFirstTask) {
     for (const std::size_t size : {1, 4}) {
         ThreadTeam team(size);
         try {
@@ -64,7 +64,7 @@ TEST(ThreadTeam, ThrowsWhatTheFirstTaskThrew) {
     }
 }
 
-TEST(ForRanges, CoversAll) {
+TEST(ForRanges, CoversTheWholeRange) {
     ThreadTeam team(2);
     for (const std::size_t count : {0, 1, 9, 10, 11, 100}) {
         std::vector<int> calls(count, 0);

@@ -9,7 +9,7 @@
 namespace ccdt {
 namespace {
 
-/// Some anywhere, most crowded around two places at two scales.
+/// Some points anywhere, most of them crowded around two places at two scales.
 std::vector<Point> crowds(std::size_t count) {
     Random random(6, 0);
     std::vector<Point> places;
@@ -20,14 +20,14 @@ std::vector<Point> crowds(std::size_t count) {
     return places;
 }
 
-/// Of all copies of a place on a torus the nearest.
+/// Returns the distance to the nearest periodic copy.
 double distance(const Domain& domain, Point a, Point b) {
     Point apart = a - b;
     if (domain.is_torus()) apart = {apart.x - std::round(apart.x), apart.y - std::round(apart.y)};
     return std::sqrt(dot(apart, apart));
 }
 
-TEST(CellList, FindsAllThatAreNear) {
+TEST(CellList, FindsAllPointsNearby) {
     const std::vector<Point> places = crowds(2000);
     for (const Domain& domain : {Domain::rectangle(1, 1).value(), Domain::torus(1, 1).value()}) {
         const CellList cells(domain, places);
@@ -48,7 +48,7 @@ TEST(CellList, FindsAllThatAreNear) {
     }
 }
 
-TEST(CellList, LooksAtFewWherePlacesCrowd) {
+TEST(CellList, VisitsFewPointsInCrowds) {
     const std::vector<Point> places = crowds(80'000);
     const CellList cells(Domain::rectangle(1, 1).value(), places);
     for (std::size_t i = 2; i < places.size(); i += 101) {
@@ -59,7 +59,7 @@ TEST(CellList, LooksAtFewWherePlacesCrowd) {
     }
 }
 
-TEST(CellList, TakesManyOnOnePlace) {
+TEST(CellList, AcceptsManyCoincidentPoints) {
     for (const std::size_t many : {100, 100'000}) {
         const std::vector<Point> places(many, Point{0.7, 0.3});
         std::size_t found = 0;

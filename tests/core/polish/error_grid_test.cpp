@@ -11,7 +11,7 @@
 namespace ccdt {
 namespace {
 
-/// A square of 0.8 x 0.8 in the middle of the unit square.
+/// A square of 0.8 x 0.8 at the centre of the unit square.
 std::vector<BorderEdge> square() {
     const Point a{0.1, 0.1}, b{0.9, 0.1}, c{0.9, 0.9}, d{0.1, 0.9};
     return {{a, b}, {b, c}, {c, d}, {d, a}};
@@ -25,7 +25,7 @@ std::vector<Point> lattice(int side) {
     return sites;
 }
 
-TEST(ErrorGrid, FindsNoneInALattice) {
+TEST(ErrorGrid, FindsNoErrorInALattice) {
     constexpr int kSide = 40;
     ErrorGrid grid({1, 1}, 0.8 / kSide, kSide * kSide, square(), Density::uniform());
     const auto sites = lattice(kSide);
@@ -36,7 +36,7 @@ TEST(ErrorGrid, FindsNoneInALattice) {
     }
 }
 
-TEST(ErrorGrid, LosesNothing) {
+TEST(ErrorGrid, AssignsTheWholeError) {
     for (const Density& density : {Density::uniform(), test::grid_of(3, 2, [](int i, int j) { return 1.0 + i + j; })}) {
         std::vector<Point> sites;
         for (std::uint64_t i = 0; i < 900; ++i) {
@@ -55,7 +55,7 @@ TEST(ErrorGrid, LosesNothing) {
     }
 }
 
-TEST(ErrorGrid, TellsWhereThereAreTooMany) {
+TEST(ErrorGrid, LocatesASurplus) {
     constexpr int kSide = 40;
     auto sites = lattice(kSide);
     for (Point& p : sites) p.x = 0.1 + 0.8 * std::pow((p.x - 0.1) / 0.8, 1.2);
@@ -65,7 +65,7 @@ TEST(ErrorGrid, TellsWhereThereAreTooMany) {
     EXPECT_LT(grid.at({0.8, 0.5}), -0.02);
 }
 
-/// A domain may be a thin line across its box: the grid does not grow with the box.
+/// A domain can be a thin line across its box, so the grid must not grow with the box.
 TEST(ErrorGrid, StaysSmallInALargeBox) {
     const Point a{0, 0}, b{1, 0.999999}, c{1, 1}, d{0, 0.000001};
     const std::vector<BorderEdge> line{{a, b}, {b, c}, {c, d}, {d, a}};

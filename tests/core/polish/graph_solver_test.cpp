@@ -16,7 +16,7 @@ namespace {
 
 using Edge = GraphSolver::Edge;
 
-/// A square grid, its edges conducting 1.
+/// A square grid with conductances 1.
 std::vector<Edge> grid(std::uint32_t side) {
     std::vector<Edge> edges;
     for (std::uint32_t j = 0; j < side; ++j) {
@@ -54,8 +54,8 @@ TEST(GraphSolver, AddsUpParallelEdges) {
     EXPECT_NEAR(potential[0] - potential[1], 0.25, 1e-12);
 }
 
-/// Whatever the size: of 16 times as many vertices about as many steps.
-TEST(GraphSolver, TakesFewSteps) {
+/// 16 times as many vertices need about the same number of steps.
+TEST(GraphSolver, ConvergesInFewStepsAtAnySize) {
     for (const std::uint32_t side : {32u, 128u}) {
         std::vector<double> inflow, potential(side * side);
         double mean = 0;
@@ -68,7 +68,7 @@ TEST(GraphSolver, TakesFewSteps) {
     }
 }
 
-TEST(GraphSolver, GivesTheSameBytesByAnyTeam) {
+TEST(GraphSolver, IsIdenticalOnAnyNumberOfThreads) {
     constexpr std::uint32_t kSide = 128;
     std::vector<double> inflow;
     for (std::uint32_t v = 0; v < kSide * kSide; ++v) inflow.push_back(v % 2 == 0 ? 1 : -1);
@@ -86,7 +86,7 @@ TEST(GraphSolver, GivesTheSameBytesByAnyTeam) {
     }
 }
 
-TEST(GraphSolver, SolvesPartsEachForItself) {
+TEST(GraphSolver, SolvesEachComponentSeparately) {
     auto edges = grid(8);
     for (const Edge& edge : grid(5)) edges.push_back({edge.a + 64, edge.b + 64, edge.conductance});
     GraphSolver solver(64 + 25 + 1, edges);

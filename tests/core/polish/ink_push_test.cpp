@@ -17,7 +17,7 @@ const double kNeighbour = kSpacing * hexagonal_spacing(1);
 const Domain kBox = Domain::rectangle(1, 1).value();
 const Domain kTorus = Domain::torus(1, 1).value();
 
-TEST(InkPush, SharesOutWhatIsMissingBetweenInks) {
+TEST(InkPush, DividesTheMissingDistanceBetweenInks) {
     const double apart = 0.3 * kNeighbour;
     const std::vector<InkSite> sites{{{0.5, 0.5}, kSpacing, 0}, {{0.5 + apart, 0.5}, kSpacing, 1}};
     const auto moves = push_inks_apart(kBox, sites, 0.8, 0.25);
@@ -27,21 +27,21 @@ TEST(InkPush, SharesOutWhatIsMissingBetweenInks) {
     EXPECT_EQ(moves[1].y, 0);
 }
 
-TEST(InkPush, MovesSitesOfSparseInksFurther) {
+TEST(InkPush, MovesSitesOfSparseInksFarther) {
     const std::vector<InkSite> sites{{{0.5, 0.5}, kSpacing, 0, 1}, {{0.5 + 0.3 * kNeighbour, 0.5}, kSpacing, 1, 2}};
     const auto moves = push_inks_apart(kBox, sites, 0.8, 0.25);
     EXPECT_NEAR(moves[0].x, -0.4 * 0.25 * 0.5 * kNeighbour, 1e-12);
     EXPECT_NEAR(moves[1].x, 1.6 * 0.25 * 0.5 * kNeighbour, 1e-12);
 }
 
-TEST(InkPush, LeavesWhatIsFarOrOfOneInk) {
+TEST(InkPush, IgnoresDistantSitesAndThoseOfTheSameInk) {
     const std::vector<InkSite> sites{{{0.5, 0.5}, kSpacing, 0},
                                      {{0.5, 0.5 + 0.1 * kNeighbour}, kSpacing, 0},
                                      {{0.5, 0.5 - 0.95 * kNeighbour}, kSpacing, 1}};
     for (const Point& move : push_inks_apart(kBox, sites, 0.9, 0.25)) EXPECT_EQ(move, Point{});
 }
 
-TEST(InkPush, TakesSitesOnOnePlaceApart) {
+TEST(InkPush, SeparatesCoincidentSites) {
     const std::vector<InkSite> sites(2, {{0.5, 0.5}, kSpacing, 0});
     std::vector<InkSite> inks = sites;
     inks[1].ink = 1;
@@ -51,7 +51,7 @@ TEST(InkPush, TakesSitesOnOnePlaceApart) {
     EXPECT_GT(dot(between, between), std::pow(0.25 * kNeighbour, 2));
 }
 
-/// All against all.
+/// Computes the moves by comparing all pairs.
 std::vector<Point> pushed_one_by_one(bool torus, const std::vector<InkSite>& sites, double reach, double push) {
     std::vector<Point> moves(sites.size());
     for (std::size_t a = 0; a < sites.size(); ++a) {
@@ -67,7 +67,7 @@ std::vector<Point> pushed_one_by_one(bool torus, const std::vector<InkSite>& sit
     return moves;
 }
 
-TEST(InkPush, FindsAllThatAreNear) {
+TEST(InkPush, EqualsTheComparisonOfAllPairs) {
     Random random(3, 0);
     std::vector<InkSite> sites;
     for (std::uint32_t i = 0; i < 500; ++i) {
@@ -83,7 +83,7 @@ TEST(InkPush, FindsAllThatAreNear) {
     }
 }
 
-TEST(InkPush, EndsWhenStopped) {
+TEST(InkPush, StopsOnRequest) {
     std::stop_source source;
     source.request_stop();
     const std::vector<InkSite> sites{{{0.5, 0.5}, kSpacing, 0}, {{0.51, 0.5}, kSpacing, 1}};

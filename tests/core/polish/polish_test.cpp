@@ -27,8 +27,8 @@ using test::StartMesh;
 
 const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
 
-/// The domain in its unit frame; the first ring is an outer one, and for what is inside the others' kinds do not
-/// matter.
+/// Returns the domain in its unit frame as one outer ring and holes. Tests by the even-odd rule do not distinguish the
+/// two kinds of rings.
 Parts unit_parts(const Domain& domain) {
     const auto& rings = domain.rings();
     return {{rings[0], {rings.begin() + 1, rings.end()}}};
@@ -82,7 +82,7 @@ TEST(Polish, KeepsTrianglesAndSitesInside) {
     }
 }
 
-/// How far counts of sites in blocks of a spot of 32 x 32 cells are off, over what chance would make of them.
+/// Returns the standard deviation of counts in blocks of a spot of 32 x 32 cells, relative to that of random sites.
 double count_error(const std::vector<Point>& sites, Point corner) {
     constexpr int kBlocks = 4;
     std::vector<double> counts(kBlocks * kBlocks);
@@ -116,8 +116,8 @@ TEST(Polish, EvensOutSmallSpots) {
     EXPECT_LT(error(Quality::Best), 0.8 * draft);
 }
 
-/// Shifted places are exact only while none lies far from the box: few sites on a steep density wander, together.
-TEST(Polish, KeepsPlacesNearTheBoxOfATorus) {
+/// Shifted positions are exact only near the box, but few sites on a steep density drift together.
+TEST(Polish, KeepsPositionsNearTheBoxOfATorus) {
     const Domain torus = Domain::torus(1, 1).value();
     for (std::uint64_t seed = 3300; seed < 3340; ++seed) {
         Random random(seed, 0);
@@ -136,7 +136,7 @@ TEST(Polish, KeepsPlacesNearTheBoxOfATorus) {
     }
 }
 
-/// Density in one corner alone, which is as far away as can be in a domain of any proportions.
+/// The only density is in one corner, as far away as possible in a domain of any proportions.
 TEST(Polish, ClearsGapsOfAnyProportions) {
     const Density corner = grid_of(10, 100, [](int i, int j) { return i + j == 0 ? 1.0 : 0.0; });
     for (const auto& [width, height] : {std::pair{20.0, 1.0}, {1.0, 1.0}, {1.0, 20.0}}) {
@@ -151,7 +151,7 @@ TEST(Polish, ClearsGapsOfAnyProportions) {
     }
 }
 
-TEST(Polish, MovesNothingOnceStopped) {
+TEST(Polish, MovesNothingAfterAStop) {
     std::stop_source source;
     source.request_stop();
     StartMesh start(domain_of(kSquare), spot_and_corner(), {.sites = 200, .seed = 1});
@@ -200,7 +200,7 @@ TEST(Polish, LeavesNoSiteOnWhite) {
 
 struct Pattern {
     double long_waves = 0;    ///< power below half the principal frequency
-    double min_distance = 0;  ///< over that of the densest packing
+    double min_distance = 0;  ///< relative to the densest packing
 };
 
 Pattern pattern_of(const Domain& domain, Quality quality) {
@@ -226,10 +226,10 @@ TEST(Polish, LowersLongWavesAndKeepsNeighboursApart) {
 
 constexpr std::array kCountries{"Switzerland-10m.geojson", "South-Africa-50m.geojson", "Italy-110m.geojson"};
 
-/// Over two seeds.
+/// Results over two seeds.
 struct Evenness {
-    double variation = 0;  ///< mean
-    double noise = 0;      ///< in dB, the largest
+    double variation = 0;  ///< mean over the seeds
+    double noise = 0;      ///< in dB, largest of the seeds
     double nearest = 10;   ///< least distance of two sites
 };
 
@@ -256,7 +256,7 @@ TEST(Polish, EvensOutCountries) {
     }
 }
 
-/// Triangles stay about as equal as they were.
+/// The equality of capacities hardly changes.
 TEST(Polish, KeepsCountriesCapacities) {
     for (const char* name : kCountries) {
         const Domain domain = domain_of(test::read_geojson(name));
@@ -275,7 +275,7 @@ TEST(Polish, LeavesNoNearPairsAtNeedles) {
     }
 }
 
-/// Islands half as wide as sites are apart, with narrower straits between: no edge joins sites on two of them.
+/// Islands are half as wide as the spacing, with narrower straits between them, so no edge joins sites of two islands.
 TEST(Polish, KeepsSitesApartAcrossWater) {
     constexpr double kWidth = 0.01, kPeriod = 0.014;
     Parts islands;
@@ -292,7 +292,7 @@ TEST(Polish, KeepsSitesApartAcrossWater) {
     }
 }
 
-/// Most islands hold one to four sites: there is no roomier site to go to, and neighbours stand across water.
+/// Most islands have one to four sites: no place has more space, and neighbours are across water.
 TEST(Polish, KeepsSitesOfSmallIslandsApart) {
     const Domain domain = domain_of(test::read_geojson("Norway-islands-10m.geojson"));
     for (const std::size_t sites : {10, 20, 30, 60}) {
@@ -303,7 +303,8 @@ TEST(Polish, KeepsSitesOfSmallIslandsApart) {
     }
 }
 
-/// A density that varies as on a chart of the globe: numbers of sites in strips of some spacings, against those due.
+/// The density varies as on a chart of the globe; counts of sites in strips of some spacings are compared with the
+/// expected ones.
 TEST(Polish, EvensOutSmoothDensities) {
     constexpr int kStrips = 10, kCells = 8 * kStrips;
     const Domain domain = domain_of(test::read_geojson("Switzerland-10m.geojson"));
@@ -330,7 +331,7 @@ TEST(Polish, EvensOutSmoothDensities) {
     EXPECT_LT(error(Quality::Best), 0.85 * error(Quality::Draft));
 }
 
-TEST(Polish, GivesTheSameBytesAgain) {
+TEST(Polish, IsDeterministic) {
     for (const Domain& domain : {Domain::torus(2, 1).value(), Domain::rectangle(2, 1).value()}) {
         for (const Quality quality : {Quality::Draft, Quality::Standard, Quality::Best}) {
             for (const Density& density : {Density::uniform(), test::pear()}) {

@@ -16,8 +16,8 @@ namespace ccdt {
 namespace {
 
 constexpr double kTau = 6.283185307179586;
-constexpr double kError = 3e-4;            // what the header promises
-constexpr double kHighestFrequency = 0.2;  // that it promises it for, in cycles a cell
+constexpr double kError = 3e-4;            // error that the header documents
+constexpr double kHighestFrequency = 0.2;  // up to this frequency, in cycles per cell
 
 struct Weighted {
     Point place;
@@ -33,7 +33,8 @@ std::vector<Weighted> random_points(Point sides, std::size_t count) {
     return points;
 }
 
-/// Sum over points of value e^(-i 2 pi f.p), in a box of value cos(2 pi f_x x) cos(2 pi f_y y) and its four copies.
+/// Returns the sum over points of value e^(-i 2 pi f.p), or in a box of value cos(2 pi f_x x) cos(2 pi f_y y) over its
+/// four copies.
 std::complex<double> direct_sum(const SplineGrid& grid, bool torus, const std::vector<Weighted>& points, Point f) {
     std::complex<double> sum;
     for (const auto& [p, value] : points) {
@@ -46,7 +47,7 @@ std::complex<double> direct_sum(const SplineGrid& grid, bool torus, const std::v
     return sum;
 }
 
-/// Largest error of the frequencies that are promised, over the sum of the values' magnitudes.
+/// Returns the largest error of the documented frequencies, relative to the sum of the values' magnitudes.
 double largest_error(SplineGrid& grid, bool torus, const std::vector<Weighted>& points) {
     grid.clear();
     double magnitude = 0;
@@ -98,14 +99,14 @@ TEST(SplineGrid, SumsWavesOfPointsOnItsSides) {
     }
 }
 
-TEST(SplineGrid, TakesPointsAnywhereAroundATorus) {
+TEST(SplineGrid, AcceptsAnyPeriodicCopyOfAPoint) {
     // The last one is so little below 0 that its share of the period rounds to 1.
     const std::vector<Weighted> around{{{-0.25, 1.5}, 1}, {{1.75, -0.875}, 1}, {{-1, 2}, 1}, {{-1e-18, -1e-18}, 1}};
     SplineGrid grid(true, {1, 1}, 30, 30);
     EXPECT_LT(largest_error(grid, true, around), kError);
 }
 
-TEST(SplineGrid, KeepsWhatWasSpread) {
+TEST(SplineGrid, PreservesTheSumOfSpreadValues) {
     for (const bool torus : {true, false}) {
         SplineGrid grid(torus, {1, 0.5}, 16, 8);
         const auto points = random_points({1, 0.5}, 100);
@@ -135,7 +136,7 @@ TEST(SplineGrid, HasTheGradientOfAWave) {
             auto points = random_points(sides, 100);
             for (const Point p : {Point{0, 0}, Point{1, 0.75}, Point{0, 0.75}, Point{1, 0}}) points.push_back({p, 1});
             for (const auto& [p, value] : points) {
-                // A coefficient of 1 stands for 2 cos(f.p) on a torus and for 4 cos(f_x x) cos(f_y y) in a box.
+                // A coefficient of 1 represents 2 cos(f.p) on a torus and 4 cos(f_x x) cos(f_y y) in a box.
                 const Point along = -2 * std::sin(dot(f, p)) * f;
                 const Point mirrored{-4 * f.x * std::sin(f.x * p.x) * std::cos(f.y * p.y),
                                      -4 * f.y * std::cos(f.x * p.x) * std::sin(f.y * p.y)};
@@ -167,11 +168,12 @@ TEST(SplineGrid, SpreadsMoves) {
     }
 }
 
-/// Two are handled at once where the processor can.
-TEST(SplineGrid, GivesTheSameBytesForManyAsForEach) {
+/// Processors with AVX2 handle two points at once.
+TEST(SplineGrid, ReadsManyGradientsAsItReadsEach) {
     const Point sides{2, 0.7};
     auto points = random_points(sides, 301);
-    for (const Point p : {Point{0, 0}, Point{2, 0.7}, Point{0, 0.7}, Point{2, 0}, Point{-0.0, 0.35}, Point{1e-308, 0.1}})
+    for (const Point p :
+         {Point{0, 0}, Point{2, 0.7}, Point{0, 0.7}, Point{2, 0}, Point{-0.0, 0.35}, Point{1e-308, 0.1}})
         points.push_back({p, 1});
     std::vector<Point> places;
     std::vector<double> values;

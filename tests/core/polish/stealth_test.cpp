@@ -14,25 +14,25 @@ namespace {
 
 constexpr double kTau = 6.283185307179586;
 
-/// Largest power among the frequencies that are to be silent, summed directly.
-double loudest(const Domain& torus, const std::vector<Point>& points) {
+/// Returns the largest power of the frequencies below the limit, by direct sums.
+double largest_power(const Domain& torus, const std::vector<Point>& points) {
     const Point sides = torus.bounds().max - torus.bounds().min;
     const auto count = static_cast<double>(points.size());
     const double end = Stealth::kLimit * std::sqrt(count / (sides.x * sides.y));
-    double loudest = 0;
+    double largest_power = 0;
     for (int j = static_cast<int>(-end * sides.y); j <= end * sides.y; ++j) {
         for (int i = 0; i <= end * sides.x; ++i) {
             const Point f{i / sides.x, j / sides.y};
             if ((i == 0 && j == 0) || dot(f, f) >= end * end) continue;
             std::complex<double> sum;
             for (const Point& p : points) sum += std::polar(1.0, -kTau * dot(f, p));
-            loudest = std::max(loudest, std::norm(sum) / count);
+            largest_power = std::max(largest_power, std::norm(sum) / count);
         }
     }
-    return loudest;
+    return largest_power;
 }
 
-/// Least distance over that of neighbours in a hexagonal grid.
+/// Returns the least distance relative to that of neighbours in a hexagonal grid.
 double least_distance(const Domain& torus, const std::vector<Point>& points) {
     const Point sides = torus.bounds().max - torus.bounds().min;
     double least = 1e9;
@@ -49,13 +49,13 @@ std::vector<Point> distributed(const Domain& domain, std::size_t sites, Quality 
     return distribute(domain, Density::uniform(), {.sites = sites, .seed = 3, .quality = quality}, control)->points;
 }
 
-TEST(Stealth, LeavesNoPowerBelowAHalf) {
+TEST(Stealth, LeavesNoPowerBelowTheLimit) {
     for (const auto& [sides, sites] :
          {std::pair(Point{1, 1}, 16U), {{1, 1}, 17U}, {{1, 1}, 300U}, {{3, 1}, 48U}, {{300, 5}, 1'000U}}) {
         const Domain torus = Domain::torus(sides.x, sides.y).value();
         const auto points = distributed(torus, sites, Quality::Stealthy);
-        EXPECT_LT(loudest(torus, points), 2 * Stealth::kSilence) << sites;
-        EXPECT_GT(loudest(torus, distributed(torus, sites, Quality::Best)), 1e-9) << sites;
+        EXPECT_LT(largest_power(torus, points), 2 * Stealth::kSilence) << sites;
+        EXPECT_GT(largest_power(torus, distributed(torus, sites, Quality::Best)), 1e-9) << sites;
     }
 }
 
@@ -74,15 +74,15 @@ TEST(Stealth, MovesSitesLittle) {
     }
 }
 
-TEST(Stealth, TakesTheSmallestMoves) {
-    // They are a gradient: whatever else does the same is longer by what has no effect.
+TEST(Stealth, FindsTheSmallestMoves) {
+    // The moves are a gradient, so any other solution is longer by a part without effect.
     const Domain torus = Domain::torus(1, 1).value();
     const auto sites = distributed(torus, 200, Quality::Draft);
     Stealth stealth(torus, sites.size());
     std::vector<Point> moves(sites.size());
     ASSERT_TRUE(stealth.displacements(sites, moves));
-    EXPECT_GT(stealth.loudest(), 1e-5);
-    // To first order these moves undo all sums: a hundredth of them a hundredth of it.
+    EXPECT_GT(stealth.largest_power(), 1e-5);
+    // To first order the moves cancel all sums, so a hundredth of the moves cancels a hundredth.
     std::vector<Point> there = sites;
     for (std::size_t i = 0; i < there.size(); ++i) there[i] = there[i] + 0.01 * moves[i];
     std::complex<double> before, after;
@@ -93,7 +93,7 @@ TEST(Stealth, TakesTheSmallestMoves) {
     EXPECT_LT(std::abs(after - 0.99 * before), 0.001 * std::abs(before));
 }
 
-TEST(Stealth, IsForTheDomainsThatItIsDefinedFor) {
+TEST(Stealth, AppliesOnlyToSuitableDomains) {
     EXPECT_TRUE(Stealth::fits(Domain::torus(1, 1).value(), 16));
     EXPECT_FALSE(Stealth::fits(Domain::torus(1, 1).value(), 15));
     EXPECT_FALSE(Stealth::fits(Domain::torus(1e-3, 1).value(), 15'000));
@@ -101,12 +101,12 @@ TEST(Stealth, IsForTheDomainsThatItIsDefinedFor) {
         EXPECT_EQ(distributed(other, 100, Quality::Stealthy), distributed(other, 100, Quality::Best));
 }
 
-TEST(Stealth, GivesTheSameBytesEachTime) {
+TEST(Stealth, IsDeterministic) {
     const Domain torus = Domain::torus(1, 1).value();
     EXPECT_EQ(distributed(torus, 400, Quality::Stealthy), distributed(torus, 400, Quality::Stealthy));
 }
 
-TEST(Stealth, EndsWhenItIsStopped) {
+TEST(Stealth, StopsOnRequest) {
     const Domain torus = Domain::torus(1, 1).value();
     Stealth stealth(torus, 64);
     std::vector<Point> sites, moves(64);
@@ -117,7 +117,7 @@ TEST(Stealth, EndsWhenItIsStopped) {
     EXPECT_FALSE(stealth.displacements(sites, moves, source.get_token()));
 }
 
-TEST(Stealth, TellsProgressToItsEnd) {
+TEST(Stealth, ReportsProgressToTheEnd) {
     int round = 0, rounds = -1;
     Control control;
     control.progress = [&](const Progress& progress) {

@@ -18,7 +18,7 @@ using test::grid_of;
 
 const Domain kSquare = Domain::rectangle(1, 1).value();
 
-/// Distance from a point of the grid to the nearest cell with density, in cells.
+/// Returns the distance from a grid point to the nearest cell with density, in cells.
 double distance_to_density(const Density& density, Point g) {
     double nearest = std::numeric_limits<double>::infinity();
     for (int j = 0; j < density.height(); ++j) {
@@ -31,7 +31,7 @@ double distance_to_density(const Density& density, Point g) {
     return nearest;
 }
 
-TEST(Support, FindsDensityInReach) {
+TEST(Support, FindsDensityWithinReach) {
     constexpr double kReach = 0.2;
     const Domain domain = Domain::rectangle(2, 1).value();  // in the unit frame 1 x 0.5
     Random random(1, 0);
@@ -49,14 +49,14 @@ TEST(Support, FindsDensityInReach) {
                 if (found == p) continue;
             }
             ASSERT_EQ(count_on_white(domain, density, {2 * found}), 0u) << p.x << ' ' << p.y;
-            // Cells are looked at in squares, whose corners lie further away than their sides.
+            // Cells are searched in squares, whose corners are farther away than their sides.
             ASSERT_LE(std::sqrt(dot(q - g, q - g)), std::sqrt(2.0) * distance + 0.2) << p.x << ' ' << p.y;
         }
     }
     EXPECT_GT(far, 0) << "some are out of reach";
 }
 
-TEST(Support, LeavesPointsWithDensityWhereTheyAre) {
+TEST(Support, KeepsPointsWithDensity) {
     const Domain domain = kSquare;
     const Density density = grid_of(10, 10, [](int i, int) { return i < 5 ? 1.0 : 0.0; });
     const Support support(domain, density);
@@ -64,7 +64,7 @@ TEST(Support, LeavesPointsWithDensityWhereTheyAre) {
     EXPECT_EQ(support.nearest({0.33, 0.05}, 1), (Point{0.33, 0.05}));
 }
 
-TEST(Support, GivesUpWhereThereIsNone) {
+TEST(Support, LimitsTheSearchToTheReach) {
     const Density corner = grid_of(1000, 1000, [](int i, int j) { return i + j == 0 ? 1.0 : 0.0; });
     const Support support(kSquare, corner);
     EXPECT_EQ(support.nearest({0.9, 0.9}, 0.01), (Point{0.9, 0.9}));

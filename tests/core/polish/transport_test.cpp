@@ -24,7 +24,7 @@ Density waves() {
     });
 }
 
-/// How much of the wave cos(pi x column) there is in sites, and would be if they stood as the density wants.
+/// Returns the amplitude of the wave cos(pi x column) in sites, or in the wanted density.
 double amplitude(const std::vector<Point>& sites, int column) {
     double sum = 0;
     for (const Point p : sites) sum += std::cos(kPi * column * p.x);
@@ -42,11 +42,11 @@ double amplitude(const Density& density, int column) {
     return sum / density.total();
 }
 
-/// Share of a long wave's error that is left after a round.
+/// Returns the share of a long wave's error that is left after one round.
 double left_of_wave(const Domain& domain, const Density& density, int column) {
     auto sites = distribute(domain, density, {.sites = kSites, .seed = 3})->points;
-    // To first order these moves, shorter than a round may make, add pi column longest cos(pi column x) to a uniform
-    // density.
+    // To first order these moves, shorter than the limit of a round, add pi column longest cos(pi column x) to a
+    // uniform density.
     const double longest = 0.15 / std::sqrt(static_cast<double>(kSites));
     for (Point& p : sites) p.x -= longest * std::sin(kPi * column * p.x);
     const double wanted = amplitude(density, column), before = amplitude(sites, column) - wanted;
@@ -67,12 +67,12 @@ TEST(Transport, RemovesALongWave) {
         EXPECT_LT(left_of_wave(box, waves(), column), 0.1);
         EXPECT_LT(left_of_wave(torus, waves(), column), 0.1);
     }
-    // A box has waves of which only half fits.
+    // A box also has waves with half a period.
     EXPECT_LT(left_of_wave(box, Density::uniform(), 3), 0.05);
     EXPECT_LT(left_of_wave(box, waves(), 5), 0.1);
 }
 
-TEST(Transport, TellsThatItWasStopped) {
+TEST(Transport, ReportsAStop) {
     const Domain domain = Domain::rectangle(1, 1).value();
     const auto sites = distribute(domain, Density::uniform(), {.sites = 100, .iterations = 0})->points;
     std::vector<Point> moves(sites.size());
@@ -83,20 +83,20 @@ TEST(Transport, TellsThatItWasStopped) {
     EXPECT_FALSE(transport.displacements(sites, moves, source.get_token()));
 }
 
-TEST(Transport, GoesOnAfterARest) {
+TEST(Transport, ContinuesAfterAReleaseOfMemory) {
     for (const Domain& domain : {Domain::rectangle(1, 1).value(), Domain::torus(1, 1).value()}) {
         const Density density = waves();
         const auto sites = distribute(domain, density, {.sites = kSites, .seed = 4, .quality = Quality::Draft})->points;
         Transport transport(domain, density, kSites);
         std::vector<Point> before(kSites), after(kSites);
         ASSERT_TRUE(transport.displacements(sites, before));
-        transport.rest();
+        transport.release_memory();
         ASSERT_TRUE(transport.displacements(sites, after));
         EXPECT_EQ(before, after);
     }
 }
 
-TEST(Transport, LeavesALatticeWhereItIs) {
+TEST(Transport, KeepsALattice) {
     constexpr int kSide = 60;
     std::vector<Point> sites;
     for (int j = 0; j < kSide; ++j) {
@@ -110,7 +110,7 @@ TEST(Transport, LeavesALatticeWhereItIs) {
     }
 }
 
-TEST(Transport, MovesNoSiteFurtherThanAQuarterOfItsSpacing) {
+TEST(Transport, LimitsMovesToAQuarterOfTheSpacing) {
     Random random(4, 0);
     const Density noise = grid_of(40, 40, [&](int, int) { return std::pow(10.0, -4 * random.uniform()); });
     std::vector<Point> sites(kSites), moves(kSites);
@@ -129,7 +129,7 @@ TEST(Transport, MovesNoSiteFurtherThanAQuarterOfItsSpacing) {
     }
 }
 
-TEST(Transport, KnowsTheSpacing) {
+TEST(Transport, ComputesTheLocalSpacing) {
     const Domain box = Domain::rectangle(2, 1).value();
     EXPECT_DOUBLE_EQ(Transport(box, Density::uniform(), 200).spacing({0.3, 0.2}), 0.05);
     const Density halves = grid_of(2, 1, [](int i, int) { return i == 0 ? 1.0 : 4.0; });
@@ -138,7 +138,7 @@ TEST(Transport, KnowsTheSpacing) {
     EXPECT_NEAR(transport.spacing({0.75, 0.25}), std::sqrt(0.25 / 8000), 1e-3 * std::sqrt(0.25 / 8000));
 }
 
-TEST(Transport, KnowsTheSpacingWhereSitesCrowd) {
+TEST(Transport, ComputesTheLocalSpacingInCrowds) {
     const Domain box = Domain::rectangle(1, 1).value();
     const Density spots =
         grid_of(500, 500, [](int i, int j) { return (i < 5 && j < 5) || (i >= 490 && j >= 490) ? 1.0 : 0.0; });
@@ -147,7 +147,7 @@ TEST(Transport, KnowsTheSpacingWhereSitesCrowd) {
         EXPECT_NEAR(transport.spacing(p), 0.0002, 1e-6) << "100 sites a cell";
 }
 
-TEST(Transport, DoesNotCareForMargins) {
+TEST(Transport, IgnoresEmptyMargins) {
     const auto wave = [](int i, int j) { return 1 + 0.5 * std::sin(0.3 * i) * std::cos(0.2 * j); };
     const Density tight = grid_of(40, 40, wave);
     const Density wide = grid_of(
@@ -167,13 +167,13 @@ TEST(Transport, DoesNotCareForMargins) {
     EXPECT_GT(longest, 1e-4);
 }
 
-/// What a site's move is does not depend on where a torus is cut.
-TEST(Transport, HasNoSeam) {
+/// A site's move does not depend on where the torus is cut.
+TEST(Transport, IsInvariantUnderShifts) {
     const Domain torus = Domain::torus(1, 1).value();
     Random random(5, 0);
     std::vector<Point> sites(500), moves(500), moved_moves(500);
     for (Point& p : sites) p = {random.uniform(), random.uniform()};
-    // By whole cells of any grid that is a multiple of 2 on a side: the spline's own error is the same.
+    // Shifts by whole cells of any grid whose size is a multiple of 2, so that the spline's own error is the same.
     std::vector<Point> moved = sites;
     for (Point& p : moved) p = p + Point{0.5, -0.5};
     for (const bool uniform : {true, false}) {
@@ -191,8 +191,8 @@ TEST(Transport, HasNoSeam) {
     }
 }
 
-/// Cells as wide as such a box is high, or so, would be millions: gigabytes.
-TEST(Transport, TakesNoMoreRoomForAThinBoxThanItsSitesNeed) {
+/// Cells as wide as such a box is high would be millions, i.e. gigabytes.
+TEST(Transport, LimitsTheMemoryForThinBoxes) {
     constexpr std::size_t kInLine = 100'000;
     const double height = 1e-10;
     const Domain domain = Domain::rectangle(1, height).value();

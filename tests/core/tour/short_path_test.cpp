@@ -19,7 +19,7 @@ std::vector<Point> random_points(std::size_t count) {
     return points;
 }
 
-/// Points of a grid of unit spacing, in no order that helps.
+/// Returns the points of a grid of unit spacing, in an unhelpful order.
 std::vector<Point> grid(std::size_t side) {
     std::vector<Point> points;
     for (std::size_t i = 0; i < side * side; ++i) {
@@ -39,7 +39,7 @@ double shortened(const std::vector<Point>& points) {
     return path_length(in_order(points, short_path(points)));
 }
 
-/// By trying all orders.
+/// Returns the length of the shortest path, by trying all orders.
 double shortest(const std::vector<Point>& points) {
     std::vector<std::uint32_t> order(points.size());
     std::iota(order.begin(), order.end(), 0U);
@@ -64,7 +64,7 @@ TEST(ShortPath, VisitsEachPointOnce) {
     }
 }
 
-TEST(ShortPath, TakesPointsThatCoincide) {
+TEST(ShortPath, AcceptsCoincidentPoints) {
     std::vector<Point> points = random_points(50);
     points.insert(points.end(), points.begin(), points.begin() + 25);
     EXPECT_TRUE(is_permutation_of(short_path(points), 75));
@@ -72,29 +72,29 @@ TEST(ShortPath, TakesPointsThatCoincide) {
     EXPECT_TRUE(is_permutation_of(short_path(same), 20));
 }
 
-TEST(ShortPath, GoesStraightAlongALine) {
+TEST(ShortPath, FollowsALine) {
     std::vector<Point> points;
     for (int i = 0; i < 100; ++i) points.push_back({(i * 37) % 100 * 3.0, (i * 37) % 100 * 4.0});
     EXPECT_NEAR(shortened(points), 99 * 5, 1e-9);
 }
 
-TEST(ShortPath, IsHardlyLongerThanTheShortest) {
+TEST(ShortPath, IsCloseToTheShortestPath) {
     for (std::size_t count = 2; count <= 8; ++count) {
         const std::vector<Point> points = random_points(count);
         EXPECT_LT(shortened(points), 1.1 * shortest(points)) << count;
     }
-    // A boustrophedon is the shortest through a grid.
+    // A boustrophedon is the shortest path through a grid.
     EXPECT_LT(shortened(grid(60)), 1.05 * (60 * 60 - 1));
 }
 
-/// The shortest way through many random points of a unit square is 0.7124 sqrt(n) long (Johnson, McGeoch 1996).
-TEST(ShortPath, IsAsShortAsItsHeaderSays) {
+/// The shortest path through many random points of a unit square has length 0.7124 sqrt(n) (Johnson, McGeoch 1996).
+TEST(ShortPath, ReachesTheDocumentedLength) {
     const std::vector<Point> points = random_points(20'000);
     EXPECT_LT(shortened(points), 1.1 * 0.7124 * std::sqrt(20'000));
     EXPECT_GT(shortened(points), 0.7124 * std::sqrt(20'000));
 }
 
-TEST(ShortPath, FindsItsWayAmongCrowds) {
+TEST(ShortPath, HandlesCrowdedPoints) {
     std::vector<Point> points = random_points(4'000);
     for (std::size_t i = 0; i < 2'000; ++i) points[i] = Point{0.5, 0.5} + 1e-5 * points[i];
     const auto order = short_path(points);
@@ -102,14 +102,14 @@ TEST(ShortPath, FindsItsWayAmongCrowds) {
     EXPECT_LT(path_length(in_order(points, order)), 1.15 * 0.7124 * std::sqrt(2'000));
 }
 
-TEST(ShortPath, DoesNotDependOnWhereAndHowLargeThePointsAre) {
+TEST(ShortPath, IsInvariantUnderTranslationAndScaling) {
     const std::vector<Point> points = random_points(2'000);
     std::vector<Point> others;
     for (const Point& p : points) others.push_back(1024 * p);
     EXPECT_EQ(short_path(points), short_path(others));
 }
 
-TEST(ShortPath, StoppedIsAPathAllTheSame) {
+TEST(ShortPath, IsAPermutationAfterAStop) {
     std::stop_source source;
     source.request_stop();
     const std::vector<Point> points = random_points(10'000);

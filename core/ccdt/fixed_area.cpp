@@ -1,4 +1,4 @@
-#include "core/ccdt/fixed_room.h"
+#include "core/ccdt/fixed_area.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-/// The nearest fixed point of each cell of a grid.
+/// Finds the nearest fixed point of each cell of a grid.
 class NearestFixed {
 public:
     NearestFixed(const Domain& domain, std::span<const Point> fixed, int columns, int rows)
@@ -29,7 +29,7 @@ public:
         };
         for (std::uint32_t i = 0; i < fixed.size(); ++i)
             offer(index(fixed[i].x, sides_.x, columns), index(fixed[i].y, sides_.y, rows), i);
-        // Around a torus what comes in on one side has been found on the other by then.
+        // On a torus, the second sweep propagates points across the seam.
         for (int i = 0; i < (torus_ ? 2 : 1); ++i) sweep();
     }
 
@@ -61,7 +61,7 @@ private:
             known = point;
     }
 
-    /// Offers a cell what a neighbour knows.
+    /// Offers a cell the nearest point of a neighbouring cell.
     void ask(int column, int row, int across, int up) {
         int from_column = column + across, from_row = row + up;
         if (torus_) {
@@ -90,13 +90,13 @@ private:
     Point sides_;
     int columns_, rows_;
     Point cell_;
-    std::vector<std::uint32_t> nearest_;  ///< [rows * columns]
+    std::vector<std::uint32_t> nearest_;  ///< [rows * columns] nearest fixed point of each cell
 };
 
 }  // namespace
 
 std::vector<Point> to_unit_frame(const Domain& domain, std::span<const Point> points) {
-    constexpr double kFar = 1;  // from the box
+    constexpr double kFar = 1;  // distance from the box
     const double scale = std::max(domain.bounds().width(), domain.bounds().height());
     const Point sides = domain.unit_bounds().max;
     std::vector<Point> result;
@@ -105,7 +105,7 @@ std::vector<Point> to_unit_frame(const Domain& domain, std::span<const Point> po
         if (unit.x > -kFar && unit.x < sides.x + kFar && unit.y > -kFar && unit.y < sides.y + kFar)
             result.push_back(unit);
     }
-    // To and fro, so that each is near the one before.
+    // Sorts in boustrophedon order, so that each point is near the one before.
     const double bands = std::sqrt(static_cast<double>(result.size()));
     const auto place = [&](Point p) {
         const double band = std::floor(p.y * bands);
@@ -115,8 +115,8 @@ std::vector<Point> to_unit_frame(const Domain& domain, std::span<const Point> po
     return result;
 }
 
-FixedRoom take_room(const Domain& domain, std::span<const Point> fixed, std::size_t sites, int columns, int rows,
-                    std::span<double> masses) {
+FixedArea subtract_fixed_area(const Domain& domain, std::span<const Point> fixed, std::size_t sites, int columns,
+                              int rows, std::span<double> masses) {
     constexpr int kHalvings = 40;
     const NearestFixed nearest(domain, fixed, columns, rows);
     const Point side{domain.unit_bounds().width() / columns, domain.unit_bounds().height() / rows};
@@ -136,15 +136,15 @@ FixedRoom take_room(const Domain& domain, std::span<const Point> fixed, std::siz
     double least = 0, most = total / count;
     for (int i = 0; i < kHalvings; ++i) {
         const double each = (least + most) / 2;
-        double room = 0;
+        double covered = 0;
         for (std::size_t k = 0; k < masses.size(); ++k) {
-            if (masses[k] > 0) room += taken(k, each);
+            if (masses[k] > 0) covered += taken(k, each);
         }
-        (count * each + room > total ? most : least) = each;
+        (count * each + covered > total ? most : least) = each;
     }
-    // The lower end leaves the sites to come some room, be it ever so little.
+    // At the lower end, some area is left for the new sites, however little.
     const double each = least > 0 ? least : most;
-    FixedRoom result{total / each, std::vector<double>(fixed.size(), 0)};
+    FixedArea result{total / each, std::vector<double>(fixed.size(), 0)};
     for (std::size_t i = 0; i < masses.size(); ++i) {
         if (!(masses[i] > 0)) continue;
         const double part = taken(i, each);

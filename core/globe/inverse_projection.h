@@ -7,12 +7,12 @@
 
 namespace ccdt {
 
-/// Takes points of a chart's plane back to a region of the globe, and what the plane's polygon, whose edges are
-/// straight, has more than the region, into it.
-class WayBack {
+/// Maps points of a chart's plane back to a region of the globe. The plane's polygon has straight edges and can extend
+/// slightly beyond the region; points there are moved into the region.
+class InverseProjection {
 public:
     /// @param degrees  the region in longitude and latitude, in one turn
-    explicit WayBack(const Domain& degrees);
+    explicit InverseProjection(const Domain& degrees);
 
     /// @returns  longitude, within [-180, 180], and latitude
     Point operator()(const Chart& chart, Point plane) const;

@@ -1,4 +1,4 @@
-#include "core/globe/way_back.h"
+#include "core/globe/inverse_projection.h"
 
 #include <cmath>
 #include <vector>
@@ -19,11 +19,12 @@ std::vector<Ring> rings_of(const Domain& degrees) {
 
 }  // namespace
 
-WayBack::WayBack(const Domain& degrees) : west_(degrees.bounds().min.x), inside_(rings_of(degrees)) {}
+InverseProjection::InverseProjection(const Domain& degrees)
+    : west_(degrees.bounds().min.x), inside_(rings_of(degrees)) {}
 
-Point WayBack::operator()(const Chart& chart, Point plane) const {
+Point InverseProjection::operator()(const Chart& chart, Point plane) const {
     const Point place = place_of(chart.to_direction(plane));
-    const Point turned{place.x + shift_to(place.x, west_), place.y};
+    const Point turned{place.x + longitude_wrap_offset(place.x, west_), place.y};
     const Point nudged = inside_.nearest(turned, std::cos(place.y * kDegree));
     return nudged == turned ? place : Point{std::remainder(nudged.x, kTurn), nudged.y};
 }
