@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "api/drawing_size.h"
 #include "api/json/json_document.h"
 #include "api/run/estimate.h"
 #include "core/geometry/hexagonal_spacing.h"
@@ -28,6 +29,15 @@ Estimate levelling(const HalftoneRequest& request) {
     if (request.levels == Levels{}) return {};
     constexpr double kTime = 0.006 * kMicrosecond;
     const double planes = request.palette.mixing == Mixing::Cover ? 1 : 3;
+    const auto values = static_cast<double>(request.image.header.pixels()) * planes;
+    return {values * sizeof(float), values * kTime};
+}
+
+/// Keeps what was decoded until its middle is cut out.
+Estimate cropping(const HalftoneRequest& request) {
+    if (request.fit != Fit::Cover) return {};
+    constexpr double kTime = 0.002 * kMicrosecond;
+    const double planes = request.palette.mixing == Mixing::Cover ? 2 : 4;
     const auto values = static_cast<double>(request.image.header.pixels()) * planes;
     return {values * sizeof(float), values * kTime};
 }
@@ -210,18 +220,29 @@ Estimate placing(const HalftoneRequest& request, double sites) {
     return methods().front().cost(options, false) + parting(request, options);
 }
 
+/// Size of a picture as it is stored; it may be turned by a quarter once it is read.
+PictureSize header_size(const HalftoneRequest& request) {
+    return {static_cast<int>(request.image.header.width), static_cast<int>(request.image.header.height)};
+}
+
 /// Counts the pixels of the output at most: the chosen scale stops at 16 million.
 double drawn_pixels(const HalftoneRequest& request, const Limits& limits) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
     const auto most = static_cast<double>(limits.max_pixels);
-    if (request.scale) return std::min(pixels * *request.scale * *request.scale, most);
+    const auto [width, height] = header_size(request);
+    const auto drawn = [&](PictureSize picture) {
+        const auto canvas = settled_canvas(request, drawn_part(request, picture), limits);
+        return canvas ? static_cast<double>(canvas->width) * canvas->height : 0.0;
+    };
+    const double settled = std::max(drawn({width, height}), drawn({height, width}));
+    if (settled > 0) return std::min(settled, most);
     return std::min({pixels * kLargestScale * kLargestScale, kMostCanvasPixels, most});
 }
 
 /// @param radius  of the dots, in pixels; each may cover all
 Estimate rasterising(double sites, double pixels, std::optional<double> radius, bool antialias) {
     const double covered = sites * std::min(pixels, radius ? 4 * *radius * *radius : 0);
-    return {sites * 150 + pixels * 6, (pixels * (antialias ? 0.04 : 0.005) + covered * 0.001) * kMicrosecond};
+    return {sites * 166 + pixels * 6, (pixels * (antialias ? 0.04 : 0.005) + covered * 0.001) * kMicrosecond};
 }
 
 double shorter_side(const HalftoneRequest& request) {
@@ -242,7 +263,7 @@ bool is_thin(const HalftoneRequest& request, std::size_t dots) {
 double most_sites(const HalftoneRequest& request, const Limits& limits) {
     if (request.sites) return static_cast<double>(*request.sites);
     const double ink = static_cast<double>(request.image.header.pixels()) * inks_of(request);
-    const auto usual = static_cast<double>(usual_sites(request, ink, 1, limits));
+    const auto usual = static_cast<double>(usual_sites(request, header_size(request), ink, 1, limits));
     if (!request.dot) return usual;
     const auto filling = [&](double pixels, double radius) {
         constexpr double kOverlaps = 2;
@@ -252,6 +273,8 @@ double most_sites(const HalftoneRequest& request, const Limits& limits) {
     const double radius = request.dot->length;
     if (request.dot->millimetres) return filling(ink, radius / *request.drawing.width_mm * shorter_side(request));
     if (request.scale) return filling(ink, radius / *request.scale);
+    if (request.on_screen || request.width || request.height)
+        return filling(drawn_pixels(request, limits) * inks_of(request), radius);
     // A chosen scale makes dots of the usual number less than twice as large as is wanted of them.
     constexpr double kLargest = 6;
     return filling(std::max(usual * kLargest * kLargest * std::numbers::pi, ink), radius);
@@ -265,11 +288,13 @@ std::optional<double> radius_of(const HalftoneRequest& request, double drawn_pix
     return request.dot->length / *request.drawing.width_mm * longer_side(request) * scale;
 }
 
-/// Draws the finer samples that small dots are made from, a band at a time. Dots of a chosen scale need none.
+/// Draws the finer samples that small dots are made from, a band at a time. Dots need none where the scale is chosen by
+/// them.
 Estimate sampling(const HalftoneRequest& request, double sites, double pixels) {
     constexpr double kEach = 226;  // in a picture of which half is covered
     const double samples = std::min(sites * kEach, kMostSamples);
-    if (!(request.scale || request.dot) || samples < pixels) return {};
+    const bool by_dots = !(request.on_screen || request.width || request.height || request.scale || request.dot);
+    if (by_dots || samples < pixels) return {};
     return {sites * 16, samples * 0.02 * kMicrosecond};
 }
 
@@ -362,20 +387,24 @@ std::size_t bytes_of(const ImageFile& file) {
 
 Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
     const double sites = most_sites(request, limits);
-    const Estimate read = then(decoding(request) + levelling(request), sharpening(request, sites));
+    const Estimate read = then(decoding(request) + levelling(request) + cropping(request), sharpening(request, sites));
     const Estimate placed = weighing(request) + placing(request, sites) + sizing(request, sites);
     Cost all = cost(then(then(read, placed), writing(request, sites, limits)));
     all.answer = request.sites.value_or(0) * request.format->least;
     return all;
 }
 
-std::size_t usual_sites(const HalftoneRequest& request, double ink, double fineness, const Limits& limits) {
+std::size_t usual_sites(const HalftoneRequest& request, PictureSize part, double ink, double fineness,
+                        const Limits& limits) {
     constexpr double kMostSeconds = 2, kFewest = 4096, kMany = 1e6;
     constexpr double kThin = 4;  // time for a dot of a thin picture, whose mesh is mostly border, over that of others
     const double in_time = kMostSeconds / placing(request, kMany).seconds * kMany;
     const auto most_in = [&](double dots) {
         const auto most = static_cast<std::size_t>(std::max(dots, kFewest));
-        return default_sites(ink, fineness, std::min(most, limits.max_sites));
+        const std::size_t limit = std::min(most, limits.max_sites);
+        if (!request.on_screen) return default_sites(ink, fineness, limit);
+        const Canvas canvas = *settled_canvas(request, part, limits);
+        return sites_of_drawing(ink, fineness, canvas.scale, static_cast<double>(canvas.width) * canvas.height, limit);
     };
     const std::size_t usual = most_in(in_time);
     return is_thin(request, usual) ? std::min(usual, most_in(in_time / kThin)) : usual;

@@ -18,11 +18,13 @@ namespace ccdt::api {
 /// picture costs as much as any picture of its size can make it.
 Cost cost_of(const HalftoneRequest& request, const Limits& limits);
 
-/// Chooses the number of sites that a request leaves to its picture: default_sites(), but of more than 4,096 no more
-/// than are placed in two seconds.
+/// Chooses the number of sites that a request leaves to its picture: default_sites(), or for the screen
+/// sites_of_drawing(), but of more than 4,096 no more than are placed in two seconds.
 ///
+/// @param part           of the picture that is drawn
 /// @param ink, fineness  as default_sites() has them
-std::size_t usual_sites(const HalftoneRequest& request, double ink, double fineness, const Limits& limits);
+std::size_t usual_sites(const HalftoneRequest& request, PictureSize part, double ink, double fineness,
+                        const Limits& limits);
 
 Cost cost_of(const SampleRequest& request, const Limits& limits);
 Cost cost_of(const AnalyzeRequest& request);

@@ -18,9 +18,12 @@ namespace {
 
 constexpr Interval kScales = {.min = 0.1, .max = 16};
 constexpr Interval kDetails = {.min = 0, .max = 1};
+constexpr std::uint64_t kMaxSide = 65'535;  // pixels
 constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
 
 constexpr std::array<Choice<Dots>, 3> kDots = {{{"both", Dots::Both}, {"ink", Dots::Ink}, {"paper", Dots::Paper}}};
+
+constexpr std::array<Choice<Fit>, 2> kFits = {{{"contain", Fit::Contain}, {"cover", Fit::Cover}}};
 
 constexpr std::array<Choice<Tone>, 3> kTones = {
     {{"linear", Tone::Linear}, {"perceptual", Tone::Perceptual}, {"density", Tone::Density}}};
@@ -70,6 +73,7 @@ Result<void> read_levels(const Input& input, Levels& levels) {
 /// Request on its way; what depends on several options can only be settled when all are known.
 struct Draft {
     HalftoneRequest request;
+    std::optional<bool> antialias;
     std::optional<Dots> dots;
     std::optional<bool> invert;
     std::optional<Palette> color;  ///< as that option gives it
@@ -78,7 +82,7 @@ struct Draft {
     std::optional<Colour> background;
 };
 
-constexpr std::array<OptionRule<Draft>, 21> kRules = {{
+constexpr std::array<OptionRule<Draft>, 24> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
@@ -87,11 +91,16 @@ constexpr std::array<OptionRule<Draft>, 21> kRules = {{
     {"on_deadline",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_deadline, read_on_deadline(i)); }},
     {"scale", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.scale, read_number(i, kScales)); }},
+    {"width",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_integer(i, 1, kMaxSide)); }},
+    {"height",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.height, read_integer(i, 1, kMaxSide)); }},
+    {"fit", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.fit, read_choice<Fit>(i, kFits)); }},
     {"dot", [](const Input& i, const Limits&, Draft& d) { return read_dot(i, d.request.dot); }},
     {"detail",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.detail, read_number(i, kDetails)); }},
     {"levels", [](const Input& i, const Limits&, Draft& d) { return read_levels(i, d.request.levels); }},
-    {"antialias", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.antialias, read_boolean(i)); }},
+    {"antialias", [](const Input& i, const Limits&, Draft& d) { return assign(d.antialias, read_boolean(i)); }},
     {"dots", [](const Input& i, const Limits&, Draft& d) { return assign(d.dots, read_choice<Dots>(i, kDots)); }},
     {"invert", [](const Input& i, const Limits&, Draft& d) { return assign(d.invert, read_boolean(i)); }},
     {"tone",
@@ -172,6 +181,32 @@ Result<void> settle_sides(Draft& draft, const std::vector<Input>& inputs) {
     return {};
 }
 
+/// Refuses sizes in pixels that nothing is drawn in, or that are told twice.
+Result<void> check_size(const HalftoneRequest& request, const std::vector<Input>& inputs) {
+    const bool is_sized = request.width || request.height;
+    for (const Input& input : inputs) {
+        const bool is_side = input.name == "width" || input.name == "height";
+        if ((is_side || input.name == "fit") && !request.format->is_drawn())
+            return malformed(input, "is an option of drawings; lists of dots are in pixels of the picture");
+        if (is_side && request.scale) return malformed(input, "stands instead of scale: give one of the two");
+        if (input.name == "fit" && !(request.width && request.height))
+            return malformed(input,
+                             is_sized ? "needs both width and height, not one of them" : "needs width and height");
+    }
+    return {};
+}
+
+/// Tells drawings for the screen from those for print, which are crisp.
+Result<void> settle_size(Draft& draft, const std::vector<Input>& inputs) {
+    HalftoneRequest& request = draft.request;
+    const RasterWriter* const raster = request.format->raster();
+    const bool is_sized = request.width || request.height;
+    const bool is_print = request.scale || request.drawing.width_mm;
+    request.on_screen = !is_print && (is_sized || (raster != nullptr && !raster->is_for_print));
+    request.antialias = draft.antialias.value_or(request.on_screen);
+    return check_size(request, inputs);
+}
+
 /// Dots that follow the density alone are not for pictures that are looked at.
 Result<void> settle_detail(HalftoneRequest& request, const std::vector<Input>& inputs) {
     if (request.tone != Tone::Density) return {};
@@ -207,6 +242,7 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
     ErrorList errors;
     errors.add(settle_format(accept, halftone_formats(), draft.request.format));
     if (draft.request.format != nullptr) errors.add(settle_sides(draft, inputs));
+    if (draft.request.format != nullptr) errors.add(settle_size(draft, inputs));
     errors.add(settle_palette(draft, inputs));
     errors.add(check_dot(draft.request, inputs));
     errors.add(settle_detail(draft.request, inputs));

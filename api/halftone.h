@@ -34,6 +34,12 @@ enum class Dots {
     Paper,  ///< the light instead of the dark, on black
 };
 
+/// How a picture fits a drawing of which both sides are asked for.
+enum class Fit {
+    Contain,  ///< all of it is drawn, as large as fits within both sides
+    Cover,    ///< its middle is drawn, with just these sides
+};
+
 /// Request to /halftone, with its options.
 struct HalftoneRequest {
     ImageFile image;
@@ -41,6 +47,10 @@ struct HalftoneRequest {
     std::optional<std::size_t> sites;  ///< none: chosen from the image
     Options run;                       ///< seed, iterations, passes
     std::optional<double> scale;       ///< output pixels per input pixel; none: chosen
+    std::optional<int> width;          ///< of the drawing, pixels; instead of a scale
+    std::optional<int> height;         ///< of the drawing, pixels; instead of a scale
+    Fit fit = Fit::Contain;            ///< Cover only with width and height
+    bool on_screen = false;            ///< the drawing is for a screen: its size decides on the number of dots
     std::optional<DotRadius> dot;      ///< none: such that the tone is right
     double detail = 0.7;               ///< of DotWish; 0 unless given where dots follow the density alone
     Levels levels;                     ///< of the picture, before anything else is made of it

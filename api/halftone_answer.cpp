@@ -14,6 +14,7 @@
 #include "core/halftone/diffusion.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/ground_outline.h"
+#include "core/halftone/softening.h"
 
 namespace ccdt::api {
 namespace {
@@ -59,11 +60,19 @@ private:
     Result<std::string> write_pixels(const RasterWriter& writer) const {
         std::vector<Raster> rasters;
         for (std::size_t ink = 0; ink < inks_.size(); ++ink) rasters.push_back(rasterise(ink, request_.antialias));
+        if (may_be_scaled()) {
+            for (Raster& raster : rasters) soften(raster, team_);
+        }
         const Palette& palette = request_.palette;
         const auto width_mm = request_.drawing.width_mm;
         if (writer.write_plates != nullptr && palette.mixing == Mixing::Multiply)
             return writer.write_plates(rasters, palette.inks, width_mm, stop_);
         return writer.write(overlay(std::move(rasters), palette, request_.antialias, stop_, team_), width_mm, stop_);
+    }
+
+    /// Tells whether a browser may show the drawing in another size, which nobody has asked for.
+    bool may_be_scaled() const {
+        return request_.on_screen && request_.antialias && !request_.width && !request_.height;
     }
 
     /// Describes the dots and the ground of both sides for writers of lists and shapes.
@@ -87,9 +96,12 @@ private:
     /// Draws the ink of a halftone with dots on both sides.
     Raster rasterise_both(bool antialias) const {
         const bool soft = antialias || plan_.samples > 1;
-        Raster raster =
-            draw_dots(inks_.front().dots.points, sided_.radii, plan_.canvas, antialias, plan_.samples, stop_, team_);
-        plan_.two_sides->ground.apply(raster, plan_.canvas.scale * cell_size(), soft, team_);
+        const std::vector<Point> places = canvas_places(inks_.front().dots.points);
+        Raster raster = draw_dots(places, sided_.radii, plan_.canvas, antialias, plan_.samples, stop_, team_);
+        const CellGrid& cells = plan_.two_sides->cells;
+        const Point scale{static_cast<double>(raster.width) / cells.columns,
+                          static_cast<double>(raster.height) / cells.rows};
+        plan_.two_sides->ground.apply(raster, scale, soft, team_);
         if (soft && !antialias) diffuse(raster.coverage, raster.width, raster.height);
         return raster;
     }
@@ -99,7 +111,17 @@ private:
         std::optional<double> radius;
         if (plan_.radius) radius = *plan_.radius * plan_.canvas.scale;
         const DotOptions options{radius, plan_.cover[ink], antialias, plan_.samples};
-        return draw_dots(inks_[ink].dots.points, plan_.canvas, options, stop_, team_);
+        return draw_dots(canvas_places(inks_[ink].dots.points), plan_.canvas, options, stop_, team_);
+    }
+
+    /// Moves points such that the canvas' scale puts the corners of the picture on its own.
+    std::vector<Point> canvas_places(std::span<const Point> points) const {
+        const auto [width, height, scale] = plan_.canvas;
+        const double across = width / (scale * plan_.picture.width), down = height / (scale * plan_.picture.height);
+        std::vector<Point> places;
+        places.reserve(points.size());
+        for (const Point& point : points) places.push_back({across * point.x, down * point.y});
+        return places;
     }
 
     const HalftoneRequest& request_;

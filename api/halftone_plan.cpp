@@ -11,10 +11,12 @@
 #include <utility>
 
 #include "api/cost.h"
+#include "api/drawing_size.h"
 #include "api/image/image_codec.h"
 #include "api/image/ink_set.h"
 #include "api/output/point_drawing.h"
 #include "api/run/deadline.h"
+#include "core/halftone/crop.h"
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/fineness.h"
 #include "core/halftone/levels.h"
@@ -41,6 +43,10 @@ double sum(const std::vector<float>& values, Team& team) {
     return sum_of_pixels(team, values.size(), [&](std::size_t i) { return static_cast<double>(values[i]); });
 }
 
+double all_pixels(PictureSize size) {
+    return static_cast<double>(size.width) * size.height;
+}
+
 tl::unexpected<Error> about_image(const Error& error, const HalftoneRequest& request) {
     return failure(error.code, error.message, request.image_field);
 }
@@ -52,19 +58,32 @@ double picture_radius(const HalftoneRequest& request, PictureSize size, double s
                                     : request.dot->length / scale;
 }
 
+/// Tells whether the largest dots have a radius that follows from the size of the drawing. Their number then follows
+/// from it: dark pictures, whose dots are small, have as many as others.
+bool has_screen_radius(const HalftoneRequest& request) {
+    return request.on_screen && request.dots == Dots::Both && !request.sites && !request.dot;
+}
+
+/// Such a radius, in pixels of the picture.
+double screen_radius(const Canvas& canvas, double fineness) {
+    return radius_of_drawing(static_cast<double>(canvas.width) * canvas.height, fineness) / canvas.scale;
+}
+
 /// Radius of dots in pixels of the picture, before it is settled.
 /// @param ink  sum of the shares that dots cover
 double rough_radius(const HalftoneRequest& request, PictureSize size, double ink, double fineness,
                     const Limits& limits) {
-    const double pixels = static_cast<double>(size.width) * size.height;
-    const std::size_t usual = request.sites ? *request.sites : usual_sites(request, ink, fineness, limits);
+    const double pixels = all_pixels(size);
+    const std::size_t usual = request.sites ? *request.sites : usual_sites(request, size, ink, fineness, limits);
     // What dots on both sides draw depends on the cells that it is measured in. They are those of a picture of which a
     // quarter is drawn; small dots of a dark or a light one need no finer cells.
     constexpr double kShare = 0.25;
     const double drawn = request.dots == Dots::Both ? kShare * pixels : ink;
+    const auto canvas = settled_canvas(request, size, limits);
+    if (has_screen_radius(request)) return screen_radius(*canvas, fineness);
     if (request.sites || !request.dot) return std::sqrt(drawn / (std::numbers::pi * static_cast<double>(usual)));
     const double chosen = default_scale(ink, static_cast<std::size_t>(pixels), usual);
-    return picture_radius(request, size, request.scale.value_or(chosen));
+    return picture_radius(request, size, canvas ? canvas->scale : chosen);
 }
 
 /// Side of the squares of which decoding may take the mean, as far as that can be told before the picture is there: its
@@ -73,27 +92,31 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
 int reducible(const HalftoneRequest& request, const Limits& limits) {
     constexpr double kLeastPixels = 4e6;  // fewer take little time
     constexpr double kInk = 0.25;
-    const auto pixels = static_cast<double>(request.image.header.pixels());
+    const auto width = static_cast<int>(request.image.header.width);
+    const auto height = static_cast<int>(request.image.header.height);
+    const PictureSize part = drawn_part(request, {width, height});
+    const double pixels = all_pixels(part);
     const bool is_linear =
         request.levels == Levels{} && (request.palette.mixing != Mixing::Cover || request.tone != Tone::Perceptual);
     if (!is_linear || pixels < kLeastPixels || (request.dot && !request.sites)) return 1;
-    const std::size_t sites = request.sites ? *request.sites : usual_sites(request, pixels, 1, limits);
+    const std::size_t sites = request.sites ? *request.sites : usual_sites(request, part, pixels, 1, limits);
     const double radius = std::sqrt(kInk * pixels / (std::numbers::pi * static_cast<double>(sites)));
-    const auto width = static_cast<int>(request.image.header.width);
-    const auto height = static_cast<int>(request.image.header.height);
-    const CellGrid cells = resolved_cells(width, height, radius);
-    int side = std::min({width / cells.columns, height / cells.rows, Reading::kMostReduced});
+    const CellGrid cells = resolved_cells(part.width, part.height, radius);
+    int side = std::min({part.width / cells.columns, part.height / cells.rows, Reading::kMostReduced});
     while (width % side != 0 || height % side != 0) --side;
     return side;
 }
 
-/// A picture as it was decoded, and the side of the squares that its pixels are the means of.
+/// The part of a picture that is drawn, and the side of the squares that its pixels are the means of.
 template <class AnyPicture>
 struct Decoded {
-    Decoded(AnyPicture decoded, const ImageHeader& header, int reduced) : picture(std::move(decoded)) {
+    Decoded(AnyPicture decoded, const HalftoneRequest& request, int reduced) : picture(std::move(decoded)) {
         const auto pixels = static_cast<std::uint64_t>(picture.width) * static_cast<std::uint64_t>(picture.height);
         const auto squares = static_cast<std::uint64_t>(reduced) * static_cast<std::uint64_t>(reduced);
-        if (pixels * squares == header.pixels()) side = reduced;
+        if (pixels * squares == request.image.header.pixels()) side = reduced;
+        const PictureSize part = drawn_part(request, {picture.width, picture.height});
+        if (part.width < picture.width || part.height < picture.height)
+            picture = middle_of(picture, part.width, part.height);
     }
 
     PictureSize size() const { return {side * picture.width, side * picture.height}; }
@@ -104,7 +127,14 @@ struct Decoded {
     bool does_for(const CellGrid& wanted, const HalftoneRequest& request, double ink, const Limits& limits) const {
         if (side == 1) return true;
         if (wanted.columns > picture.width || wanted.rows > picture.height) return false;
-        return request.sites || usual_sites(request, ink, 0, limits) == usual_sites(request, ink, 1, limits);
+        if (request.sites || request.on_screen) return true;
+        return usual_sites(request, size(), ink, 0, limits) == usual_sites(request, size(), ink, 1, limits);
+    }
+
+    /// Tells how fine the detail is, as far as that decides on the number of dots. A drawing for the screen does not
+    /// show what the squares leave out.
+    double detail(const HalftoneRequest& request, Team& team) const {
+        return side > 1 && !request.on_screen ? 0 : fineness(picture, team);
     }
 
     AnyPicture picture;
@@ -122,7 +152,7 @@ double drawn_share(const std::vector<float>& coverage, const HalftoneRequest& re
 std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, const HalftoneRequest& request,
                                               const Limits& limits, Team& team) {
     const Picture& picture = decoded.picture;
-    SeparatedPicture separated{decoded.size(), {}, {}, decoded.side > 1 ? 0 : fineness(picture, team)};
+    SeparatedPicture separated{decoded.size(), {}, {}, decoded.detail(request, team)};
     std::vector<float> coverage = ink_coverage(picture, request.tone, request.dots == Dots::Paper, team);
     const double ink = drawn_share(coverage, request, team) * decoded.side * decoded.side;
     const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
@@ -149,7 +179,7 @@ std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded,
                                                  const Limits& limits, const Control& control) {
     Team& team = *control.team;
     ColourPicture& picture = decoded.picture;
-    SeparatedPicture separated{decoded.size(), {}, {}, decoded.side > 1 ? 0 : fineness(picture, team)};
+    SeparatedPicture separated{decoded.size(), {}, {}, decoded.detail(request, team)};
     const InkSet inks = ink_set(request.palette);
     const double ink = rough_ink(picture, inks, request.tone, control) * decoded.side * decoded.side;
     const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
@@ -171,12 +201,12 @@ Result<std::optional<SeparatedPicture>> separate_picture(const HalftoneRequest& 
         auto picture = decode.grey(file.bytes, reading, control.stop);
         if (!picture) return about_image(picture.error(), request);
         picture = with_levels(*picture, request.levels, *control.team);
-        return separate_grey({*std::move(picture), file.header, reduce}, request, limits, *control.team);
+        return separate_grey({*std::move(picture), request, reduce}, request, limits, *control.team);
     }
     auto picture = decode.colour(file.bytes, reading, control.stop);
     if (!picture) return about_image(picture.error(), request);
     picture = with_levels(*picture, request.levels, *control.team);
-    auto separated = separate_colours({*std::move(picture), file.header, reduce}, request, limits, control);
+    auto separated = separate_colours({*std::move(picture), request, reduce}, request, limits, control);
     if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
     return separated;
 }
@@ -205,20 +235,23 @@ double ink_of_scale(const HalftoneRequest& request, double ink, std::size_t pixe
     return request.dots == Dots::Both ? std::max(kMean * ink, kLeast * static_cast<double>(pixels)) : ink;
 }
 
-/// Makes the canvas. A chosen scale gives way to the limit; one that was asked for does not, unless nothing is drawn.
-Result<Canvas> plan_canvas(const HalftoneRequest& request, const Box& box, double preferred_scale,
+/// Makes the canvas. A chosen size gives way to the limit; one that was asked for does not, unless nothing is drawn.
+Result<Canvas> plan_canvas(const HalftoneRequest& request, const HalftonePlan& plan, double preferred_scale,
                            const Limits& limits) {
-    if (!request.scale) return canvas_of(box, fitting_scale(box, preferred_scale, limits.max_pixels));
-    const Canvas canvas = canvas_of(box, *request.scale);
-    if (!request.format->is_drawn() || fits(canvas, limits.max_pixels)) return canvas;
+    const auto canvas = settled_canvas(request, plan.picture, limits);
+    if (!canvas) return canvas_of(plan.box(), fitting_scale(plan.box(), preferred_scale, limits.max_pixels));
+    if (!request.format->is_drawn() || fits(*canvas, limits.max_pixels)) return *canvas;
+    const std::string option = size_option(request);
     return failure(ErrorCode::LimitExceeded,
-                   "scale makes an output of " + std::to_string(canvas.width) + " x " + std::to_string(canvas.height) +
-                       " pixels; this server's limit (max-pixels) is " + std::to_string(limits.max_pixels),
-                   "scale");
+                   option + " makes an output of " + std::to_string(canvas->width) + " x " +
+                       std::to_string(canvas->height) + " pixels; this server's limit (max-pixels) is " +
+                       std::to_string(limits.max_pixels),
+                   option);
 }
 
-/// Radius that is asked for, in pixels of the picture.
-std::optional<double> wished_radius(const HalftoneRequest& request, const HalftonePlan& plan) {
+/// Radius that is asked for, or that follows from the size, in pixels of the picture.
+std::optional<double> wished_radius(const HalftoneRequest& request, const HalftonePlan& plan, double fineness) {
+    if (has_screen_radius(request)) return screen_radius(plan.canvas, fineness);
     if (!request.dot) return std::nullopt;
     return picture_radius(request, plan.picture, plan.canvas.scale);
 }
@@ -245,7 +278,7 @@ bool is_proportional(const HalftoneRequest& request) {
 Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
                          std::span<const double> ink, std::size_t usual, const Limits& limits, const Control& control) {
     constexpr double kToneDigits = 1e4;
-    plan.radius = wished_radius(request, plan);
+    plan.radius = wished_radius(request, plan, picture.fineness);
     if (is_proportional(request)) {
         plan.sites = share_sites(ink, usual);
         return {};
@@ -275,7 +308,7 @@ Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan
     constexpr double kLeastRadius = 1.25, kLeastSoftRadius = 0.6;
     const double side = std::sqrt(picture.cell_area());
     TwoSidedOptions options{request.sites, {}, request.detail, 0};
-    if (const auto radius = wished_radius(request, plan)) options.radius = *radius / side;
+    if (const auto radius = wished_radius(request, plan, picture.fineness)) options.radius = *radius / side;
     if (!options.radius) options.sites = usual;
     if (request.format->raster() != nullptr)
         options.least_radius = (request.antialias ? kLeastSoftRadius : kLeastRadius) / plan.canvas.scale / side;
@@ -284,6 +317,12 @@ Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan
         for (std::size_t i = begin; i < end; ++i) light[i] = 1 - light[i];
     });
     plan.two_sides = plan_two_sided(std::move(light), picture.cells, options, control.stop, *control.team);
+    const std::size_t most = usual_sites(request, plan.picture, all_pixels(plan.picture), 1, limits);
+    if (has_screen_radius(request) && plan.two_sides->dots > static_cast<double>(most)) {
+        options = {most, {}, options.detail, options.least_radius};  // as if the picture were all ink
+        light = std::move(plan.two_sides->light);
+        plan.two_sides = plan_two_sided(std::move(light), picture.cells, options, control.stop, *control.team);
+    }
     if (auto going = check_stop(control.stop); !going) return going;
     auto sites = sites_of(options.sites, plan.two_sides->dots, limits);
     if (!sites) return tl::unexpected(sites.error());
@@ -367,15 +406,18 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     const std::size_t pixels =
         static_cast<std::size_t>(plan.picture.width) * static_cast<std::size_t>(plan.picture.height);
     for (const double each : ink) plan.cover.push_back(each / static_cast<double>(pixels));
-    const std::size_t usual = request.sites ? *request.sites : usual_sites(request, all_ink, picture->fineness, limits);
+    const std::size_t usual =
+        request.sites ? *request.sites : usual_sites(request, plan.picture, all_ink, picture->fineness, limits);
     const double scale = default_scale(ink_of_scale(request, all_ink, pixels), pixels, usual);
-    auto canvas = plan_canvas(request, plan.box(), scale, limits);
+    auto canvas = plan_canvas(request, plan, scale, limits);
     if (!canvas) return tl::unexpected(canvas.error());
     plan.canvas = *canvas;
-    if (auto checked = request.format->check_side(*canvas, "scale", "scale"); !checked)
+    const std::string option = size_option(request);
+    if (auto checked = request.format->check_side(*canvas, option, option); !checked)
         return tl::unexpected(checked.error());
-    auto settled = request.dots == Dots::Both ? settle_two_sides(request, plan, *picture, all_ink, usual, limits, control)
-                                              : settle_dots(request, plan, *picture, ink, usual, limits, control);
+    auto settled = request.dots == Dots::Both
+                       ? settle_two_sides(request, plan, *picture, all_ink, usual, limits, control)
+                       : settle_dots(request, plan, *picture, ink, usual, limits, control);
     if (!settled) return tl::unexpected(settled.error());
     plan.proof = make_proof(request, plan, picture->cells, std::exchange(separation.light, {}), *control.team);
     auto densities =

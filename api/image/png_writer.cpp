@@ -23,6 +23,7 @@ struct Layout {
     int bit_depth = 8;
     int colour_type = PNG_COLOR_TYPE_GRAY;
     bool transparent = false;
+    bool is_srgb = false;                ///< values are those of sRGB; else the file does not tell what they mean
     std::array<png_byte, 256> stored{};  ///< by the raster's value: the grey value or palette index
     std::array<png_color, 256> colours{};
     std::array<png_byte, 256> alphas{};
@@ -45,6 +46,7 @@ png_uint_32 pixels_per_metre(int width, std::optional<double> width_mm) {
 Layout layout_of(const DotImage& image, std::optional<double> width_mm) {
     Layout layout;
     layout.transparent = image.transparent;
+    layout.is_srgb = true;
     layout.pixels_per_metre = pixels_per_metre(image.width, width_mm);
     const bool grey = image.is_bilevel() || (image.grey && image.colours > 2);
     layout.colour_type = grey                ? PNG_COLOR_TYPE_GRAY
@@ -115,6 +117,7 @@ void write_header(png_structp png, png_infop info, const DotImage& image, const 
     if (layout.palette_size > 0 && layout.transparent) {
         png_set_tRNS(png, info, layout.alphas.data(), layout.palette_size, nullptr);
     }
+    if (layout.is_srgb) png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_RELATIVE);
     const png_uint_32 density = layout.pixels_per_metre;
     if (density > 0) png_set_pHYs(png, info, density, density, PNG_RESOLUTION_METER);
     png_write_info(png, info);

@@ -12,7 +12,8 @@
 namespace ccdt::api {
 
 /// Encodes a picture as a PNG file: black and white at 1 bit a pixel, other greys at 8 bits, few colours as a palette
-/// at 1 to 8 bits, others at 8 bits a channel. Binary pictures in two other greys have a palette, too.
+/// at 1 to 8 bits, others at 8 bits a channel. Binary pictures in two other greys have a palette, too. Values are sRGB,
+/// as the chunks sRGB, gAMA and cHRM tell.
 ///
 /// @param width_mm  of the picture; none: the file tells no physical size
 /// @param stop      asked at each row

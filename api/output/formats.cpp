@@ -41,11 +41,14 @@ void list_map_npy(const MapOfDots& map, const Report&, Body& body, const std::st
     write_map_npy(map, body, stop);
 }
 
-constexpr PointFormat kPngPoints{kPng, 0, {}, {}, RasterWriter{kAnySide, write_png, nullptr}};
+constexpr PointFormat kPngPoints{kPng, 0, {}, {}, RasterWriter{kAnySide, false, write_png, nullptr}};
 constexpr PointFormat kTiffPoints{
-    {"tiff", "TIFF", "tiff", "image/tiff", ""}, 0, {}, {}, RasterWriter{kAnySide, write_tiff, write_tiff_plates}};
-constexpr PointFormat kWebPPoints{
-    {"webp", "WebP", "webp", "image/webp", ""}, 0, {}, kColours, RasterWriter{kMaxWebPSide, write_webp, nullptr}};
+    {"tiff", "TIFF", "tiff", "image/tiff", ""}, 0, {}, {}, RasterWriter{kAnySide, true, write_tiff, write_tiff_plates}};
+constexpr PointFormat kWebPPoints{{"webp", "WebP", "webp", "image/webp", ""},
+                                  0,
+                                  {},
+                                  kColours,
+                                  RasterWriter{kMaxWebPSide, false, write_webp, nullptr}};
 constexpr PointFormat kSvgPoints{kSvg, 0, kPath, {}, VectorWriter{write_svg, write_map_svg}};
 constexpr PointFormat kJsonPoints{kJson, kLeastText, kNumbers, {}, ListWriter{false, write_json, write_map_json}};
 constexpr FileFormat kGeoJson{"geojson", "GeoJSON", "geojson", "application/geo+json", ""};

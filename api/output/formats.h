@@ -36,7 +36,8 @@ struct VectorWriter {
 
 /// Writer of drawings as pixels. Errors: Stopped; Internal if memory runs out.
 struct RasterWriter {
-    int max_side;  ///< pixels
+    int max_side;       ///< pixels
+    bool is_for_print;  ///< drawings are for printers unless a request says otherwise; else for screens
     Result<std::string> (&write)(const DotImage& image, std::optional<double> width_mm, const std::stop_token& stop);
 
     /// Writes inks that multiply apart from each other, as they are printed; null: the format holds but what is seen.

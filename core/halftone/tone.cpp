@@ -15,6 +15,8 @@ namespace {
 constexpr float kLinearBelow = 216.0f / 24389.0f;
 constexpr float kSlope = 24389.0f / 2700.0f;
 
+constexpr double kLeastInkPerDot = 0.5, kMostSites = 100'000;
+
 double ink_of(const std::vector<float>& coverage) {
     return std::accumulate(coverage.begin(), coverage.end(), 0.0);
 }
@@ -48,12 +50,26 @@ std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, 
 }
 
 std::size_t default_sites(double ink, double fineness, std::size_t limit) {
-    constexpr double kInkPerDot = 8, kLeastInkPerDot = 0.5;
+    constexpr double kInkPerDot = 8;
     constexpr double kMostLost = 0.02;  // such dots blur about as much as means over 2 x 2 pixels do
-    constexpr double kFewest = 4096, kMost = 100'000;
-    const double by_ink = std::min(std::clamp(ink / kInkPerDot, kFewest, kMost), ink);
-    const double by_detail = std::min({ink / kInkPerDot * fineness / kMostLost, ink / kLeastInkPerDot, kMost});
+    constexpr double kFewest = 4096;
+    const double by_ink = std::min(std::clamp(ink / kInkPerDot, kFewest, kMostSites), ink);
+    const double by_detail = std::min({ink / kInkPerDot * fineness / kMostLost, ink / kLeastInkPerDot, kMostSites});
     const double sites = std::max(by_ink, by_detail);
+    return std::clamp(static_cast<std::size_t>(sites), std::size_t{1}, std::max(limit, std::size_t{1}));
+}
+
+double radius_of_drawing(double pixels, double fineness) {
+    constexpr double kRadius = 3, kPixels = 1e6, kLeastRadius = 1;
+    constexpr double kUsualFineness = 0.06, kMostTimes = 4;  // as many dots
+    const double times = std::clamp(fineness / kUsualFineness, 1.0, kMostTimes);
+    return std::max(kRadius * std::pow(pixels / kPixels, 0.25) / std::sqrt(times), kLeastRadius);
+}
+
+std::size_t sites_of_drawing(double ink, double fineness, double scale, double pixels, std::size_t limit) {
+    const double radius = radius_of_drawing(pixels, fineness);
+    const double area = std::numbers::pi * radius * radius;
+    const double sites = std::min({ink * scale * scale / area, ink / kLeastInkPerDot, kMostSites});
     return std::clamp(static_cast<std::size_t>(sites), std::size_t{1}, std::max(limit, std::size_t{1}));
 }
 

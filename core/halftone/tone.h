@@ -38,6 +38,21 @@ std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, 
 /// @param fineness  of the picture, in [0, 1]
 std::size_t default_sites(double ink, double fineness, std::size_t limit);
 
+/// Radius of dots that suit a drawing of a size, in its pixels. It is 3 where there are a million pixels, and grows
+/// with their fourth root, so that a larger drawing has both more and larger dots. Finer detail than photographs have
+/// halves it at most. It is 1 at least.
+///
+/// @param pixels    of the drawing, > 0
+/// @param fineness  of the picture, in [0, 1]
+double radius_of_drawing(double pixels, double fineness);
+
+/// Number of such dots that cover the ink of a picture. There are at most two for a pixel of ink, which is all that
+/// small pictures show, and 100,000; never less than 1 nor more than `limit`.
+///
+/// @param ink     sum of the shares that dots cover, in pixels of the picture
+/// @param scale   pixels of the drawing per pixel of the picture, > 0
+std::size_t sites_of_drawing(double ink, double fineness, double scale, double pixels, std::size_t limit);
+
 /// Limits of default_scale().
 inline constexpr double kLargestScale = 16;
 inline constexpr double kMostCanvasPixels = 16e6;

@@ -217,6 +217,9 @@ INSTANTIATE_TEST_SUITE_P(
         HalftoneCase{"both_few", {{"sites", "20000"}, {"quality", "draft"}, {"detail", "0"}, {"scale", "1"}}},
         HalftoneCase{"draft", {{"sites", "65536"}, {"quality", "draft"}, {"scale", "1"}}},
         HalftoneCase{"levels", {{"sites", "2000"}, {"scale", "1"}, {"levels", "0.1,0.9,1.2"}}, 6},
+        HalftoneCase{"screen", {}, 6}, HalftoneCase{"screen_cmyk", {{"color", "cmyk"}}, 6, kColours},
+        HalftoneCase{"small", {{"width", "200"}}, 6}, HalftoneCase{"wide", {{"width", "5000"}}},
+        HalftoneCase{"middle", {{"width", "3000"}, {"height", "500"}, {"fit", "cover"}}, 6},
         HalftoneCase{"large", {{"sites", "2000"}, {"scale", "12"}}},
         HalftoneCase{"smooth", {{"sites", "2000"}, {"scale", "12"}, {"antialias", "true"}}},
         HalftoneCase{"points", {{"sites", "65536"}, {"format", "json"}}},
@@ -347,7 +350,7 @@ TEST(UsualSites, ArePlacedInTwoSeconds) {
     const std::string file = photograph("camera.png");
     const auto most = [&](const std::vector<TextOption>& options) {
         const auto request = parse_halftone(file, options, "", {});
-        return usual_sites(*request, 1e6, 1, {});
+        return usual_sites(*request, {512, 512}, 1e6, 1, {});
     };
     EXPECT_EQ(most({}), 100'000U);
     EXPECT_EQ(most({{"iterations", "1000"}}), 4096U) << "so many there are anyway";
@@ -370,7 +373,7 @@ TEST(UsualSites, AreFewerInAThinPicture) {
         HalftoneRequest request;
         request.image.header.width = width;
         request.image.header.height = height;
-        return usual_sites(request, 1e6, 0, {});
+        return usual_sites(request, {1000, 1000}, 1e6, 0, {});
     };
     const std::size_t square = most(1000, 1000), thin = most(1, 1'000'000);
     EXPECT_EQ(square, 100'000U);
@@ -382,10 +385,23 @@ TEST(UsualSites, AreFewerInAThinPicture) {
 }
 
 TEST(UsualSites, AreThoseOfThePictureBelowThat) {
-    const auto request = parse_halftone(photograph("camera.png"), {}, "", {});
-    EXPECT_EQ(usual_sites(*request, 80'000, 0, {}), 10'000U);
-    EXPECT_EQ(usual_sites(*request, 80'000, 0.04, {}), 20'000U);
-    EXPECT_EQ(usual_sites(*request, 80'000, 0.04, {.max_sites = 7000}), 7000U);
+    const auto request = parse_halftone(photograph("camera.png"), {{"scale", "2"}}, "", {});
+    const PictureSize all = {512, 512};
+    EXPECT_EQ(usual_sites(*request, all, 80'000, 0, {}), 10'000U);
+    EXPECT_EQ(usual_sites(*request, all, 80'000, 0.04, {}), 20'000U);
+    EXPECT_EQ(usual_sites(*request, all, 80'000, 0.04, {.max_sites = 7000}), 7000U);
+}
+
+TEST(UsualSites, FollowFromTheSizeOnAScreen) {
+    const std::string file = photograph("camera.png");
+    const auto sites = [&](const std::vector<TextOption>& options) {
+        return usual_sites(*parse_halftone(file, options, "", {}), {512, 512}, 80'000, 0, {});
+    };
+    EXPECT_LT(sites({{"width", "200"}}), sites({{"width", "400"}}));
+    EXPECT_LT(sites({{"width", "400"}}), sites({}));
+    EXPECT_LT(sites({}), sites({{"width", "2000"}}));
+    EXPECT_EQ(sites({}), sites({{"width", "1000"}})) << "the size that is chosen";
+    EXPECT_EQ(sites({{"width", "200"}, {"width_mm", "50"}}), 10'000U) << "in print it does not";
 }
 
 TEST(Cost, OfAPictureIsKnownFromItsHeader) {

@@ -99,13 +99,15 @@ TEST(Halftone, ReadsALargePictureAgainWhoseDotsTurnOutFine) {
 TEST(HalftoneOptions, HaveTheirDefaults) {
     const auto request = parse({});
     ASSERT_TRUE(request);
-    EXPECT_FALSE(request->sites || request->scale || request->dot);
+    EXPECT_FALSE(request->sites || request->scale || request->width || request->height || request->dot);
+    EXPECT_EQ(request->fit, Fit::Contain);
+    EXPECT_TRUE(request->on_screen);
     EXPECT_EQ(request->palette.mixing, Mixing::Cover);
     EXPECT_EQ(request->palette.inks.front().colour, kBlack);
     EXPECT_EQ(request->palette.paper, kWhite);
     EXPECT_EQ(request->detail, 0.7);
     EXPECT_EQ(request->levels, Levels());
-    EXPECT_FALSE(request->antialias);
+    EXPECT_TRUE(request->antialias);
     EXPECT_EQ(request->dots, Dots::Both);
     EXPECT_EQ(request->tone, Tone::Linear);
     EXPECT_EQ(request->format->file.name, "png");
@@ -149,33 +151,17 @@ TEST(HalftoneOptions, AreAllRead) {
 }
 
 TEST(HalftoneOptions, AreRefusedByName) {
-    const Options wrong = {{"sites", "0"},
-                           {"sites", "12abc"},
-                           {"seed", "9007199254740992"},
-                           {"seed", "-1"},
-                           {"iterations", "1001"},
-                           {"passes", "0"},
-                           {"passes", "101"},
-                           {"scale", "0.05"},
-                           {"scale", "17"},
-                           {"scale", "nan"},
-                           {"dot", "0"},
-                           {"dot", "big"},
-                           {"detail", "-0.1"},
-                           {"detail", "1.1"},
-                           {"dots", "none"},
-                           {"invert", "2"},
-                           {"antialias", "2"},
-                           {"quality", "good"},
-                           {"quality", "stealthy"},
-                           {"tone", "loud"},
-                           {"foreground", "transparent"},
-                           {"background", ""},
-                           {"format", "bmp"},
-                           {"format", "geojson"},
-                           {"sights", "10"},
-                           {"image", "aGVsbG8="},
-                           {"method", "ccdt"}};
+    const Options wrong = {{"sites", "0"},          {"sites", "12abc"},     {"seed", "9007199254740992"},
+                           {"seed", "-1"},          {"iterations", "1001"}, {"passes", "0"},
+                           {"passes", "101"},       {"scale", "0.05"},      {"scale", "17"},
+                           {"scale", "nan"},        {"width", "0"},         {"width", "65536"},
+                           {"width", "640.5"},      {"height", "0"},        {"height", "auto"},
+                           {"fit", "fill"},         {"dot", "0"},           {"dot", "big"},
+                           {"detail", "-0.1"},      {"detail", "1.1"},      {"dots", "none"},
+                           {"invert", "2"},         {"antialias", "2"},     {"quality", "good"},
+                           {"quality", "stealthy"}, {"tone", "loud"},       {"foreground", "transparent"},
+                           {"background", ""},      {"format", "bmp"},      {"format", "geojson"},
+                           {"sights", "10"},        {"image", "aGVsbG8="},  {"method", "ccdt"}};
     for (const auto& option : wrong) {
         const auto request = parse({option});
         ASSERT_FALSE(request) << option.name << '=' << option.value;
@@ -185,6 +171,57 @@ TEST(HalftoneOptions, AreRefusedByName) {
     EXPECT_EQ(parse({{"dot", "big"}}).error().message,
               "dot must be a number above 0, at most 65536, with or without mm, or auto");
     EXPECT_TRUE(parse({{"dot", "auto"}}));
+}
+
+TEST(HalftoneOptions, TellScreenFromPrint) {
+    const auto is_soft = [](const Options& options) {
+        const auto request = parse(options);
+        EXPECT_TRUE(request) << request.error().message;
+        return request->antialias && request->on_screen;
+    };
+    for (const Options& options : {Options{},
+                                   {{"format", "webp"}},
+                                   {{"width", "640"}},
+                                   {{"height", "480"}},
+                                   {{"format", "tiff"}, {"width", "640"}},
+                                   {{"dot", "3"}},
+                                   {{"sites", "100"}}})
+        EXPECT_TRUE(is_soft(options));
+    for (const Options& options : {Options{{"scale", "2"}},
+                                   {{"width_mm", "100"}},
+                                   {{"width_mm", "100"}, {"width", "640"}},
+                                   {{"format", "tiff"}},
+                                   {{"format", "svg"}},
+                                   {{"format", "json"}}})
+        EXPECT_FALSE(is_soft(options));
+    EXPECT_TRUE(parse({{"scale", "2"}, {"antialias", "true"}})->antialias);
+    EXPECT_FALSE(parse({{"width", "640"}, {"antialias", "false"}})->antialias);
+    EXPECT_FALSE(parse({{"antialias", "false"}})->antialias);
+}
+
+TEST(HalftoneOptions, HaveOneSize) {
+    struct Wrong {
+        Options options;
+        std::string field;
+        std::string message;
+    };
+    for (const auto& [options, field, message] :
+         {Wrong{{{"scale", "2"}, {"width", "640"}}, "width", "width stands instead of scale: give one of the two"},
+          Wrong{{{"height", "640"}, {"scale", "2"}}, "height", "height stands instead of scale: give one of the two"},
+          Wrong{{{"fit", "cover"}}, "fit", "fit needs width and height"},
+          Wrong{{{"fit", "cover"}, {"width", "9"}}, "fit", "fit needs both width and height, not one of them"},
+          Wrong{{{"width", "9"}, {"format", "csv"}},
+                "width",
+                "width is an option of drawings; lists of dots are in pixels of the picture"}}) {
+        const auto request = parse(options);
+        ASSERT_FALSE(request) << field;
+        EXPECT_EQ(request.error().code, ErrorCode::Malformed);
+        EXPECT_EQ(request.error().field, field);
+        EXPECT_EQ(request.error().message, message);
+    }
+    const std::string image = R"({"image":")" + base64(fixture("rgba.png")) + '"';
+    EXPECT_EQ(parse_halftone_json(image + R"(,"width":640,"scale":1})", {}, "", {}).error().field, "/width");
+    EXPECT_EQ(parse_halftone_json(image + R"(,"width":640})", {}, "", {})->width, 640);
 }
 
 TEST(HalftoneOptions, HaveNoDetailByDensityAlone) {
@@ -338,11 +375,85 @@ TEST(Halftone, UsesTheColoursItIsGiven) {
 }
 
 TEST(Halftone, ChoosesSitesAndScaleByThePicture) {
-    const auto result = answer(photograph("chelsea.png"), {});
+    const auto result = answer(photograph("chelsea.png"), {{"width_mm", "100"}});
     ASSERT_TRUE(result);
     const DecodedPng png = decode_png(result->body);
     EXPECT_GE(png.width, 451);
     EXPECT_EQ(std::lround(png.width / 451.0 * 300), png.height);
+    EXPECT_EQ(png.bit_depth, 1);
+}
+
+TEST(Halftone, IsDrawnForAScreen) {
+    const std::string photo = photograph("chelsea.png");
+    for (const auto* color : {"gray", "cmyk"}) {
+        const auto result = answer(photo, {{"color", color}, {"quality", "draft"}});
+        ASSERT_TRUE(result) << result.error().message;
+        const DecodedPng png = decode_png(result->body);
+        EXPECT_EQ(png.width, 1203);
+        EXPECT_EQ(png.height, 800);
+        EXPECT_EQ(png.bit_depth, 8);
+    }
+}
+
+TEST(Halftone, HasTheSizeThatIsAskedFor) {
+    const std::string photo = photograph("chelsea.png");
+    struct Size {
+        Options options;
+        int width, height;
+    };
+    for (const auto& [options, width, height] :
+         {Size{{{"width", "137"}}, 137, 91}, Size{{{"height", "137"}}, 206, 137},
+          Size{{{"width", "137"}, {"height", "50"}}, 75, 50},
+          Size{{{"width", "137"}, {"height", "50"}, {"fit", "cover"}}, 137, 50},
+          Size{{{"width", "50"}, {"height", "137"}, {"fit", "cover"}, {"color", "cmyk"}}, 50, 137},
+          Size{{{"width", "1"}}, 1, 1}, Size{{{"width", "137"}, {"width_mm", "10"}}, 137, 91},
+          Size{{{"width", "137"}, {"antialias", "false"}}, 137, 91}}) {
+        Options asked = options;
+        asked.push_back({"quality", "draft"});
+        const auto result = answer(photo, asked);
+        ASSERT_TRUE(result) << result.error().message;
+        const DecodedPng png = decode_png(result->body);
+        EXPECT_EQ(png.width, width);
+        EXPECT_EQ(png.height, height);
+    }
+    const auto drawing = answer(photo, {{"width", "137"}, {"format", "svg"}});
+    EXPECT_NE(drawing->body.find(R"(width="137" height="91")"), std::string::npos);
+}
+
+TEST(Halftone, OfASizeIsHeldToTheLimit) {
+    const Limits limits = {.max_pixels = 10'000};
+    const std::string image = fixture("lossless.webp");
+    const auto large = answer(image, {{"sites", "50"}, {"height", "101"}}, limits);
+    ASSERT_FALSE(large);
+    EXPECT_EQ(large.error().code, ErrorCode::LimitExceeded);
+    EXPECT_EQ(large.error().field, "height");
+    EXPECT_EQ(large.error().message,
+              "height makes an output of 152 x 101 pixels; this server's limit (max-pixels) is 10000");
+    EXPECT_TRUE(answer(image, {{"sites", "50"}, {"height", "81"}}, limits));
+    EXPECT_EQ(answer(image, {{"sites", "50"}, {"width", "60000"}, {"height", "60000"}}, limits).error().field, "width");
+    const auto webp = answer(image, {{"sites", "50"}, {"width", "16384"}, {"format", "webp"}}, {});
+    EXPECT_EQ(webp.error().field, "width");
+}
+
+TEST(Halftone, CoversWithTheMiddleOfThePicture) {
+    // White but for a black square in the middle, so wide that a drawing of half the width shows it whole.
+    Raster raster{300, 100, 1, std::vector<std::uint8_t>(std::size_t{300} * 100)};
+    for (int y = 25; y < 75; ++y) {
+        for (int x = 125; x < 175; ++x) raster.coverage[static_cast<std::size_t>(y * 300 + x)] = 255;
+    }
+    const std::string image = *write_png(image_of(raster, false));
+    const auto result = answer(image, {{"width", "100"}, {"height", "100"}, {"fit", "cover"}});
+    ASSERT_TRUE(result) << result.error().message;
+    const DecodedPng png = decode_png(result->body);
+    EXPECT_EQ(png.at(50, 50)[0], 0);
+    for (const int at : {28, 71}) {
+        EXPECT_LT(png.at(at, 50)[0], 30);
+        EXPECT_LT(png.at(50, at)[0], 30);
+    }
+    for (const int at : {21, 78}) {
+        EXPECT_GT(png.at(at, 50)[0], 225);
+        EXPECT_GT(png.at(50, at)[0], 225);
+    }
 }
 
 TEST(Halftone, MakesAtLeastOnePixel) {
@@ -431,9 +542,12 @@ TEST(HalftoneOptions, ChooseTheSidesOfDots) {
         EXPECT_EQ(dots({{"format", list}}), Dots::Ink) << list;
         EXPECT_EQ(dots({{"format", list}, {"dots", "both"}}), Dots::Both) << list;
     }
-    for (const Options& options :
-         {Options{{"style", "stroke"}, {"format", "svg"}}, {{"tone", "density"}}, {{"color", "cmyk"}},
-          {{"palette", "#f00"}}, {{"format", "svg"}, {"background", "transparent"}}, {{"invert", "false"}}})
+    for (const Options& options : {Options{{"style", "stroke"}, {"format", "svg"}},
+                                   {{"tone", "density"}},
+                                   {{"color", "cmyk"}},
+                                   {{"palette", "#f00"}},
+                                   {{"format", "svg"}, {"background", "transparent"}},
+                                   {{"invert", "false"}}})
         EXPECT_EQ(dots(options), Dots::Ink);
     EXPECT_EQ(dots({{"background", "transparent"}}), Dots::Both);
     EXPECT_EQ(dots({{"invert", "true"}}), Dots::Paper);

@@ -60,7 +60,7 @@ class Tone(ServerCase):
             self.assertAlmostEqual(covered, min(linear(level), 1 - linear(level)), delta=0.01)
 
     def test_paper_and_ink_have_the_colours_that_are_asked_for(self):
-        drawn = self.halftone(CAMERA, "?sites=2000&foreground=%23024&background=%23fda").picture("RGB")
+        drawn = self.halftone(CAMERA, "?sites=2000&scale=4&foreground=%23024&background=%23fda").picture("RGB")
         colours = {tuple(colour) for colour in numpy.unique(drawn.reshape(-1, 3), axis=0).tolist()}
         self.assertEqual(colours, {(0, 0x22, 0x44), (255, 0xdd, 0xaa)})
 

@@ -83,9 +83,9 @@ class Colours(ServerCase):
         self.assertLess(max(x for ink in inks for x, _ in ink["points"]), 30)
 
     def test_paper_is_seen_between_dots(self):
-        answer = self.halftone(CHELSEA, "?sites=500&palette=%23800,%23008&background=%23ffe")
+        answer = self.halftone(CHELSEA, "?sites=500&scale=4&palette=%23800,%23008&background=%23ffe")
         self.assertIn((255, 255, 238), {tuple(colour) for colour in pixels(answer.body, "RGB").reshape(-1, 3).tolist()})
-        clear = self.halftone(CHELSEA, "?sites=500&color=cmyk&background=transparent")
+        clear = self.halftone(CHELSEA, "?sites=500&scale=4&color=cmyk&background=transparent")
         self.assertEqual(set(numpy.unique(pixels(clear.body, "RGBA")[..., 3])), {0, 255})
 
 
@@ -132,7 +132,7 @@ class Likeness(ServerCase):
 
 
 class Formats(ServerCase):
-    QUERY = "?sites=3000&color=cmyk&seed=2"
+    QUERY = "?sites=3000&color=cmyk&seed=2&scale=2"
 
     def made(self, format_, query=""):
         return self.halftone(CHELSEA, f"{self.QUERY}&format={format_}{query}")
@@ -199,7 +199,7 @@ class Formats(ServerCase):
 
     def test_tiff_of_lights_looks_like_png(self):
         for query in ("", "&antialias=true"):
-            files = [self.halftone(CHELSEA, f"?sites=3000&color=rgb&format={form}{query}").body
+            files = [self.halftone(CHELSEA, f"?sites=3000&color=rgb&scale=2&format={form}{query}").body
                      for form in ("png", "tiff")]
             numpy.testing.assert_array_equal(*(pixels(file, "RGB") for file in files))
 

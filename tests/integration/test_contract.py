@@ -218,8 +218,10 @@ class Options(ContractCase):
     # Where the option makes a difference.
     BASES = {("/halftone", "style"): {"format": "svg"}, ("/halftone", "antialias"): {"format": "png"},
              ("/halftone", "dot"): {"format": "png"}, ("/halftone", "foreground"): {"format": "png"},
-             ("/halftone", "background"): {"format": "png"}, ("/sample", "style"): {"format": "svg"},
-             ("/sample", "multipoint"): {"format": "geojson"},
+             ("/halftone", "background"): {"format": "png"}, ("/halftone", "width"): {"format": "png", "height": 1},
+             ("/halftone", "height"): {"format": "png", "width": 1},
+             ("/halftone", "fit"): {"format": "png", "width": 30, "height": 10},
+             ("/sample", "style"): {"format": "svg"}, ("/sample", "multipoint"): {"format": "geojson"},
              ("/sample", "per"): {"domain": None, "geometry": map_of(20), "sites": "people"},
              ("/sample", "buffer"): {"domain": {"type": "rectangle", "width": 1, "height": 1}},
              ("/sample", "coordinates"): {"domain": None, "polygon": [[0, 0], [90, 0], [90, 80]]}}
@@ -313,7 +315,7 @@ class Options(ContractCase):
                     self.refuse(path, option, wrong[described["type"]])
 
     def test_have_their_defaults(self):
-        others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "levels": [0.2, 1], "antialias": True,
+        others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "levels": [0.2, 1], "fit": "cover",
                   "tone": "perceptual", "foreground": "#123456", "background": "#123456",
                   "color": "cmyk", "style": "stroke", "method": "odt", "mesh": True, "coordinates": "lonlat",
                   "max_frequency": 5, "spectrum": True, "multipoint": False, "buffer": 0.1, "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}

@@ -158,19 +158,19 @@ class Options(ServerCase):
 
     def test_perceptual_tone_is_lighter_than_linear(self):
         data = file_of(flat(128))
-        linear_tone, perceptual = (self.picture(f"?sites=300&tone={tone}", data).mean()
+        linear_tone, perceptual = (self.picture(f"?sites=300&scale=4&tone={tone}", data).mean()
                                    for tone in ("linear", "perceptual"))
         self.assertAlmostEqual(linear_tone, linear(128), delta=0.01)
         self.assertGreater(perceptual, linear_tone + 0.2)
 
     def test_colours(self):
-        answer = self.halftone(CAMERA, "?sites=300&foreground=%23f00&background=%230000ff")
+        answer = self.halftone(CAMERA, "?sites=300&scale=4&foreground=%23f00&background=%230000ff")
         picture = answer.picture("RGB").reshape(-1, 3)
         self.assertEqual({tuple(colour) for colour in numpy.unique(picture, axis=0).tolist()},
                          {(255, 0, 0), (0, 0, 255)})
 
     def test_transparent_background(self):
-        answer = self.halftone(CAMERA, "?sites=300&background=transparent")
+        answer = self.halftone(CAMERA, "?sites=300&scale=4&background=transparent")
         alpha = answer.picture("RGBA")[:, :, 3]
         self.assertEqual(set(numpy.unique(alpha)), {0, 255})
 
@@ -221,7 +221,9 @@ class Tone(ServerCase):
 
     def test_photographs_keep_their_mean_luminance(self):
         wanted = numpy.vectorize(linear)(numpy.arange(256))[pixels(CAMERA, "L")].mean()
-        self.assertLess(abs(self.halftone(CAMERA).picture().mean() / wanted - 1), 0.01)
+        for query in ("", "?scale=2"):
+            seen = numpy.vectorize(linear)(numpy.arange(256))[pixels(self.halftone(CAMERA, query).body, "L")]
+            self.assertLess(abs(seen.mean() / wanted - 1), 0.01, query)
 
 
 if __name__ == "__main__":

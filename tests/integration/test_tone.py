@@ -24,20 +24,14 @@ def luminance(file):
 
 
 def enlarged(plane, shape):
-    """By whole numbers, or reduced by them."""
-    if shape[0] >= plane.shape[0]:
-        times = shape[0] // plane.shape[0]
-        return plane.repeat(times, 0).repeat(times, 1)
-    times = plane.shape[0] // shape[0]
-    rows, columns = (side // times for side in plane.shape)
-    return plane[:rows * times, :columns * times].reshape(rows, times, columns, times).mean((1, 3))
+    """Or reduced: the light of each pixel of another size."""
+    return numpy.asarray(Image.fromarray(plane.astype(numpy.float32)).resize(shape[::-1], Image.Resampling.BOX))
 
 
 def errors(wanted, seen, dots):
     """Mean error of L* where the picture is dark, and the largest of the levels, blurred over two pitches."""
     sigma = 2 * (seen.size / dots) ** 0.5
     wanted = enlarged(wanted, seen.shape)
-    seen = seen[:wanted.shape[0], :wanted.shape[1]]
     level = lightness(blurred(wanted, sigma))
     error = lightness(blurred(seen, sigma)) - level
     dark = level < 20

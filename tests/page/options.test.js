@@ -19,9 +19,9 @@ async function open(address) {
   await settled(world.page, address.slice(1));
 }
 
-/** Options that are no fields: an older name, shapes, downloads, boxes and sliders beside the picture, the properties of a map's features, and what files for GIS have. */
+/** Options that are no fields: an older name, sizes in pixels, shapes, downloads, boxes and sliders beside the picture, the properties of a map's features, and what files for GIS have. */
 const elsewhere = {
-  halftone: ["format", "invert"],
+  halftone: ["fit", "format", "height", "invert", "width"],
   sample: ["polygon", "holes", "geometry", "domain", "per", "classes", "properties", "object", "multipoint", "iterations", "mesh"],
 };
 

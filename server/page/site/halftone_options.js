@@ -20,7 +20,7 @@ export const fields = [
     help: "As in editors of pictures: up to the black point all is black, from the white point on white. A gamma above 1 lightens what is between." },
   { kind: "choice", name: "dots", label: "Dots are", standard: "both", choices: [["both", "ink and paper"], ["ink", "ink"], ["paper", "paper, on black"]],
     help: "Ink and paper: black dots where the picture is light, white dots on black where it is dark, so that both come out clear. Pens can draw one of the two only." },
-  { kind: "check", name: "antialias", label: "Soft rims", checked: true, standard: false,
+  { kind: "check", name: "antialias", label: "Soft rims", checked: true,
     help: "Pixels that the rim of a dot crosses are grey, as screens like it. Without it each pixel is covered or not, as printers do." },
   { kind: "choice", name: "color", label: "Inks", standard: "gray", choices: [["gray", "one"], ["cmyk", "CMYK: four"], ["rgb", "RGB: light on black"], ["palette", "a palette"]],
     help: "Each ink has dots of its own, which keep away from those of the others." },

@@ -61,6 +61,24 @@ TEST(PngWriter, UsesCoverageAsAlphaOverNothing) {
     for (int x = 0; x < 256; ++x) ASSERT_EQ(png.at(x, 0), (Rgba{9, 8, 7, static_cast<std::uint8_t>(x)}));
 }
 
+TEST(PngWriter, TellsThatItIsSrgb) {
+    for (const bool antialias : {false, true}) {
+        const auto file = write_png(image_of(binary_raster(), antialias));
+        for (const auto* chunk : {"sRGB", "gAMA", "cHRM"}) EXPECT_NE(file->find(chunk), std::string::npos) << chunk;
+        EXPECT_EQ(file->find("pHYs"), std::string::npos);
+    }
+    const std::vector<std::uint16_t> thresholds(4);
+    EXPECT_EQ(write_greys(thresholds, 2, 2, 8)->find("sRGB"), std::string::npos);
+}
+
+TEST(PngWriter, TellsTheResolutionOfAWidth) {
+    const std::string file = *write_png(image_of(binary_raster(), false), 19 * 0.0254);  // 1,000 pixels an inch
+    const std::size_t at = file.find("pHYs");
+    ASSERT_NE(at, std::string::npos);
+    // 39,370 pixels a metre, across and down, in big-endian.
+    EXPECT_EQ(file.substr(at + 4, 9), std::string("\0\0\x99\xca\0\0\x99\xca\1", 9));
+}
+
 TEST(PngWriter, WritesTheSameBytesAgain) {
     const DotImage image = image_of(binary_raster(), false);
     EXPECT_EQ(*write_png(image), *write_png(image));

@@ -1,0 +1,36 @@
+#include "core/halftone/crop.h"
+
+#include <gtest/gtest.h>
+
+namespace ccdt {
+namespace {
+
+const Picture kPicture{4, 3, {0, 1, 2, 3, 10, 11, 12, 13, 20, 21, 22, 23}, {}};
+
+TEST(Crop, ReturnsTheMiddle) {
+    const Picture part = middle_of(kPicture, 2, 1);
+    EXPECT_EQ(part.width, 2);
+    EXPECT_EQ(part.height, 1);
+    EXPECT_EQ(part.luminance, (Plane{11, 12}));
+    EXPECT_TRUE(part.alpha.empty());
+}
+
+TEST(Crop, LeavesOneMoreOnTheRightAndAtTheBottom) {
+    EXPECT_EQ(middle_of(kPicture, 3, 2).luminance, (Plane{0, 1, 2, 10, 11, 12}));
+}
+
+TEST(Crop, OfAWholePictureIsThePicture) {
+    EXPECT_EQ(middle_of(kPicture, 4, 3).luminance, kPicture.luminance);
+}
+
+TEST(Crop, TakesEachPlaneOfColours) {
+    const ColourPicture picture{3, 1, {0, 1, 2}, {3, 4, 5}, {6, 7, 8}, {9, 10, 11}};
+    const ColourPicture part = middle_of(picture, 1, 1);
+    EXPECT_EQ(part.red, (Plane{1}));
+    EXPECT_EQ(part.green, (Plane{4}));
+    EXPECT_EQ(part.blue, (Plane{7}));
+    EXPECT_EQ(part.alpha, (Plane{10}));
+}
+
+}  // namespace
+}  // namespace ccdt
