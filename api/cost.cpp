@@ -14,6 +14,7 @@
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/tone.h"
+#include "core/halftone/two_sided.h"
 
 namespace ccdt::api {
 namespace {
@@ -52,8 +53,14 @@ Estimate decoding(const ImageFile& file, double planes = kGreyPlanes) {
     return {pixels * planes + decoder, pixels * kTime};
 }
 
+/// Whether dots are on both sides of the tonal scale in each of several channels.
+bool has_channels(const HalftoneRequest& request) {
+    return request.dots == Dots::Both && request.palette.mixing != Mixing::Cover;
+}
+
+/// Counts the inks, or the channels that stand for them.
 double inks_of(const HalftoneRequest& request) {
-    return static_cast<double>(request.palette.inks.size());
+    return has_channels(request) ? 3 : static_cast<double>(request.palette.inks.size());
 }
 
 /// Counts the cells at most that dots on both sides of the tonal scale are planned in.
@@ -65,15 +72,18 @@ double planned_cells(const HalftoneRequest& request, double sites) {
 
 /// Divides the picture into grounds, and plans the dots on both of them.
 Estimate dividing(const HalftoneRequest& request, double sites) {
-    constexpr double kBytes = 54, kTime = 0.3 * kMicrosecond, kReading = 8;
-    return Estimate{kBytes, kTime} * planned_cells(request, sites) +
+    constexpr Estimate kGrey{54, 0.3 * kMicrosecond}, kColour{200, 1.2 * kMicrosecond};
+    constexpr double kReading = 8;
+    return (has_channels(request) ? kColour : kGrey) * planned_cells(request, sites) +
            Estimate{kReading, 0} * static_cast<double>(request.image.header.pixels());
 }
 
 /// Fits the sizes of dots on both sides of the tonal scale to the picture.
 Estimate sizing(const HalftoneRequest& request, double sites) {
     constexpr Estimate kPixel{36, 0.2 * kMicrosecond}, kSite{48, 5 * kMicrosecond};
+    constexpr Estimate kPixelOfChannels{120, 0.6 * kMicrosecond}, kSiteOfChannels{220, 12 * kMicrosecond};
     if (request.dots != Dots::Both) return {};
+    if (has_channels(request)) return kPixelOfChannels * planned_cells(request, sites) + kSiteOfChannels * sites;
     return kPixel * planned_cells(request, sites) + kSite * sites;
 }
 
@@ -91,6 +101,7 @@ Estimate sharpening(const HalftoneRequest& request, double sites) {
 Estimate decoding(const HalftoneRequest& request) {
     if (request.palette.mixing == Mixing::Cover) return decoding(request.image);
     constexpr double kSeparating = 0.2 * kMicrosecond;
+    if (has_channels(request)) return decoding(request.image, 28 + 4 * inks_of(request));
     // The table takes as long as so many pixels, times the inks squared, if there are all colours.
     constexpr double kTable = 60'000;
     const auto pixels = static_cast<double>(request.image.header.pixels());
@@ -199,9 +210,10 @@ Estimate evening_out(const SampleRequest& request) {
     return {static_cast<double>(run.sites) * kBytes, 0};
 }
 
-/// Makes grids: of several inks one each, and one of all together.
-Estimate weighing(const HalftoneRequest& request) {
+/// Makes grids: of several inks or kinds of dots one each, and one of all together.
+Estimate weighing(const HalftoneRequest& request, double sites) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
+    if (has_channels(request)) return weighing(planned_cells(request, sites) * (kinds_of(3) * 1.2 + 1));
     const double inks = inks_of(request);
     return weighing(pixels * (inks > 1 ? inks * 1.2 + 1 : 1));
 }
@@ -388,7 +400,7 @@ std::size_t bytes_of(const ImageFile& file) {
 Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
     const double sites = most_sites(request, limits);
     const Estimate read = then(decoding(request) + levelling(request) + cropping(request), sharpening(request, sites));
-    const Estimate placed = weighing(request) + placing(request, sites) + sizing(request, sites);
+    const Estimate placed = weighing(request, sites) + placing(request, sites) + sizing(request, sites);
     Cost all = cost(then(then(read, placed), writing(request, sites, limits)));
     all.answer = request.sites.value_or(0) * request.format->least;
     return all;

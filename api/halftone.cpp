@@ -157,7 +157,7 @@ const Input& input_of(std::string_view name, const std::vector<Input>& inputs) {
 /// Returns why dots on both sides of the tonal scale cannot be had, or nothing.
 std::string_view obstacle_to_both(const Draft& draft) {
     const HalftoneRequest& request = draft.request;
-    if (draft.color.value_or(Palette{}).mixing != Mixing::Cover || draft.palette) return "is an option of color=gray";
+    if (draft.palette) return "is an option of color: dots of a palette are ink";
     if (request.tone == Tone::Density) return "is no option of tone=density, whose dots are ink";
     if (request.format->file.name == "svg" && draft.background.value_or(kWhite).transparent)
         return "needs in SVG a background that is not transparent, in whose colour paper dots are drawn";

@@ -1,12 +1,17 @@
 #include "api/halftone_answer.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "api/image/ink_set.h"
 #include "api/image/overlay.h"
+#include "api/image/srgb.h"
 #include "api/output/formats.h"
 #include "api/output/json_writer.h"
 #include "api/output/point_drawing.h"
@@ -14,6 +19,8 @@
 #include "core/halftone/diffusion.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/ground_outline.h"
+#include "core/halftone/overprint.h"
+#include "core/halftone/pixel_ranges.h"
 #include "core/halftone/softening.h"
 
 namespace ccdt::api {
@@ -22,11 +29,11 @@ namespace {
 /// Writes the dots in the way that a format's writer takes them.
 class Writing {
 public:
-    Writing(const HalftoneRequest& request, const HalftonePlan& plan, const SidedDots& sided, const Report& report,
-            std::vector<InkDots> inks, Body& body, const Control& control)
+    Writing(const HalftoneRequest& request, const HalftonePlan& plan, std::span<const SizedDots> sized,
+            const Report& report, std::vector<InkDots> inks, Body& body, const Control& control)
         : request_(request),
           plan_(plan),
-          sided_(sided),
+          sized_(sized),
           report_(report),
           inks_(std::move(inks)),
           body_(body),
@@ -35,16 +42,14 @@ public:
           team_(*control.team) {}
 
     Result<void> operator()(const ListWriter& writer) {
-        const std::optional<TwoSidedDots> two_sides = describe_two_sides();
-        if (two_sides) inks_.front().two_sides = &*two_sides;
+        describe_two_sides();
         writer.write(inks_, report_, body_, stop_);
         return {};
     }
 
     /// Draws shapes with the radius that rasters have.
     Result<void> operator()(const VectorWriter& writer) {
-        const std::optional<TwoSidedDots> two_sides = describe_two_sides();
-        if (two_sides) inks_.front().two_sides = &*two_sides;
+        describe_two_sides();
         for (std::size_t ink = 0; ink < inks_.size(); ++ink)
             inks_[ink].radius = plan_.radius ? *plan_.radius : rasterise(ink, true).radius / plan_.canvas.scale;
         const Page page{plan_.box(), false, false, plan_.canvas, request_.drawing.width_mm};
@@ -59,15 +64,33 @@ public:
 private:
     Result<std::string> write_pixels(const RasterWriter& writer) const {
         std::vector<Raster> rasters;
-        for (std::size_t ink = 0; ink < inks_.size(); ++ink) rasters.push_back(rasterise(ink, request_.antialias));
+        const std::size_t count = plan_.two_sides ? plan_.two_sides->channels.size() : inks_.size();
+        for (std::size_t ink = 0; ink < count; ++ink) rasters.push_back(rasterise(ink, request_.antialias));
         if (may_be_scaled()) {
             for (Raster& raster : rasters) soften(raster, team_);
         }
-        const Palette& palette = request_.palette;
+        Palette palette = request_.palette;
         const auto width_mm = request_.drawing.width_mm;
-        if (writer.write_plates != nullptr && palette.mixing == Mixing::Multiply)
+        if (writer.write_plates != nullptr && palette.mixing == Mixing::Multiply) {
+            if (plan_.two_sides) take_black_out(rasters);
             return writer.write_plates(rasters, palette.inks, width_mm, stop_);
+        }
+        palette.inks.resize(count);
         return writer.write(overlay(std::move(rasters), palette, request_.antialias, stop_, team_), width_mm, stop_);
+    }
+
+    /// Replaces what cyan, magenta and yellow have in common by black, which takes that area from each of them.
+    void take_black_out(std::vector<Raster>& plates) const {
+        Raster black = plates.front();
+        for_ranges(team_, black.coverage.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                unsigned common = 255;
+                for (const Raster& plate : plates) common = std::min<unsigned>(common, plate.coverage[i]);
+                black.coverage[i] = static_cast<std::uint8_t>(common);
+                for (Raster& plate : plates) plate.coverage[i] = static_cast<std::uint8_t>(plate.coverage[i] - common);
+            }
+        });
+        plates.push_back(std::move(black));
     }
 
     /// Tells whether a browser may show the drawing in another size, which nobody has asked for.
@@ -75,16 +98,31 @@ private:
         return request_.on_screen && request_.antialias && !request_.width && !request_.height;
     }
 
-    /// Describes the dots and the ground of both sides for writers of lists and shapes.
-    std::optional<TwoSidedDots> describe_two_sides() {
-        if (!plan_.two_sides) return std::nullopt;
-        std::optional<TwoSidedDots> two_sides{{sided_, outline_of(plan_.two_sides->ground)}};
+    /// Describes the dots and the grounds of both sides for writers of lists and shapes, which leave out kinds without
+    /// dots.
+    void describe_two_sides() {
+        if (!plan_.two_sides) return;
+        const auto& channels = plan_.two_sides->channels;
         const Point cell = cell_size();
-        for (auto& ring : two_sides->ground) {
-            for (Point& point : ring) point = {point.x * cell.x, point.y * cell.y};
+        grounds_.inks = std::span(request_.palette.inks).first(channels.size());
+        for (const TwoSidedChannel& channel : channels) {
+            auto& rings = grounds_.rings.emplace_back(outline_of(adds() ? channel.ground.inverse() : channel.ground));
+            for (auto& ring : rings) {
+                for (Point& point : ring) point = {point.x * cell.x, point.y * cell.y};
+            }
         }
-        return two_sides;
+        for (std::size_t kind = 0; kind < inks_.size(); ++kind)
+            two_sides_.push_back({sized_[kind], flips_of(kind), grounds_});
+        for (std::size_t kind = 0; kind < inks_.size(); ++kind) inks_[kind].two_sides = &two_sides_[kind];
+        std::vector<InkDots> drawn;
+        for (const InkDots& each : inks_) {
+            if (!each.dots.points.empty()) drawn.push_back(each);
+        }
+        if (drawn.empty()) drawn.push_back(inks_.front());
+        inks_.swap(drawn);
     }
+
+    bool adds() const { return request_.palette.mixing == Mixing::Add; }
 
     /// Size of the cells of the ground, in pixels of the picture.
     Point cell_size() const {
@@ -93,21 +131,31 @@ private:
                 static_cast<double>(plan_.picture.height) / cells.rows};
     }
 
-    /// Draws the ink of a halftone with dots on both sides.
-    Raster rasterise_both(bool antialias) const {
+    /// Draws the ink of a channel of a halftone with dots on both sides.
+    Raster rasterise_both(std::size_t channel, bool antialias) const {
         const bool soft = antialias || plan_.samples > 1;
-        const std::vector<Point> places = canvas_places(inks_.front().dots.points);
-        Raster raster = draw_dots(places, sided_.radii, plan_.canvas, antialias, plan_.samples, stop_, team_);
+        std::vector<Point> places;
+        std::vector<float> radii;
+        for (std::size_t kind = 0; kind < inks_.size(); ++kind) {
+            if ((flips_of(kind) >> channel & 1) == 0) continue;
+            const std::vector<Point> own = canvas_places(inks_[kind].dots.points);
+            places.insert(places.end(), own.begin(), own.end());
+            radii.insert(radii.end(), sized_[kind].radii.begin(), sized_[kind].radii.end());
+        }
+        Raster raster = draw_dots(places, radii, plan_.canvas, antialias, plan_.samples, stop_, team_);
         const CellGrid& cells = plan_.two_sides->cells;
         const Point scale{static_cast<double>(raster.width) / cells.columns,
                           static_cast<double>(raster.height) / cells.rows};
-        plan_.two_sides->ground.apply(raster, scale, soft, team_);
+        plan_.two_sides->channels[channel].ground.apply(raster, scale, soft, team_);
+        if (adds()) {
+            for (std::uint8_t& share : raster.coverage) share = static_cast<std::uint8_t>(255 - share);
+        }
         if (soft && !antialias) diffuse(raster.coverage, raster.width, raster.height);
         return raster;
     }
 
     Raster rasterise(std::size_t ink, bool antialias) const {
-        if (plan_.two_sides) return rasterise_both(antialias);
+        if (plan_.two_sides) return rasterise_both(ink, antialias);
         std::optional<double> radius;
         if (plan_.radius) radius = *plan_.radius * plan_.canvas.scale;
         const DotOptions options{radius, plan_.cover[ink], antialias, plan_.samples};
@@ -126,25 +174,48 @@ private:
 
     const HalftoneRequest& request_;
     const HalftonePlan& plan_;
-    const SidedDots& sided_;
+    std::span<const SizedDots> sized_;
     const Report& report_;
     std::vector<InkDots> inks_;
+    Grounds grounds_;
+    std::vector<TwoSidedDots> two_sides_;  ///< [kinds]
     Body& body_;
     std::stop_token hurry_;
     std::stop_token stop_;
     Team& team_;
 };
 
+/// Makes the inks that answers tell apart: of dots on both sides one for each kind, named by the channels that it
+/// flips.
+std::vector<Ink> inks_of_answer(const HalftoneRequest& request, const HalftonePlan& plan) {
+    const std::vector<Ink>& inks = request.palette.inks;
+    if (!plan.two_sides || inks.size() == 1) return inks;
+    const InkSet set = ink_set(request.palette);
+    std::vector<Ink> kinds;
+    for (std::size_t kind = 0; kind < plan.two_sides->kinds.size(); ++kind) {
+        Ink& ink = kinds.emplace_back();
+        std::vector<float> cover(inks.size(), 0);
+        for_channels(flips_of(kind), [&](std::size_t channel) {
+            ink.name.append(ink.name.empty() ? "" : "+").append(inks[channel].name);
+            cover[channel] = 1;
+        });
+        const Light light = printed({set.inks, set.additive ? Light{} : Light{1, 1, 1}, set.additive}, cover);
+        ink.colour = {to_srgb(static_cast<double>(light.red)), to_srgb(static_cast<double>(light.green)),
+                      to_srgb(static_cast<double>(light.blue))};
+    }
+    return kinds;
+}
+
 }  // namespace
 
 Result<void> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan, const PlacedDots& dots,
                             double elapsed, const Control& control, Body& body) {
     const Report report{request.run.seed, elapsed, plan.picture, "ccdt", {}, plan.size(), plan.warnings};
+    const std::vector<Ink> all = inks_of_answer(request, plan);
     std::vector<InkDots> inks;
-    for (std::size_t ink = 0; ink < dots.inks.size(); ++ink)
-        inks.push_back({request.palette.inks[ink], dots.inks[ink]});
+    for (std::size_t ink = 0; ink < dots.inks.size(); ++ink) inks.push_back({all[ink], dots.inks[ink]});
     auto written =
-        std::visit(Writing(request, plan, dots.sided, report, std::move(inks), body, control), request.format->writer);
+        std::visit(Writing(request, plan, dots.sized, report, std::move(inks), body, control), request.format->writer);
     if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
     return written;
 }

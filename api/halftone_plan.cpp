@@ -142,10 +142,11 @@ struct Decoded {
 };
 
 /// Sums the shares of the picture that dots draw: of two-sided ones the smaller of ink and paper.
-double drawn_share(const std::vector<float>& coverage, const HalftoneRequest& request, Team& team) {
-    if (request.dots != Dots::Both) return sum(coverage, team);
-    return sum_of_pixels(team, coverage.size(),
-                         [&](std::size_t i) { return static_cast<double>(std::min(coverage[i], 1 - coverage[i])); });
+double drawn_share(const std::vector<std::vector<float>>& coverage, const HalftoneRequest& request, Team& team) {
+    if (request.dots == Dots::Both) return minority_of(coverage, team);
+    double ink = 0;
+    for (const auto& each : coverage) ink += sum(each, team);
+    return ink;
 }
 
 /// @returns  none if the squares are too coarse
@@ -153,24 +154,31 @@ std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, c
                                               const Limits& limits, Team& team) {
     const Picture& picture = decoded.picture;
     SeparatedPicture separated{decoded.size(), {}, {}, decoded.detail(request, team)};
-    std::vector<float> coverage = ink_coverage(picture, request.tone, request.dots == Dots::Paper, team);
-    const double ink = drawn_share(coverage, request, team) * decoded.side * decoded.side;
+    std::vector<std::vector<float>> all = {ink_coverage(picture, request.tone, request.dots == Dots::Paper, team)};
+    const double ink = drawn_share(all, request, team) * decoded.side * decoded.side;
+    std::vector<float>& coverage = all.front();
     const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
     separated.cells = resolved_cells(separated.size.width, separated.size.height, radius);
     if (!decoded.does_for(separated.cells, request, ink, limits)) return std::nullopt;
     if (separated.cells != CellGrid{picture.width, picture.height})
         coverage = reduced(coverage, picture.width, picture.height, separated.cells, team);
-    separated.inks.coverage.push_back(std::move(coverage));
+    separated.inks.coverage = std::move(all);
     return separated;
 }
 
+/// Separates into inks, or, for dots on both sides of the tonal scale, into channels.
+Separation separate(const ColourPicture& picture, const HalftoneRequest& request, const Control& control) {
+    const InkSet inks = ink_set(request.palette);
+    if (request.dots == Dots::Both) return {channel_coverage(picture, inks, request.tone, *control.team), {}};
+    return separate(picture, inks, request.tone, control.stop, *control.team);
+}
+
 /// Estimates the sum of the shares that dots of all inks cover, by a small copy of the picture.
-double rough_ink(const ColourPicture& picture, const InkSet& inks, Tone tone, const Control& control) {
+double rough_ink(const ColourPicture& picture, const HalftoneRequest& request, const Control& control) {
     constexpr int kSide = 64;
     const CellGrid cells{std::min(picture.width, kSide), std::min(picture.height, kSide)};
-    const Separation small = separate(reduced(picture, cells, *control.team), inks, tone, control.stop, *control.team);
-    double ink = 0;
-    for (const auto& each : small.coverage) ink += sum(each, *control.team);
+    const Separation small = separate(reduced(picture, cells, *control.team), request, control);
+    const double ink = drawn_share(small.coverage, request, *control.team);
     return ink / (static_cast<double>(cells.columns) * cells.rows) * picture.width * picture.height;
 }
 
@@ -180,13 +188,12 @@ std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded,
     Team& team = *control.team;
     ColourPicture& picture = decoded.picture;
     SeparatedPicture separated{decoded.size(), {}, {}, decoded.detail(request, team)};
-    const InkSet inks = ink_set(request.palette);
-    const double ink = rough_ink(picture, inks, request.tone, control) * decoded.side * decoded.side;
+    const double ink = rough_ink(picture, request, control) * decoded.side * decoded.side;
     const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
     separated.cells = resolved_cells(separated.size.width, separated.size.height, radius);
     if (!decoded.does_for(separated.cells, request, ink, limits)) return std::nullopt;
     if (separated.cells != CellGrid{picture.width, picture.height}) picture = reduced(picture, separated.cells, team);
-    separated.inks = separate(picture, inks, request.tone, control.stop, team);
+    separated.inks = separate(picture, request, control);
     return separated;
 }
 
@@ -218,6 +225,15 @@ Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const 
     auto separated = separate_picture(request, limits, decode, control, reduce);
     if (separated && !*separated) separated = separate_picture(request, limits, decode, control, 1);
     return separated.map([](std::optional<SeparatedPicture>& picture) { return *std::move(picture); });
+}
+
+/// Tells whether a picture is the bare paper all over, if it is of solid colours.
+bool is_paper(const HalftoneRequest& request, const std::vector<std::vector<float>>& coverage, Team& team) {
+    if (request.dots != Dots::Both) return true;
+    const bool is_black = request.palette.mixing == Mixing::Add;
+    return std::ranges::all_of(coverage, [&](const std::vector<float>& each) {
+        return sum(each, team) == (is_black ? static_cast<double>(each.size()) : 0);
+    });
 }
 
 tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {
@@ -312,22 +328,27 @@ Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan
     if (!options.radius) options.sites = usual;
     if (request.format->raster() != nullptr)
         options.least_radius = (request.antialias ? kLeastSoftRadius : kLeastRadius) / plan.canvas.scale / side;
-    std::vector<float> light = std::move(picture.inks.coverage.front());
-    for_ranges(*control.team, light.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) light[i] = 1 - light[i];
-    });
+    auto light = std::move(picture.inks.coverage);
+    for (std::vector<float>& channel : light) {
+        for_ranges(*control.team, channel.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) channel[i] = 1 - channel[i];
+        });
+    }
     plan.two_sides = plan_two_sided(std::move(light), picture.cells, options, control.stop, *control.team);
     const std::size_t most = usual_sites(request, plan.picture, all_pixels(plan.picture), 1, limits);
     if (has_screen_radius(request) && plan.two_sides->dots > static_cast<double>(most)) {
         options = {most, {}, options.detail, options.least_radius};  // as if the picture were all ink
-        light = std::move(plan.two_sides->light);
+        light.clear();
+        for (TwoSidedChannel& channel : plan.two_sides->channels) light.push_back(std::move(channel.light));
         plan.two_sides = plan_two_sided(std::move(light), picture.cells, options, control.stop, *control.team);
     }
     if (auto going = check_stop(control.stop); !going) return going;
     auto sites = sites_of(options.sites, plan.two_sides->dots, limits);
     if (!sites) return tl::unexpected(sites.error());
     const double dots = minority > 0 ? plan.two_sides->dots : 0;
-    plan.sites = {dots > 0 ? *sites : 0};
+    std::vector<double> shares;
+    for (const KindOfDots& kind : plan.two_sides->kinds) shares.push_back(kind.share);
+    plan.sites = share_sites(shares, dots > 0 ? *sites : 0);
     plan.radius = plan.two_sides->radius * side;
     if (dots > 0) plan.tone = request.sites && request.dot ? static_cast<double>(*sites) / dots : 1;
     plan.samples = dots > 0 ? samples_for(*plan.radius * plan.canvas.scale, plan.canvas, request.antialias) : 1;
@@ -339,7 +360,8 @@ Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan
 std::optional<PrintProof> make_proof(const HalftoneRequest& request, const HalftonePlan& plan, const CellGrid& cells,
                                      const LightPlanes& light, Team& team) {
     const bool polished = request.run.iterations > 0 && request.run.quality != Quality::Draft;
-    if (request.palette.mixing == Mixing::Cover || !polished || !plan.radius) return std::nullopt;
+    if (request.palette.mixing == Mixing::Cover || request.dots == Dots::Both || !polished || !plan.radius)
+        return std::nullopt;
     const std::size_t sites = std::accumulate(plan.sites.begin(), plan.sites.end(), std::size_t{0});
     return PrintProof(light, cells, plan.picture.width, plan.picture.height,
                       toned(ink_set(request.palette), request.tone), *plan.radius, sites, team);
@@ -352,21 +374,14 @@ std::vector<Warning> warnings_of(const HalftoneRequest& request) {
     return {{request.image_field, std::move(frame)}};
 }
 
-/// Makes a density for the dots of both sides.
-Result<std::vector<Density>> make_density(TwoSidedPlan& plan, std::size_t sites) {
-    if (sites == 0) return std::vector{Density::uniform()};
-    auto density = Density::grid(plan.cells.columns, plan.cells.rows, std::span(plan.density));
-    if (!density) return tl::unexpected(density.error());
-    return std::vector{*std::move(density)};
-}
-
-/// Makes a density for each ink that has sites. Coverages go as they are taken.
-Result<std::vector<Density>> make_densities(SeparatedPicture& picture, const std::vector<std::size_t>& sites) {
-    std::vector<Density> densities(sites.size(), Density::uniform());
-    for (std::size_t ink = 0; ink < sites.size(); ++ink) {
-        const std::vector<float> coverage = std::exchange(picture.inks.coverage[ink], {});
-        if (sites[ink] == 0) continue;
-        auto density = Density::grid(picture.cells.columns, picture.cells.rows, std::span(coverage));
+/// Makes a density for each ink or kind of dots that has sites. Coverages of inks go as they are taken.
+Result<std::vector<Density>> make_densities(const HalftonePlan& plan, SeparatedPicture& picture) {
+    std::vector<Density> densities(plan.sites.size(), Density::uniform());
+    for (std::size_t ink = 0; ink < plan.sites.size(); ++ink) {
+        const auto coverage = plan.two_sides ? std::vector<float>{} : std::exchange(picture.inks.coverage[ink], {});
+        if (plan.sites[ink] == 0) continue;
+        const std::span<const float> values = plan.two_sides ? plan.two_sides->kinds[ink].density : coverage;
+        auto density = Density::grid(picture.cells.columns, picture.cells.rows, values);
         if (!density) return tl::unexpected(density.error());
         densities[ink] = *std::move(density);
     }
@@ -374,16 +389,23 @@ Result<std::vector<Density>> make_densities(SeparatedPicture& picture, const std
 }
 
 /// Chooses the radii of dots on both sides, in pixels of the picture.
-SidedDots size_dots(const HalftoneRequest& request, const HalftonePlan& plan, std::span<const Point> points,
-                    const Control& control) {
+std::vector<SizedDots> size_dots(const HalftoneRequest& request, const HalftonePlan& plan,
+                                 std::span<const Distribution> placed, const Control& control) {
     const CellGrid& cells = plan.two_sides->cells;
     const double across = static_cast<double>(plan.picture.width) / cells.columns;
     const double down = static_cast<double>(plan.picture.height) / cells.rows;
-    std::vector<Point> sites;
-    for (const Point& point : points) sites.push_back({point.x / across, point.y / down});
+    std::vector<std::vector<Point>> sites(placed.size());
+    for (std::size_t kind = 0; kind < placed.size(); ++kind) {
+        for (const Point& point : placed[kind].points) sites[kind].push_back({point.x / across, point.y / down});
+    }
     const bool fit = !(request.sites && request.dot);
-    SidedDots dots = ccdt::size_dots(*plan.two_sides, sites, fit, control.stop, *control.team);
-    for (float& radius : dots.radii) radius *= static_cast<float>(std::sqrt(across * down));
+    std::vector<SizedDots> dots = ccdt::size_dots(*plan.two_sides, sites, fit, control.stop, *control.team);
+    for (SizedDots& kind : dots) {
+        for (float& radius : kind.radii) radius *= static_cast<float>(std::sqrt(across * down));
+        if (request.palette.mixing != Mixing::Add) continue;
+        for (std::uint8_t& white : kind.white)
+            white ^= static_cast<std::uint8_t>(kinds_of(plan.two_sides->channels.size()));
+    }
     return dots;
 }
 
@@ -398,11 +420,9 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     plan.picture = picture->size;
     plan.warnings = warnings_of(request);
     std::vector<double> ink;
-    for (const auto& each : separation.coverage)
-        ink.push_back(drawn_share(each, request, *control.team) * picture->cell_area());
-    const double all_ink = std::accumulate(ink.begin(), ink.end(), 0.0);
-    if (!(all_ink > 0) && !(request.dots == Dots::Both && sum(separation.coverage.front(), *control.team) > 0))
-        return nothing_to_draw(request);
+    for (const auto& each : separation.coverage) ink.push_back(sum(each, *control.team) * picture->cell_area());
+    const double all_ink = drawn_share(separation.coverage, request, *control.team) * picture->cell_area();
+    if (!(all_ink > 0) && is_paper(request, separation.coverage, *control.team)) return nothing_to_draw(request);
     const std::size_t pixels =
         static_cast<std::size_t>(plan.picture.width) * static_cast<std::size_t>(plan.picture.height);
     for (const double each : ink) plan.cover.push_back(each / static_cast<double>(pixels));
@@ -420,8 +440,7 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
                        : settle_dots(request, plan, *picture, ink, usual, limits, control);
     if (!settled) return tl::unexpected(settled.error());
     plan.proof = make_proof(request, plan, picture->cells, std::exchange(separation.light, {}), *control.team);
-    auto densities =
-        plan.two_sides ? make_density(*plan.two_sides, plan.sites.front()) : make_densities(*picture, plan.sites);
+    auto densities = make_densities(plan, *picture);
     if (!densities) return about_image(densities.error(), request);
     plan.densities = *std::move(densities);
     return plan;
@@ -432,8 +451,10 @@ Result<PlacedDots> place_dots(const HalftoneRequest& request, HalftonePlan& plan
     const auto domain = Domain::rectangle(plan.picture.width, plan.picture.height);
     if (!domain) return tl::unexpected(domain.error());
     PlacedDots placed;
-    if (plan.two_sides && plan.sites.front() == 0) {
-        placed.inks.emplace_back().trace = {0};
+    if (plan.two_sides && std::ranges::all_of(plan.sites, [](std::size_t sites) { return sites == 0; })) {
+        placed.inks.resize(plan.sites.size());
+        for (Distribution& each : placed.inks) each.trace = {0};
+        placed.sized.resize(plan.sites.size());
         return placed;
     }
     Retouch retouch;
@@ -448,7 +469,7 @@ Result<PlacedDots> place_dots(const HalftoneRequest& request, HalftonePlan& plan
         if (auto whole = check_whole(each, request.on_deadline); !whole) return about_image(whole.error(), request);
     }
     placed.inks = *std::move(dots);
-    if (plan.two_sides) placed.sided = size_dots(request, plan, placed.inks.front().points, control);
+    if (plan.two_sides) placed.sized = size_dots(request, plan, placed.inks, control);
     return placed;
 }
 

@@ -23,8 +23,8 @@ struct HalftonePlan {
     std::optional<double> radius;     ///< of the dots, in pixels of the picture; none: such that they cover so much
     std::optional<double> tone;       ///< what they cover over what they should; none: unknown, or 1 by their radius
     int samples = 0;                  ///< as DotOptions
-    std::vector<std::size_t> sites;   ///< [inks]
-    std::vector<Density> densities;   ///< [inks]; uniform for inks without sites
+    std::vector<std::size_t> sites;   ///< [inks], or [kinds] of dots on both sides
+    std::vector<Density> densities;   ///< [inks] or [kinds]; uniform for those without sites
     std::optional<PrintProof> proof;  ///< if there are several inks, of which all together are seen
     std::optional<TwoSidedPlan> two_sides;  ///< if dots are on both sides of the tonal scale
     Canvas canvas;                          ///< of an answer that is drawn
@@ -42,8 +42,9 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
 
 /// Dots of each ink, where they lie.
 struct PlacedDots {
-    std::vector<Distribution> inks;  ///< [inks]
-    SidedDots sided;                 ///< of the only ink, if dots are on both sides; radii in pixels of the picture
+    std::vector<Distribution> inks;  ///< [inks], or [kinds] of dots on both sides
+    std::vector<SizedDots> sized;    ///< [kinds] if dots are on both sides; radii in pixels of the picture, and
+                                     ///< as white ground counts what is not ink, or lamps that are off
 };
 
 /// Distributes the dots of each ink. The densities are taken, and given back as soon as the dots lie.

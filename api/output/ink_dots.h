@@ -14,10 +14,17 @@
 
 namespace ccdt::api {
 
-/// Dots on both sides of the tonal scale, in the points' units.
+/// Grounds of a drawing with dots on both sides of the tonal scale, in the points' units.
+struct Grounds {
+    std::span<const Ink> inks;                           ///< [channels]
+    std::vector<std::vector<std::vector<Point>>> rings;  ///< [channels] around ground that is ink, by the even-odd rule
+};
+
+/// Dots of one kind on both sides of the tonal scale, in the points' units.
 struct TwoSidedDots {
-    const SidedDots& dots;
-    std::vector<std::vector<Point>> ground;  ///< rings around black ground, by the even-odd rule
+    const SizedDots& dots;  ///< `white` tells of channels whose ground is not ink
+    unsigned flips;         ///< channels, as bits
+    const Grounds& grounds;
 };
 
 /// Dots of an ink, as writers of answers take them; what they refer to must outlive them.
@@ -28,8 +35,12 @@ struct InkDots {
     const TwoSidedDots* two_sides = nullptr;  ///< null: all dots are ink, of one size
 };
 
-inline std::string_view name_of(Side side) {
-    return side == Side::Ink ? "ink" : "paper";
+/// Calls function(channel) for each of some channels that are given as bits.
+template <class Function>
+void for_channels(unsigned bits, const Function& function) {
+    for (std::size_t channel = 0; bits >> channel != 0; ++channel) {
+        if ((bits >> channel & 1) != 0) function(channel);
+    }
 }
 
 /// Tells whether answers tell inks apart. Of the only ink, which has no name, they tell nothing but its points.

@@ -196,21 +196,28 @@ Point rounded(Point point) {
     return {std::round(point.x * kSteps) / kSteps, std::round(point.y * kSteps) / kSteps};
 }
 
-/// Writes radius and side of each dot, and the black ground.
-void write_two_sides(Body& body, const TwoSidedDots& two_sides, const std::stop_token& stop) {
-    const auto& [radii, sides, cut] = two_sides.dots;
+void write_radii(Body& body, const SizedDots& dots, const std::stop_token& stop) {
     body.text() += ",\"radii\":";
     write_list(
-        body, std::span(radii), [](std::string& out, float radius) { append_shortest(out, radius); }, stop);
-    body.text() += ",\"side\":";
-    write_list(
-        body, std::span(sides),
-        [](std::string& out, Side side) { out.append("\"").append(name_of(side)).append("\""); }, stop);
-    body.text() += ",\"ground\":";
+        body, std::span(dots.radii), [](std::string& out, float radius) { append_shortest(out, radius); }, stop);
+}
+
+void write_rings(Body& body, std::span<const std::vector<Point>> rings, const std::stop_token& stop) {
     const auto append_ring = [](std::string& out, const std::vector<Point>& ring) {
         append_array(out, ring, [](std::string& to, Point point) { append_point(to, rounded(point)); });
     };
-    write_list(body, std::span(two_sides.ground), append_ring, stop);
+    write_list(body, rings, append_ring, stop);
+}
+
+/// Writes radius and side of each dot, and the black ground.
+void write_two_sides(Body& body, const TwoSidedDots& two_sides, const std::stop_token& stop) {
+    write_radii(body, two_sides.dots, stop);
+    body.text() += ",\"side\":";
+    write_list(
+        body, std::span(two_sides.dots.white),
+        [](std::string& out, std::uint8_t white) { out += white != 0 ? "\"ink\"" : "\"paper\""; }, stop);
+    body.text() += ",\"ground\":";
+    write_rings(body, two_sides.grounds.rings.front(), stop);
 }
 
 void write_ink(Body& body, const InkDots& each, const std::stop_token& stop) {
@@ -225,14 +232,39 @@ void write_ink(Body& body, const InkDots& each, const std::stop_token& stop) {
     append_trace(out, dots.trace);
     out += ",\"points\":";
     write_points(body, dots.points, stop);
+    if (each.two_sides != nullptr) {
+        write_radii(body, each.two_sides->dots, stop);
+        out += ",\"flips\":[";
+        for_channels(each.two_sides->flips, [&](std::size_t channel) {
+            if (out.back() != '[') out += ',';
+            out.append("\"").append(each.two_sides->grounds.inks[channel].name).append("\"");
+        });
+        out += ']';
+    }
     out += '}';
+}
+
+/// Writes the rings of each channel.
+void write_grounds(Body& body, const Grounds& grounds, const std::stop_token& stop) {
+    std::string& out = body.text();
+    out += ",\"grounds\":[";
+    for (std::size_t channel = 0; channel < grounds.rings.size(); ++channel) {
+        const Ink& ink = grounds.inks[channel];
+        out.append(channel > 0 ? "," : "").append("{\"ink\":\"").append(ink.name).append("\",\"color\":\"");
+        out.append(hexadecimal(ink.colour)).append("\",\"rings\":");
+        write_rings(body, grounds.rings[channel], stop);
+        out += '}';
+    }
+    out += ']';
 }
 
 /// Writes the members of an answer that tells inks apart.
 void write_inks(Body& body, std::span<const InkDots> inks, const Report& report, const std::stop_token& stop) {
     std::string& out = body.text();
-    out += "\"inks\":";
+    const bool of_kinds = inks.front().two_sides != nullptr;
+    out += of_kinds ? "\"kinds\":" : "\"inks\":";
     append_array(out, inks, [&](std::string&, const InkDots& each) { write_ink(body, each, stop); });
+    if (of_kinds) write_grounds(body, inks.front().two_sides->grounds, stop);
     out += ',';
     append_order(out, count_points(inks), report);
     append_remarks(out, std::ranges::any_of(inks, [](const InkDots& each) { return each.dots.stopped; }), report);

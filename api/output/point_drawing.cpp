@@ -288,44 +288,77 @@ std::string curves(std::span<const std::vector<Point>> rings, const Page& page, 
     return data;
 }
 
-/// Draws dots on both sides of the tonal scale as three layers: ink dots, black ground on them, paper dots on that.
-/// Dots that the boundary of the ground cuts are in the first and in the last; the ground covers those in the first,
-/// and those in the last are clipped by it, so that each part has the colour opposite to its ground.
-void draw_two_sides(const InkDots& ink, const Palette& palette, const Page& page, Body& body,
-                    const std::stop_token& hurry, const std::stop_token& stop) {
-    const auto& [radii, sides, cut] = ink.two_sides->dots;
-    const std::span<const Point> points = ink.dots.points;
-    std::vector<std::vector<std::uint32_t>> paths;
-    for (const Side side : {Side::Ink, Side::Paper}) {
+/// Dots of all kinds that flip a channel.
+struct ChannelDots {
+    std::vector<Point> points;
+    std::vector<float> radii;
+    std::vector<std::vector<std::uint32_t>> paths;  ///< of ink dots, and of paper dots; those that are cut are in both
+};
+
+ChannelDots dots_of_channel(std::span<const InkDots> kinds, std::size_t channel, const Page& page,
+                            const std::stop_token& hurry) {
+    ChannelDots all;
+    std::vector<bool> white, cut;
+    for (const InkDots& kind : kinds) {
+        const auto& [dots, flips, grounds] = *kind.two_sides;
+        if ((flips >> channel & 1) == 0) continue;
+        all.points.insert(all.points.end(), kind.dots.points.begin(), kind.dots.points.end());
+        all.radii.insert(all.radii.end(), dots.radii.begin(), dots.radii.end());
+        for (const std::uint8_t bits : dots.white) white.push_back((bits >> channel & 1) != 0);
+        for (const std::uint8_t bits : dots.cut) cut.push_back((bits >> channel & 1) != 0);
+    }
+    for (const bool of_ink : {true, false}) {
         std::vector<std::uint32_t> numbers;
         std::vector<Point> own;
-        for (std::uint32_t i = 0; i < points.size(); ++i) {
-            if (sides[i] != side && !cut[i]) continue;
+        for (std::uint32_t i = 0; i < all.points.size(); ++i) {
+            if (white[i] != of_ink && !cut[i]) continue;
             numbers.push_back(i);
-            own.push_back(points[i]);
+            own.push_back(all.points[i]);
         }
-        paths.emplace_back();
-        for (const std::uint32_t i : path_of(own, page, hurry)) paths.back().push_back(numbers[i]);
+        all.paths.emplace_back();
+        for (const std::uint32_t i : path_of(own, page, hurry)) all.paths.back().push_back(numbers[i]);
     }
-    DotDocument document(page, points.size(), kLayers, body);
+    return all;
+}
+
+/// Draws dots on both sides of the tonal scale, of each channel as three layers: ink dots, ink ground on them, paper
+/// dots on that. Dots that the boundary of the ground cuts are in the first and in the last; the ground covers those in
+/// the first, and those in the last are clipped by it, so that each part has the colour opposite to its ground.
+void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, const Page& page, Body& body,
+                    const std::stop_token& hurry, const std::stop_token& stop) {
+    const Grounds& grounds = kinds.front().two_sides->grounds;
+    const bool layered = are_named(kinds), adds = palette.mixing == Mixing::Add;
+    std::vector<ChannelDots> channels;
+    for (std::size_t c = 0; c < grounds.inks.size(); ++c) channels.push_back(dots_of_channel(kinds, c, page, hurry));
+    DotDocument document(page, count_points(kinds), kLayers, body);
     const Placing place(page, document.unit());
-    const std::string ground = curves(ink.two_sides->ground, page, place, document.decimals());
-    const auto draw_side = [&](const std::vector<std::uint32_t>& path, const Colour& colour) {
-        const PlacedPath centres(points, {}, path, place);
-        const auto radius_of = [&](std::size_t i) { return document.unit() * static_cast<double>(radii[path[i]]); };
-        document.discs(centres, radius_of, colour, stop);
-    };
     document.paper(palette.paper);
-    document.define_clip("black", ground);
-    document.begin_plain_layer("ink", "ink dots", "");
-    draw_side(paths[0], ink.ink.colour);
-    document.end_layer();
-    document.begin_plain_layer("ground", "ground", "");
-    document.area(ground, ink.ink.colour);
-    document.end_layer();
-    document.begin_plain_layer("paper", "paper dots", "black");
-    draw_side(paths[1], palette.paper);
-    document.end_layer();
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+        const ChannelDots& dots = channels[c];
+        const Ink& ink = grounds.inks[c];
+        const Colour& bare = !layered ? palette.paper : adds ? kBlack : kWhite;
+        const std::string id = layered ? ink.name + "-" : "", black = id + "black";
+        const std::string ground = curves(grounds.rings[c], page, place, document.decimals());
+        const auto draw_side = [&](const std::vector<std::uint32_t>& path, const Colour& colour) {
+            const PlacedPath centres(dots.points, {}, path, place);
+            const auto radius_of = [&](std::size_t i) {
+                return document.unit() * static_cast<double>(dots.radii[path[i]]);
+            };
+            document.discs(centres, radius_of, colour, stop);
+        };
+        if (layered) document.begin_layer(ink.name, adds ? "screen" : "multiply");
+        document.define_clip(black, ground);
+        document.begin_plain_layer(id + "ink", "ink dots", "");
+        draw_side(dots.paths[0], ink.colour);
+        document.end_layer();
+        document.begin_plain_layer(id + "ground", "ground", "");
+        document.area(ground, ink.colour);
+        document.end_layer();
+        document.begin_plain_layer(id + "paper", "paper dots", black);
+        draw_side(dots.paths[1], bare);
+        document.end_layer();
+        if (layered) document.end_layer();
+    }
     document.finish();
 }
 
@@ -352,7 +385,7 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels) {
 
 void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style, Body& body,
                const std::stop_token& hurry, const std::stop_token& stop) {
-    if (inks.front().two_sides != nullptr) return draw_two_sides(inks.front(), palette, page, body, hurry, stop);
+    if (inks.front().two_sides != nullptr) return draw_two_sides(inks, palette, page, body, hurry, stop);
     const bool layered = are_named(inks);
     const bool has_paper = style == DotStyle::Fill;
     std::vector<std::vector<std::uint32_t>> paths;

@@ -44,7 +44,8 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 /// it was. Inks with names are layers as Inkscape and programs for plotters know them, so that pens are changed between
 /// them.
 ///
-/// Dots on both sides of the tonal scale are three layers: ink dots, black ground, paper dots.
+/// Dots on both sides of the tonal scale are three layers: ink dots, black ground, paper dots; of several channels each
+/// is a layer of these three.
 ///
 /// @param inks     with the radius of their dots: at most a few of the page's longer side
 /// @param palette  that of the inks

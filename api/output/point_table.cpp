@@ -61,19 +61,45 @@ void write_rows(Body& body, std::span<const Point> points, std::size_t columns, 
     }
 }
 
-/// Writes a line for each dot, with its radius and its side.
-void write_two_sides(const InkDots& ink, Body& body, const std::stop_token& stop) {
-    const auto& [radii, sides, cut] = ink.two_sides->dots;
+/// Inks of the ground below a dot, as bits.
+/// @param white  channels whose ground is not ink
+unsigned inks_below(unsigned white, const Grounds& grounds) {
+    return ~white & ((1U << grounds.inks.size()) - 1);
+}
+
+/// Names inks of channels that are given as bits, or tells that there are none.
+std::string names_of(unsigned bits, const Grounds& grounds) {
+    std::string names;
+    for_channels(
+        bits, [&](std::size_t channel) { names.append(names.empty() ? "" : "+").append(grounds.inks[channel].name); });
+    return names.empty() ? "paper" : names;
+}
+
+/// Writes a line for each dot, with its radius and its side or, of several channels, what it flips and what is its
+/// ground.
+void write_two_sides(std::span<const InkDots> kinds, Body& body, const std::stop_token& stop) {
+    const bool named = are_named(kinds);
     std::string& out = body.text();
-    out += "x,y,radius,side\r\n";
-    for (std::size_t i = 0; i < radii.size(); ++i) {
-        if (i % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) break;
-        append_shortest(out, ink.dots.points[i].x);
-        out += ',';
-        append_shortest(out, ink.dots.points[i].y);
-        out += ',';
-        append_shortest(out, radii[i]);
-        out.append(",").append(name_of(sides[i])).append("\r\n");
+    out.append("x,y,radius,").append(named ? "flips,ground" : "side").append("\r\n");
+    for (const InkDots& kind : kinds) {
+        const auto& [dots, flips, grounds] = *kind.two_sides;
+        for (std::size_t i = 0; i < dots.radii.size(); ++i) {
+            if (i % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) break;
+            append_shortest(out, kind.dots.points[i].x);
+            out += ',';
+            append_shortest(out, kind.dots.points[i].y);
+            out += ',';
+            append_shortest(out, dots.radii[i]);
+            if (named) {
+                out.append(",")
+                    .append(kind.ink.name)
+                    .append(",")
+                    .append(names_of(inks_below(dots.white[i], grounds), grounds));
+            } else {
+                out += dots.white[i] != 0 ? ",ink" : ",paper";
+            }
+            out += "\r\n";
+        }
     }
 }
 
@@ -100,7 +126,7 @@ void append_columns(std::string& out, const CarriedProperties& properties, std::
 }  // namespace
 
 void write_csv(std::span<const InkDots> inks, Body& body, const std::stop_token& stop) {
-    if (inks.front().two_sides != nullptr) return write_two_sides(inks.front(), body, stop);
+    if (inks.front().two_sides != nullptr) return write_two_sides(inks, body, stop);
     const bool named = are_named(inks);
     body.expect((count_points(inks) + 1) * (kUsualLine + (named ? kUsualName : 0)));
     const bool ranked = !named && !inks.front().dots.ranks.empty();
@@ -111,14 +137,22 @@ void write_csv(std::span<const InkDots> inks, Body& body, const std::stop_token&
 
 void write_npy(std::span<const InkDots> inks, Body& body, const std::stop_token& stop) {
     if (inks.front().two_sides != nullptr) {
-        const auto& [radii, sides, cut] = inks.front().two_sides->dots;
-        write_npy_header(radii.size(), 4, body);
-        return write_rows(
-            body, inks.front().dots.points, 4,
-            [&](std::size_t i) {
-                return std::array{static_cast<double>(radii[i]), sides[i] == Side::Ink ? 0.0 : 1.0, 0.0};
-            },
-            stop);
+        const bool named = are_named(inks);
+        const std::size_t columns = named ? 5 : 4;
+        write_npy_header(count_points(inks), columns, body);
+        for (const InkDots& kind : inks) {
+            const auto& [dots, flips, grounds] = *kind.two_sides;
+            write_rows(
+                body, kind.dots.points, columns,
+                [&, &dots = dots, &flips = flips, &grounds = grounds](std::size_t i) {
+                    const auto radius = static_cast<double>(dots.radii[i]);
+                    if (!named) return std::array{radius, dots.white[i] != 0 ? 0.0 : 1.0, 0.0};
+                    return std::array<double, 3>{radius, static_cast<double>(flips),
+                                                 static_cast<double>(inks_below(dots.white[i], grounds))};
+                },
+                stop);
+        }
+        return;
     }
     const std::size_t columns = are_named(inks) || !inks.front().dots.ranks.empty() ? 3 : 2;
     write_npy_header(count_points(inks), columns, body);

@@ -1,8 +1,8 @@
 #include "core/halftone/colour_difference.h"
 
 #include <cmath>
+#include <cstddef>
 
-#include "core/halftone/srgb.h"
 #include "core/halftone/tone.h"
 
 namespace ccdt {
@@ -15,11 +15,12 @@ constexpr double kColour = 0.5;
 }  // namespace
 
 Lab lab_of(const std::array<double, 3>& light) {
-    const auto [r, g, b] = light;
-    const auto level = [](double share) { return 100.0 * static_cast<double>(lightness(static_cast<float>(share))); };
-    const double x = level(0.43395 * r + 0.37621 * g + 0.18984 * b);
-    const double y = level(luminance_of(r, g, b));
-    const double z = level(0.01773 * r + 0.10947 * g + 0.87280 * b);
+    const auto level = [&](std::size_t k) {
+        const auto& row = kLightToXyz[k];
+        return 100.0 * static_cast<double>(
+                           lightness(static_cast<float>(row[0] * light[0] + row[1] * light[1] + row[2] * light[2])));
+    };
+    const double x = level(0), y = level(1), z = level(2);
     return {y, 500.0 / 116 * (x - y), 200.0 / 116 * (y - z)};
 }
 

@@ -10,6 +10,7 @@
 #include "core/halftone/bilinear.h"
 #include "core/halftone/blur.h"
 #include "core/halftone/pixel_ranges.h"
+#include "core/halftone/srgb.h"
 #include "core/halftone/total_variation.h"
 
 namespace ccdt {
@@ -153,6 +154,29 @@ std::vector<float> emphasised(const std::vector<float>& light, const CellGrid& c
     return result;
 }
 
+/// Gives channels the light of the grey that they are near to, or that they have within some cells: so they have their
+/// boundaries in one place there.
+void join_greys(std::vector<std::vector<float>>& light, const CellGrid& cells, Team& team) {
+    constexpr float kNear = 0.04f, kCells = 0.75f;
+    const auto columns = static_cast<std::size_t>(cells.columns), rows = static_cast<std::size_t>(cells.rows);
+    std::vector<float> grey(light.front().size());
+    for_ranges(team, grey.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) grey[i] = luminance_of(light[0][i], light[1][i], light[2][i]);
+    });
+    for_ranges(team, grey.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::size_t x = i % columns, y = i / columns;
+            const float across = grey[x + 1 < columns ? i + 1 : i] - grey[x > 0 ? i - 1 : i];
+            const float down = grey[y + 1 < rows ? i + columns : i] - grey[y > 0 ? i - columns : i];
+            const float near = kNear + kCells / 2 * std::sqrt(across * across + down * down);
+            for (auto& channel : light) {
+                const float off = channel[i] - grey[i];
+                channel[i] = grey[i] + std::copysign(std::max(std::abs(off) - near, 0.0f), off);
+            }
+        }
+    });
+}
+
 }  // namespace
 
 Ground::Ground(std::vector<float> level, const CellGrid& cells) : cells_(cells), level_(std::move(level)) {
@@ -161,6 +185,12 @@ Ground::Ground(std::vector<float> level, const CellGrid& cells) : cells_(cells),
 
 bool Ground::is_white(Point place) const {
     return interpolated(level_, cells_.columns, cells_.rows, place) > kBoundary;
+}
+
+Ground Ground::inverse() const {
+    std::vector<float> level = level_;
+    for (float& each : level) each = 2 * kBoundary - each;
+    return {std::move(level), cells_};
 }
 
 std::vector<float> Ground::white_shares(Team& team) const {
@@ -193,15 +223,24 @@ void Ground::apply(Raster& flipped, Point scale, bool antialias, Team& team) con
                });
 }
 
-Ground divide_ground(const std::vector<float>& light, const CellGrid& cells, double radius, double detail, Team& team) {
+std::vector<Ground> divide_ground(std::span<const std::vector<float>> light, const CellGrid& cells, double radius,
+                                  double detail, Team& team) {
     // Measured on eleven photographs and pages of text, by |dL*| after blurs of 0.5 to 2 pitches and by eye: less
     // smoothing leaves boundaries that meander through noise, more of it lets strokes of text dissolve into dots.
     constexpr double kSurroundings = 3, kEmphasis = 1.4, kSmoothing = 0.4;
     constexpr float kLeastStrength = 1e-3f;  // dots far smaller than cells: next to no smoothing
     constexpr int kSteps = 15;
-    const std::vector<float> clear = emphasised(light, cells, kSurroundings * radius, kEmphasis * detail, team);
+    std::vector<std::vector<float>> clear;
+    for (const auto& channel : light)
+        clear.push_back(emphasised(channel, cells, kSurroundings * radius, kEmphasis * detail, team));
+    if (clear.size() > 1) join_greys(clear, cells, team);
     const float strength = std::max(static_cast<float>(kSmoothing * radius), kLeastStrength);
-    return {denoised(clear, cells.columns, cells.rows, strength, kSteps, team), cells};
+    std::vector<Ground> grounds;
+    for (auto& channel : clear) {
+        grounds.emplace_back(denoised(channel, cells.columns, cells.rows, strength, kSteps, team), cells);
+        channel = {};
+    }
+    return grounds;
 }
 
 }  // namespace ccdt

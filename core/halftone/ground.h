@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/geometry/point.h"
@@ -25,6 +26,9 @@ public:
 
     bool is_white(Point place) const;
 
+    /// Returns the ground that is black where this one is white.
+    Ground inverse() const;
+
     /// Returns the share of each cell that is white [columns * rows], in sixteenths.
     std::vector<float> white_shares(Team& team = alone()) const;
 
@@ -41,17 +45,19 @@ private:
     std::vector<float> level_;
 };
 
-/// Divides a picture into white and black ground such that |light - ground| is at most about one half, along a boundary
-/// that is short and smooth, follows the picture's edges, and leaves out specks which dots can draw.
+/// Divides each channel of a picture into white and black ground such that |light - ground| is at most about one half,
+/// along a boundary that is short and smooth, follows the picture's edges, and leaves out specks which dots can draw.
 ///
 /// Light is sharpened by `detail` before, so that thin strokes of text belong to the ground even where they are nearer
-/// to the paper than to black. Then it is denoised() by total variation, stronger for larger dots.
+/// to the paper than to black. Then it is denoised() by total variation, stronger for larger dots. Where channels
+/// differ little they have one ground, lest greys have coloured fringes.
 ///
-/// @param light   [columns * rows] in [0, 1], linear light of each cell
+/// @param light   [1 or 3][columns * rows] in [0, 1], linear light of each cell: of three channels red, green, blue
 /// @param radius  of the dots, in cells, > 0
 /// @param detail  in [0, 1]
+/// @returns       [channels]
 /// Same input, same bytes, on any executor. O(cells).
-Ground divide_ground(const std::vector<float>& light, const CellGrid& cells, double radius, double detail,
-                     Team& team = alone());
+std::vector<Ground> divide_ground(std::span<const std::vector<float>> light, const CellGrid& cells, double radius,
+                                  double detail, Team& team = alone());
 
 }  // namespace ccdt

@@ -251,6 +251,25 @@ Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone,
     return separation;
 }
 
+std::vector<std::vector<float>> channel_coverage(const ColourPicture& picture, const InkSet& inks, Tone tone,
+                                                 Team& team) {
+    const auto map = [tone](float light) { return mapped({light, light, light}, tone).red; };
+    const std::array<float, 3> paper{inks.paper.red, inks.paper.green, inks.paper.blue};
+    const std::array<const Plane*, 3> planes{&picture.red, &picture.green, &picture.blue};
+    std::vector<std::vector<float>> coverage(planes.size(), std::vector<float>(picture.red.size()));
+    for (std::size_t c = 0; c < planes.size(); ++c) {
+        const float full = inks.additive ? 1 : map(paper[c]);
+        for_ranges(team, picture.red.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t p = begin; p < end; ++p) {
+                const float alpha = picture.alpha.empty() ? 1 : to_share(picture.alpha[p]);
+                const float seen = std::lerp(map(paper[c]), map((*planes[c])[p]), alpha);
+                coverage[c][p] = full > 0 ? 1 - std::min(seen / full, 1.0f) : 0;
+            }
+        });
+    }
+    return coverage;
+}
+
 std::vector<std::size_t> share_sites(std::span<const double> ink_sums, std::size_t sites) {
     const double total = std::accumulate(ink_sums.begin(), ink_sums.end(), 0.0);
     std::vector<std::size_t> shares(ink_sums.size(), 0);

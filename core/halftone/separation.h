@@ -36,6 +36,11 @@ struct Separation {
 Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop = {},
                     Team& team = alone());
 
+/// Share of each channel's light that is to be taken from a picture's pixels [red, green, blue][width * height], in
+/// [0, 1]: of that of the paper or, if inks add, of white. Transparent parts show the paper.
+std::vector<std::vector<float>> channel_coverage(const ColourPicture& picture, const InkSet& inks, Tone tone,
+                                                 Team& team = alone());
+
 /// Shares sites among inks so that all dots have about one size: in proportion, by largest remainders, but one at least
 /// for each ink that covers anything as long as there are enough, those that cover most first. An ink that covers
 /// nothing has none; if none covers anything, none has any.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "core/halftone/bilinear.h"
@@ -14,6 +15,7 @@
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/pixel_ranges.h"
 #include "core/halftone/sharpening.h"
+#include "core/halftone/visibility.h"
 
 namespace ccdt {
 
@@ -21,21 +23,14 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Slope of CIE 1976 lightness, in [0, 1], over luminance.
-float lightness_slope(float luminance) {
-    constexpr float kLinearBelow = 216.0f / 24389.0f, kSlope = 24389.0f / 2700.0f;
-    if (luminance <= kLinearBelow) return kSlope;
-    const float root = std::cbrt(luminance);
-    return 1.16f / 3 / (root * root);
-}
-
 /// Returns the area of a dot, up to a factor, that makes the pattern least visible.
-/// @param cover  in (0, 1/2]
-float relative_area(float cover, float luminance) {
+/// @param cover       in (0, 1/2]
+/// @param visibility  of the dots
+float relative_area(float cover, float visibility) {
     // Measured on eleven photographs by mean |dL*| after a blur of half a pitch; 0.03 to 0.1 do.
     constexpr float kVisibility = 0.05f, kNothing = 1e-6f;
     const float share = std::max(cover, kNothing);
-    return share / std::log1p(share * lightness_slope(luminance) / kVisibility);
+    return share / std::log1p(share * visibility / kVisibility);
 }
 
 template <class Work>
@@ -106,26 +101,91 @@ void spare_thin_ground(const std::vector<float>& white, const CellGrid& cells, d
     });
 }
 
-/// Computes areas of dots over that of the largest, by what is around each cell.
-std::vector<float> relative_areas(const std::vector<float>& share, const std::vector<float>& light,
-                                  const CellGrid& cells, double radius, Team& team) {
-    // A small light in the dark is one dot rather than many tiny ones.
-    constexpr float kOwn = 0.25f;
-    constexpr double kSurroundings = 2;
-    std::vector<float> scratch, area = share, around = light;
-    blur(area, cells.columns, cells.rows, kSurroundings * radius, scratch, team);
-    blur(around, cells.columns, cells.rows, kSurroundings * radius, scratch, team);
-    for_cells(team, area.size(), [&](std::size_t i) {
-        const float cover = std::clamp(std::max(area[i], kOwn * share[i]), 0.0f, 0.5f);
-        area[i] = relative_area(cover, std::clamp(around[i], 0.0f, 1.0f));
-    });
-    float largest = 0;
-    for (std::size_t i = 0; i < area.size(); ++i) {
-        if (share[i] > 0) largest = std::max(largest, area[i]);
-    }
-    for_cells(team, area.size(), [&](std::size_t i) { area[i] = largest > 0 ? std::min(area[i] / largest, 1.0f) : 1; });
-    return area;
+/// A number for each channel.
+using Channels = std::array<float, 3>;
+
+/// Values of all channels in a cell.
+std::span<const float> at_cell(std::span<const std::vector<float>> planes, std::size_t cell, Channels& values) {
+    for (std::size_t c = 0; c < planes.size(); ++c) values[c] = planes[c][cell];
+    return {values.data(), planes.size()};
 }
+
+/// Share that dots of a kind flip, where the flipped areas of channels are nested.
+/// @param shares  of each channel
+float nested_share(std::span<const float> shares, unsigned flips) {
+    float within = 1, beyond = 0;
+    for (std::size_t c = 0; c < shares.size(); ++c) {
+        if ((flips >> c & 1) != 0) {
+            within = std::min(within, shares[c]);
+        } else {
+            beyond = std::max(beyond, shares[c]);
+        }
+    }
+    return std::max(within - beyond, 0.0f);
+}
+
+/// Plans the areas of dots, and how dense they are.
+class KindPlan {
+public:
+    /// @param share  [channels][cells] that is to be flipped
+    KindPlan(TwoSidedPlan& plan, std::span<const std::vector<float>> share, std::span<const std::vector<float>> light,
+             double radius, Team& team)
+        : plan_(plan), share_(share), team_(team) {
+        constexpr double kSurroundings = 2;
+        std::vector<float> scratch;
+        const auto surroundings = [&](const std::vector<float>& values) {
+            std::vector<float> means = values;
+            blur(means, plan.cells.columns, plan.cells.rows, kSurroundings * radius, scratch, team);
+            return means;
+        };
+        for (const auto& each : share) share_around_.push_back(surroundings(each));
+        for (const auto& each : light) light_around_.push_back(surroundings(each));
+    }
+
+    /// Computes the shares of each kind, as its density, and areas of dots over that of the largest.
+    void add_areas() {
+        const std::size_t cells = share_.front().size();
+        plan_.kinds.resize(kinds_of(share_.size()));
+        for (KindOfDots& kind : plan_.kinds) kind.density.resize(cells), kind.area.resize(cells);
+        for_cells(team_, cells, [&](std::size_t i) { add_areas(i); });
+        float largest = 0;
+        for (const KindOfDots& kind : plan_.kinds) {
+            for (std::size_t i = 0; i < cells; ++i) {
+                if (kind.density[i] > 0) largest = std::max(largest, kind.area[i]);
+            }
+        }
+        for (KindOfDots& kind : plan_.kinds) {
+            for_cells(team_, cells,
+                      [&](std::size_t i) { kind.area[i] = largest > 0 ? std::min(kind.area[i] / largest, 1.0f) : 1; });
+        }
+    }
+
+private:
+    void add_areas(std::size_t cell) {
+        // A small light in the dark is one dot rather than many tiny ones.
+        constexpr float kOwn = 0.25f;
+        Channels own_values{}, around_values{}, light{};
+        const auto own = at_cell(share_, cell, own_values), around = at_cell(share_around_, cell, around_values);
+        for (float& each : light) each = 0;
+        at_cell(light_around_, cell, light);
+        for (float& each : light) each = std::clamp(each, 0.0f, 1.0f);
+        const Visibility visibility({light.data(), own.size()});
+        unsigned white = 0;
+        for (std::size_t c = 0; c < own.size(); ++c)
+            white |= static_cast<unsigned>(plan_.channels[c].white[cell] > 0.5f) << c;
+        for (std::size_t k = 0; k < plan_.kinds.size(); ++k) {
+            const float share = nested_share(own, flips_of(k));
+            const float cover = std::max(nested_share(around, flips_of(k)), kOwn * share);
+            plan_.kinds[k].density[cell] = share;
+            plan_.kinds[k].area[cell] = relative_area(std::clamp(cover, 0.0f, 0.5f), visibility.of(flips_of(k), white));
+        }
+    }
+
+    TwoSidedPlan& plan_;
+    std::span<const std::vector<float>> share_;
+    std::vector<std::vector<float>> share_around_, light_around_;
+    Team& team_;
+};
 
 /// Settles the number of dots, the area of the largest, and that of the smallest over it.
 struct Scale {
@@ -134,16 +194,19 @@ struct Scale {
     float least = 0;  ///< relative area of the smallest dots
 };
 
-Scale settle(const std::vector<float>& share, const std::vector<float>& area, const TwoSidedOptions& options,
-             Team& team) {
+/// @param kinds  with their shares as densities
+Scale settle(std::span<const KindOfDots> kinds, const TwoSidedOptions& options, Team& team) {
     constexpr float kLeastArea = 0.05f;
     constexpr int kRounds = 3;
     Scale scale;
     scale.least = kLeastArea;
     for (int round = 0; round < kRounds; ++round) {
-        const double units = sum_of_pixels(team, share.size(), [&](std::size_t i) {
-            return static_cast<double>(share[i] / std::max(area[i], scale.least));
-        });
+        double units = 0;
+        for (const auto& [share, area, all] : kinds) {
+            units += sum_of_pixels(team, share.size(), [&, &share = share, &area = area](std::size_t i) {
+                return static_cast<double>(share[i] / std::max(area[i], scale.least));
+            });
+        }
         scale.unit = options.radius ? std::max(kPi * *options.radius * *options.radius, kLeastDotArea)
                                     : units / static_cast<double>(*options.sites);
         if (!(scale.unit > 0)) return {};
@@ -155,32 +218,56 @@ Scale settle(const std::vector<float>& share, const std::vector<float>& area, co
 }
 
 /// Radius that dots would have if all had one size, in cells.
-double mean_radius(const std::vector<float>& light, const TwoSidedOptions& options, Team& team) {
+double mean_radius(std::span<const std::vector<float>> light, const TwoSidedOptions& options, Team& team) {
     if (options.radius) return *options.radius;
-    const double minority = sum_of_pixels(
-        team, light.size(), [&](std::size_t i) { return static_cast<double>(std::min(light[i], 1 - light[i])); });
+    const double minority = minority_of(light, team);
     return std::sqrt(minority / (kPi * static_cast<double>(*options.sites)));
+}
+
+/// Solves (A + e I) x = b for a symmetric, positive semidefinite A, by Cholesky's method.
+Channels solved(std::array<Channels, 3> a, Channels b, std::size_t count, float e) {
+    for (std::size_t j = 0; j < count; ++j) {
+        a[j][j] += e;
+        for (std::size_t k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
+        a[j][j] = std::sqrt(a[j][j]);
+        for (std::size_t i = j + 1; i < count; ++i) {
+            for (std::size_t k = 0; k < j; ++k) a[i][j] -= a[i][k] * a[j][k];
+            a[i][j] /= a[j][j];
+        }
+        for (std::size_t k = 0; k < j; ++k) b[j] -= a[j][k] * b[k];
+        b[j] /= a[j][j];
+    }
+    for (std::size_t j = count; j-- > 0;) {
+        for (std::size_t k = j + 1; k < count; ++k) b[j] -= a[k][j] * b[k];
+        b[j] /= a[j][j];
+    }
+    return b;
+}
+
+/// Area that two discs have in common.
+double common_area(double first, double second, double distance) {
+    if (distance >= first + second) return 0;
+    const double less = std::min(first, second);
+    if (distance <= std::abs(first - second)) return kPi * less * less;
+    const auto segment = [&](double own, double other) {
+        const double cosine = (distance * distance + own * own - other * other) / (2 * distance * own);
+        const double angle = std::acos(std::clamp(cosine, -1.0, 1.0));
+        return own * own * (angle - std::sin(angle) * std::cos(angle));
+    };
+    return segment(first, second) + segment(second, first);
 }
 
 /// Fits the areas of dots to the picture.
 class DotFit {
 public:
-    DotFit(const TwoSidedPlan& plan, std::span<const Point> sites, Team& team)
-        : plan_(plan), sites_(sites), team_(team) {
-        const auto at = [&](const std::vector<float>& values, const Point& site) {
-            return interpolated(values, plan.cells.columns, plan.cells.rows, site);
-        };
-        const double sum = sum_of_pixels(team, plan.density.size(),
-                                         [&](std::size_t i) { return static_cast<double>(plan.density[i]); });
-        const auto least = std::max(static_cast<float>(kLeastDensity * sum / static_cast<double>(plan.density.size())),
-                                    std::numeric_limits<float>::min());
-        const auto unit = static_cast<float>(sum / static_cast<double>(sites.size()));
-        for (const Point& site : sites) {
-            planned_.push_back(at(plan.area, site));
-            ground_per_dot_.push_back(unit / std::max(at(plan.density, site), least));
+    DotFit(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, Team& team) : plan_(plan), team_(team) {
+        for (std::size_t kind = 0; kind < sites.size(); ++kind) {
+            if (!sites[kind].empty()) add(plan.kinds[kind], flips_of(kind), sites[kind]);
         }
         areas_ = planned_;
-        cut_.resize(sites.size());
+        cut_.resize(sites_.size() * plan.channels.size());
+        gains_.resize(sites_.size());
+        for_cells(team, sites_.size(), [&](std::size_t dot) { gains_[dot] = gains_of(dot); });
         find_cut();
     }
 
@@ -189,30 +276,54 @@ public:
     /// Changes the area of each dot by the error of the local mean of what is drawn, times the ground that it stands
     /// for. Long waves of error vanish at once, those of the length of a spacing after some rounds.
     void improve() {
-        std::vector<float> error(plan_.white);
-        for_cells(team_, error.size(), [&](std::size_t i) { error[i] -= plan_.light[i]; });
-        for (std::size_t dot = 0; dot < sites_.size(); ++dot) print(dot, error);
+        constexpr float kStep = 0.85f, kSmallest = 0.25f, kLargest = 2.5f, kNoise = 0.004f;
         const float widest = *std::ranges::max_element(ground_per_dot_);
-        const BlurPyramid means(std::move(error), plan_.cells.columns, plan_.cells.rows, spread(widest), team_);
+        std::vector<float> change(sites_.size(), 0);
+        for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
+            const TwoSidedChannel& channel = plan_.channels[c];
+            std::vector<float> error(channel.white);
+            for_cells(team_, error.size(), [&](std::size_t i) { error[i] -= channel.light[i]; });
+            for (std::size_t dot = 0; dot < sites_.size(); ++dot) print(dot, c, error);
+            for (const auto& [one, other] : close_) print_overlap(one, other, c, error);
+            const BlurPyramid means(std::move(error), plan_.cells.columns, plan_.cells.rows, spread(widest), team_);
+            for_cells(team_, sites_.size(), [&](std::size_t dot) {
+                const float ground = ground_per_dot_[dot];
+                const float mean = means.at(sites_[dot], spread(ground)) * ground;
+                const float excess = std::max(std::abs(mean) - kNoise * planned_[dot], 0.0f);
+                change[dot] += -kStep * sign(dot, c) * gains_[dot][c] * std::copysign(excess, mean);
+            });
+        }
         for_cells(team_, sites_.size(), [&](std::size_t dot) {
-            constexpr float kStep = 0.85f, kSmallest = 0.25f, kLargest = 2.5f, kNoise = 0.004f;
-            const float ground = ground_per_dot_[dot];
-            const float sign = cut_[dot].brightening - cut_[dot].darkening;
-            const float mean = means.at(sites_[dot], spread(ground)) * ground;
-            const float excess = std::max(std::abs(mean) - kNoise * planned_[dot], 0.0f);
-            const float change = -kStep * sign * std::copysign(excess, mean);
-            areas_[dot] = std::clamp(areas_[dot] + change, kSmallest * planned_[dot], kLargest * planned_[dot]);
+            areas_[dot] = std::clamp(areas_[dot] + change[dot], kSmallest * planned_[dot], kLargest * planned_[dot]);
         });
     }
 
-    bool is_cut(std::size_t dot) const { return cut_[dot].brightening * cut_[dot].darkening > 0; }
-
-    /// Finds where the boundary of the ground cuts dots of their present sizes.
+    /// Finds where the boundary of the ground cuts dots of their present sizes, and which dots are close together.
     void find_cut() {
-        for_cells(team_, sites_.size(), [&](std::size_t dot) { cut_[dot] = cut_of(dot); });
+        if (plan_.kinds.size() > 1) find_close();
+        for_cells(team_, sites_.size(), [&](std::size_t dot) {
+            for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
+                if (flips(dot, c)) cut_[dot * plan_.channels.size() + c] = cut_of(dot, plan_.channels[c].ground);
+            }
+        });
     }
 
-    Side side(std::size_t dot) const { return plan_.ground.is_white(sites_[dot]) ? Side::Ink : Side::Paper; }
+    /// Channels whose boundary cuts a dot, as bits.
+    unsigned cut_channels(std::size_t dot) const {
+        unsigned bits = 0;
+        for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
+            const Cut& cut = cut_at(dot, c);
+            bits |= static_cast<unsigned>(cut.brightening * cut.darkening > 0) << c;
+        }
+        return bits;
+    }
+
+    unsigned white_channels(std::size_t dot) const {
+        unsigned bits = 0;
+        for (std::size_t c = 0; c < plan_.channels.size(); ++c)
+            bits |= static_cast<unsigned>(plan_.channels[c].ground.is_white(sites_[dot])) << c;
+        return bits;
+    }
 
 private:
     /// Ground that a dot in the emptiest places stands for, at most, over the mean, is 1 / this.
@@ -223,6 +334,53 @@ private:
 
     static double radius(float area) { return std::sqrt(static_cast<double>(area) / kPi); }
 
+    float at(const std::vector<float>& values, Point site) const {
+        return interpolated(values, plan_.cells.columns, plan_.cells.rows, site);
+    }
+
+    /// Adds the dots of a kind.
+    void add(const KindOfDots& kind, unsigned flipped, std::span<const Point> sites) {
+        const double sum = sum_of_pixels(team_, kind.density.size(),
+                                         [&](std::size_t i) { return static_cast<double>(kind.density[i]); });
+        const auto least = std::max(static_cast<float>(kLeastDensity * sum / static_cast<double>(kind.density.size())),
+                                    std::numeric_limits<float>::min());
+        const auto unit = static_cast<float>(sum / static_cast<double>(sites.size()));
+        for (const Point& site : sites) {
+            sites_.push_back(site);
+            flips_.push_back(static_cast<std::uint8_t>(flipped));
+            planned_.push_back(at(kind.area, site));
+            ground_per_dot_.push_back(unit / std::max(at(kind.density, site), least));
+        }
+    }
+
+    /// Computes how a dot's area answers to errors of each channel. The kinds that lie around there share the
+    /// correction such that the sum of squared changes, over what each kind covers, is least: that of kind s is
+    /// -s (S A S^T)^-1 error, where the areas that two channels flip are nested, so that S A S^T holds the smaller one.
+    Channels gains_of(std::size_t dot) const {
+        constexpr float kDamping = 0.05f;  // of the largest share: what few dots could change is left as it is
+        if (plan_.channels.size() == 1) return {1};
+        Channels share{}, sign{}, flipped{};
+        for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
+            const TwoSidedChannel& channel = plan_.channels[c];
+            const bool white = channel.ground.is_white(sites_[dot]);
+            const float light = at(channel.light, sites_[dot]);
+            share[c] = std::max(white ? 1 - light : light, 0.0f);
+            sign[c] = white ? -1.0f : 1.0f;
+            flipped[c] = flips(dot, c) ? sign[c] : 0;
+        }
+        std::array<Channels, 3> areas{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t j = 0; j < 3; ++j) areas[i][j] = sign[i] * sign[j] * std::min(share[i], share[j]);
+        }
+        const float own = planned_[dot] / ground_per_dot_[dot];
+        const float most = std::max(*std::ranges::max_element(share), own);
+        Channels gains = solved(areas, flipped, 3, kDamping * most);
+        for (std::size_t c = 0; c < 3; ++c) gains[c] *= own * sign[c];
+        return gains;
+    }
+
+    bool flips(std::size_t dot, std::size_t channel) const { return (flips_[dot] >> channel & 1) != 0; }
+
     /// Parts of a dot on black ground, which it brightens, and on white ground, which it darkens.
     struct Cut {
         float brightening = 0;       ///< share of the dot's area
@@ -230,18 +388,27 @@ private:
         Point brightened, darkened;  ///< centroids of the parts, from the dot's centre, in radii
     };
 
-    Cut cut_of(std::size_t dot) const {
+    const Cut& cut_at(std::size_t dot, std::size_t channel) const {
+        return cut_[dot * plan_.channels.size() + channel];
+    }
+
+    /// Light that a dot brings to a channel, or takes, over its area.
+    float sign(std::size_t dot, std::size_t channel) const {
+        const Cut& cut = cut_at(dot, channel);
+        return cut.brightening - cut.darkening;
+    }
+
+    Cut cut_of(std::size_t dot, const Ground& ground) const {
         constexpr double kMargin = 1.1;  // of the radius, so that small changes keep the answer
-        const bool white = plan_.ground.is_white(sites_[dot]);
+        const bool white = ground.is_white(sites_[dot]);
         const double reach = radius(areas_[dot]);
-        if (std::ranges::all_of(rim(), [&](const Point& way) {
-                return plan_.ground.is_white(sites_[dot] + kMargin * reach * way) == white;
-            }))
+        if (std::ranges::all_of(
+                rim(), [&](const Point& way) { return ground.is_white(sites_[dot] + kMargin * reach * way) == white; }))
             return white ? Cut{0, 1, {}, {}} : Cut{1, 0, {}, {}};
         Cut cut;
         int brightened = 0;
         for (const Point& sample : disc()) {
-            const bool darkens = plan_.ground.is_white(sites_[dot] + reach * sample);
+            const bool darkens = ground.is_white(sites_[dot] + reach * sample);
             Point& sum = darkens ? cut.darkened : cut.brightened;
             sum = sum + sample;
             brightened += darkens ? 0 : 1;
@@ -254,14 +421,62 @@ private:
     }
 
     /// Adds the light of a dot to an image of what is drawn, less what should be.
-    void print(std::size_t dot, std::vector<float>& image) const {
-        const Cut& cut = cut_[dot];
+    void print(std::size_t dot, std::size_t channel, std::vector<float>& image) const {
+        if (!flips(dot, channel)) return;
+        const Cut& cut = cut_at(dot, channel);
         const float area = areas_[dot];
         const double reach = radius(area);
         if (cut.brightening == 0 || cut.darkening == 0)
             return spread_over(sites_[dot], reach, (cut.brightening - cut.darkening) * area, image);
         add(sites_[dot] + reach * cut.brightened, cut.brightening * area, image);
         add(sites_[dot] + reach * cut.darkened, -cut.darkening * area, image);
+    }
+
+    /// Finds pairs of dots that flip a channel in common and overlap, or nearly. Dots of one kind keep apart; where
+    /// there are several kinds, dots of different kinds come nearer.
+    void find_close() {
+        constexpr double kMargin = 1.15;  // of the distance at which dots touch, so that small changes keep the answer
+        const double widest = radius(*std::ranges::max_element(areas_));
+        const double side = std::max(2 * kMargin * widest, 1.0);
+        const auto columns = static_cast<std::size_t>(plan_.cells.columns / side) + 1;
+        const auto rows = static_cast<std::size_t>(plan_.cells.rows / side) + 1;
+        std::vector<std::vector<std::uint32_t>> boxes(columns * rows);
+        const auto box_of = [&](Point site) {
+            const auto place = [side](double at, std::size_t count) {
+                return std::min(static_cast<std::size_t>(std::max(at, 0.0) / side), count - 1);
+            };
+            return std::pair(place(site.x, columns), place(site.y, rows));
+        };
+        close_.clear();
+        for (std::uint32_t dot = 0; dot < sites_.size(); ++dot) {
+            const auto [column, row] = box_of(sites_[dot]);
+            const double own = radius(areas_[dot]);
+            for (std::size_t y = row - std::min<std::size_t>(row, 1); y <= std::min(row + 1, rows - 1); ++y) {
+                for (std::size_t x = column - std::min<std::size_t>(column, 1); x <= std::min(column + 1, columns - 1);
+                     ++x) {
+                    for (const std::uint32_t other : boxes[y * columns + x]) {
+                        if ((flips_[dot] & flips_[other]) == 0) continue;
+                        const Point way = sites_[dot] - sites_[other];
+                        const double reach = kMargin * (own + radius(areas_[other]));
+                        if (::ccdt::dot(way, way) < reach * reach) close_.push_back({other, dot});
+                    }
+                }
+            }
+            boxes[row * columns + column].push_back(dot);
+        }
+    }
+
+    /// Takes back the light of what two dots cover both.
+    void print_overlap(std::uint32_t one, std::uint32_t other, std::size_t channel, std::vector<float>& image) const {
+        if (!flips(one, channel) || !flips(other, channel)) return;
+        const Point way = sites_[other] - sites_[one];
+        const double distance = std::sqrt(::ccdt::dot(way, way));
+        const double first = radius(areas_[one]), second = radius(areas_[other]);
+        const double overlap = common_area(first, second, distance);
+        if (!(overlap > 0)) return;
+        const double middle = distance > 0 ? (distance + first - second) / 2 / distance : 0.5;
+        const float sign_of_both = (sign(one, channel) + sign(other, channel)) / 2;
+        add(sites_[one] + std::clamp(middle, 0.0, 1.0) * way, -sign_of_both * static_cast<float>(overlap), image);
     }
 
     /// Adds an amount of light at four places, which have the mean and the variance of a disc.
@@ -313,44 +528,65 @@ private:
     }
 
     const TwoSidedPlan& plan_;
-    std::span<const Point> sites_;
     Team& team_;
+    std::vector<Point> sites_;           ///< [dots], of one kind after the other
+    std::vector<std::uint8_t> flips_;    ///< [dots] channels, as bits
     std::vector<float> planned_;         ///< [dots] area
     std::vector<float> areas_;           ///< [dots]
-    std::vector<float> ground_per_dot_;  ///< [dots] area of the picture that each stands for
-    std::vector<Cut> cut_;               ///< [dots]
+    std::vector<float> ground_per_dot_;  ///< [dots] area of the picture that each of its kind stands for
+    std::vector<Channels> gains_;        ///< [dots] change of area by error of light and ground, as what flips it has
+    std::vector<std::array<std::uint32_t, 2>> close_;  ///< pairs that may overlap
+    std::vector<Cut> cut_;  ///< [dots][channels]; neither, where the dot does not flip the channel
 };
 
 }  // namespace
 
-TwoSidedPlan plan_two_sided(std::vector<float> light, const CellGrid& cells, const TwoSidedOptions& options,
-                            const std::stop_token& stop, Team& team) {
+double minority_of(std::span<const std::vector<float>> light, Team& team) {
+    return sum_of_pixels(team, light.front().size(), [&](std::size_t i) {
+        float most = 0;
+        for (const auto& channel : light) most = std::max(most, std::min(channel[i], 1 - channel[i]));
+        return static_cast<double>(most);
+    });
+}
+
+TwoSidedPlan plan_two_sided(std::vector<std::vector<float>> light, const CellGrid& cells,
+                            const TwoSidedOptions& options, const std::stop_token& stop, Team& team) {
     assert(options.sites || options.radius);
+    assert(light.size() == 1 || light.size() == 3);
     const double radius = mean_radius(light, options, team);
-    TwoSidedPlan plan{cells, divide_ground(light, cells, radius, options.detail, team), std::move(light), {}, {}, {}, 0,
-                      0};
+    TwoSidedPlan plan{cells, {}, {}, 0, 0};
+    std::vector<Ground> grounds = divide_ground(light, cells, radius, options.detail, team);
+    std::vector<std::vector<float>> sharp, share;
+    for (std::size_t c = 0; c < light.size(); ++c) {
+        if (stop.stop_requested()) return plan;
+        plan.channels.push_back({std::move(grounds[c]), std::move(light[c]), {}});
+        TwoSidedChannel& channel = plan.channels.back();
+        sharp.push_back(sharpened(channel.light, cells.columns, cells.rows, options.detail * radius, team));
+        channel.white = channel.ground.white_shares(team);
+        share.push_back(wanted_share(sharp.back(), channel.white, cells, team));
+        spare_thin_ground(channel.white, cells, radius, share.back(), team);
+    }
     if (stop.stop_requested()) return plan;
-    const std::vector<float> sharp = sharpened(plan.light, cells.columns, cells.rows, options.detail * radius, team);
-    plan.white = plan.ground.white_shares(team);
-    plan.density = wanted_share(sharp, plan.white, cells, team);
-    spare_thin_ground(plan.white, cells, radius, plan.density, team);
-    if (stop.stop_requested()) return plan;
-    plan.area = relative_areas(plan.density, sharp, cells, radius, team);
-    const Scale scale = settle(plan.density, plan.area, options, team);
+    KindPlan(plan, share, sharp, radius, team).add_areas();
+    const Scale scale = settle(plan.kinds, options, team);
     plan.dots = scale.dots;
     plan.radius = std::sqrt(scale.unit / kPi);
-    for_cells(team, plan.area.size(), [&](std::size_t i) {
-        const float area = std::max(plan.area[i], scale.least);
-        plan.density[i] /= area;
-        plan.area[i] = area * static_cast<float>(scale.unit);
-    });
+    for (KindOfDots& kind : plan.kinds) {
+        for_cells(team, kind.area.size(), [&](std::size_t i) {
+            const float area = std::max(kind.area[i], scale.least);
+            kind.density[i] /= area;
+            kind.area[i] = area * static_cast<float>(scale.unit);
+        });
+        kind.share = sum_of_pixels(team, kind.density.size(),
+                                   [&](std::size_t i) { return static_cast<double>(kind.density[i]); });
+    }
     return plan;
 }
 
-SidedDots size_dots(const TwoSidedPlan& plan, std::span<const Point> sites, bool fit, const std::stop_token& stop,
-                    Team& team) {
-    SidedDots dots;
-    if (sites.empty()) return dots;
+std::vector<SizedDots> size_dots(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, bool fit,
+                                 const std::stop_token& stop, Team& team) {
+    std::vector<SizedDots> dots(sites.size());
+    if (std::ranges::all_of(sites, &std::vector<Point>::empty)) return dots;
     constexpr int kRounds = 14, kRoundsOfCut = 4;
     DotFit sizes(plan, sites, team);
     for (int round = 0; fit && round < kRounds && !stop.stop_requested(); ++round) {
@@ -358,10 +594,13 @@ SidedDots size_dots(const TwoSidedPlan& plan, std::span<const Point> sites, bool
         sizes.improve();
     }
     sizes.find_cut();
-    for (std::size_t dot = 0; dot < sites.size(); ++dot) {
-        dots.radii.push_back(static_cast<float>(std::sqrt(static_cast<double>(sizes.areas()[dot]) / kPi)));
-        dots.sides.push_back(sizes.side(dot));
-        dots.cut.push_back(sizes.is_cut(dot));
+    std::size_t dot = 0;
+    for (std::size_t kind = 0; kind < sites.size(); ++kind) {
+        for (std::size_t i = 0; i < sites[kind].size(); ++i, ++dot) {
+            dots[kind].radii.push_back(static_cast<float>(std::sqrt(static_cast<double>(sizes.areas()[dot]) / kPi)));
+            dots[kind].white.push_back(static_cast<std::uint8_t>(sizes.white_channels(dot)));
+            dots[kind].cut.push_back(static_cast<std::uint8_t>(sizes.cut_channels(dot)));
+        }
     }
     return dots;
 }

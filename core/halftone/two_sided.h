@@ -14,11 +14,15 @@
 
 namespace ccdt {
 
-/// Side of the tonal scale that a dot is drawn on.
-enum class Side : std::uint8_t {
-    Ink,    ///< ink on white ground
-    Paper,  ///< bare paper on black ground
-};
+/// Number of kinds that dots of so many channels may have: each set of channels but the empty one.
+constexpr std::size_t kinds_of(std::size_t channels) {
+    return (std::size_t{1} << channels) - 1;
+}
+
+/// Channels that dots of a kind flip, as bits.
+constexpr unsigned flips_of(std::size_t kind) {
+    return static_cast<unsigned>(kind) + 1;
+}
 
 /// Options of a halftone with dots on both sides of the tonal scale.
 struct TwoSidedOptions {
@@ -28,49 +32,71 @@ struct TwoSidedOptions {
     double least_radius = 0;           ///< radius in cells below which no dot is planned, as far as that is possible
 };
 
+/// Channel of a picture, divided into grounds.
+struct TwoSidedChannel {
+    Ground ground;
+    std::vector<float> light;  ///< [cells] the picture
+    std::vector<float> white;  ///< [cells] share of white ground
+};
+
+/// Dots that flip the same channels.
+struct KindOfDots {
+    std::vector<float> density;  ///< [cells] relative density of the sites; zero everywhere if there are none
+    std::vector<float> area;     ///< [cells] area of a dot there, in cells
+    double share = 0;            ///< sum of the densities
+};
+
 /// Plan of a halftone that draws the minority: ink dots on white ground, paper dots on black ground.
 ///
-/// Ink dots cover 1 - Y of white ground, paper dots cover Y of black ground, where Y is the light of the picture. Both
-/// are at most about one half: dots hardly ever overlap, and their number times their area is the tone. All dots are one
-/// point set, whose density does not jump where the ground changes near Y = 1/2.
+/// A grey picture has one channel, its light Y; a picture in colour has three. The ground of each channel is white,
+/// where there is all of its light, or black, where there is none. Ink dots cover 1 - Y of white ground, paper dots
+/// cover Y of black ground. Both are at most about one half: dots hardly ever overlap, and their number times their
+/// area is the tone.
+///
+/// The areas that are flipped in several channels are nested: a place has dots that flip all channels, dots that flip
+/// all but the one that needs least, and dots that flip the one that needs most. So the dots of all kinds together
+/// cover no more than the channel that needs most, and lie apart.
 struct TwoSidedPlan {
     CellGrid cells;
-    Ground ground;
-    std::vector<float> light;    ///< [cells] the picture
-    std::vector<float> white;    ///< [cells] share of white ground
-    std::vector<float> density;  ///< [cells] relative density of the sites; zero everywhere if the ground says all
-    std::vector<float> area;     ///< [cells] area of a dot there, in cells
-    double dots = 0;             ///< number of dots of these areas that give the picture its tone
-    double radius = 0;           ///< of the largest dots, in cells
+    std::vector<TwoSidedChannel> channels;  ///< 1 or 3: red, green, blue
+    std::vector<KindOfDots> kinds;          ///< [kinds_of(channels)]
+    double dots = 0;    ///< number of dots of these areas that give the picture its tone; 0: the ground says all
+    double radius = 0;  ///< of the largest dots, in cells
 };
+
+/// Sums over all cells what dots have to flip: of each cell, the channel of which that is most.
+/// @param light  [channels][cells] in [0, 1]
+double minority_of(std::span<const std::vector<float>> light, Team& team = alone());
 
 /// Divides the picture into grounds and plans the dots.
 ///
-/// Areas follow from what an eye sees. A pattern that covers the share c by dots of density rho has, after a blur, a
-/// contrast in lightness of c L'(Y) exp(-k rho), L' being the slope of CIE lightness. For a given number of dots the
-/// sum of that is least where rho is proportional to log(1 + c L'(Y) / mu). So dots are smaller in shadows, where paper
-/// is conspicuous, and in highlights.
+/// Areas follow from what an eye sees. A pattern of one kind that covers the share c by dots of density rho has, after
+/// a blur, a contrast of c V exp(-k rho), where V is how far colours are apart in CIELAB per share that is flipped: of
+/// grey the slope of lightness. For a given number of dots the sum of that is least where rho is proportional to
+/// log(1 + c V / mu). So dots are smaller in shadows, where paper is conspicuous, in highlights, and of rare kinds.
 ///
-/// @param light  [cells] in [0, 1], linear light
+/// @param light  [1 or 3][cells] in [0, 1], linear light
 /// @param stop   asked between steps; a stop ends it early, with nothing of use
 /// Same input, same bytes, on any executor. O(cells).
-TwoSidedPlan plan_two_sided(std::vector<float> light, const CellGrid& cells, const TwoSidedOptions& options,
-                            const std::stop_token& stop = {}, Team& team = alone());
+TwoSidedPlan plan_two_sided(std::vector<std::vector<float>> light, const CellGrid& cells,
+                            const TwoSidedOptions& options, const std::stop_token& stop = {}, Team& team = alone());
 
-/// Dots as they are drawn.
-struct SidedDots {
-    std::vector<float> radii;  ///< [dots], in cells
-    std::vector<Side> sides;   ///< [dots], the side of the centre
-    std::vector<bool> cut;     ///< [dots]; false: the boundary of the ground is not near
+/// Dots of a kind as they are drawn.
+struct SizedDots {
+    std::vector<float> radii;         ///< [dots], in cells
+    std::vector<std::uint8_t> white;  ///< [dots] channels whose ground is white at the centre, as bits
+    std::vector<std::uint8_t> cut;    ///< [dots] channels, of those flipped, whose boundary is near, as bits
 };
 
-/// Chooses the radii of dots such that the local mean of what is drawn is that of the picture, also where the boundary
-/// of the ground cuts dots: where it does, the part of a dot beyond the boundary has the opposite colour.
+/// Chooses the radii of dots such that the local mean of what is drawn is that of the picture in each channel, also
+/// where the boundary of the ground cuts dots: where it does, the part of a dot beyond the boundary has the opposite
+/// colour.
 ///
-/// @param sites  in cells, y down the rows
+/// @param sites  [kinds] in cells, y down the rows
 /// @param fit    false: each dot has the area that is planned where it lies
+/// @returns      [kinds]
 /// Same input, same bytes, on any executor. O(cells + sites).
-SidedDots size_dots(const TwoSidedPlan& plan, std::span<const Point> sites, bool fit, const std::stop_token& stop = {},
-                    Team& team = alone());
+std::vector<SizedDots> size_dots(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, bool fit,
+                                 const std::stop_token& stop = {}, Team& team = alone());
 
 }  // namespace ccdt

@@ -544,21 +544,24 @@ TEST(HalftoneOptions, ChooseTheSidesOfDots) {
     }
     for (const Options& options : {Options{{"style", "stroke"}, {"format", "svg"}},
                                    {{"tone", "density"}},
-                                   {{"color", "cmyk"}},
                                    {{"palette", "#f00"}},
+                                   {{"color", "cmyk"}, {"format", "json"}},
                                    {{"format", "svg"}, {"background", "transparent"}},
                                    {{"invert", "false"}}})
         EXPECT_EQ(dots(options), Dots::Ink);
     EXPECT_EQ(dots({{"background", "transparent"}}), Dots::Both);
+    EXPECT_EQ(dots({{"color", "cmyk"}}), Dots::Both);
+    EXPECT_EQ(dots({{"color", "rgb"}, {"dots", "ink"}}), Dots::Ink);
+    EXPECT_EQ(dots({{"color", "rgb"}, {"dots", "both"}, {"format", "npy"}}), Dots::Both);
     EXPECT_EQ(dots({{"invert", "true"}}), Dots::Paper);
     EXPECT_EQ(dots({{"dots", "paper"}}), Dots::Paper);
     EXPECT_EQ(dots({{"dots", "paper"}, {"invert", "true"}}), Dots::Paper);
     EXPECT_EQ(dots({{"dots", "both"}, {"invert", "false"}}), Dots::Both);
 }
 
-TEST(HalftoneOptions, HaveDotsOnBothSidesOnlyOfGreyInk) {
+TEST(HalftoneOptions, HaveDotsOnBothSidesOnlyWhereTheyCanBeDrawn) {
     const std::vector<std::pair<Options, std::string>> wrong = {
-        {{{"dots", "both"}, {"color", "cmyk"}}, "dots"},
+        {{{"dots", "paper"}, {"color", "cmyk"}}, "dots"},
         {{{"dots", "both"}, {"palette", "#f00"}}, "dots"},
         {{{"dots", "paper"}, {"palette", "#f00"}}, "dots"},
         {{{"dots", "both"}, {"tone", "density"}}, "dots"},

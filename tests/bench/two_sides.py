@@ -1,12 +1,13 @@
 #!/usr/bin/python3
 """How much dots on both sides of the tonal scale are worth: the tables of core/README.md.
 
-usage: two_sides.py URL PICTURE:DOTS ...        e.g. two_sides.py http://localhost:8080 photo.jpg:20000
+usage: two_sides.py URL [--colour] PICTURE:DOTS ...        e.g. two_sides.py http://localhost:8080 photo.jpg:20000
 
 Prints tables in Markdown, for dots=ink and dots=both with as many dots, antialiased, at 6 output pixels a pixel:
   grain   of flat greys, 16,000 dots on 256 x 256 pixels: standard deviation of L* after a Gaussian of one mean pitch
   error   of pictures: mean and 95th percentile of |dL*| after Gaussians of 0.5, 1 and 2 mean pitches
-The pitch is sqrt(area / dots); blurs are in linear light. Pictures are read as sRGB: one with another profile would be
+With --colour they are of color=cmyk, at 4 output pixels a pixel, in CIEDE2000, of flat tints the mean after Gaussians of
+one and two pitches; that needs python3-skimage. The pitch is sqrt(area / dots); blurs are in linear light. Pictures are read as sRGB: one with another profile would be
 measured wrong.
 """
 import io
@@ -22,33 +23,83 @@ GREYS = (32, 63, 89, 124, 149, 170, 188, 203, 230, 248)
 TO_LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
+TO_XYZ = ((0.4124, 0.3576, 0.1805), (0.2126, 0.7152, 0.0722), (0.0193, 0.1192, 0.9505))
+TINTS = ((20, 40, 80), (120, 40, 20), (60, 60, 60), (40, 70, 30), (180, 170, 150), (230, 200, 180))
+
+
+def light(data):
+    values = np.asarray(Image.open(io.BytesIO(data)).convert("RGB"), np.float32) / 255
+    return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+
+
+def lab(picture, sigma):
+    """Of every third pixel, after a blur."""
+    from skimage.color import xyz2lab
+    blurred = np.stack([gaussian_filter(picture[..., c], sigma)[::3, ::3] for c in range(3)], -1)
+    return xyz2lab(np.clip(blurred @ np.transpose(TO_XYZ), 0, 1))
+
+
+def colour_errors(url, data, dots, sites, blurs, margin=0, scale=4):
+    """CIEDE2000 of each blur, but for a margin of so many pitches."""
+    from skimage.color import deltaE_ciede2000
+    drawn = light(halftone(url, data, dots, sites, f"&color=cmyk&scale={scale}"))
+    wanted = np.repeat(np.repeat(light(data), scale, 0), scale, 1)[:drawn.shape[0], :drawn.shape[1]]
+    pitch = (drawn.shape[0] * drawn.shape[1] / sites) ** 0.5
+    edge = int(margin * pitch / 3)
+    inside = slice(edge, -edge or None)
+    return [deltaE_ciede2000(lab(wanted, blur * pitch), lab(drawn, blur * pitch))[inside, inside] for blur in blurs]
+
+
+def flat(colour, side=256):
+    file = io.BytesIO()
+    Image.new("RGB", (side, side), colour).save(file, "PNG")
+    return file.getvalue()
+
+
+def main_of_colour(url, *pictures):
+    print("| tint |", " | ".join(map(str, TINTS)), "|\n|---|" + "---|" * len(TINTS))
+    for dots in ("ink", "both"):
+        errors = (colour_errors(url, flat(tint), dots, 16000, (1, 2), 4) for tint in TINTS)
+        print(f"| `dots={dots}` |", " | ".join(" / ".join(f"{e.mean():.2f}" for e in each) for each in errors), "|",
+              flush=True)
+    print("\n| picture, dots | `dots` | half a pitch | one pitch | two pitches |\n|---|---|---|---|---|")
+    for picture in pictures:
+        path, sites = picture.rsplit(":", 1)
+        with open(path, "rb") as file:
+            data = file.read()
+        for dots in ("ink", "both"):
+            errors = colour_errors(url, data, dots, int(sites), (0.5, 1, 2))
+            figures = " | ".join(f"{e.mean():.2f} / {np.percentile(e, 95):.2f}" for e in errors)
+            print(f"| `{path.rsplit('/', 1)[-1]}`, {int(sites):,} | {dots} | {figures} |", flush=True)
+
+
 def luminance(data):
-    values = np.asarray(Image.open(io.BytesIO(data)).convert("RGB")) / 255
-    return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4) @ TO_LUMINANCE
+    return light(data) @ TO_LUMINANCE
 
 
 def lightness(light):
     return np.where(light > 216 / 24389, 116 * np.cbrt(light) - 16, light * 24389 / 27)
 
 
-def halftone(url, data, dots, sites):
-    query = f"dots={dots}&sites={sites}&scale={SCALE}&antialias=true&format=png"
+def halftone(url, data, dots, sites, options=f"&scale={SCALE}"):
+    """Asks for a drawing, as the bytes of a PNG."""
+    query = f"dots={dots}&sites={sites}&antialias=true&format=png{options}"
     request = urllib.request.Request(f"{url}/halftone?{query}", data, {"Content-Type": "application/octet-stream"})
     with urllib.request.urlopen(request) as answer:
-        return luminance(answer.read())
+        return answer.read()
 
 
 def grain(url, grey, dots, sites=16000, side=256):
     file = io.BytesIO()
     Image.new("L", (side, side), grey).save(file, "PNG")
-    drawn = halftone(url, file.getvalue(), dots, sites)
+    drawn = luminance(halftone(url, file.getvalue(), dots, sites))
     pitch = (drawn.size / sites) ** 0.5
     margin = int(4 * pitch)
     return lightness(gaussian_filter(drawn, pitch)[margin:-margin, margin:-margin]).std()
 
 
 def errors(url, data, dots, sites):
-    drawn = halftone(url, data, dots, sites)
+    drawn = luminance(halftone(url, data, dots, sites))
     wanted = np.repeat(np.repeat(luminance(data), SCALE, 0), SCALE, 1)[:drawn.shape[0], :drawn.shape[1]]
     pitch = (drawn.size / sites) ** 0.5
     for blur in (0.5, 1, 2):
@@ -78,4 +129,5 @@ def luminance_of(grey):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    arguments = [argument for argument in sys.argv[1:] if argument != "--colour"]
+    (main if len(arguments) == len(sys.argv) - 1 else main_of_colour)(*arguments)

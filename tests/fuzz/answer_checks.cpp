@@ -58,12 +58,14 @@ void check_cost(const api::Cost& cost) {
 std::vector<Point> points_of_json(const std::string& body) {
     const Json json = parse(body);
     std::vector<Point> points;
-    if (json.contains("inks")) {
-        for (const Json& ink : json.at("inks")) {
+    for (const char* parts : {"inks", "kinds"}) {
+        if (!json.contains(parts)) continue;
+        for (const Json& ink : json.at(parts)) {
             check_run(ink);
             append_points(ink.at("points"), points);
         }
-    } else {
+    }
+    else {
         check_run(json);
         check_sides(json);
         append_points(json.at("points"), points);

@@ -20,7 +20,7 @@ inline void check_request(const api::HalftoneRequest& request) {
     const api::Palette& palette = request.palette;
     CCDT_CHECK(!palette.inks.empty() && palette.inks.size() <= kMostInks);
     CCDT_CHECK(palette.mixing != api::Mixing::Cover || palette.inks.size() == 1);
-    CCDT_CHECK(palette.mixing == api::Mixing::Cover || request.dots == api::Dots::Ink);
+    CCDT_CHECK(palette.mixing == api::Mixing::Cover || request.dots != api::Dots::Paper);
     CCDT_CHECK(request.dots != api::Dots::Both || request.tone != Tone::Density);
     CCDT_CHECK(request.dots != api::Dots::Both || request.drawing.style == api::DotStyle::Fill);
     CCDT_CHECK(palette.mixing != api::Mixing::Add || palette.paper == api::kBlack);

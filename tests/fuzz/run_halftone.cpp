@@ -106,7 +106,7 @@ void check_answer(const api::HalftoneRequest& request, const api::Answer& answer
     if (format == "json") return check_points(points_of_json(answer.body), request, answer);
     if (format == "csv") return check_points(points_of_csv(answer.body), request, answer);
     const bool is_named = request.palette.mixing != api::Mixing::Cover;
-    const std::size_t columns = request.dots == api::Dots::Both ? 4 : is_named ? 3 : 2;
+    const std::size_t columns = (request.dots == api::Dots::Both ? 4 : 2) + (is_named ? 1 : 0);
     if (format == "npy") return check_points(points_of_npy(answer.body, columns), request, answer);
 }
 

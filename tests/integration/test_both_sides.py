@@ -155,10 +155,47 @@ class Drawings(ServerCase):
                 self.assertLess(numpy.abs(ours - theirs).mean(), 0.02)
 
 
+class Colour(ServerCase):
+    def test_inks_and_lamps_look_the_same(self):
+        for query in ("", "&antialias=true"):
+            inks, lamps = (pixels(self.halftone(ASTRONAUT, f"?sites=2000&color={color}{query}").body, "RGB")
+                           for color in ("cmyk", "rgb"))
+            numpy.testing.assert_array_equal(inks, lamps)
+
+    def test_tones_are_those_of_each_channel(self):
+        for colour in ((20, 40, 80), (120, 40, 20), (230, 200, 180)):
+            drawn = self.halftone(file_of(numpy.full((128, 128, 3), colour)),
+                                  "?sites=3000&scale=4&antialias=true&color=cmyk")
+            seen = LIGHT[pixels(drawn.body, "RGB")].mean((0, 1))
+            numpy.testing.assert_allclose(seen, [linear(value) for value in colour], atol=0.004)
+
+    def test_greys_have_black_and_white_dots_alone(self):
+        answer = self.halftone(CAMERA, "?sites=1000&color=cmyk&dots=both&format=json").json()
+        self.assertEqual([kind["flips"] for kind in answer["kinds"]], [["cyan", "magenta", "yellow"]])
+        first, *others = (ground["rings"] for ground in answer["grounds"])
+        self.assertTrue(all(rings == first for rings in others))
+
+    def test_lists_hold_the_same_dots(self):
+        query = "?sites=900&color=cmyk&dots=both&format="
+        answer = self.halftone(ASTRONAUT, query + "json").json()
+        self.assertEqual(answer["sites"], 900)
+        self.assertEqual(sum(kind["sites"] for kind in answer["kinds"]), 900)
+        inks = [ground["ink"] for ground in answer["grounds"]]
+        array = numpy.load(io.BytesIO(self.halftone(ASTRONAUT, query + "npy").body), allow_pickle=False)
+        rows = [(*point, radius, sum(1 << inks.index(ink) for ink in kind["flips"])) for kind in answer["kinds"]
+                for point, radius in zip(kind["points"], kind["radii"])]
+        numpy.testing.assert_allclose(array[:, :4], numpy.array(rows), rtol=1e-6)
+        table = list(csv.reader(io.StringIO(self.halftone(ASTRONAUT, query + "csv").body.decode(), newline="")))
+        self.assertEqual(table[0], ["x", "y", "radius", "flips", "ground"])
+        for row, numbers in zip(table[1:], array):
+            for text, bits in zip(row[3:], numbers[3:].astype(int)):
+                self.assertEqual(text, "+".join(ink for i, ink in enumerate(inks) if bits >> i & 1) or "paper")
+
+
 class Options(ServerCase):
     def test_that_contradict_each_other_are_refused(self):
         for query, field, words in (
-                ("dots=both&color=cmyk", "dots", "color=gray"), ("dots=both&palette=%23f00", "dots", "color=gray"),
+                ("dots=both&palette=%23f00", "dots", "dots of a palette are ink"),
                 ("dots=both&tone=density", "dots", "tone=density"),
                 ("dots=both&style=stroke&format=svg", "dots", "style=stroke"),
                 ("dots=both&background=transparent&format=svg", "dots", "background"),
@@ -178,7 +215,7 @@ class Options(ServerCase):
             self.assertNotEqual(usual, ink)
 
     def test_of_pens_and_of_densities_are_ink_by_default(self):
-        for query in ("format=svg&style=stroke", "tone=density", "format=svg&background=transparent", "color=cmyk"):
+        for query in ("format=svg&style=stroke", "tone=density", "format=svg&background=transparent", "palette=%23000"):
             usual, ink = (self.halftone(CAMERA, f"?sites=300&{query}{dots}").body for dots in ("", "&dots=ink"))
             self.assertEqual(usual, ink, query)
 

@@ -48,7 +48,8 @@ LANDS = {"type": "FeatureCollection", "features": [
     land([[0, 42], [5, 42], [3, 45], [0, 42]], people=40, cattle=0)]}
 
 QUALITIES = ("draft", "standard", "best")
-INKS = ("color=gray", "dots=ink", "color=cmyk", "color=rgb", "palette=%23e02020,%232040c0", "palette=%23804000")
+INKS = ("color=gray", "dots=ink", "color=cmyk", "color=rgb", "color=cmyk&dots=ink", "color=cmyk&dots=both",
+        "palette=%23e02020,%232040c0", "palette=%23804000")
 
 
 def names(rows):

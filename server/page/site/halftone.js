@@ -25,8 +25,8 @@ const sample = async (name) => ({ name, path: samplePath(name), blob: await (awa
 const ownOf = (file) => ({ name: file.name, blob: file });
 
 /** Tells whether pictures with such options have dots of ink and of paper. */
-const isOfBothSides = ({ color, palette, dots, tone, style, background }) =>
-  !color && !palette && !dots && tone !== "density" && style !== "stroke" && background !== "transparent";
+const isOfBothSides = ({ palette, dots, tone, style, background }) =>
+  !palette && !dots && tone !== "density" && style !== "stroke" && background !== "transparent";
 
 /** How many dots there are or, if the server has chosen that, how large: in pixels of the picture. */
 function describe({ sites }, response) {
@@ -168,7 +168,7 @@ export class Halftone extends Panel {
     this.fields.offer("width_mm", isInMm);
     this.fields.offer("palette", color === "palette");
     this.fields.offer("foreground", color === "gray");
-    this.fields.offer("dots", color === "gray");
+    this.fields.offer("dots", color !== "palette");
     this.fields.offer("background", color !== "rgb");
     this.moreFields.offer("width_mm", !isInMm && !isPlotted);
     this.moreFields.offer("style", !isPlotted);
@@ -189,6 +189,7 @@ export class Halftone extends Panel {
   #options() {
     const options = { ...this.fields.values(), ...this.moreFields.values(), ...this.#heldScale, ...(this.plotter.isOn && this.plotter.options()) };
     if (options.palette) delete options.color;
+    if (options.color && options.dots === "paper") options.dots = "ink";  // paper alone is of grey
     return options;
   }
 

@@ -72,10 +72,14 @@ TEST(Ground, AppliesToARasterOfFlips) {
     }
 }
 
+Ground divide(const std::vector<float>& light, const CellGrid& cells, double radius, double detail) {
+    return divide_ground({&light, 1}, cells, radius, detail).front();
+}
+
 TEST(Ground, FollowsARampWithoutSpecks) {
     Random random(1, 0);
     const auto ramp = cells([&](double x, double) { return x / kCells.columns + 0.12 * (random.uniform() - 0.5); });
-    const Ground ground = divide_ground(ramp, kCells, 3, 0);
+    const Ground ground = divide(ramp, kCells, 3, 0);
     EXPECT_EQ(outline_of(ground).size(), 1U) << "one boundary, and no islands of noise";
     for (const double y : {4.5, 16.5, 27.5}) {
         EXPECT_FALSE(ground.is_white({kCells.columns * 0.42, y}));
@@ -86,15 +90,15 @@ TEST(Ground, FollowsARampWithoutSpecks) {
 TEST(Ground, DrawsThinStrokesIfDetailIsWanted) {
     // A grey stroke two cells wide on light paper, as small text has them.
     const auto stroke = cells([](double x, double) { return std::abs(x - 24) < 1 ? 0.45 : 0.85; });
-    EXPECT_TRUE(divide_ground(stroke, kCells, 1, 0).is_white({24, 16}));
-    EXPECT_FALSE(divide_ground(stroke, kCells, 1, 1).is_white({24, 16}));
+    EXPECT_TRUE(divide(stroke, kCells, 1, 0).is_white({24, 16}));
+    EXPECT_FALSE(divide(stroke, kCells, 1, 1).is_white({24, 16}));
 }
 
 TEST(Ground, IsThePictureForDotsOfNoSize) {
     Random random(2, 0);
     const auto noise = cells([&](double, double) { return random.uniform() < 0.5 ? 0.0 : 1.0; });
     for (const double radius : {0.0, 5e-324}) {
-        const Ground ground = divide_ground(noise, kCells, radius, 1);
+        const Ground ground = divide(noise, kCells, radius, 1);
         for (int y = 0; y < kCells.rows; ++y) {
             for (int x = 0; x < kCells.columns; ++x) {
                 const auto cell = static_cast<std::size_t>(y * kCells.columns + x);

@@ -16,6 +16,7 @@
 #include "core/halftone/separation.h"
 #include "core/halftone/sharpening.h"
 #include "core/halftone/tone.h"
+#include "core/halftone/two_sided.h"
 #include "core/parallel/thread_team.h"
 #include "tests/support/inks.h"
 
@@ -53,6 +54,19 @@ void expect_same(const Make& make) {
         ThreadTeam team(threads);
         EXPECT_TRUE(make(team) == expected) << threads << " threads";
     }
+}
+
+TEST(Teams, PlanAndSizeDotsOnBothSidesTheSame) {
+    constexpr CellGrid kCells{kWidth, kHeight};
+    const std::vector<std::vector<float>> light{values_of(waves(0.05)), values_of(waves(0.06)), values_of(waves(0.08))};
+    const std::vector<std::vector<Point>> sites(kinds_of(light.size()), lattice());
+    expect_same([&](Team& team) {
+        const TwoSidedPlan plan = plan_two_sided(light, kCells, {28'000, {}, 0.7, 0}, {}, team);
+        std::vector<float> radii{static_cast<float>(plan.radius), static_cast<float>(plan.dots)};
+        for (const SizedDots& kind : size_dots(plan, sites, true, {}, team))
+            radii.insert(radii.end(), kind.radii.begin(), kind.radii.end());
+        return radii;
+    });
 }
 
 TEST(Teams, BlurAndSharpenTheSame) {

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+namespace ccdt {
+
+/// How conspicuous small changes of a colour's channels are.
+///
+/// Of one channel that is the slope of CIE 1976 lightness. Of three it is the slope of the difference in CIELAB, with
+/// that of chroma and hue weighted as CIE 1994 does for chroma and by a half.
+class Visibility {
+public:
+    /// @param light  of 1 or 3 channels, linear, in [0, 1]
+    explicit Visibility(std::span<const float> light);
+
+    /// Computes the difference over the share, where a share of the area is flipped.
+    ///
+    /// @param flips  channels that are flipped, as bits
+    /// @param white  channels of which flipping takes the light, as bits; of others it brings it
+    /// @returns      difference in lightnesses from 0 to 1
+    float of(unsigned flips, unsigned white) const;
+
+private:
+    std::size_t channels_;
+    std::array<std::array<float, 3>, 3> slopes_{};  ///< by channel: of lightness, and of both colour axes
+};
+
+}  // namespace ccdt
