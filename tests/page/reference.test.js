@@ -55,6 +55,8 @@ for (const [size, viewport] of [["wide", { width: 1280, height: 860 }], ["narrow
       const found = await page.evaluate(() => window.axe.run(document));
       assert.deepEqual(found.violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), []);
       assert.ok(await page.evaluate(() => document.documentElement.scrollWidth) <= viewport.width);
+      const widths = await page.locator(".lead, td:nth-child(4):not(:empty)").evaluateAll((all) => all.map((one) => one.getBoundingClientRect().width));
+      assert.ok(Math.min(...widths) > Math.min(viewport.width - 60, 300), String(widths));
       await context.close();
     });
   }

@@ -39,13 +39,16 @@ function membersOf(whole, node) {
 /** Text whose parts between backticks are code. */
 const prose = (text) => text.split("`").map((part, i) => (i % 2 ? make("code", { textContent: part }) : part));
 
+/** Narrow screens have the cells of a row below each other, which must be said to be cells then. */
 function table(label, titles, rows) {
-  const head = make("tr", {}, ...titles.map((textContent) => make("th", { scope: "col", textContent })));
-  const lines = rows.map(([name, ...cells]) => make("tr", {},
-    make("th", { scope: "row" }, make("code", { textContent: name })),
-    ...cells.map((text) => make("td", {}, ...prose(text)))));
+  const row = (...cells) => make("tr", { role: "row" }, ...cells);
+  const head = row(...titles.map((textContent) => make("th", { scope: "col", role: "columnheader", textContent })));
+  const lines = rows.map(([name, ...cells]) => row(
+    make("th", { scope: "row", role: "rowheader" }, make("code", { textContent: name })),
+    ...cells.map((text, i) => make("td", { role: "cell", attributes: text ? { "data-title": titles[i + 1] } : {} }, ...prose(text)))));
+  const group = (tag, ...all) => make(tag, { role: "rowgroup" }, ...all);
   return make("div", { className: "table-frame", tabIndex: 0, attributes: { role: "region", "aria-label": label } },
-    make("table", {}, make("thead", {}, head), make("tbody", {}, ...lines)));
+    make("table", { role: "table" }, group("thead", head), group("tbody", ...lines)));
 }
 
 function optionsOf(whole, content, title) {
@@ -79,7 +82,7 @@ function sectionOf(whole, path, method, operation) {
 
 try {
   const whole = await (await fetch("/openapi.json")).json();
-  document.querySelector(".about").append(...prose(whole.info.description));
+  document.querySelector(".lead").append(...prose(whole.info.description));
   for (const [path, { parameters, ...operations }] of Object.entries(whole.paths)) {
     for (const [method, operation] of Object.entries(operations)) main.append(sectionOf(whole, path, method, operation));
   }
