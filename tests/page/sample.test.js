@@ -191,6 +191,16 @@ test("offers what numbers the features of a file have", async () => {
   assert.match(await world.page.textContent("#sample .status"), /^25 points/);
 });
 
+test("offers codes after what may be counted", async () => {
+  await open();
+  const feature = (x, properties) => ({ type: "Feature", properties, geometry: { type: "Polygon", coordinates: [[[x, 0], [x + 2, 0], [x + 2, 2], [x, 2], [x, 0]]] } });
+  const features = [[48001, "0107", 3], [48113, "0220", 8], [48005, "0319", 4], [48007, "0400", 7]].map(([fips, district, people], row) =>
+    feature(2 * row, { row: row + 1, fips, district, people, GEOID: String(fips), houses: 10 * people }));
+  await choose(document({ type: "FeatureCollection", features }));
+  const labels = await world.page.getByRole("group", { name: "Points stand for" }).locator("label").allTextContents();
+  assert.deepEqual(labels.map((text) => text.split(":")[0]), ["people", "houses", "row", "fips", "district", "GEOID"]);
+});
+
 test("zooms to a part", async () => {
   await open();
   await choose(path.join(data, "polygons/Italy-110m.geojson"));
