@@ -51,12 +51,12 @@ test("a halftone's settings are shared, of every kind of field", async () => {
   await page.uncheck("#halftone .fields [data-name=dot] input[type=checkbox]");
   await page.getByLabel("Radius, unit").selectOption("mm");
   await type("halftone", "dot", "0.5");
-  await page.getByLabel("black point").fill("0.1");
   await page.uncheck("#halftone [data-name=antialias] input");
   await page.selectOption("#halftone [data-name=color] select", "palette");
   await page.click("#halftone [data-name=palette] button:text-is('Add')");
   await page.check("#halftone [data-name=background] input[type=checkbox]");
   await page.click("#halftone .more summary");
+  await page.getByLabel("black point").fill("0.1");
   await page.locator("#halftone .more [data-name=iterations] input[type=number]").fill("3");
   await page.locator("#halftone .more [data-name=iterations] input[type=number]").blur();
   await settled(page, "halftone");
@@ -71,22 +71,22 @@ test("a halftone's settings are shared, of every kind of field", async () => {
   assert.equal((await settings()).picture, "cat.jpg");
 });
 
-test("a radius in pixels is shared with the scale that it was seen at", async () => {
+test("a radius in pixels is shared with the width that it was seen at", async () => {
   await open();
   await world.page.uncheck("#halftone .fields [data-name=dot] input[type=checkbox]");
   await type("halftone", "dot", "2.5");
-  assert.deepEqual(await settings(), { dot: "2.5", scale: "3" });
+  assert.deepEqual(await settings(), { dot: "2.5", width: "1000" });
   await isShared("halftone");
 });
 
 test("a shape is shared: drawn, with sides, or a map", async () => {
   const { page } = world;
   for (const address of [
-    "#sample?corners=" + encodeURIComponent('{"polygon":[[0,0],[2,0],[2,1],[0,1]]}') + "&sites=300&seed=4&iteration=3",
+    "#sample?shape=polygon&corners=" + encodeURIComponent('{"polygon":[[0,0],[2,0],[2,1],[0,1]]}') + "&sites=300&seed=4&iteration=3",
     "#sample?shape=torus&torus=2,1&method=odt&tiles=on",
     "#sample?shape=torus&sites=400&quality=stealthy",
     "#sample?shape=mask&tile=32,16&format=mask16&seed=3",
-    "#sample?sites=400&order=progressive&first=120",
+    "#sample?shape=polygon&sites=400&order=progressive&first=120",
     "#sample?shape=rectangle&sites=50&mesh=on&avoid=" + encodeURIComponent("[[[0.2,0.2],[0.6,0.2],[0.4,0.6]]]"),
     "#sample?shape=texas.geojson&counted=unemployed&per=5000",
   ]) {
@@ -121,7 +121,8 @@ test("one goes back and forward through panels, pictures and shapes, not through
 
   await page.goBack();
   await settled(page, "sample");
-  assert.equal(await page.inputValue("#shape"), "polygon");
+  assert.equal(await page.inputValue("#shape"), "file");
+  assert.equal(await hash(), "#sample");
   await page.goBack();
   await settled(page, "halftone");
   assert.deepEqual(await settings(), { picture: "own", sites: "800" });
@@ -150,6 +151,14 @@ test("one may go back faster than what is shown is made", async () => {
   await page.waitForFunction(() => document.querySelector("#halftone pre").textContent.includes("camera.jpg"));
   await settled(page, "halftone");
   assert.equal(await page.getAttribute("#halftone [data-sample='camera.jpg']", "aria-pressed"), "true");
+});
+
+test("an address without a shape has the map, or with other settings the polygon", async () => {
+  for (const [address, shape] of [["#sample", "file"], ["#sample?sites=300", "polygon"], ["#analyze", "polygon"]]) {
+    await open(address);
+    assert.equal(await world.page.inputValue("#shape"), shape);
+    await world.page.goto("about:blank");
+  }
 });
 
 test("an analysis comes with what was made", async () => {

@@ -11,7 +11,7 @@ const rows = () => world.page.locator("#analyze tbody tr").evaluateAll((all) =>
   all.map((row) => [...row.cells].map((cell) => cell.textContent)));
 
 test("analyzes points of the plane and compares them", async () => {
-  await world.page.goto(`${world.url}/#sample`);
+  await world.page.goto(`${world.url}/#sample?shape=polygon`);
   await settled(world.page, "sample");
   await world.page.selectOption("#shape", "torus");
   await settled(world.page, "sample");
@@ -29,7 +29,7 @@ test("analyzes points of the plane and compares them", async () => {
 });
 
 test("analyzes the largest square inside a polygon", async () => {
-  await world.page.goto(`${world.url}/#sample`);
+  await world.page.goto(`${world.url}/#sample?shape=polygon`);
   await settled(world.page, "sample");
   await world.page.click("#tab-analyze");
   await settled(world.page, "analyze");

@@ -47,7 +47,7 @@ function actIn({ dice, text, picture }) {
     return { done: `drop ${name}` };
   };
   const controls = [...document.querySelectorAll("button, select, input, textarea, summary, canvas, .drop")]
-    .filter((one) => one.checkVisibility() && !one.disabled && !one.closest(".downloads, #access"));
+    .filter((one) => one.checkVisibility() && !one.disabled && !one.closest(".download, #access"));
   const control = pick(controls, dice[0]);
   const tell = (...names) => names.forEach((name) => control.dispatchEvent(new Event(name, { bubbles: true })));
   const name = `${control.tagName} ${control.id} ${control.className} ${control.getAttribute("aria-label") ?? control.textContent.slice(0, 20)}`;

@@ -6,7 +6,7 @@ import { tmpdir } from "node:os";
 import path from "node:path";
 import { test } from "node:test";
 
-import { run, settled, useBrowser } from "./harness.js";
+import { download, run, settled, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 
@@ -47,27 +47,23 @@ async function read(file) {
   return found;
 }
 
-/** @returns  the path of what a button of the panel saves, under the name that it has */
-async function save(panel, button, folder) {
-  const [download] = await Promise.all([
-    world.page.waitForEvent("download"),
-    world.page.click(`#${panel} .downloads button:text-is("${button}")`),
-  ]);
-  const file = path.join(folder, download.suggestedFilename());
-  await download.saveAs(file);
-  await settled(world.page, panel);
+/** @returns  the path of what the panel's button saves in a format, under the name that it has */
+async function save(panel, title, folder) {
+  const saved = await download(world.page, panel, title);
+  const file = path.join(folder, saved.suggestedFilename());
+  await saved.saveAs(file);
   return file;
 }
 
 /**
- * What a panel's buttons save, one for each format that the server has, read, by name; and of the drawing what is seen
+ * What a panel's button saves, in each format that the server has, read, by name; and of the drawing what is seen
  * when it is as large as the picture.
  */
 async function saveAll(panel, name) {
   const folder = await mkdtemp(path.join(tmpdir(), "ccdt-page-"));
   const { formats } = (await (await fetch(`${world.url}/capabilities`)).json())[panel];
   const titles = formats.map(({ title }) => title);
-  assert.deepEqual(await world.page.locator(`#${panel} .downloads button:visible`).allTextContents(), titles);
+  assert.deepEqual(await world.page.locator(`#${panel} .download option`).allTextContents(), titles);
   const files = {};
   for (const title of titles) {
     const file = await save(panel, title, folder);
@@ -86,6 +82,19 @@ async function saveAll(panel, name) {
 /** Rims of dots are mixed as light in our pictures, and as grey by librsvg. */
 function isSame(picture, drawn) {
   assert.ok(Math.abs(picture.light - drawn.grey) < 0.01, `${picture.light}, ${drawn.grey}`);
+}
+
+for (const viewport of [{ width: 1280, height: 900 }, { width: 390, height: 844 }]) {
+  test(`the button is beside the picture, ${viewport.width} wide`, async () => {
+    const { page } = world;
+    await page.setViewportSize(viewport);
+    for (const panel of ["halftone", "sample"]) {
+      await page.goto(`${world.url}/#${panel}`);
+      await settled(page, panel);
+      const { y, height } = await page.locator(`#${panel} .download button`).boundingBox();
+      assert.ok(y > 0 && y + height < viewport.height, `${panel}: ${y}`);
+    }
+  });
 }
 
 test("the files of a halftone", async () => {
@@ -116,7 +125,7 @@ test("the files of a halftone", async () => {
 });
 
 test("the files of points", async () => {
-  await world.page.goto(`${world.url}/#sample`);
+  await world.page.goto(`${world.url}/#sample?shape=polygon`);
   await settled(world.page, "sample");
   const files = await saveAll("sample", "points");
   const { points, seed, method } = files["points.json"];

@@ -33,12 +33,16 @@ test("a picture that is none", async () => {
   await settled(page, "halftone");
   await page.setInputFiles("#halftone .file", { name: "letter.txt", mimeType: "text/plain", buffer: Buffer.from("Dear reader") });
   await settled(page, "halftone", "failed");
-  assert.match(await page.textContent("#halftone .controls .picture-error, #halftone .general"), /image|picture/);
+  for (const place of [".picture-error", ".general"])
+    assert.match(await page.textContent(`#halftone ${place}`), /^This file is not an image the server can read: /);
+  assert.match(await page.textContent("#halftone .status"), /^20,000 dots/);
+  assert.match(await page.textContent("#halftone pre"), /astronaut\.jpg/);
+  assert.equal(await page.evaluate(() => location.hash), "#halftone");
 });
 
 test("a shape without area, and a file without one", async () => {
   const { page } = world;
-  await page.goto(`${world.url}/#sample`);
+  await page.goto(`${world.url}/#sample?shape=polygon`);
   await settled(page, "sample");
   await page.click("#sample summary");
   await page.fill("#corners", '{"polygon": [[0, 0], [1, 1], [2, 2]]}');

@@ -40,8 +40,8 @@ afterEach(async () => {
 
 const textOf = (selector) => page.$eval(selector, (element) => element.textContent);
 
-async function show(panel) {
-  await page.goto(`${running.url}/#${panel}`);
+async function show(panel, settings = "") {
+  await page.goto(`${running.url}/#${panel}${settings}`);
   await page.waitForSelector(`#${panel}[data-state=done]`);
 }
 
@@ -115,7 +115,7 @@ test("opens at an address, and goes back to it", async () => {
 });
 
 test("fills a polygon that is drawn", async () => {
-  await show("sample");
+  await show("sample", "?shape=polygon");
   assert.match(await textOf("#sample .status"), /^1,000 points/);
   await page.click("#sample .draw");
   const { x, y, width, height } = await (await page.$("#sample canvas")).boundingBox();
@@ -153,7 +153,7 @@ test("puts dots into a page of another origin, and draws them itself once the se
 });
 
 test("analyzes points", async () => {
-  await show("sample");
+  await show("sample", "?shape=polygon");
   await page.click("#tab-analyze");
   await page.waitForSelector("#analyze[data-state=done]");
   const names = await page.$$eval("#analyze tbody th", (cells) => cells.map((cell) => cell.textContent));

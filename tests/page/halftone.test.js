@@ -71,6 +71,61 @@ test("shows a draft while a slider is held", async () => {
   await looksAsKept(world, world.page.locator("#halftone .canvas-frame"), "halftone-draft");
 });
 
+test("puts settings that go together into all fields", async () => {
+  await open();
+  const { page } = world;
+  const seen = watchRequests();
+  const preset = (name) => page.getByRole("group", { name: "Style" }).getByRole("button", { name });
+  const pressed = () => page.locator("#halftone .presets [aria-pressed=true]").allTextContents();
+  assert.deepEqual(await pressed(), ["Ink and paper"]);
+  await preset("Newspaper").click();
+  await settled(page, "halftone");
+  const { antialias, ...asked } = Object.fromEntries(new URL(seen.at(-1).url).searchParams);
+  assert.deepEqual(asked, { sites: "9000", dots: "ink", foreground: "#1d1b18", background: "#efe9dc" });
+  assert.deepEqual(await pressed(), ["Newspaper"]);
+  await preset("Risograph").click();
+  await settled(page, "halftone");
+  assert.equal(new URL(seen.at(-1).url).searchParams.get("palette"), "#0078bf,#ff48b0,#ffe800");
+  await number("sites").fill("5000");
+  await number("sites").blur();
+  await settled(page, "halftone");
+  assert.deepEqual(await pressed(), []);
+  await page.goBack();  // the number is no step of its own
+  await settled(page, "halftone");
+  assert.deepEqual(await pressed(), ["Newspaper"]);
+});
+
+test("keeps a photograph of one's own among the pictures", async () => {
+  await open();
+  const { page } = world;
+  await page.setInputFiles("#halftone .file", path.join(data, "images/chelsea.png"));
+  await settled(page, "halftone");
+  await page.click("#halftone [data-sample='cat.jpg']");
+  await settled(page, "halftone");
+  const own = page.getByRole("button", { name: "chelsea.png" });
+  assert.equal(await own.getAttribute("aria-pressed"), "false");
+  await own.click();
+  await settled(page, "halftone");
+  assert.equal(await own.getAttribute("aria-pressed"), "true");
+  assert.match(await page.textContent("#halftone pre"), /chelsea\.png/);
+});
+
+test("shows the colours that inverted pictures have", async () => {
+  await open();
+  const { page } = world;
+  const colours = () => page.locator("#halftone .fields :is([data-name=foreground], [data-name=background]) input[type=color]")
+    .evaluateAll((wells) => wells.map(({ value }) => value));
+  assert.deepEqual(await colours(), ["#000000", "#ffffff"]);
+  await page.selectOption("#halftone [data-name=dots] select", "paper");
+  await settled(page, "halftone");
+  assert.deepEqual(await colours(), ["#ffffff", "#000000"]);
+  assert.ok(!(await page.textContent("#halftone pre")).includes("ground"));
+  await page.locator("#halftone [data-name=foreground] input").fill("#ffcc00");
+  await page.selectOption("#halftone [data-name=dots] select", "both");
+  await settled(page, "halftone");
+  assert.deepEqual(await colours(), ["#ffcc00", "#ffffff"]);
+});
+
 test("follows a slider with drafts, and is complete once it rests", async () => {
   await open();
   const seen = watchRequests();
@@ -148,7 +203,8 @@ test("tells which picture of a film it takes", async () => {
 test("asks for what its fields say", async () => {
   await open();
   const seen = watchRequests();
-  await number("seed").fill("7");
+  await world.page.click("#halftone .more summary");
+  await world.page.fill("#halftone .more [data-name=seed] input[type=number]", "7");
   await world.page.selectOption("#halftone [data-name=dots] select", "paper");
   await world.page.selectOption("#halftone [data-name=tone] select", "perceptual");
   await world.page.locator("#halftone [data-name=foreground] input").fill("#102a66");
@@ -158,8 +214,8 @@ test("asks for what its fields say", async () => {
   await number("dot").blur();
   await settled(world.page, "halftone");
   assert.deepEqual(Object.fromEntries(new URL(seen.at(-1).url).searchParams), {
-    sites: "20000", dot: "2.5", tone: "perceptual", dots: "paper", antialias: "true", foreground: "#102a66",
-    background: "transparent", seed: "7", scale: "3",
+    sites: "20000", dot: "2.5", tone: "perceptual", dots: "paper", foreground: "#102a66",
+    background: "transparent", seed: "7", width: "1000",
   });
 });
 
@@ -174,6 +230,7 @@ test("emphasises edges, and sets levels as an editor does", async () => {
   await slide(slider("detail"), [0.9, 1]);
   await settled(world.page, "halftone");
   assert.deepEqual(asked(seen), { detail: "1" });
+  await world.page.click("#halftone .more summary");
   const levels = world.page.getByRole("group", { name: "Levels" });
   for (const [name, value] of [["black point", "0.1"], ["white point", "0.85"], ["gamma", "1.4"]]) {
     await levels.getByLabel(name).fill(value);

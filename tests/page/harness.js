@@ -20,7 +20,8 @@ export const axe = require.resolve("axe-core");
 export const data = path.resolve(import.meta.dirname, "../data");
 const kept = path.resolve(data, "../page/screenshots");
 
-const quiet = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+/** Flags that keep Chromium to what is tested. */
+export const quiet = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
   "--disable-component-update", "--disable-sync"];
 
 /** For anything that must happen soon; only a fault makes a test wait so long. */
@@ -57,14 +58,17 @@ export async function startServer(flags) {
 
 /**
  * A server of pages, of another origin than ours.
- * @param page  makes a page, by its path; pictures are all the same, but for `/nothing.png`, which is not there
+ * @param page  makes a page, by its path; pictures are those of the tests, or else all the same, but for `/nothing.png`,
+ *              which is not there
  */
 export async function serveOrigin(page) {
   const server = createServer(async (request, response) => {
     const isPage = !/\.(png|jpg)$/.test(request.url);
     const isThere = request.url !== "/nothing.png";
     response.writeHead(isThere ? 200 : 404, { "Content-Type": isPage ? "text/html" : "image/png" });
-    response.end(isPage ? page(request.url) : isThere && await readFile(path.join(data, "images/chelsea.png")));
+    const image = (name) => readFile(path.join(data, "images", name));
+    const picture = () => image(path.basename(request.url)).catch(() => image("chelsea.png"));
+    response.end(isPage ? page(request.url) : isThere && await picture());
   });
   server.listen(0, "127.0.0.1");
   await once(server, "listening");
@@ -121,6 +125,14 @@ export function useBrowser({ flags = [], viewport = { width: 1280, height: 860 }
 export async function settled(page, panel, state = "done") {
   await page.waitForSelector(`#${panel}[data-state=${state}]`);
   await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+}
+
+/** What the button of a panel saves, in a format by its title. */
+export async function download(page, panel, title) {
+  await page.selectOption(`#${panel} .download select`, { label: title });
+  const [saved] = await Promise.all([page.waitForEvent("download"), page.click(`#${panel} .download button`)]);
+  await settled(page, panel);
+  return saved;
 }
 
 /** Moves a slider as a hand does: through all the values, and then lets go. */
@@ -188,7 +200,7 @@ async function compareIn([now, then]) {
  */
 export async function looksAsKept(world, target, name) {
   const showFormats = (display) => (target.page?.() ?? target).evaluate((how) => {
-    for (const place of document.querySelectorAll(".downloads")) place.style.display = how;
+    for (const place of document.querySelectorAll(".download select")) place.style.display = how;
   }, display);
   await showFormats("none");
   const shot = await target.screenshot({ animations: "disabled" });

@@ -48,7 +48,7 @@ async function makeLarge({ page }) {
 /** Asks for points that take far longer than it takes to give them up. @returns  the job, once it has got somewhere */
 async function beginLong(world) {
   const { page } = world;
-  await page.goto(`${world.url}/#sample`);
+  await page.goto(`${world.url}/#sample?shape=polygon`);
   await settled(page, "sample");
   const answered = page.waitForResponse((one) => one.status() === 202);
   const sites = page.locator("#sample [data-name=sites] input[type=number]");

@@ -9,8 +9,12 @@ const world = useBrowser({ flags: ["--max-sites=700"] });
 
 test("begins with as many points as the server takes, and goes no farther", async () => {
   const { page } = world;
+  await page.goto(`${world.url}/#sample`);
+  await settled(page, "sample");
+  assert.match(await page.textContent("#sample .status"), /^[1-6]\d\d points/);
   for (const panel of ["halftone", "sample"]) {
-    await page.goto(`${world.url}/#${panel}`);
+    await page.goto("about:blank");
+    await page.goto(`${world.url}/#${panel}?${panel === "sample" ? "shape=polygon" : ""}`);
     await settled(page, panel);
     assert.match(await page.textContent(`#${panel} .status`), /^700 /);
     const most = await page.getAttribute(`#${panel} .fields [data-name=sites] input[type=range]`, "max");

@@ -7,7 +7,7 @@ import { tmpdir } from "node:os";
 import path from "node:path";
 import { test } from "node:test";
 
-import { data, run, settled, useBrowser } from "./harness.js";
+import { data, download, run, settled, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 const folder = mkdtempSync(path.join(tmpdir(), "ccdt-page-"));
@@ -16,12 +16,12 @@ const request = async () => JSON.parse((await snippet()).match(/-d '(.*)' \\|<<'
 
 async function open(address) {
   await world.page.goto(`${world.url}/${address}`);
-  await settled(world.page, address.slice(1));
+  await settled(world.page, address.match(/\w+/)[0]);
 }
 
 /** Options that are no fields: an older name, sizes in pixels, shapes, downloads, boxes and sliders beside the picture, the properties of a map's features, and what files for GIS have. */
 const elsewhere = {
-  halftone: ["fit", "format", "height", "invert", "width"],
+  halftone: ["fit", "format", "height", "invert"],
   sample: ["polygon", "holes", "geometry", "domain", "per", "classes", "properties", "object", "multipoint", "iterations", "mesh"],
 };
 
@@ -55,7 +55,7 @@ test("asks for the size, the rounds, and what becomes of a picture that takes lo
 });
 
 test("takes pictures for density and mask, and areas and points as text", async () => {
-  await open("#sample");
+  await open("#sample?shape=polygon");
   const { page } = world;
   await page.click("#sample .more summary");
   const more = (name) => page.locator(`#sample .more [data-name=${name}]`);
@@ -84,7 +84,7 @@ test("takes pictures for density and mask, and areas and points as text", async 
 });
 
 test("gives a document what cannot stand beside it", async () => {
-  await open("#sample");
+  await open("#sample?shape=polygon");
   const { page } = world;
   await page.setInputFiles("#sample .file", path.join(data, "polygons/Italy-110m.geojson"));
   await settled(page, "sample");
@@ -103,7 +103,7 @@ test("gives a document what cannot stand beside it", async () => {
 });
 
 test("has options of drawings in drawings alone", async () => {
-  await open("#sample");
+  await open("#sample?shape=polygon");
   const { page } = world;
   await page.click("#sample .more summary");
   const width = page.locator("#sample .more [data-name=width]");
@@ -112,7 +112,7 @@ test("has options of drawings in drawings alone", async () => {
   await width.locator("input[type=number]").blur();
   assert.equal((await request()).width, undefined);
   const asked = page.waitForRequest((one) => one.method() === "POST" && JSON.parse(one.postData()).format === "png");
-  await Promise.all([page.waitForEvent("download"), page.click('#sample .downloads button:text-is("PNG")')]);
+  await Promise.all([page.waitForEvent("download"), download(page, "sample", "PNG")]);
   assert.equal(JSON.parse((await asked).postData()).width, 300);
 });
 
@@ -133,7 +133,7 @@ test("tells what is not plain, by keyboard too", async () => {
 });
 
 test("says every slider's value in words", async () => {
-  await open("#sample");
+  await open("#sample?shape=polygon");
   await open("#halftone");
   const silent = await world.page.locator("input[type=range]:not([aria-valuetext])").evaluateAll((sliders) => sliders.map(({ outerHTML }) => outerHTML));
   assert.deepEqual(silent, []);

@@ -60,6 +60,34 @@ test("tells how long the pen takes", async () => {
   assert.match(await world.page.evaluate(() => location.hash), /lift=60/);
 });
 
+test("tells at once about how long it will take, and fits into a time", async () => {
+  await open("#halftone?picture=cat.jpg&plotter=on&pen_mm=2&paper=a5");
+  const { page } = world;
+  const minutes = (text) => Number(text.match(/about (\d+) min/)[1]);
+  const dots = (text) => Number(text.match(/([\d,]+) dots/)[1].replace(",", ""));
+  const whole = await figures();
+  await page.evaluate(() => {
+    window.told = [];
+    const place = document.querySelector("#halftone .figures");
+    new MutationObserver(() => window.told.push(place.querySelector("p")?.textContent)).observe(place, { childList: true });
+  });
+  await put("margin_mm", "12");
+  const [first] = await page.evaluate(() => window.told);
+  assert.match(first, /^An estimate: [\d,]+ dots, about \d+ min\.$/);
+  assert.ok(Math.abs(dots(first) / dots(whole) - 1) < 0.2, `${first}, ${whole}`);
+  assert.ok(Math.abs(minutes(first) / minutes(whole) - 1) < 0.25, `${first}, ${whole}`);
+
+  await page.uncheck("#halftone .plot [data-name=minutes] input[type=checkbox]");
+  await put("minutes", "5");
+  const fitted = await figures();
+  assert.equal(minutes(fitted), 5);
+  assert.ok(dots(fitted) < dots(whole), fitted);
+  assert.ok(await page.isHidden("#halftone .fields [data-name=sites]"));
+  assert.match(await page.textContent("#halftone .figures .note"), /^The whole tone takes about [\d,]+ dots of this pen, or a pen [\d.]+ mm wide/);
+  assert.equal(await page.textContent("#halftone .warnings"), "");
+  assert.match(await page.evaluate(() => location.hash), /minutes=5/);
+});
+
 test("has a layer for each ink, and paper of any size", async () => {
   await open("#halftone?color=cmyk&sites=2000&plotter=on&pen_mm=3&paper=a5&style=fill");
   const layers = await world.page.locator("#halftone .figures li").allTextContents();

@@ -1,4 +1,4 @@
-// After a refusal nothing is left on the page that was made before.
+// After a refusal the page shows nothing that is not what its fields and its picture say.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -21,7 +21,7 @@ const visibleError = (panel) => world.page.locator(`#${panel} .general`).boundin
 
 test("a shape that is refused has no points of the one before", async () => {
   const { page } = world;
-  await page.goto(`${world.url}/#sample`);
+  await page.goto(`${world.url}/#sample?shape=polygon`);
   await settled(page, "sample");
   await page.setInputFiles("#sample .file", path.join(data, "polygons/Italy-110m.geojson"));
   await settled(page, "sample");
@@ -36,15 +36,19 @@ test("a shape that is refused has no points of the one before", async () => {
   assert.ok(y >= 0 && y + height <= page.viewportSize().height);
 });
 
-test("a picture that is refused does not have the dots of the one before", async () => {
+test("a file that is no picture leaves what is shown", async () => {
   const { page } = world;
   await page.goto(world.url);
   await settled(page, "halftone");
+  const before = await dark("halftone");
   const bytes = await readFile(path.join(data, "images/camera.png"));
   const broken = Buffer.concat([bytes.subarray(0, 60), Buffer.from("no pixels"), bytes.subarray(69)]);
   await page.setInputFiles("#halftone .file", { name: "broken.png", mimeType: "image/png", buffer: broken });
   await settled(page, "halftone", "failed");
-  assert.equal(await dark("halftone"), 0);
-  assert.ok(await page.isHidden("#halftone .divider"));
-  assert.match(await page.textContent("#halftone .general"), /image/);
+  assert.equal(await dark("halftone"), before);
+  assert.match(await page.textContent("#halftone .general"), /^This file is not an image the server can read: /);
+  assert.equal(await page.getAttribute("#halftone [data-sample='astronaut.jpg']", "aria-pressed"), "true");
+  await page.click("#halftone [data-sample='cat.jpg']");
+  await settled(page, "halftone");
+  assert.equal(await page.textContent("#halftone .general"), "");
 });

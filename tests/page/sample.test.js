@@ -5,14 +5,14 @@ import { readFile } from "node:fs/promises";
 import path from "node:path";
 import { test } from "node:test";
 
-import { data, looksAsKept, run, runInBrowser, settled, slide, useBrowser } from "./harness.js";
+import { data, download, looksAsKept, run, runInBrowser, settled, slide, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 const frame = () => world.page.locator("#sample .canvas-frame");
 const request = async () => JSON.parse((await world.page.textContent("#sample pre")).match(/-d '(.*)' \\/s)[1]);
 
 async function open() {
-  await world.page.goto(`${world.url}/#sample`);
+  await world.page.goto(`${world.url}/#sample?shape=polygon`);
   await settled(world.page, "sample");
 }
 
@@ -67,10 +67,24 @@ test("draws a polygon and a hole by mouse, and moves corners", async () => {
   assert.notDeepEqual(moved.polygon[0], drawn.polygon[0]);
 });
 
+test("opens with a map of dots", async () => {
+  const { page } = world;
+  await page.goto(world.url);
+  await settled(page, "halftone");
+  await page.click("#tab-sample");
+  await settled(page, "sample");
+  assert.match(await page.textContent("#sample .status"), /^6,035 points/);
+  assert.ok(await page.isHidden("#sample .trace"));
+  assert.equal(await page.evaluate(() => location.hash), "#sample");
+  const [field, select] = await Promise.all(["", " select"].map((part) =>
+    page.locator(`#sample [data-name=coordinates]${part}`).evaluate((one) => one.getBoundingClientRect().right)));
+  assert.ok(select <= field, `${select}, ${field}`);
+});
+
 test("draws by touch", async () => {
   const context = await world.newContext({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
   const page = await context.newPage();
-  await page.goto(`${world.url}/#sample`);
+  await page.goto(`${world.url}/#sample?shape=polygon`);
   await settled(page, "sample");
   await page.tap("#sample .draw");
   const box = await page.locator("#sample .canvas-frame").boundingBox();
@@ -297,7 +311,7 @@ test("makes a mask, shows what it does, and saves it", async () => {
   await settled(page, "sample");
   assert.match(await page.textContent("#sample .status"), /^64 \u00d7 64 thresholds/);
   assert.deepEqual(await request(), { format: "mask", domain: { type: "torus", width: 64, height: 64 } });
-  assert.deepEqual(await page.locator("#sample .downloads button:visible").allTextContents(), ["Mask, 8 bits", "Mask, 16 bits"]);
+  assert.deepEqual(await page.locator("#sample .download option").allTextContents(), ["Mask, 8 bits", "Mask, 16 bits"]);
   for (const without of ["#iteration", "#mesh", "#sample .more", "#sample .plotter", "#sample .trace", "#sample [data-name=sites]"])
     assert.ok(await page.isHidden(without), without);
   await looksAsKept(world, frame(), "sample-mask");
@@ -309,9 +323,7 @@ test("makes a mask, shows what it does, and saves it", async () => {
   await settled(page, "sample");
   const asked = await request();
   assert.deepEqual(asked, { format: "mask16", domain: { type: "torus", width: 64, height: 16 } });
-  const download = page.waitForEvent("download");
-  await page.click('#sample .downloads button:text-is("Mask, 16 bits")');
-  const saved = await download;
+  const saved = await download(page, "sample", "Mask, 16 bits");
   assert.equal(saved.suggestedFilename(), "mask.png");
   const bytes = await readFile(await saved.path());
   assert.deepEqual(bytes, Buffer.from(await (await answerTo(asked)).arrayBuffer()));
@@ -381,9 +393,8 @@ test("has the methods that CCDT is compared with", async () => {
 
 /** Saves the points, and has the page's lines make them again, in a folder. */
 async function repeats(folder, file) {
-  const download = world.page.waitForEvent("download");
-  await world.page.click('#sample .downloads button:text-is("JSON")');
-  const saved = JSON.parse(await readFile(await (await download).path()));
+  const points = await download(world.page, "sample", "JSON");
+  const saved = JSON.parse(await readFile(await points.path()));
   assert.equal(saved.points.length, 1000);
   const snippet = async (kind) => {
     await world.page.click(`#sample .kinds button:text-is("${kind}")`);

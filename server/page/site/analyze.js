@@ -25,6 +25,7 @@ function windowOf({ points, shape, outline, places }) {
 const notes = {
   torus: "The points tile the plane, and are measured around the torus.",
   rectangle: "The rectangle is taken for a window on a larger pattern.",
+  map: "Measured are the points in the largest square inside the map. How dense they are in places is part of this spectrum: that is the low power near the middle and left.",
   polygon: "Measured are the points in the largest square inside the shape, a window on a larger pattern.",
   halftone: "The picture's own light and dark is part of this spectrum: that is the low power near the middle and left. Of several inks all dots are taken together.",
 };
@@ -44,12 +45,13 @@ export class Analyze extends Panel {
 
   /** With what was made goes how it was made. */
   state() {
-    return { ...(this.source.value !== "sample" && { source: this.source.value }), ...this.#made.state() };
+    const source = this.source.value;
+    return { ...(source === "sample" ? { shape: this.sample.shapeName } : { source }), ...this.#made.state() };
   }
 
   async restore(state) {
     this.source.value = state.source === "halftone" ? "halftone" : "sample";
-    await this.#made.restore(state);
+    await this.#made.restore(this.source.value === "sample" ? { shape: "polygon", ...state } : state);
   }
 
   look() {
@@ -65,7 +67,7 @@ export class Analyze extends Panel {
     const { shape } = this.sample;
     if (!shape || this.sample.isMask) throw new Error("there are no points yet: make some under Sample");
     const result = this.sample.result ?? (await this.sample.fetch(signal, { told: this.tell }));
-    return { ...windowOf(result), note: notes[result.shape.domain?.type ?? "polygon"] };
+    return { ...windowOf(result), note: notes[result.shape.domain?.type ?? (result.features ? "map" : "polygon")] };
   }
 
   refresh() {

@@ -303,6 +303,15 @@ export class Fields {
     this.#find(name).element.hidden = !offered;
   }
 
+  /** Makes another value the server's default, and puts it into the field if the default was there. */
+  setStandard(name, standard) {
+    const entry = this.#find(name);
+    const isThere = entry.text() === entry.field.standard;
+    entry.field = { ...entry.field, standard };
+    entry.first = standard;
+    if (isThere) entry.put(standard);
+  }
+
   enable(name, enabled) {
     this.#find(name).input.disabled = !enabled;
   }

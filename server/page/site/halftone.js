@@ -1,10 +1,12 @@
 // A picture becomes dots.
 
 import { capabilities } from "./api.js";
-import { acceptDrops, count, seconds } from "./dom.js";
+import { acceptDrops, count, make, seconds } from "./dom.js";
 import { Fields } from "./fields.js";
-import { fields, moreFields } from "./halftone_options.js";
+import { fields, moreFields, presets } from "./halftone_options.js";
+import { inksOf } from "./ink.js";
 import { postPatiently } from "./jobs.js";
+import { lightOfColour, scaledAsLight } from "./light.js";
 import { Panel } from "./panel.js";
 import { Plotter } from "./plotter.js";
 import { isLarge, reduced } from "./reduced.js";
@@ -13,20 +15,45 @@ import { Viewport } from "./viewport.js";
 
 const draftOptions = { quality: "draft", iterations: 1, passes: 2 };
 const draftScale = 2;  // of a draft of a reduced picture, at most
-const thumbWidth = 32;
+const thumbWidth = 32;  // of the divider
+const thumbSide = 128;  // pixels of a picture's thumbnail
 const toneTolerance = 0.05;
 const firstSample = "astronaut.jpg";
 const ownPicture = "own";  // in the address, which cannot hold it
 
 const samplePath = (name) => `/assets/samples/${name}`;
 
-/** A picture that comes with the page: {name, path, blob}; one's own has no path. */
+/**
+ * A picture that comes with the page: {name, path, blob}; one's own has no path. Once it is chosen it has `original`: what
+ * the browser reads of it, or null.
+ */
 const sample = async (name) => ({ name, path: samplePath(name), blob: await (await fetch(samplePath(name))).blob() });
 const ownOf = (file) => ({ name: file.name, blob: file });
+
+/** A canvas that holds a picture, whose pixels are to be read. */
+function canvasOf(bitmap) {
+  const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+  canvas.getContext("2d", { willReadFrequently: true }).drawImage(bitmap, 0, 0);
+  return canvas;
+}
+
+/** The middle of a picture, as a square; of one that the browser cannot read its name. */
+function thumbnailOf({ name, original }) {
+  if (!original) return make("span", { textContent: name });
+  const canvas = make("canvas", { width: thumbSide, height: thumbSide });
+  const side = Math.min(original.width, original.height);
+  const context = canvas.getContext("2d");
+  context.imageSmoothingQuality = "high";
+  context.drawImage(original, (original.width - side) / 2, (original.height - side) / 2, side, side, 0, 0, thumbSide, thumbSide);
+  return canvas;
+}
 
 /** Tells whether pictures with such options have dots of ink and of paper. */
 const isOfBothSides = ({ palette, dots, tone, style, background }) =>
   !palette && !dots && tone !== "density" && style !== "stroke" && background !== "transparent";
+
+/** Tells whether the server draws crisp pixels, unless it is told otherwise. */
+const isForPrint = ({ scale, width_mm: print }) => scale !== undefined || print !== undefined;
 
 /** How many dots there are or, if the server has chosen that, how large: in pixels of the picture. */
 function describe({ sites }, response) {
@@ -47,10 +74,10 @@ function draftOf(options, factor) {
 }
 
 /** What the server has to say of the picture, though it took it. */
-function warningsOf(response) {
+function warningsOf(response, isTimed) {
   const warnings = JSON.parse(response.headers.get("X-Warnings") ?? "[]").map(({ detail }) => detail);
   const tone = Number(response.headers.get("X-Tone") ?? 1);
-  if (Math.abs(tone - 1) > toneTolerance) warnings.push(`dots cover ${Math.round(100 * tone)} % of what the tone of the picture wants: with dots on auto it is right`);
+  if (Math.abs(tone - 1) > toneTolerance && !isTimed) warnings.push(`dots cover ${Math.round(100 * tone)} % of what the tone of the picture wants: with dots on auto it is right`);
   if (response.headers.has("X-Partial")) warnings.push("the server's time ran out before all dots were even");
   return warnings.join("; ");
 }
@@ -58,9 +85,10 @@ function warningsOf(response) {
 export class Halftone extends Panel {
   #picture = null;
   #own = null;
-  #original = null;
-  #dots = null;
-  #scale = null;  // output pixels to one of the picture, when it was last made whole
+  #shown = { original: null, dots: null };  // and once dots were made whole `scale`, output pixels to one of the picture, `status` and `warnings`
+  #before = null;  // {picture, shown} until the server has read the picture that is chosen
+  #scaled = {};  // the dots as they were drawn last
+  #planned = null;  // the inks that a picture takes, about
   #isStale = true;
 
   constructor(element) {
@@ -70,17 +98,21 @@ export class Halftone extends Panel {
     this.fields = new Fields(this.find(".fields"), fields, (draft) => this.refresh(draft));
     this.moreFields = new Fields(this.find(".more form"), moreFields, (draft) => this.refresh(draft));
     this.plotter = new Plotter(this.find(".plotter"), {
-      size: () => this.#original ?? this.#dots ?? { width: 1, height: 1 },
+      size: () => this.#picture?.original ?? this.#shown.dots ?? { width: 1, height: 1 },
+      plan: () => this.#plan(),
+      isTimed: true,
       changed: (draft) => this.refresh(draft),
       dot: (radius) => `${Number(radius.toPrecision(6))}mm`,
       turned: (isOn) => this.#penTurned(isOn),
       noted: () => this.note(),
     });
+    this.#offerPresets();
     this.#offerFields();
     this.snippets = new Snippets(this.find(".snippets"));
     this.divider.addEventListener("input", () => { this.#tellDivider(); this.viewport.redraw(); });
     this.#tellDivider();
-    this.addDownloads(capabilities.halftone.formats, "dots", (format, signal) => this.ask(format, signal));
+    this.addDownload((format, signal) => this.ask(format, signal));
+    this.offerDownloads(capabilities.halftone.formats, "dots");
     this.#listenForPictures();
   }
 
@@ -91,17 +123,46 @@ export class Halftone extends Panel {
   state() {
     const { path, name } = this.#picture ?? { path: "", name: firstSample };
     const picture = path === undefined ? ownPicture : name;
-    return {
-      ...(picture !== firstSample && { picture }),
-      ...this.fields.state(), ...this.moreFields.state(), ...this.#heldScale, ...this.plotter.state(),
-    };
+    return { ...(picture !== firstSample && { picture }), ...this.#settings(), ...this.#heldWidth };
+  }
+
+  get #parts() {
+    return [this.fields, this.moreFields, this.plotter];
+  }
+
+  #settings() {
+    return Object.assign({}, ...this.#parts.map((part) => part.state()));
+  }
+
+  #restoreSettings(state) {
+    for (const part of this.#parts) part.restore(state);
+    this.#offerFields();
+  }
+
+  /** Buttons for settings that go well together. */
+  #offerPresets() {
+    this.presets = presets.map(({ title, settings }) => {
+      const button = make("button", { type: "button", textContent: title });
+      button.addEventListener("click", () => {
+        this.#restoreSettings(settings);
+        this.note(true);
+        this.refresh();
+      });
+      return { button, settings };
+    });
+    this.find(".presets").append(...this.presets.map(({ button }) => button));
+  }
+
+  #tellPreset() {
+    const text = (settings) => JSON.stringify(Object.entries(settings).sort());
+    const now = text(this.#settings());
+    for (const { button, settings } of this.presets) button.setAttribute("aria-pressed", String(text(settings) === now));
   }
 
   async restore(state) {
     this.#isStale = true;
     this.element.dataset.state = "busy";
-    for (const part of [this.fields, this.moreFields, this.plotter]) part.restore(state);
-    this.#offerFields();
+    this.#restoreSettings(state);
     if (state.picture === ownPicture && this.#own) return this.#take(this.#own);
     const isOffered = this.thumbs.some(({ dataset }) => dataset.sample === state.picture);
     const name = isOffered ? state.picture : firstSample;
@@ -120,6 +181,9 @@ export class Halftone extends Panel {
   #listenForPictures() {
     this.thumbs = [...this.element.querySelectorAll(".thumb")];
     for (const thumb of this.thumbs) thumb.addEventListener("click", () => this.#chooseSample(thumb.dataset.sample));
+    this.ownThumb = make("button", { type: "button", className: "thumb", hidden: true });
+    this.ownThumb.addEventListener("click", () => this.#choose(this.#own));
+    this.find(".pictures").prepend(this.ownThumb);
     this.find(".file").addEventListener("change", ({ target }) => {
       if (target.files.length > 0) this.#choose(ownOf(target.files[0]));
       target.value = "";
@@ -138,7 +202,7 @@ export class Halftone extends Panel {
 
   /** A picture of one's own, or a sample: a step that one may go back from. */
   async #choose(picture) {
-    if (!picture.path) this.#own = picture;
+    this.#before ??= { picture: this.#picture, shown: this.#shown };
     await this.#take(picture);
     if (picture !== this.#picture) return;
     this.note(true);
@@ -150,13 +214,25 @@ export class Halftone extends Panel {
     this.element.dataset.state = "busy";
     this.newest.abandon();
     this.#picture = picture;
-    this.#dots = this.#scale = null;
-    for (const thumb of this.thumbs) thumb.setAttribute("aria-pressed", String(picture.path === samplePath(thumb.dataset.sample)));
-    const original = await createImageBitmap(picture.blob).catch(() => null);
+    if (picture.original === undefined) picture.original = await createImageBitmap(picture.blob).catch(() => null);
     if (picture !== this.#picture) return;
-    this.#original = original;
-    if (original) this.viewport.content = { width: original.width, height: original.height };
-    this.viewport.redraw();
+    if (picture.original) this.#keepOwn();
+    this.#tellPicture();
+    if (picture.original) this.#show({ original: picture.original, dots: null });
+  }
+
+  /** Keeps a picture of one's own among those that can be chosen. */
+  #keepOwn() {
+    if (this.#picture.path || this.#picture === this.#own) return;
+    this.#own = this.#picture;
+    this.ownThumb.hidden = false;
+    this.ownThumb.ariaLabel = this.#own.name;
+    this.ownThumb.replaceChildren(thumbnailOf(this.#own));
+  }
+
+  #tellPicture() {
+    for (const thumb of this.thumbs) thumb.setAttribute("aria-pressed", String(this.#picture?.path === samplePath(thumb.dataset.sample)));
+    this.ownThumb.setAttribute("aria-pressed", String(this.#picture === this.#own));
   }
 
   /** What makes no sense with the inks, the unit or the pen that are chosen is not there to be asked for. */
@@ -170,6 +246,10 @@ export class Halftone extends Panel {
     this.fields.offer("foreground", color === "gray");
     this.fields.offer("dots", color !== "palette");
     this.fields.offer("background", color !== "rgb");
+    this.fields.offer("sites", this.plotter.minutes === undefined);
+    const isInverted = this.fields.values().dots === "paper";
+    this.fields.setStandard("foreground", isInverted ? "#ffffff" : "#000000");
+    this.fields.setStandard("background", isInverted ? "#000000" : "#ffffff");
     this.moreFields.offer("width_mm", !isInMm && !isPlotted);
     this.moreFields.offer("style", !isPlotted);
   }
@@ -180,17 +260,25 @@ export class Halftone extends Panel {
     this.refresh();
   }
 
-  /** A radius in pixels is one of the output, whose scale then must stay what it was when the radius was seen: that. */
-  get #heldScale() {
-    const isHeld = typeof this.fields.values().dot === "number" && this.moreFields.values().scale === undefined;
-    return isHeld && this.#scale ? { scale: Math.round(100 * this.#scale) / 100 } : {};
+  /** A radius in pixels is one of the output, whose width then must stay what it was when the radius was seen: that. */
+  get #heldWidth() {
+    const { width, scale, width_mm: print } = this.moreFields.values();
+    const isHeld = typeof this.fields.values().dot === "number" && [width, scale, print].every((one) => one === undefined);
+    return isHeld ? this.#shownWidth : {};
+  }
+
+  /** The width in pixels of what is shown, once it was made whole. */
+  get #shownWidth() {
+    const { original, scale } = this.#shown;
+    return scale ? { width: Math.round(scale * original.width) } : {};
   }
 
   #options() {
-    const options = { ...this.fields.values(), ...this.moreFields.values(), ...this.#heldScale, ...(this.plotter.isOn && this.plotter.options()) };
+    const options = { ...this.fields.values(), ...this.moreFields.values(), ...this.#heldWidth, ...(this.plotter.isOn && this.plotter.options()) };
     if (options.palette) delete options.color;
     if (options.color && options.dots === "paper") options.dots = "ink";  // paper alone is of grey
-    return options;
+    if (options.antialias !== isForPrint(options)) delete options.antialias;  // it is the default
+    return this.plotter.isOn ? { ...options, ...this.plotter.sites() } : options;
   }
 
   /** What the panel shows, in a format. */
@@ -198,19 +286,27 @@ export class Halftone extends Panel {
     if (!this.#picture) await this.#take(await sample(firstSample));
     const options = this.#options();
     if (isOfBothSides(options)) options.dots = "both";  // also of lists, whose default is ink
-    return this.#post({ ...options, format }, signal, told);
+    return this.#post({ ...options, ...this.#sizeOf(options, format), format }, signal, told);
+  }
+
+  /** What makes a format as large as what is shown: lists of dots have no width, and TIFFs are for print by default. */
+  #sizeOf(options, format) {
+    const { drawn } = capabilities.halftone.formats.find(({ name }) => name === format);
+    if (!drawn) return { width: undefined, ...(options.width !== undefined && { scale: this.#shown.scale?.toFixed(2) }) };
+    return format === "tiff" && !isForPrint(options) && options.width === undefined ? this.#shownWidth : {};
   }
 
   #post(options, signal, told, blob = this.#picture.blob) {
-    return postPatiently(`/halftone?${new URLSearchParams(options)}`, blob, options,
+    const asked = Object.entries(options).filter(([, value]) => value !== undefined);
+    return postPatiently(`/halftone?${new URLSearchParams(asked)}`, blob, options,
       { signal, told, type: "application/octet-stream" });
   }
 
   /** Large pictures are reduced for drafts, once. */
   async #postDraft(options, signal) {
     const picture = this.#picture;
-    if (!isLarge(this.#original)) return this.#post(draftOf(options, 1), signal, this.tell);
-    picture.reduced ??= reduced(this.#original);
+    if (!isLarge(picture.original)) return this.#post(draftOf(options, 1), signal, this.tell);
+    picture.reduced ??= reduced(picture.original);
     const { blob, factor } = await picture.reduced;
     return this.#post(draftOf(options, factor), signal, this.tell, blob);
   }
@@ -218,6 +314,7 @@ export class Halftone extends Panel {
   refresh(draft = false) {
     this.#isStale = false;
     this.#offerFields();
+    this.#tellPreset();
     if (!this.#picture) return;
     const options = this.#options();
     this.snippets.showHalftone({ picture: this.#picture, options });
@@ -226,14 +323,20 @@ export class Halftone extends Panel {
     this.wish(async (signal) => {
       const start = performance.now();
       const response = await (draft ? this.#postDraft(options, signal) : this.#post(options, signal, this.tell));
-      const dots = await createImageBitmap(await response.blob());
+      const dots = canvasOf(await createImageBitmap(await response.blob()));
       if (signal.aborted) return;
-      if (draft) return this.#show(dots);
-      this.#scale = this.#original && dots.width / this.#original.width;
-      this.#show(dots);
-      this.status.textContent = `${describe(options, response)}, ${dots.width} \u00d7 ${dots.height} pixels, ${seconds(start)}`;
-      this.find(".warnings").textContent = warningsOf(response);
+      const { original } = this.#picture;
+      this.#before = null;
+      this.#keepOwn();
+      this.#tellPicture();
+      if (draft) return this.#show({ ...this.#shown, original, dots });
+      this.#show({
+        original, dots, scale: original && dots.width / original.width,
+        status: `${describe(options, response)}, ${dots.width} \u00d7 ${dots.height} pixels, ${seconds(start)}`,
+        warnings: warningsOf(response, this.plotter.minutes !== undefined),
+      });
       await this.#plot(options, signal);
+      this.status.textContent = this.#shown.status;  // which a job for the plot may have taken away
     }, draft);
   }
 
@@ -245,11 +348,41 @@ export class Halftone extends Panel {
   }
 
   /** Place and zoom stay while the picture does, though the scale of its output may change. */
-  #show(dots) {
-    this.#dots = dots;
-    const { width, height } = this.#original ?? dots;
-    this.viewport.unit = (this.#scale ?? dots.width / width) / devicePixelRatio;
+  #show(shown) {
+    const { original, dots, scale, status = "", warnings = "" } = shown;
+    const { width, height } = original ?? dots;
+    this.#shown = shown;
+    this.status.textContent = status;
+    this.find(".warnings").textContent = warnings;
+    this.viewport.unit = dots && (scale ?? dots.width / width) / devicePixelRatio;
     this.viewport.content = { width, height };
+  }
+
+  /** Whether a problem is that the server cannot read the picture; browsers show parts of some that are broken. */
+  #isUnreadable({ status, message }) {
+    return status === 415 || (status === 422 && /^the image is (broken|of a kind)/.test(message));
+  }
+
+  show(problem) {
+    const isUnreadable = problem && this.#isUnreadable(problem);
+    if (isUnreadable) {
+      problem.message = `This file is not an image the server can read: ${problem.message}`;
+      problem.errors = [{ pointer: "image", detail: problem.message }];
+    }
+    super.show(problem);
+    if (isUnreadable && this.#before?.shown.dots) this.#goBack();
+    else if (problem) this.#before = null;
+  }
+
+  /** Shows what was shown before a picture was chosen. */
+  #goBack() {
+    const { picture, shown } = this.#before;
+    this.#picture = picture;
+    this.#before = null;
+    this.#tellPicture();
+    this.#show(shown);
+    this.snippets.showHalftone({ picture, options: this.#options() });
+    this.note();
   }
 
   place(errors) {
@@ -260,37 +393,58 @@ export class Halftone extends Panel {
 
   /** The picture is left. */
   forget() {
-    this.#dots = null;
+    this.#shown = { original: this.#picture?.original ?? null, dots: null };
     this.find(".warnings").textContent = "";
     this.plotter.tell(null);
     this.viewport.redraw();
   }
 
   #draw(context, view) {
-    this.divider.hidden = !this.#original || !this.#dots;
-    if (!this.#original && !this.#dots) return;
-    const { width, height } = this.#original ?? this.#dots;
-    const place = [view.x, view.y, width * view.scale, height * view.scale];
-    if (this.#dots) this.#drawDots(context, place);
-    if (this.#original) this.#drawOriginal(context, view, place);
+    const { original, dots } = this.#shown;
+    this.divider.hidden = !original || !dots;
+    if (!original && !dots) return;
+    const { width, height } = original ?? dots;
+    const inPixels = (length) => Math.round(length * devicePixelRatio);
+    const place = { x: inPixels(view.x), y: inPixels(view.y), width: inPixels(width * view.scale), height: inPixels(height * view.scale) };
+    if (dots) this.#drawDots(context, place);
+    if (original) this.#drawOriginal(context, view, place);
   }
 
+  /** Of the same dots in the same place the pixels are the same, as while the divider moves. */
   #drawDots(context, place) {
-    context.imageSmoothingEnabled = place[2] * devicePixelRatio < this.#dots.width;
-    context.imageSmoothingQuality = "high";
-    context.drawImage(this.#dots, ...place);
+    const { dots } = this.#shown;
+    const { width, height } = context.canvas;
+    const ground = getComputedStyle(context.canvas.parentElement).backgroundColor;
+    const key = JSON.stringify([place, width, height, ground]);
+    if (this.#scaled.dots !== dots || this.#scaled.key !== key)
+      this.#scaled = { dots, key, pixels: scaledAsLight(dots, place, { width, height }, lightOfColour(ground)) };
+    const { pixels } = this.#scaled;
+    if (pixels) context.putImageData(pixels.image, pixels.x, pixels.y);
   }
 
   /** All of it as long as there are no dots. */
-  #drawOriginal(context, view, place) {
+  #drawOriginal(context, view, { x, y, width, height }) {
+    const { original, dots } = this.#shown;
     const share = Number(this.divider.value) / 100;
-    const end = this.#dots ? thumbWidth / 2 + share * (view.size.width - thumbWidth) : view.size.width;
+    const end = dots ? thumbWidth / 2 + share * (view.size.width - thumbWidth) : view.size.width;
     context.save();
     context.beginPath();
-    context.rect(0, 0, this.#dots && share === 0 ? 0 : end, view.size.height);
+    context.rect(0, 0, dots && share === 0 ? 0 : end, view.size.height);
     context.clip();
-    context.imageSmoothingEnabled = true;
-    context.drawImage(this.#original, ...place);
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.imageSmoothingQuality = "high";
+    context.drawImage(original, x, y, width, height);
     context.restore();
+  }
+
+  /** What a plot will take, about, as far as the browser can read the picture: {sites, inks}. */
+  #plan() {
+    const { original } = this.#picture ?? {};
+    if (!original) return null;
+    const options = { ...this.fields.values(), ...this.moreFields.values() };
+    const key = JSON.stringify([options.color, options.palette, options.dots, options.tone]);
+    if (this.#planned?.original !== original || this.#planned.key !== key)
+      this.#planned = { original, key, inks: inksOf(original, options) };
+    return { sites: options.sites, inks: this.#planned.inks };
   }
 }

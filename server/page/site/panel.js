@@ -75,16 +75,25 @@ export class Panel {
     this.newest.wish(work, draft);
   }
 
-  /** Adds buttons that save what `ask(format, signal)` answers, for each of the formats, and returns them. */
-  addDownloads(formats, file, ask) {
-    const place = this.find(".downloads");
-    return formats.map(({ name, title, extension }) => {
-      const button = make("button", { type: "button", textContent: title });
-      button.addEventListener("click", () => this.wish(async (signal) => {
-        save(await (await ask(name, signal)).blob(), `${file}.${extension}`);
-      }));
-      place.append(button);
-      return button;
+  /** Adds a button that saves what `ask(format, signal)` answers, and a choice among the formats that are offered. */
+  addDownload(ask) {
+    this.format = make("select", { attributes: { "aria-label": "Format" } });
+    const button = make("button", { type: "button", className: "primary", textContent: "Download" });
+    button.addEventListener("click", () => this.wish(async (signal) => {
+      const { value: name, selectedOptions: [{ dataset }] } = this.format;
+      save(await (await ask(name, signal)).blob(), dataset.file);
+    }));
+    this.find(".download").append(button, this.format);
+  }
+
+  /** Offers formats, and keeps the one that is chosen if it is among them. */
+  offerDownloads(formats, file) {
+    const { value } = this.format;
+    const options = formats.map(({ name, title, extension }) => {
+      const option = new Option(title, name, false, name === value);
+      option.dataset.file = `${file}.${extension}`;
+      return option;
     });
+    this.format.replaceChildren(...options);
   }
 }

@@ -6,6 +6,9 @@ import { Fields } from "./fields.js";
 
 const papers = { a6: [105, 148], a5: [148, 210], a4: [210, 297], a3: [297, 420], a2: [420, 594], letter: [215.9, 279.4] };  // mm
 
+/** The mean way from dot to dot, over the root of the area that each has, where all have as much. */
+const meanStep = 1;
+
 const fields = [
   { kind: "choice", name: "paper", label: "Paper", choices: [["a4", "A4"], ["a6", "A6"], ["a5", "A5"], ["a3", "A3"], ["a2", "A2"], ["letter", "Letter"], ["none", "none: a width"]] },
   { kind: "number", name: "margin_mm", label: "Least margin, mm", value: 10, min: 0, max: 50, step: 1 },
@@ -14,6 +17,8 @@ const fields = [
     help: "A dot is as wide as what the pen leaves when it touches the paper. A wider pen needs fewer dots." },
   { kind: "choice", name: "style", label: "A dot is", choices: [["stroke", "a short stroke"], ["fill", "a circle"]],
     help: "Of a stroke as short as these the pen goes down and up in one place. Programs for plotters draw circles around, or fill them." },
+  { kind: "number", name: "minutes", label: "Minutes", value: 45, min: 5, max: 600, step: 1, log: true, auto: true, free: "any",
+    help: "As many dots as the pen can draw in this time. If they are fewer than the tone takes, the drawing is lighter: a wider pen makes up for that." },
   { kind: "number", name: "speed", label: "Speed, mm a second", value: 100, min: 5, max: 500, step: 1, log: true },
   { kind: "number", name: "lift", label: "Down and up, seconds", value: 0.15, min: 0.01, max: 2, log: true,
     help: "How long the pen takes for one dot, besides the way there." },
@@ -52,14 +57,17 @@ export class Plotter {
 
   /**
    * @param place    where it goes, under a heading
+   * @param plan     tells what is known before the server has answered: {sites, inks}, the number of dots if it is fixed, and
+   *                 for each ink {share, spread} as `inksOf` does; null if nothing is
    * @param size     tells the width and height of what is drawn, in units of its own
+   * @param isTimed  whether the number of dots may follow from a time
    * @param dot      tells the option `dot` of a radius, with the width of the drawing; in mm
    * @param changed  called with whether it is a draft, once options are others
    * @param turned   called with whether a pen draws, once it does or does not any more
    * @param noted    called once something is another that the server need not know
    */
-  constructor(place, { size, dot, changed, turned, noted }) {
-    Object.assign(this, { size, dot, changed, noted });
+  constructor(place, { size, plan, isTimed = false, dot, changed, turned, noted }) {
+    Object.assign(this, { size, plan, isTimed, dot, changed, noted });
     const form = make("form", { noValidate: true });
     this.box = make("input", { type: "checkbox" });
     this.figures = make("div", { className: "figures", role: "status" });
@@ -93,19 +101,54 @@ export class Plotter {
     return { width_mm: width, dot: this.dot(pen / 2, width), ...(style === "stroke" && { style }) };
   }
 
+  /** Minutes that a drawing may take; undefined: as many as it takes. */
+  get minutes() {
+    return this.isOn ? this.fields.values().minutes : undefined;
+  }
+
+  /** The option `sites` of a drawing that may take no longer, if that is fewer dots than its tone takes. */
+  sites() {
+    const estimate = this.#estimate();
+    return estimate && estimate.dots < estimate.wanted ? { sites: estimate.dots } : {};
+  }
+
+  /**
+   * What a drawing takes, about.
+   * @returns  {dots, path, wanted, pen}: dots, as far as there is time for them, and the length of their path in mm; how
+   *           many there would be with more time; the width of a pen that makes the whole tone with so few. null: unknown
+   */
+  #estimate() {
+    const plan = this.plan();
+    if (!plan) return null;
+    const { pen_mm: pen, minutes, speed, lift } = this.fields.values();
+    const { width, height } = this.#page();
+    const area = width * height;
+    const share = plan.inks.reduce((sum, ink) => sum + ink.share, 0);
+    const full = (share * area) / (Math.PI * (pen / 2) ** 2);
+    const wanted = Math.round(plan.sites ?? full);
+    // A path over n dots is as long as its step times the root of n.
+    const step = meanStep * Math.sqrt(area) * plan.inks.reduce((sum, ink) => sum + ink.spread * Math.sqrt(ink.share / share), 0);
+    const half = step / speed / 2;
+    const root = (Math.sqrt(half ** 2 + 60 * minutes * lift) - half) / lift;
+    const dots = minutes > 0 ? Math.max(Math.min(wanted, Math.floor(root ** 2)), 1) : wanted;
+    return Number.isFinite(dots) ? { dots, path: step * Math.sqrt(dots), wanted, pen: pen * Math.sqrt(full / dots) } : null;
+  }
+
   /** Tells of a drawing as the server made it; null: there is none. */
   tell(svg) {
     this.#svg = svg;
     this.button.disabled = svg === null;
-    this.#asked = svg === null ? null : JSON.stringify(this.options());
+    this.#asked = svg === null ? null : this.#wish;
     this.#layers = svg === null ? [] : layersOf(svg);
     this.#tellFigures();
   }
 
-  /** Saves nothing until the next drawing is there. */
+  /** Saves nothing until the next drawing is there, of which an estimate is shown. */
   wait() {
     this.button.disabled = true;
     this.#asked = null;
+    this.#layers = [];
+    if (this.isOn) this.#tellFigures();
   }
 
   /** What the server objects to, in its own names. */
@@ -113,16 +156,20 @@ export class Plotter {
     this.fields.show(errors.map((error) => (/^\/?dot$/.test(error.pointer) ? { ...error, pointer: "pen_mm" } : error)));
   }
 
-  /** How fast a pen is changes nothing of the drawing. */
+  get #wish() {
+    return JSON.stringify([this.options(), this.sites()]);
+  }
+
+  /** How fast a pen is changes nothing of a drawing that may take any time. */
   #fieldChanged(draft) {
     this.#settle();
-    if (JSON.stringify(this.options()) !== this.#asked) return this.changed(draft);
+    if (this.#wish !== this.#asked) return this.changed(draft);
     this.#tellFigures();
     if (!draft) this.noted();
   }
 
   #tellFigures() {
-    this.figures.replaceChildren(...(this.#layers.length === 0 ? [] : this.#describe(this.#layers)));
+    this.figures.replaceChildren(...(this.#layers.length === 0 ? this.#foretell() : this.#describe(this.#layers)));
   }
 
   #settle() {
@@ -130,6 +177,7 @@ export class Plotter {
     const isFree = this.fields.values().paper === "none";
     this.fields.offer("width_mm", isFree);
     this.fields.offer("margin_mm", !isFree);
+    this.fields.offer("minutes", this.isTimed);
   }
 
   /** Width and height of the drawing, and of the paper that it lies on the middle of; in mm, turned as it fits best. */
@@ -154,11 +202,33 @@ export class Plotter {
       ` width="${paper[0]}mm" height="${paper[1]}mm" viewBox="${x} ${y} ${paper[0]} ${paper[1]}"`);
   }
 
-  #describe(layers) {
+  #time({ dots, path }) {
     const { speed, lift } = this.fields.values();
+    return path / speed + dots * lift;
+  }
+
+  /** What is told before there is a drawing. */
+  #foretell() {
+    const estimate = this.isOn ? this.#estimate() : null;
+    if (!estimate) return [];
+    return [
+      drawPage(this.#page()),
+      make("p", { textContent: `An estimate: ${count(estimate.dots)} dots, about ${duration(this.#time(estimate))}.` }),
+      ...this.#advice(estimate),
+    ];
+  }
+
+  /** What is told of a drawing that is lighter than its picture, for want of time. */
+  #advice({ dots, wanted, pen }) {
+    if (dots >= wanted) return [];
+    return [make("p", { className: "note", textContent: `The whole tone takes about ${count(wanted)} dots of this pen, or a pen ${Number(pen.toPrecision(2))} mm wide.` })];
+  }
+
+  #describe(layers) {
     const page = this.#page();
+    const estimate = this.#estimate();
     const round = (value) => Number(value.toFixed(1));
-    const time = ({ dots, path }) => path / speed + dots * lift;
+    const time = (layer) => this.#time(layer);
     const sum = layers.reduce((all, { dots, path }) => ({ dots: all.dots + dots, path: all.path + path }), { dots: 0, path: 0 });
     const line = ({ name, colour, ...layer }) => make("li", { style: `--class: ${colour}` },
       `${name}: ${count(layer.dots)}, ${metres(layer.path / 1000)}, ${duration(time(layer))}`);
@@ -166,6 +236,7 @@ export class Plotter {
       drawPage(page),
       make("p", { textContent: `${round(page.width)} \u00d7 ${round(page.height)} mm. ${count(sum.dots)} dots in ${count(layers.length)} ${layers.length === 1 ? "layer" : "layers"}, a path of ${metres(sum.path / 1000)}: about ${duration(time(sum))}.` }),
       ...(layers.length > 1 ? [make("ul", { className: "legend", attributes: { "aria-label": "Layers" } }, ...layers.map(line))] : []),
+      ...(estimate ? this.#advice(estimate) : []),
     ];
   }
 }

@@ -9,7 +9,7 @@ import { postPatiently } from "./jobs.js";
 import { showing } from "./mask.js";
 import { Panel } from "./panel.js";
 import { Plotter } from "./plotter.js";
-import { drawingFields, fields, formats, masks, methodNamed, moreFields, shapeFields } from "./sample_options.js";
+import { drawingFields, fields, formats, masks, methodNamed, moreFields, mostPoints, shapeFields } from "./sample_options.js";
 import { areaOf, boundsOf, firstPolygon, outlineOf, polygonOf, rectangle, unitTorus } from "./shape.js";
 import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
@@ -18,7 +18,7 @@ const mostFrames = 64;
 const leastRadius = 0.9;  // of a dot, CSS pixels
 const dotShare = 0.3;  // a dot's radius over the mean spacing,
 const mapShare = 0.15;  // and on a map of dots, which are much denser in places
-const wishedOfMap = 5000;  // dots, as long as nobody has said how many each stands for
+const wishedOfMap = Math.min(5000, Math.floor(mostPoints / 2.5));  // dots at least, and up to 2.5 times as many, as long as nobody has said how many each stands for
 const mostCounts = 24;  // properties that one may choose among
 const mostRepairs = 20;  // that are shown
 const mostParts = 30;  // that one may choose among
@@ -77,6 +77,7 @@ export class Sample extends Panel {
   #own = null;
   #mask = null;
   #isStale = true;
+  #isBegun = false;  // until then the map is what is shown first
 
   constructor(element) {
     super(element);
@@ -99,6 +100,7 @@ export class Sample extends Panel {
     this.drawingFields = new Fields(this.find(".more .of-drawings"), drawingFields, (draft) => { if (!draft) this.note(); });
     this.plotter = new Plotter(this.find(".plotter"), {
       size: () => this.#given,
+      plan: () => ({ sites: this.#sites(this.options()), inks: [{ share: 1, spread: 1 }] }),
       dot: (radius, width) => Number(((radius * this.#given.width) / width).toPrecision(6)),
       changed: (draft) => { if (!draft) this.refresh(); },
       turned: () => this.refresh(),
@@ -106,29 +108,37 @@ export class Sample extends Panel {
     });
     explain(this.find(".trace figcaption"), "How unequal the parts of the area are that points get: the standard deviation of the triangles' capacities over their mean. 0 would be all equal; independent random points have about 1.");
     this.snippets = new Snippets(this.find(".snippets"));
-    this.pointButtons = this.addDownloads(formats, "points", (format, signal) => this.#ask({ ...this.options(), ...this.#drawingOptions(format), format }, signal));
-    this.maskButtons = this.addDownloads(masks, "mask", (format, signal) => this.#ask({ ...this.options(), format }, signal));
+    this.addDownload((format, signal) => this.#ask({ ...this.options(), ...this.#drawingOptions(format), format }, signal));
     this.#listen();
     this.#shapeChosen();
   }
 
   state() {
+    if (!this.#isBegun) return {};
     const kind = this.shapeChoice.value;
-    const shape = kind === "file" ? (this.shape?.file.path ? map.name : ownShape) : kind;
     const corners = kind === "polygon" ? JSON.stringify(this.shape) : "";
     const isDrawn = corners !== "" && corners !== JSON.stringify(firstPolygon) && corners.length <= mostInAddress;
     const parts = [this.shapeFields, this.fields, ...(kind === "file" && this.countFields ? [this.countFields] : []), this.moreFields, this.drawingFields, this.plotter];
-    return {
-      ...(kind !== "polygon" && { shape }), ...(isDrawn && { corners }),
+    const others = {
+      ...(isDrawn && { corners }),
       ...Object.assign({}, ...parts.map((part) => part.state())),
       ...(this.iteration.value !== this.iteration.max && { iteration: this.iteration.value }),
       ...(this.first.value !== this.first.max && { first: this.first.value }),
       ...(this.mesh.checked && { mesh: "on" }), ...(this.tiles.checked && { tiles: "on" }),
     };
+    const isFirst = this.shapeName === map.name && Object.keys(others).length === 0;
+    return isFirst ? {} : { shape: this.shapeName, ...others };
+  }
+
+  /** The shape, as the address has it. */
+  get shapeName() {
+    const kind = this.shapeChoice.value;
+    if (kind !== "file") return kind;
+    return this.shape?.file.path ? map.name : ownShape;
   }
 
   async restore(state) {
-    this.#isStale = true;
+    this.#isStale = this.#isBegun = true;
     this.element.dataset.state = "busy";
     for (const part of [this.shapeFields, this.fields, this.moreFields, this.drawingFields, this.plotter]) part.restore(state);
     this.iteration.value = state.iteration ?? this.iteration.max;
@@ -141,7 +151,9 @@ export class Sample extends Panel {
     this.#refit();
   }
 
-  async #restoreShape({ shape = "polygon", corners = "" }) {
+  /** Without any settings there is the map, and with settings that name no shape the polygon. */
+  async #restoreShape({ corners = "", ...state }) {
+    const { shape = corners || Object.keys(state).length > 0 ? "polygon" : map.name } = state;
     if (shape === map.name) return this.#takeMap();
     if (shape === ownShape && this.#own) return this.#takeFileShape(this.#own, []);
     this.shapeChoice.value = ["rectangle", "torus", "mask"].includes(shape) ? shape : "polygon";
@@ -150,7 +162,12 @@ export class Sample extends Panel {
   }
 
   look() {
-    if (this.#isStale) this.refresh();
+    if (this.#isStale) this.#lookAnew();
+  }
+
+  async #lookAnew() {
+    if (!this.#isBegun) await this.restore({});
+    this.refresh();
   }
 
   get shape() {
@@ -467,7 +484,7 @@ export class Sample extends Panel {
 
   /** Options of drawings, in a format that is one. */
   #drawingOptions(format) {
-    if (!formats.find(({ name }) => name === format).drawn) return {};
+    if (this.isMask || !formats.find(({ name }) => name === format).drawn) return {};
     return { ...this.drawingFields.values(), ...(this.plotter.isOn && this.plotter.options()) };
   }
 
@@ -496,8 +513,8 @@ export class Sample extends Panel {
     const isMap = this.#counting().counted.length > 0;
     for (const name of ["sites", "method"]) this.fields.offer(name, !isMap && !this.isMask);
     this.fields.offer("quality", !this.isMask);
-    for (const button of this.pointButtons) button.hidden = this.isMask;
-    for (const button of this.maskButtons) button.hidden = !this.isMask;
+    if (this.isMask) this.offerDownloads(masks, "mask");
+    else this.offerDownloads(formats, "points");
     this.countFields?.offer("per", isMap);
     this.mesh.disabled = isMap;
     const { options, max_sites: most } = methodNamed(this.options().method);
@@ -534,6 +551,7 @@ export class Sample extends Panel {
 
   /** What is to be made now: as `result`. A draft is not polished, unless it has been already. */
   async fetch(signal, { draft = false, told } = {}) {
+    this.#isBegun = true;
     const shape = this.shape.file ? this.shape : structuredClone(this.shape);
     const outline = outlineOf(shape, this.#onGlobe);
     const options = this.options();

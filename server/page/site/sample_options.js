@@ -3,7 +3,7 @@
 import { capabilities } from "./api.js";
 
 export const { formats, masks, methods } = capabilities.sample;
-const { max_sites: mostPoints } = capabilities.limits;
+export const { max_sites: mostPoints } = capabilities.limits;
 const [standard] = methods;
 
 export const methodNamed = (name = standard.name) => methods.find((method) => method.name === name);

@@ -34,7 +34,7 @@ export class Viewport {
     this.press = press;
     this.#addButtons(bar);
     this.#listen();
-    new ResizeObserver(() => this.#resize()).observe(canvas);
+    this.#observe(new ResizeObserver(([entry]) => this.#resize(entry.devicePixelContentBoxSize?.[0])));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redraw());
   }
 
@@ -99,18 +99,29 @@ export class Viewport {
       this.#scheduled = false;
       const context = this.#canvas.getContext("2d");
       const ratio = devicePixelRatio;
-      context.setTransform(ratio, 0, 0, ratio, 0, 0);
-      context.clearRect(0, 0, this.size.width, this.size.height);
+      context.resetTransform();
+      context.clearRect(0, 0, this.#canvas.width, this.#canvas.height);
+      context.scale(ratio, ratio);
       this.#draw(context, this);
       this.percent.textContent = `${Math.round(100 * this.scale / (this.unit ?? this.#fit))} %`;
     });
   }
 
-  #resize() {
+  /** Safari does not tell of device pixels. */
+  #observe(observer) {
+    try {
+      observer.observe(this.#canvas, { box: "device-pixel-content-box" });
+    } catch {
+      observer.observe(this.#canvas);
+    }
+  }
+
+  /** Gives the canvas a pixel for each of the device, so that no browser scales it. */
+  #resize(pixels) {
     const { width, height } = this.size;
     if (width === 0) return;
-    this.#canvas.width = Math.round(width * devicePixelRatio);
-    this.#canvas.height = Math.round(height * devicePixelRatio);
+    this.#canvas.width = pixels?.inlineSize ?? Math.round(width * devicePixelRatio);
+    this.#canvas.height = pixels?.blockSize ?? Math.round(height * devicePixelRatio);
     if (this.#fitted) this.fit();
     else this.redraw();
   }

@@ -1,0 +1,53 @@
+// How many dots a picture takes, about: what can be told before the server has answered.
+
+import { linear } from "./light.js";
+
+const side = 96;  // pixels that are looked at, each way
+
+/** Dots that cover a share of an area, over those that would if none overlapped (core/halftone/coverage_curve.h). */
+const dotsFor = (covered) => covered + 0.6 * Math.max(0, (covered - 0.65) / 0.35) ** 8;
+
+const luminance = (red, green, blue) => 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+const lightness = (light) => (light > 0.008856 ? 1.16 * Math.cbrt(light) - 0.16 : 9.033 * light);
+
+/** What each ink covers of a colour of light. */
+function separationOf({ color, palette, dots, tone }) {
+  if (color === "rgb") return (...light) => light;
+  if (color === "cmyk" || palette) {
+    const separate = (...light) => {
+      const most = Math.max(...light, 1e-6);
+      return [...light.map((one) => 1 - one / most), 1 - most];
+    };
+    if (!palette) return separate;
+    const number = palette.split(",").length;
+    return (...light) => Array(number).fill(Math.min(1, separate(...light).reduce((a, b) => a + b) / number));
+  }
+  const seen = tone === "perceptual" ? (...light) => lightness(luminance(...light)) : luminance;
+  return dots === "paper" ? (...light) => [seen(...light)] : (...light) => [1 - seen(...light)];
+}
+
+/**
+ * @param picture  anything that a canvas draws
+ * @param options  those of /halftone
+ * @returns        for each ink {share, spread}: its dots over those that would cover the picture once without overlaps, and
+ *                 the mean of the root of their density over the root of the mean, on which the length of a path depends
+ */
+export function inksOf(picture, options) {
+  const context = new OffscreenCanvas(side, side).getContext("2d", { willReadFrequently: true });
+  context.fillStyle = "#fff";
+  context.fillRect(0, 0, side, side);
+  context.imageSmoothingQuality = "high";
+  context.drawImage(picture, 0, 0, side, side);
+  const { data } = context.getImageData(0, 0, side, side);
+  const separate = separationOf(options);
+  const sums = [];
+  for (let i = 0; i < data.length; i += 4) {
+    separate(linear[data[i]], linear[data[i + 1]], linear[data[i + 2]]).forEach((covered, ink) => {
+      sums[ink] ??= { dots: 0, roots: 0 };
+      const dots = dotsFor(covered);
+      sums[ink].dots += dots / side ** 2;
+      sums[ink].roots += Math.sqrt(dots) / side ** 2;
+    });
+  }
+  return sums.map(({ dots, roots }) => ({ share: dots, spread: dots > 0 ? roots / Math.sqrt(dots) : 0 }));
+}

@@ -1,0 +1,90 @@
+// Pictures in other sizes, whose pixels are mixed as light and not as the numbers that encode it: of black and white dots
+// those numbers' mean looks far too dark.
+
+/** The light of a value in sRGB, from 0 to 255. */
+export const linear = Float32Array.from({ length: 256 }, (_, value) => {
+  const share = value / 255;
+  return share <= 0.04045 ? share / 12.92 : ((share + 0.055) / 1.055) ** 2.4;
+});
+const steps = 1 << 14;
+const encoded = Uint8ClampedArray.from({ length: steps + 2 }, (_, step) => {
+  const light = step / steps;
+  return 255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * light ** (1 / 2.4) - 0.055);
+});
+
+/** The light of a colour as style sheets have it, `rgb(r, g, b)`: three numbers from 0 to 1. */
+export const lightOfColour = (text) => text.match(/[\d.]+/g).slice(0, 3).map((value) => linear[Math.round(value)]);
+
+/**
+ * How a line of cells is seen in another size: the target's cells from `first` on that are seen, and of each the cells of
+ * the source that it covers. Cell i covers those from starts[i] on, with the weights from offsets[i] to offsets[i + 1].
+ */
+function cellsOf(length, start, size, most) {
+  const first = Math.max(start, 0);
+  const count = Math.max(Math.min(start + size, most) - first, 0);
+  const starts = new Int32Array(count);
+  const offsets = new Int32Array(count + 1);
+  const weights = [];
+  for (let i = 0; i < count; ++i) {
+    const [left, right] = [0, 1].map((end) => ((first + i + end - start) * length) / size);
+    starts[i] = Math.floor(left);
+    for (let cell = starts[i]; cell < right && cell < length; ++cell)
+      weights.push((Math.min(right, cell + 1) - Math.max(left, cell)) / (right - left));
+    offsets[i + 1] = weights.length;
+  }
+  return { first, count, starts, offsets, weights: Float32Array.from(weights) };
+}
+
+/** Adds the light of a row of pixels, before a ground, to sums of three numbers for each pixel. */
+function addRow(data, start, weight, ground, sums) {
+  for (let from = start, to = 0; to < sums.length; from += 4, to += 3) {
+    const alpha = data[from + 3];
+    if (alpha === 255) {
+      sums[to] += weight * linear[data[from]];
+      sums[to + 1] += weight * linear[data[from + 1]];
+      sums[to + 2] += weight * linear[data[from + 2]];
+    } else {
+      for (let channel = 0; channel < 3; ++channel)
+        sums[to + channel] += weight * ((alpha / 255) * linear[data[from + channel]] + (1 - alpha / 255) * ground[channel]);
+    }
+  }
+}
+
+/**
+ * Scales a picture: each pixel has the mean light of what it covers.
+ *
+ * @param picture  a canvas
+ * @param place    {x, y, width, height} of the picture, in whole pixels of a canvas; parts may be outside
+ * @param seen     {width, height} of that canvas
+ * @param ground   light behind what is transparent
+ * @returns        {image, x, y}: the pixels that are seen, and where they belong; null if there are none
+ */
+export function scaledAsLight(picture, { x, y, width, height }, seen, ground) {
+  const columns = cellsOf(picture.width, x, width, seen.width);
+  const rows = cellsOf(picture.height, y, height, seen.height);
+  if (columns.count === 0 || rows.count === 0) return null;
+  const end = ({ count, starts, offsets }) => starts[count - 1] + offsets[count] - offsets[count - 1];
+  const [left, top] = [columns.starts[0], rows.starts[0]];
+  const wide = end(columns) - left;
+  const { data } = picture.getContext("2d").getImageData(left, top, wide, end(rows) - top);
+  const image = new ImageData(columns.count, rows.count);
+  const sums = new Float32Array(3 * wide);
+  for (let row = 0, to = 0; row < rows.count; ++row) {
+    sums.fill(0);
+    for (let i = rows.offsets[row], cell = rows.starts[row] - top; i < rows.offsets[row + 1]; ++i, ++cell)
+      addRow(data, 4 * wide * cell, rows.weights[i], ground, sums);
+    for (let column = 0; column < columns.count; ++column, to += 4) {
+      let [red, green, blue] = [0, 0, 0];
+      for (let i = columns.offsets[column], from = 3 * (columns.starts[column] - left); i < columns.offsets[column + 1]; ++i, from += 3) {
+        red += columns.weights[i] * sums[from];
+        green += columns.weights[i] * sums[from + 1];
+        blue += columns.weights[i] * sums[from + 2];
+      }
+      image.data[to] = encoded[Math.round(steps * red)];
+      image.data[to + 1] = encoded[Math.round(steps * green)];
+      image.data[to + 2] = encoded[Math.round(steps * blue)];
+      image.data[to + 3] = 255;
+    }
+  }
+  return { image, x: columns.first, y: rows.first };
+}
