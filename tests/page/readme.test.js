@@ -57,12 +57,18 @@ test("the API's page draws dots and ground on a canvas, with the picture's tone"
 test("the README's page puts a dotted picture into a page of another origin", async () => {
   [lines] = await examplesOf("README.md");
   await world.page.goto(origin.url);
-  await world.page.setInputFiles("input", path.join(data, "images/chelsea.png"));
-  await world.page.waitForFunction(() => document.querySelector("img").naturalWidth > 0);
-  const [width, height] = await world.page.evaluate(() => {
-    const picture = document.querySelector("img");
-    return [picture.naturalWidth, picture.naturalHeight];
-  });
-  assert.equal(width % 451, 0);
-  assert.equal(height, 300 * (width / 451));
+  for (const viewport of [{ width: 1280, height: 860 }, { width: 390, height: 844 }]) {
+    await world.page.setViewportSize(viewport);
+    await world.page.reload();
+    await world.page.setInputFiles("input", { name: "letter.txt", mimeType: "text/plain", buffer: Buffer.from("Dear reader") });
+    await world.page.waitForFunction(() => /image/.test(document.querySelector("output").value));
+    await world.page.setInputFiles("input", path.join(data, "images/chelsea.png"));
+    await world.page.waitForFunction(() => document.querySelector("img").naturalWidth > 0);
+    const shown = await world.page.evaluate(() => {
+      const { naturalWidth, naturalHeight, width } = document.querySelector("img");
+      return { naturalWidth, naturalHeight, width, taken: document.documentElement.scrollWidth, said: document.querySelector("output").value };
+    });
+    const width = Math.min(viewport.width - 16, 800);
+    assert.deepEqual(shown, { naturalWidth: width, naturalHeight: Math.round((300 * width) / 451), width, taken: viewport.width, said: "" });
+  }
 });
