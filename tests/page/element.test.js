@@ -34,7 +34,8 @@ const seen = () => world.page.evaluate(async () => {
   let dark = 0;
   if (!drawing.hidden) {
     const { data: values } = drawing.getContext("2d").getImageData(0, 0, drawing.width, drawing.height);
-    for (let i = 0; i < values.length; i += 4) dark += 1 - (values[i] + values[i + 1] + values[i + 2]) / 765;
+    const light = (value) => (value <= 10 ? value / 3294.6 : ((value / 255 + 0.055) / 1.055) ** 2.4);
+    for (let i = 0; i < values.length; i += 4) dark += 1 - (light(values[i]) + light(values[i + 1]) + light(values[i + 2])) / 3;
     dark /= values.length / 4;
   }
   const { width, height } = document.querySelector("#dots").getBoundingClientRect();
@@ -47,7 +48,7 @@ test("shows the server's dots in the place of the picture", async () => {
     assert.deepEqual(await show({ src: "/cat.png", alt: "A cat", ...options }), { type: "load", message: undefined });
     const { bytes, ...rest } = await seen();
     assert.deepEqual(rest, { dark: 0, drawn: false, working: false, width: 451, height: 300, alt: "A cat" });
-    const query = new URLSearchParams({ ...options, ...("antialias" in options && { antialias: true }) });
+    const query = new URLSearchParams({ ...options, width: 451, ...("antialias" in options && { antialias: true }) });
     const expected = await fetch(`${world.url}/halftone?${query}`, { method: "POST", body: await readFile(cat) });
     assert.deepEqual(Buffer.from(bytes), Buffer.from(await expected.arrayBuffer()));
   }
@@ -100,14 +101,78 @@ test("draws dots itself where the server refuses, or is not there", async () => 
   await world.page.goto(`${origin.url}/alone`);
   server.kill();
   const ofCat = 0.795;  // the mean of 1 - light, over pixels and channels
+  const ofRed = (0.6038 + 0.0331) / 3;  // the light of #c30
   for (const [options, expected] of [[{}, ofCat], [{ color: "cmyk" }, ofCat], [{ color: "rgb" }, ofCat],
-    [{ invert: "" }, ofCat], [{ foreground: "#c30" }, (ofCat * 2) / 3]]) {
+    [{ invert: "" }, ofCat], [{ foreground: "#c30" }, ofCat * (1 - ofRed)]]) {
     const { type } = await show({ src: "/cat.png", sites: "9000", ...options });
     assert.equal(type, "error");
     const { drawn, bytes, dark, working } = await seen();
     assert.deepEqual({ drawn, bytes, working }, { drawn: true, bytes: false, working: false });
     assert.ok(Math.abs(dark - expected) < 0.03, `${JSON.stringify(options)}: ${dark}`);
   }
+});
+
+test("draws up to all borders", async () => {
+  const { server, url } = await startServer([]);
+  pages["/bordered"] = elementPage(url);
+  await world.page.goto(`${origin.url}/bordered`);
+  server.kill();
+  const light = await world.page.evaluate(async () => {
+    const canvas = Object.assign(document.createElement("canvas"), { width: 203, height: 107 });
+    const context = canvas.getContext("2d");
+    context.fillStyle = "#bcbcbc";  // half the light of white
+    context.fillRect(0, 0, 203, 107);
+    const element = document.createElement("ccdt-halftone");
+    element.setAttribute("src", URL.createObjectURL(await new Promise((take) => canvas.toBlob(take))));
+    element.setAttribute("sites", "600");
+    await new Promise((resolve) => {
+      element.addEventListener("error", resolve);
+      document.body.replaceChildren(element);
+    });
+    const drawing = element.shadowRoot.querySelector("canvas");
+    const { width, height } = drawing;
+    const { data } = drawing.getContext("2d").getImageData(0, 0, width, height);
+    const light = (value) => (value <= 10 ? value / 3294.6 : ((value / 255 + 0.055) / 1.055) ** 2.4);
+    const mean = (x, y, columns, rows) => {
+      let sum = 0;
+      for (let row = y; row < y + rows; ++row) for (let column = x; column < x + columns; ++column) sum += light(data[4 * (row * width + column)]);
+      return sum / columns / rows;
+    };
+    return [mean(0, height - 6, width, 6), mean(width - 6, 0, 6, height), mean(0, 0, width, 6), mean(0, 0, 6, height)];
+  });
+  for (const one of light) assert.ok(Math.abs(one - 0.5) < 0.12, String(light));
+});
+
+test("has a pixel of dots for each of the device, also of another size", async () => {
+  const context = await world.newContext({ deviceScaleFactor: 2 });
+  const page = await context.newPage();
+  await page.goto(origin.url);
+  const asked = [];
+  page.on("request", (one) => { if (one.url().includes("/halftone?")) asked.push(new URL(one.url()).searchParams); });
+  /** Does something to an element, and waits until its dots are there. */
+  const loaded = (act) => page.evaluate(([script]) => new Promise((resolve) => {
+    const element = document.querySelector("ccdt-halftone") ?? document.createElement("ccdt-halftone");
+    element.addEventListener("load", () => {
+      const picture = element.shadowRoot.querySelector("img");
+      resolve([picture.naturalWidth, picture.clientWidth, element.clientWidth]);
+    }, { once: true });
+    new Function("element", script)(element);
+  }), [act]);
+  const begin = `for (const [name, value] of [["src", "/cat.png"], ["sites", "900"], ["dot", "1.5"]]) element.setAttribute(name, value);
+    document.body.replaceChildren(element);`;
+  assert.deepEqual(await loaded(begin), [902, 451, 451]);
+  assert.deepEqual([asked[0].get("width"), asked[0].get("dot")], ["902", "3"]);
+  const narrower = `for (const width of [300, 250, 200]) element.style.width = width + "px";`;
+  assert.deepEqual(await loaded(narrower), [400, 200, 200]);
+  assert.equal(asked.length, 2);
+  const shown = await page.evaluate(() => {
+    const element = document.querySelector("ccdt-halftone");
+    element.style.width = "120px";
+    const [picture, drawing] = element.shadowRoot.children;
+    return [picture.hidden, drawing.hidden, picture.naturalWidth, picture.clientWidth <= 200];
+  });
+  assert.deepEqual(shown, [false, true, 400, true]);  // until others are there
+  await context.close();
 });
 
 test("shows nothing stale, and what it cannot read as it is", async () => {

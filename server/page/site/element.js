@@ -12,8 +12,8 @@ const flags = ["antialias", "invert"];
 
 const mostJobs = 2;  // at once, of all elements: browsers have six connections to a server, and a job takes one
 const mostMisses = 5;  // of a stream of events that breaks off
-const longestSide = 1600;  // pixels of a drawing
-const leastPitch = 4;
+const patience = 250;  // ms for which a size has to stay before dots are made for it
+const leastPitch = 4;  // of a drawing, pixels
 
 let jobs = 0;
 const waiting = [];
@@ -89,7 +89,16 @@ function screensOf(wish) {
     inks: [[ink, 45, light ? luminance : (...rgb) => 1 - luminance(...rgb)]] };
 }
 
-/** The mean light of each square of a picture, on white. */
+const decoded = (value) => (value <= 10.31 ? value / 3294.6 : ((value / 255 + 0.055) / 1.055) ** 2.4);
+const encoded = Uint8ClampedArray.from({ length: 256 }, (_, i) => (i === 0 ? 0 : 255 * (1.055 * (i / 255) ** (1 / 2.4) - 0.055)));
+
+/** A colour whose numbers are light. */
+function lightOfColour(context, colour) {
+  context.fillStyle = colour;
+  return `rgb(${[1, 3, 5].map((at) => 255 * decoded(parseInt(context.fillStyle.slice(at, at + 2), 16)))})`;
+}
+
+/** The mean light of each square of a picture, on white, by its place as a share of each side. */
 function lightOf(bitmap, width, height) {
   const canvas = Object.assign(document.createElement("canvas"), { width, height });
   const context = canvas.getContext("2d");
@@ -99,8 +108,9 @@ function lightOf(bitmap, width, height) {
   context.drawImage(bitmap, 0, 0, width, height);
   const { data } = context.getImageData(0, 0, width, height);
   return (x, y) => {
-    const at = 4 * (Math.min(Math.floor(y), height - 1) * width + Math.min(Math.floor(x), width - 1));
-    return [data[at], data[at + 1], data[at + 2]].map((value) => (value / 255) ** 2.2);
+    const [row, column] = [[y, height], [x, width]].map(([share, count]) => Math.min(Math.max(Math.floor(share * count), 0), count - 1));
+    const at = 4 * (row * width + column);
+    return [data[at], data[at + 1], data[at + 2]].map(decoded);
   };
 }
 
@@ -113,15 +123,15 @@ function radiusOf(covered) {
 
 function drawScreen(context, { width, height }, pitch, light, [colour, angle, shareOf]) {
   const [cos, sin] = [Math.cos, Math.sin].map((turn) => pitch * turn((angle * Math.PI) / 180));
-  const reach = Math.ceil(Math.hypot(width, height) / pitch / 2);
-  context.fillStyle = colour;
+  const reach = Math.ceil(Math.hypot(width, height) / pitch / 2) + 1;
+  context.fillStyle = lightOfColour(context, colour);
   context.beginPath();
   for (let i = -reach; i <= reach; ++i) {
     for (let j = -reach; j <= reach; ++j) {
       const x = width / 2 + i * cos - j * sin;
       const y = height / 2 + i * sin + j * cos;
-      if (x < 0 || y < 0 || x >= width || y >= height) continue;
-      const radius = pitch * radiusOf(shareOf(...light(x / pitch, y / pitch)));
+      if (x < -pitch || y < -pitch || x > width + pitch || y > height + pitch) continue;
+      const radius = pitch * radiusOf(shareOf(...light(x / width, y / height)));
       context.moveTo(x + radius, y);
       context.arc(x, y, radius, 0, 2 * Math.PI);
     }
@@ -129,21 +139,24 @@ function drawScreen(context, { width, height }, pitch, light, [colour, angle, sh
   context.fill();
 }
 
-function draw(canvas, bitmap, wish) {
-  const scale = Math.min(1, longestSide / Math.max(bitmap.width, bitmap.height));
-  canvas.width = Math.ceil(scale * bitmap.width);
-  canvas.height = Math.ceil(scale * bitmap.height);
+/** Draws as if the canvas held light: where rims of dots are mixed, light is. In the end it is encoded. */
+function draw(canvas, width, bitmap, wish) {
+  canvas.width = width;
+  canvas.height = Math.max(Math.round((width * bitmap.height) / bitmap.width), 1);
   const { paper, mixing, inks } = screensOf(wish);
   const sites = Number(wish.get("sites")) || 20000;
   const pitch = Math.max(leastPitch, Math.sqrt((canvas.width * canvas.height * inks.length) / sites));
   const light = lightOf(bitmap, Math.ceil(canvas.width / pitch), Math.ceil(canvas.height / pitch));
-  const context = canvas.getContext("2d");
+  const context = canvas.getContext("2d", { willReadFrequently: true });
   if (paper !== "transparent") {
-    context.fillStyle = paper;
+    context.fillStyle = lightOfColour(context, paper);
     context.fillRect(0, 0, canvas.width, canvas.height);
   }
   context.globalCompositeOperation = mixing;
   for (const ink of inks) drawScreen(context, canvas, pitch, light, ink);
+  const image = context.getImageData(0, 0, canvas.width, canvas.height);
+  for (let i = 0; i < image.data.length; ++i) if (i % 4 < 3) image.data[i] = encoded[image.data[i]];
+  context.putImageData(image, 0, 0);
 }
 
 const looks = `
@@ -159,6 +172,11 @@ class Halftone extends HTMLElement {
   #drawing = Object.assign(document.createElement("canvas"), { hidden: true });
   #progress = Object.assign(document.createElement("progress"), { hidden: true, ariaLabel: "Dots" });
   #width = new CSSStyleSheet();
+  #fit = new CSSStyleSheet();  // one pixel of the picture for each of the device
+  #observer = new ResizeObserver(() => this.#resized());
+  #timer = null;
+  #loaded = {};  // {source, picture}: what was read last
+  #pixels = 0;  // of the device, that dots were asked for last
   #run = null;
   #wish = null;  // what is shown, or on its way
   #drawn = null;  // the source of the drawing
@@ -168,14 +186,21 @@ class Halftone extends HTMLElement {
     const root = this.attachShadow({ mode: "open" });
     const sheet = new CSSStyleSheet();
     sheet.replaceSync(looks);
-    root.adoptedStyleSheets = [sheet, this.#width];
+    root.adoptedStyleSheets = [sheet, this.#width, this.#fit];
     this.#picture.part = "picture";
     this.#drawing.part = "drawing";
     this.#progress.part = "progress";
     root.append(this.#picture, this.#drawing, this.#progress);
   }
 
-  connectedCallback() { queueMicrotask(() => this.#refresh()); }
+  connectedCallback() {
+    queueMicrotask(() => this.#refresh());
+    try {
+      this.#observer.observe(this, { box: "device-pixel-content-box" });  // which changes with the device's pixels, too
+    } catch {
+      this.#observer.observe(this);
+    }
+  }
   attributeChangedCallback() { queueMicrotask(() => this.#refresh()); }
   disconnectedCallback() { queueMicrotask(() => this.#leave()); }
 
@@ -194,7 +219,9 @@ class Halftone extends HTMLElement {
 
   /** Ends what nobody will see, unless it was but moved to another place. */
   #leave() {
-    if (this.isConnected || !this.#run) return;
+    if (this.isConnected) return;
+    clearTimeout(this.#timer);
+    if (!this.#run) return;
     this.#wish = null;
     this.abort();
   }
@@ -204,6 +231,33 @@ class Halftone extends HTMLElement {
     for (const name of options.filter((one) => this.hasAttribute(one)))
       wish.set(name, this.getAttribute(name) || (flags.includes(name) ? "true" : ""));
     return wish;
+  }
+
+  get #pixelsNow() {
+    return Math.round(this.getBoundingClientRect().width * devicePixelRatio);
+  }
+
+  /** Has the dots made anew for another size, once it stays. */
+  #resized() {
+    if (!this.#wish || this.hasAttribute("scale") || [0, this.#pixels].includes(this.#pixelsNow)) return;
+    this.#fit.replaceSync("");
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => {
+      if (!this.isConnected || [0, this.#pixels].includes(this.#pixelsNow)) return;
+      this.#cancel();
+      this.#make(this.getAttribute("src"), this.#options());
+    }, patience);
+  }
+
+  /** The options of a request: the width in pixels of the device, in which lengths then are. Dots of a scale have their own. */
+  #sized(wish) {
+    const query = new URLSearchParams(wish);
+    this.#pixels = this.#pixelsNow;
+    if (query.has("scale") || this.#pixels === 0) return query;
+    query.set("width", this.#pixels);
+    const dot = query.get("dot");
+    if (dot && Number.isFinite(Number(dot))) query.set("dot", Number(dot) * devicePixelRatio);
+    return query;
   }
 
   /** Makes the dots, unless what is wanted is there or under way. */
@@ -224,9 +278,11 @@ class Halftone extends HTMLElement {
     const { signal } = run;
     this.#run = run;
     try {
-      const picture = await bodyOf(await fetch(new URL(source, document.baseURI), { signal }));
+      if (this.#loaded.source !== source) this.#loaded = { source, picture: await bodyOf(await fetch(new URL(source, document.baseURI), { signal })) };
+      const { picture } = this.#loaded;
       await this.#draw(picture, source, wish, signal);
-      await this.#show(await inTurn(() => askForDots(picture, wish, signal, (part) => this.#tell(run, part))), signal);
+      const query = this.#sized(wish);
+      await this.#show(await inTurn(() => askForDots(picture, query, signal, (part) => this.#tell(run, part))), signal);
       this.dispatchEvent(new Event("load"));
     } catch (error) {
       if (signal.aborted) return;
@@ -250,8 +306,8 @@ class Halftone extends HTMLElement {
     }
     this.#drawn = bitmap && source;
     if (!bitmap) return;
-    draw(this.#drawing, bitmap, wish);
     this.#width.replaceSync(`:host { width: ${bitmap.width}px; }`);
+    draw(this.#drawing, this.#pixelsNow || bitmap.width, bitmap, wish);
     bitmap.close();
   }
 
@@ -267,6 +323,9 @@ class Halftone extends HTMLElement {
     picture.src = URL.createObjectURL(dots);
     await picture.decode();
     signal.throwIfAborted();
+    const { naturalWidth: width } = picture;
+    if (!this.#drawn) this.#width.replaceSync(`:host { width: ${width}px; }`);
+    if (width === this.#pixels && width === this.#pixelsNow) this.#fit.replaceSync(`img { width: ${width / devicePixelRatio}px; image-rendering: pixelated; }`);
     URL.revokeObjectURL(this.#picture.src);
     this.#picture.src = picture.src;
     this.#picture.hidden = false;
@@ -279,6 +338,7 @@ class Halftone extends HTMLElement {
     this.#drawing.hidden = !isDrawn;
     this.#picture.hidden = isDrawn;
     if (isDrawn) return;
+    this.#fit.replaceSync("");
     this.#drawn = null;
     this.#picture.src = source;
   }
