@@ -58,14 +58,13 @@ void check_cost(const api::Cost& cost) {
 std::vector<Point> points_of_json(const std::string& body) {
     const Json json = parse(body);
     std::vector<Point> points;
-    for (const char* parts : {"inks", "kinds"}) {
-        if (!json.contains(parts)) continue;
-        for (const Json& ink : json.at(parts)) {
-            check_run(ink);
-            append_points(ink.at("points"), points);
+    const char* parts = json.contains("kinds") ? "kinds" : "inks";
+    if (json.contains(parts)) {
+        for (const Json& part : json.at(parts)) {
+            check_run(part);
+            append_points(part.at("points"), points);
         }
-    }
-    else {
+    } else {
         check_run(json);
         check_sides(json);
         append_points(json.at("points"), points);
@@ -94,7 +93,8 @@ std::vector<Point> points_of_lines(std::string_view body) {
 
 std::vector<Point> points_of_csv(std::string_view body) {
     const auto title = api::take_until(body, "\r\n");
-    CCDT_CHECK(title == "x,y" || title == "x,y,ink" || title == "x,y,rank" || title == "x,y,radius,side");
+    CCDT_CHECK(title == "x,y" || title == "x,y,ink" || title == "x,y,rank" || title == "x,y,radius,side" ||
+               title == "x,y,radius,flips,ground");
     std::vector<Point> points;
     while (!body.empty()) {
         auto line = api::take_until(body, "\r\n");
