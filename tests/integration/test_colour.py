@@ -269,7 +269,7 @@ class Options(ServerCase):
                 ("color=cmyk&invert=true", "invert", "color=gray"),
                 ("color=cmyk&dots=paper", "dots", "color=gray"),
                 ("palette=%23f00&dots=both", "dots", "dots of a palette are ink"),
-                ("palette=%23000&dots=both", "dots", "color=gray"),
+                ("palette=%23000&dots=both", "dots", "dots of a palette are ink"),
                 ("color=rgb&background=%23fff", "background", "on black")):
             with self.subTest(query=query):
                 problem = self.assert_problem(self.ask("/halftone?" + query, data=GREY), 400, words)
