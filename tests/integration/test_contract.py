@@ -48,6 +48,9 @@ def schema(name):
     return {"$ref": "#/components/schemas/" + name}
 
 
+POINT_FEATURE = schema("PointFeature")
+
+
 def faults(value, of):
     return [error.message for error in
             Draft202012Validator(of, resolver=RefResolver.from_schema(DOCUMENT)).iter_errors(value)]
@@ -95,8 +98,11 @@ class ContractCase(ServerCase):
             self.assertIn(kind, content)
         if not content:
             self.assertEqual(answer.body, b"")
-        if kind.endswith("json") and kind in content:
+        if kind.endswith(("/json", "+json")) and kind in content:
             self.assertEqual(faults(answer.json(), content[kind]["schema"]), [])
+        if kind.endswith(("ndjson", "json-seq")) and kind in content:
+            for line in filter(None, answer.body.decode().split("\n")):
+                self.assertEqual(faults(json.loads(line.lstrip("\x1e")), POINT_FEATURE), [])
         for name, header in described.get("headers", {}).items():
             value = answer.headers.get(name.lower())
             header = resolve(header)
