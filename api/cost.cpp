@@ -13,6 +13,7 @@
 #include "core/geometry/repair.h"
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/dots.h"
+#include "core/halftone/reduction.h"
 #include "core/halftone/tone.h"
 #include "core/halftone/two_sided.h"
 
@@ -65,9 +66,18 @@ double inks_of(const HalftoneRequest& request) {
 
 /// Counts the cells at most that dots on both sides of the tonal scale are planned in.
 double planned_cells(const HalftoneRequest& request, double sites) {
-    // A quarter of the picture drawn makes 50 cells a dot of half a radius; cells of up to two pixels are pixels.
-    constexpr double kCellsPerDot = 200, kFewest = 64 * 64;
-    return std::min(static_cast<double>(request.image.header.pixels()), kCellsPerDot * sites + kFewest);
+    // As rough_radius() chooses them: for dots that draw a quarter of the picture.
+    constexpr double kShare = 0.25;
+    const ImageHeader& header = request.image.header;
+    const auto pixels = static_cast<double>(header.pixels());
+    if (request.fit == Fit::Cover || (request.dot && !request.sites)) {
+        // 50 cells a dot, but where they would be less than two pixels wide they are the pixels.
+        constexpr double kCellsPerDot = 200, kFewest = 64 * 64;
+        return std::min(pixels, kCellsPerDot * sites + kFewest);
+    }
+    const double radius = std::sqrt(kShare * pixels / (std::numbers::pi * std::max(sites, 1.0)));
+    const CellGrid cells = resolved_cells(static_cast<int>(header.width), static_cast<int>(header.height), radius);
+    return static_cast<double>(cells.columns) * cells.rows;
 }
 
 /// Divides the picture into grounds, and plans the dots on both of them.

@@ -7,10 +7,11 @@ Prints tables in Markdown, for dots=ink and dots=both with as many dots, antiali
   grain   of flat greys, 16,000 dots on 256 x 256 pixels: standard deviation of L* after a Gaussian of one mean pitch
   error   of pictures: mean and 95th percentile of |dL*| after Gaussians of 0.5, 1 and 2 mean pitches
 With --colour they are of color=cmyk, at 4 output pixels a pixel, in CIEDE2000, of flat tints the mean after Gaussians of
-one and two pitches; that needs python3-skimage. The pitch is sqrt(area / dots); blurs are in linear light. Pictures are read as sRGB: one with another profile would be
-measured wrong.
+one and two pitches. The pitch is sqrt(area / dots); blurs are in linear light. Pictures are read as sRGB: one with
+another profile would be measured wrong.
 """
 import io
+import pathlib
 import sys
 import urllib.request
 
@@ -18,12 +19,14 @@ import numpy as np
 from PIL import Image
 from scipy.ndimage import gaussian_filter
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "integration"))
+import seen
+
 SCALE = 6
 GREYS = (32, 63, 89, 124, 149, 170, 188, 203, 230, 248)
 TO_LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
-TO_XYZ = ((0.4124, 0.3576, 0.1805), (0.2126, 0.7152, 0.0722), (0.0193, 0.1192, 0.9505))
 TINTS = ((20, 40, 80), (120, 40, 20), (60, 60, 60), (40, 70, 30), (180, 170, 150), (230, 200, 180))
 
 
@@ -33,21 +36,18 @@ def light(data):
 
 
 def lab(picture, sigma):
-    """Of every third pixel, after a blur."""
-    from skimage.color import xyz2lab
-    blurred = np.stack([gaussian_filter(picture[..., c], sigma)[::3, ::3] for c in range(3)], -1)
-    return xyz2lab(np.clip(blurred @ np.transpose(TO_XYZ), 0, 1))
+    """L*, a*, b* of every third pixel, after a blur."""
+    return seen.lab(np.stack([gaussian_filter(picture[..., c], sigma)[::3, ::3] for c in range(3)], -1))
 
 
 def colour_errors(url, data, dots, sites, blurs, margin=0, scale=4):
     """CIEDE2000 of each blur, but for a margin of so many pitches."""
-    from skimage.color import deltaE_ciede2000
     drawn = light(halftone(url, data, dots, sites, f"&color=cmyk&scale={scale}"))
     wanted = np.repeat(np.repeat(light(data), scale, 0), scale, 1)[:drawn.shape[0], :drawn.shape[1]]
     pitch = (drawn.shape[0] * drawn.shape[1] / sites) ** 0.5
     edge = int(margin * pitch / 3)
     inside = slice(edge, -edge or None)
-    return [deltaE_ciede2000(lab(wanted, blur * pitch), lab(drawn, blur * pitch))[inside, inside] for blur in blurs]
+    return [seen.ciede2000(lab(wanted, blur * pitch), lab(drawn, blur * pitch))[inside, inside] for blur in blurs]
 
 
 def flat(colour, side=256):

@@ -110,7 +110,9 @@ test("the files of a halftone", async () => {
   for (const [name, format] of [["png", "PNG"], ["webp", "WEBP"], ["tiff", "TIFF"]]) {
     const read = files[`dots.${name}`];
     assert.deepEqual([read.format, read.width, read.height], [format, width, height]);
-    assert.equal(read.grey, png.grey);
+    // Rims in TIFF, which no browser scales, are not softened.
+    if (name === "tiff") assert.ok(Math.abs(read.light - png.light) < 0.01, `${read.light}, ${png.light}`);
+    else assert.equal(read.grey, png.grey);
   }
   const sideOf = (number) => (number === 0 ? "ink" : "paper");
   assert.deepEqual(npy.points.map(([x, y]) => [x, y]), json.points);
