@@ -48,14 +48,14 @@ test("prints in CMYK and shines in RGB", async () => {
   assert.deepEqual(await seen(primary), ["#000000", "#ffffff"]);
   await world.page.selectOption("#halftone [data-name=dots] select", "paper");
   await choose("cmyk");
-  assert.deepEqual(await asked(), { color: "cmyk" });
-  for (const name of ["foreground", "dots", "palette"]) assert.ok(await field(name).isHidden(), name);
+  assert.deepEqual(await asked(), { color: "cmyk", dots: "ink" });  // paper alone is of grey
+  for (const name of ["foreground", "palette"]) assert.ok(await field(name).isHidden(), name);
   assert.deepEqual(await seen(primary), primary);
   await field("background").locator("input[type=color]").fill("#fff4d6");
   await settled(world.page, "halftone");
-  assert.deepEqual(await asked(), { color: "cmyk", background: "#fff4d6" });
+  assert.deepEqual(await asked(), { color: "cmyk", dots: "ink", background: "#fff4d6" });
   await choose("rgb");
-  assert.deepEqual(await asked(), { color: "rgb" });
+  assert.deepEqual(await asked(), { color: "rgb", dots: "ink" });
   assert.ok(await field("background").isHidden());
   assert.deepEqual(await seen(["#ff0000", "#00ff00", "#0000ff"]), ["#ff0000", "#00ff00", "#0000ff"]);
   await choose("gray");

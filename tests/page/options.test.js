@@ -22,7 +22,7 @@ async function open(address) {
 /** Options that are no fields: an older name, sizes in pixels, shapes, downloads, boxes and sliders beside the picture, the properties of a map's features, and what files for GIS have. */
 const elsewhere = {
   halftone: ["fit", "format", "height", "invert"],
-  sample: ["polygon", "holes", "geometry", "domain", "per", "classes", "properties", "object", "multipoint", "iterations", "mesh"],
+  sample: ["polygon", "holes", "geometry", "domain", "classes", "properties", "object", "multipoint", "iterations", "mesh"],
 };
 
 test("has a field for each option", async () => {

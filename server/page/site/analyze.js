@@ -61,8 +61,8 @@ export class Analyze extends Panel {
   /** @returns  {points, domain, note} of what was made */
   async #pointsMade(signal) {
     if (this.source.value === "halftone") {
-      const { points, inks, width, height } = await (await this.halftone.ask("json", signal, this.tell)).json();
-      return { points: points ?? inks.flatMap((ink) => ink.points), domain: { type: "rectangle", width, height }, note: notes.halftone };
+      const { points, inks, kinds, width, height } = await (await this.halftone.ask("json", signal, this.tell)).json();
+      return { points: points ?? (inks ?? kinds).flatMap((each) => each.points), domain: { type: "rectangle", width, height }, note: notes.halftone };
     }
     const { shape } = this.sample;
     if (!shape || this.sample.isMask) throw new Error("there are no points yet: make some under Sample");
