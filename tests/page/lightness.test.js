@@ -16,7 +16,7 @@ const puppeteer = require("puppeteer-core");
 const pictures = ["camera.png", "chelsea.png"];  // none that the sizes of dots were chosen by
 const most = 1;  // mean difference of L*
 const mostFitted = 4;  // of a picture that a browser makes smaller
-const mostEnlarged = 4.5;  // and of one whose pixels are four of the device each, between which it mixes
+const mostEnlarged = 2.5;  // and of one whose pixels are four of the device each, between which it mixes
 const screen = { width: 1280, height: 800 };
 const mostOf = (place, ratio) => {
   if (!place.includes("answer")) return most;

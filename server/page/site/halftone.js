@@ -276,7 +276,8 @@ export class Halftone extends Panel {
   #options() {
     const options = { ...this.fields.values(), ...this.moreFields.values(), ...this.#heldWidth, ...(this.plotter.isOn && this.plotter.options()) };
     if (options.palette) delete options.color;
-    if (options.color && options.dots === "paper") options.dots = "ink";  // paper alone is of grey
+    // Paper alone is of grey, and pens have a layer for each ink.
+    if (options.color && (options.dots === "paper" || this.plotter.isOn)) options.dots = "ink";
     if (options.antialias !== isForPrint(options)) delete options.antialias;  // it is the default
     return this.plotter.isOn ? { ...options, ...this.plotter.sites() } : options;
   }

@@ -120,8 +120,13 @@ export class Viewport {
   #resize(pixels) {
     const { width, height } = this.size;
     if (width === 0) return;
-    this.#canvas.width = pixels?.inlineSize ?? Math.round(width * devicePixelRatio);
-    this.#canvas.height = pixels?.blockSize ?? Math.round(height * devicePixelRatio);
+    // A browser that emulates another ratio tells the pixels of its own.
+    const inPixels = (length, told) => {
+      const rounded = Math.round(length * devicePixelRatio);
+      return Math.abs(told - rounded) <= 1 ? told : rounded;
+    };
+    this.#canvas.width = inPixels(width, pixels?.inlineSize);
+    this.#canvas.height = inPixels(height, pixels?.blockSize);
     if (this.#fitted) this.fit();
     else this.redraw();
   }
