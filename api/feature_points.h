@@ -20,7 +20,7 @@ Result<std::vector<PolygonPart>> parts_of(const SampleRequest& request, std::siz
 ///
 /// @param request  with features, whose parts are those of its polygon
 /// @param points   without a mesh, and not ranked yet
-/// Where features overlap the first of them has the points. Errors: LimitExceeded if what points carry takes too much;
+/// A point in several features belongs to the first of them. Errors: LimitExceeded if what points carry takes too much;
 /// Stopped.
 Result<ClassDots> by_features(const SampleRequest& request, Distribution points, const std::stop_token& stop);
 

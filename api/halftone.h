@@ -34,7 +34,7 @@ enum class Dots {
     Paper,  ///< the light instead of the dark, on black
 };
 
-/// How a picture fits a drawing of which both sides are asked for.
+/// Ways to fit a picture into a drawing whose width and height are both given.
 enum class Fit {
     Contain,  ///< all of it is drawn, as large as fits within both sides
     Cover,    ///< its middle is drawn, with just these sides

@@ -6,9 +6,9 @@
 
 namespace ccdt {
 
-/// How conspicuous small changes of a colour's channels are.
+/// Visibility of small changes in the channels of a colour.
 ///
-/// Of one channel that is the slope of CIE 1976 lightness. Of three it is the slope of the difference in CIELAB, with
+/// For one channel, the slope of CIE 1976 lightness. For three, the slope of the difference in CIELAB, with
 /// that of chroma and hue weighted as CIE 1994 does for chroma and by a half.
 class Visibility {
 public:

@@ -24,14 +24,14 @@ namespace ccdt::server {
 /// of one key. May be used from any thread.
 class Gate {
 public:
-    /// What a request needs in order to pass.
+    /// Credential that a request needs in order to pass.
     enum class Credential {
         None,      ///< nothing, whatever it shows, and it does not count
         Key,       ///< an API key, if there are any
         Signature  ///< the signature of a signing key, if there are any; else as Key
     };
 
-    /// Where signing keys are: in a file, or one key itself. Both empty: there are none.
+    /// Source of the signing keys: a file, or one key itself. If both are empty, there are none.
     struct SigningKeys {
         std::string file;
         std::string key;

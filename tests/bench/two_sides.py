@@ -77,10 +77,6 @@ def luminance(data):
     return light(data) @ TO_LUMINANCE
 
 
-def lightness(light):
-    return np.where(light > 216 / 24389, 116 * np.cbrt(light) - 16, light * 24389 / 27)
-
-
 def halftone(url, data, dots, sites, options=f"&scale={SCALE}"):
     """Asks for a drawing, as the bytes of a PNG."""
     query = f"dots={dots}&sites={sites}&antialias=true&format=png{options}"
@@ -95,7 +91,7 @@ def grain(url, grey, dots, sites=16000, side=256):
     drawn = luminance(halftone(url, file.getvalue(), dots, sites))
     pitch = (drawn.size / sites) ** 0.5
     margin = int(4 * pitch)
-    return lightness(gaussian_filter(drawn, pitch)[margin:-margin, margin:-margin]).std()
+    return seen.lightness(gaussian_filter(drawn, pitch)[margin:-margin, margin:-margin]).std()
 
 
 def errors(url, data, dots, sites):
@@ -103,7 +99,7 @@ def errors(url, data, dots, sites):
     wanted = np.repeat(np.repeat(luminance(data), SCALE, 0), SCALE, 1)[:drawn.shape[0], :drawn.shape[1]]
     pitch = (drawn.size / sites) ** 0.5
     for blur in (0.5, 1, 2):
-        error = abs(lightness(gaussian_filter(drawn, blur * pitch)) - lightness(gaussian_filter(wanted, blur * pitch)))
+        error = abs(seen.lightness(gaussian_filter(drawn, blur * pitch)) - seen.lightness(gaussian_filter(wanted, blur * pitch)))
         yield f"{error.mean():.2f} / {np.percentile(error, 95):.2f}"
 
 

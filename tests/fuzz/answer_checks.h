@@ -18,7 +18,7 @@ std::vector<Point> points_of_json(const std::string& body);
 /// Those of GeoJSON, which holds numbers as well.
 std::vector<Point> points_of_feature(const std::string& body);
 
-/// Those of GeoJSON in lines, a Feature each.
+/// Points of GeoJSON in lines, one Feature each.
 std::vector<Point> points_of_lines(std::string_view body);
 
 /// Those of CSV.
