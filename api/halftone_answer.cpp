@@ -39,7 +39,7 @@ public:
           body_(body),
           hurry_(control.stop),
           stop_(stop_of_writing(control, request.on_deadline)),
-          team_(*control.team) {}
+          executor_(*control.executor) {}
 
     Result<void> operator()(const ListWriter& writer) {
         describe_two_sides();
@@ -67,7 +67,7 @@ private:
         const std::size_t count = plan_.two_sides ? plan_.two_sides->channels.size() : inks_.size();
         for (std::size_t ink = 0; ink < count; ++ink) rasters.push_back(rasterise(ink, request_.antialias));
         if (may_be_scaled()) {
-            for (Raster& raster : rasters) soften(raster, team_);
+            for (Raster& raster : rasters) soften(raster, executor_);
         }
         Palette palette = request_.palette;
         const auto width_mm = request_.drawing.width_mm;
@@ -76,13 +76,14 @@ private:
             return writer.write_plates(rasters, palette.inks, width_mm, stop_);
         }
         palette.inks.resize(count);
-        return writer.write(overlay(std::move(rasters), palette, request_.antialias, stop_, team_), width_mm, stop_);
+        return writer.write(overlay(std::move(rasters), palette, request_.antialias, stop_, executor_), width_mm,
+                            stop_);
     }
 
     /// Replaces what cyan, magenta and yellow have in common by black, which takes that area from each of them.
     void take_black_out(std::vector<Raster>& plates) const {
         Raster black = plates.front();
-        for_ranges(team_, black.coverage.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor_, black.coverage.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 unsigned common = 255;
                 for (const Raster& plate : plates) common = std::min<unsigned>(common, plate.coverage[i]);
@@ -142,11 +143,11 @@ private:
             places.insert(places.end(), own.begin(), own.end());
             radii.insert(radii.end(), sized_[kind].radii.begin(), sized_[kind].radii.end());
         }
-        Raster raster = draw_dots(places, radii, plan_.canvas, antialias, plan_.samples, stop_, team_);
+        Raster raster = draw_dots(places, radii, plan_.canvas, antialias, plan_.samples, stop_, executor_);
         const CellGrid& cells = plan_.two_sides->cells;
         const Point scale{static_cast<double>(raster.width) / cells.columns,
                           static_cast<double>(raster.height) / cells.rows};
-        plan_.two_sides->channels[channel].ground.apply(raster, scale, soft, team_);
+        plan_.two_sides->channels[channel].ground.apply(raster, scale, soft, executor_);
         if (adds()) {
             for (std::uint8_t& share : raster.coverage) share = static_cast<std::uint8_t>(255 - share);
         }
@@ -159,7 +160,7 @@ private:
         std::optional<double> radius;
         if (plan_.radius) radius = *plan_.radius * plan_.canvas.scale;
         const DotOptions options{radius, plan_.cover[ink], antialias, plan_.samples};
-        return draw_dots(canvas_places(inks_[ink].dots.points), plan_.canvas, options, stop_, team_);
+        return draw_dots(canvas_places(inks_[ink].dots.points), plan_.canvas, options, stop_, executor_);
     }
 
     /// Moves points such that the canvas' scale puts the corners of the picture on its own.
@@ -182,7 +183,7 @@ private:
     Body& body_;
     std::stop_token hurry_;
     std::stop_token stop_;
-    Team& team_;
+    Executor& executor_;
 };
 
 /// Makes the inks that answers tell apart: of dots on both sides one for each kind, named by the channels that it

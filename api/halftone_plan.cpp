@@ -39,8 +39,8 @@ struct SeparatedPicture {
     }
 };
 
-double sum(const std::vector<float>& values, Team& team) {
-    return sum_of_pixels(team, values.size(), [&](std::size_t i) { return static_cast<double>(values[i]); });
+double sum(const std::vector<float>& values, Executor& executor) {
+    return sum_of_pixels(executor, values.size(), [&](std::size_t i) { return static_cast<double>(values[i]); });
 }
 
 double all_pixels(PictureSize size) {
@@ -133,8 +133,8 @@ struct Decoded {
 
     /// Tells how fine the detail is, as far as that decides on the number of dots. A drawing for the screen does not
     /// show what the squares leave out.
-    double detail(const HalftoneRequest& request, Team& team) const {
-        return side > 1 && !request.on_screen ? 0 : fineness(picture, team);
+    double detail(const HalftoneRequest& request, Executor& executor) const {
+        return side > 1 && !request.on_screen ? 0 : fineness(picture, executor);
     }
 
     AnyPicture picture;
@@ -142,26 +142,27 @@ struct Decoded {
 };
 
 /// Sums the shares of the picture that dots draw: of two-sided ones the smaller of ink and paper.
-double drawn_share(const std::vector<std::vector<float>>& coverage, const HalftoneRequest& request, Team& team) {
-    if (request.dots == Dots::Both) return minority_of(coverage, team);
+double drawn_share(const std::vector<std::vector<float>>& coverage, const HalftoneRequest& request,
+                   Executor& executor) {
+    if (request.dots == Dots::Both) return minority_of(coverage, executor);
     double ink = 0;
-    for (const auto& each : coverage) ink += sum(each, team);
+    for (const auto& each : coverage) ink += sum(each, executor);
     return ink;
 }
 
 /// @returns  none if the squares are too coarse
 std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, const HalftoneRequest& request,
-                                              const Limits& limits, Team& team) {
+                                              const Limits& limits, Executor& executor) {
     const Picture& picture = decoded.picture;
-    SeparatedPicture separated{decoded.size(), {}, {}, decoded.detail(request, team)};
-    std::vector<std::vector<float>> all = {ink_coverage(picture, request.tone, request.dots == Dots::Paper, team)};
-    const double ink = drawn_share(all, request, team) * decoded.side * decoded.side;
+    SeparatedPicture separated{decoded.size(), {}, {}, decoded.detail(request, executor)};
+    std::vector<std::vector<float>> all = {ink_coverage(picture, request.tone, request.dots == Dots::Paper, executor)};
+    const double ink = drawn_share(all, request, executor) * decoded.side * decoded.side;
     std::vector<float>& coverage = all.front();
     const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
     separated.cells = resolved_cells(separated.size.width, separated.size.height, radius);
     if (!decoded.does_for(separated.cells, request, ink, limits)) return std::nullopt;
     if (separated.cells != CellGrid{picture.width, picture.height})
-        coverage = reduced(coverage, picture.width, picture.height, separated.cells, team);
+        coverage = reduced(coverage, picture.width, picture.height, separated.cells, executor);
     separated.inks.coverage = std::move(all);
     return separated;
 }
@@ -169,30 +170,31 @@ std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, c
 /// Separates into inks, or, for dots on both sides of the tonal scale, into channels.
 Separation separate(const ColourPicture& picture, const HalftoneRequest& request, const Control& control) {
     const InkSet inks = ink_set(request.palette);
-    if (request.dots == Dots::Both) return {channel_coverage(picture, inks, request.tone, *control.team), {}};
-    return separate(picture, inks, request.tone, control.stop, *control.team);
+    if (request.dots == Dots::Both) return {channel_coverage(picture, inks, request.tone, *control.executor), {}};
+    return separate(picture, inks, request.tone, control.stop, *control.executor);
 }
 
 /// Estimates the sum of the shares that dots of all inks cover, by a small copy of the picture.
 double rough_ink(const ColourPicture& picture, const HalftoneRequest& request, const Control& control) {
     constexpr int kSide = 64;
     const CellGrid cells{std::min(picture.width, kSide), std::min(picture.height, kSide)};
-    const Separation small = separate(reduced(picture, cells, *control.team), request, control);
-    const double ink = drawn_share(small.coverage, request, *control.team);
+    const Separation small = separate(reduced(picture, cells, *control.executor), request, control);
+    const double ink = drawn_share(small.coverage, request, *control.executor);
     return ink / (static_cast<double>(cells.columns) * cells.rows) * picture.width * picture.height;
 }
 
 /// @returns  none if the squares are too coarse
 std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded, const HalftoneRequest& request,
                                                  const Limits& limits, const Control& control) {
-    Team& team = *control.team;
+    Executor& executor = *control.executor;
     ColourPicture& picture = decoded.picture;
-    SeparatedPicture separated{decoded.size(), {}, {}, decoded.detail(request, team)};
+    SeparatedPicture separated{decoded.size(), {}, {}, decoded.detail(request, executor)};
     const double ink = rough_ink(picture, request, control) * decoded.side * decoded.side;
     const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
     separated.cells = resolved_cells(separated.size.width, separated.size.height, radius);
     if (!decoded.does_for(separated.cells, request, ink, limits)) return std::nullopt;
-    if (separated.cells != CellGrid{picture.width, picture.height}) picture = reduced(picture, separated.cells, team);
+    if (separated.cells != CellGrid{picture.width, picture.height})
+        picture = reduced(picture, separated.cells, executor);
     separated.inks = separate(picture, request, control);
     return separated;
 }
@@ -207,12 +209,12 @@ Result<std::optional<SeparatedPicture>> separate_picture(const HalftoneRequest& 
     if (request.palette.mixing == Mixing::Cover) {
         auto picture = decode.grey(file.bytes, reading, control.stop);
         if (!picture) return about_image(picture.error(), request);
-        picture = with_levels(*picture, request.levels, *control.team);
-        return separate_grey({*std::move(picture), request, reduce}, request, limits, *control.team);
+        picture = with_levels(*picture, request.levels, *control.executor);
+        return separate_grey({*std::move(picture), request, reduce}, request, limits, *control.executor);
     }
     auto picture = decode.colour(file.bytes, reading, control.stop);
     if (!picture) return about_image(picture.error(), request);
-    picture = with_levels(*picture, request.levels, *control.team);
+    picture = with_levels(*picture, request.levels, *control.executor);
     auto separated = separate_colours({*std::move(picture), request, reduce}, request, limits, control);
     if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
     return separated;
@@ -228,11 +230,11 @@ Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const 
 }
 
 /// Tells whether a picture is the bare paper all over, if it is of solid colours.
-bool is_paper(const HalftoneRequest& request, const std::vector<std::vector<float>>& coverage, Team& team) {
+bool is_paper(const HalftoneRequest& request, const std::vector<std::vector<float>>& coverage, Executor& executor) {
     if (request.dots != Dots::Both) return true;
     const bool is_black = request.palette.mixing == Mixing::Add;
     return std::ranges::all_of(coverage, [&](const std::vector<float>& each) {
-        return sum(each, team) == (is_black ? static_cast<double>(each.size()) : 0);
+        return sum(each, executor) == (is_black ? static_cast<double>(each.size()) : 0);
     });
 }
 
@@ -304,7 +306,7 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     if (!plan.radius) wish.sites = usual;
     if (plan.radius) wish.radius = *plan.radius / side;
     DotPlan dots = plan_dots(std::move(picture.inks.coverage), picture.cells.columns, picture.cells.rows, wish,
-                             control.stop, *control.team);
+                             control.stop, *control.executor);
     if (auto going = check_stop(control.stop); !going) return going;
     picture.inks.coverage = std::move(dots.density);
     plan.radius = dots.radius * side;
@@ -330,17 +332,17 @@ Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan
         options.least_radius = (request.antialias ? kLeastSoftRadius : kLeastRadius) / plan.canvas.scale / side;
     auto light = std::move(picture.inks.coverage);
     for (std::vector<float>& channel : light) {
-        for_ranges(*control.team, channel.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+        for_ranges(*control.executor, channel.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) channel[i] = 1 - channel[i];
         });
     }
-    plan.two_sides = plan_two_sided(std::move(light), picture.cells, options, control.stop, *control.team);
+    plan.two_sides = plan_two_sided(std::move(light), picture.cells, options, control.stop, *control.executor);
     const std::size_t most = usual_sites(request, plan.picture, all_pixels(plan.picture), 1, limits);
     if (has_screen_radius(request) && plan.two_sides->dots > static_cast<double>(most)) {
         options = {most, {}, options.detail, options.least_radius};  // as if the picture were all ink
         light.clear();
         for (TwoSidedChannel& channel : plan.two_sides->channels) light.push_back(std::move(channel.light));
-        plan.two_sides = plan_two_sided(std::move(light), picture.cells, options, control.stop, *control.team);
+        plan.two_sides = plan_two_sided(std::move(light), picture.cells, options, control.stop, *control.executor);
     }
     if (auto going = check_stop(control.stop); !going) return going;
     auto sites = sites_of(options.sites, plan.two_sides->dots, limits);
@@ -358,13 +360,13 @@ Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan
 /// Makes what dots of several inks are compared with, if they are polished.
 /// @param light  what shall be seen, of each cell
 std::optional<PrintProof> make_proof(const HalftoneRequest& request, const HalftonePlan& plan, const CellGrid& cells,
-                                     const LightPlanes& light, Team& team) {
+                                     const LightPlanes& light, Executor& executor) {
     const bool polished = request.run.iterations > 0 && request.run.quality != Quality::Draft;
     if (request.palette.mixing == Mixing::Cover || request.dots == Dots::Both || !polished || !plan.radius)
         return std::nullopt;
     const std::size_t sites = std::accumulate(plan.sites.begin(), plan.sites.end(), std::size_t{0});
     return PrintProof(light, cells, plan.picture.width, plan.picture.height,
-                      toned(ink_set(request.palette), request.tone), *plan.radius, sites, team);
+                      toned(ink_set(request.palette), request.tone), *plan.radius, sites, executor);
 }
 
 /// Finds what is not as its sender may think: of a film that moves, one picture is taken.
@@ -399,7 +401,7 @@ std::vector<SizedDots> size_dots(const HalftoneRequest& request, const HalftoneP
         for (const Point& point : placed[kind].points) sites[kind].push_back({point.x / across, point.y / down});
     }
     const bool fit = !(request.sites && request.dot);
-    std::vector<SizedDots> dots = ccdt::size_dots(*plan.two_sides, sites, fit, control.stop, *control.team);
+    std::vector<SizedDots> dots = ccdt::size_dots(*plan.two_sides, sites, fit, control.stop, *control.executor);
     for (SizedDots& kind : dots) {
         for (float& radius : kind.radii) radius *= static_cast<float>(std::sqrt(across * down));
         if (request.palette.mixing != Mixing::Add) continue;
@@ -420,9 +422,9 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     plan.picture = picture->size;
     plan.warnings = warnings_of(request);
     std::vector<double> ink;
-    for (const auto& each : separation.coverage) ink.push_back(sum(each, *control.team) * picture->cell_area());
-    const double all_ink = drawn_share(separation.coverage, request, *control.team) * picture->cell_area();
-    if (!(all_ink > 0) && is_paper(request, separation.coverage, *control.team)) return nothing_to_draw(request);
+    for (const auto& each : separation.coverage) ink.push_back(sum(each, *control.executor) * picture->cell_area());
+    const double all_ink = drawn_share(separation.coverage, request, *control.executor) * picture->cell_area();
+    if (!(all_ink > 0) && is_paper(request, separation.coverage, *control.executor)) return nothing_to_draw(request);
     const std::size_t pixels =
         static_cast<std::size_t>(plan.picture.width) * static_cast<std::size_t>(plan.picture.height);
     for (const double each : ink) plan.cover.push_back(each / static_cast<double>(pixels));
@@ -439,7 +441,7 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
                        ? settle_two_sides(request, plan, *picture, all_ink, usual, limits, control)
                        : settle_dots(request, plan, *picture, ink, usual, limits, control);
     if (!settled) return tl::unexpected(settled.error());
-    plan.proof = make_proof(request, plan, picture->cells, std::exchange(separation.light, {}), *control.team);
+    plan.proof = make_proof(request, plan, picture->cells, std::exchange(separation.light, {}), *control.executor);
     auto densities = make_densities(plan, *picture);
     if (!densities) return about_image(densities.error(), request);
     plan.densities = *std::move(densities);
@@ -460,7 +462,7 @@ Result<PlacedDots> place_dots(const HalftoneRequest& request, HalftonePlan& plan
     Retouch retouch;
     if (plan.proof) {
         retouch = [&](std::span<const std::vector<Point>> sites) {
-            return plan.proof->moves(sites, control.stop, *control.team);
+            return plan.proof->moves(sites, control.stop, *control.executor);
         };
     }
     auto dots = distribute_inks(*domain, densities, plan.sites, request.run, control, retouch);

@@ -32,8 +32,8 @@ bool is_even(const SampleRequest& request, const Domain& domain) {
 std::vector<std::uint32_t> progressive(const SampleRequest& request, const Domain& domain,
                                        std::span<const Point> points, const Control& control) {
     if (request.coordinates == Coordinates::LonLat)
-        return progressive_order_on_globe(points, control.stop, *control.team);
-    return progressive_order(domain, points, is_even(request, domain), control.stop, *control.team);
+        return progressive_order_on_globe(points, control.stop, *control.executor);
+    return progressive_order(domain, points, is_even(request, domain), control.stop, *control.executor);
 }
 
 /// Checks that an order was found in time.

@@ -88,7 +88,7 @@ bool is_grey(const Colour& colour) {
 }
 
 /// Covers the paper. The raster's coverage becomes the pixels: it takes no memory besides.
-DotImage cover(Raster raster, const Palette& palette, bool antialias, Team& team) {
+DotImage cover(Raster raster, const Palette& palette, bool antialias, Executor& executor) {
     const Colour& ink = palette.inks.front().colour;
     DotImage picture{raster.width,
                      raster.height,
@@ -99,7 +99,7 @@ DotImage cover(Raster raster, const Palette& palette, bool antialias, Team& team
                      std::move(raster.coverage)};
     if (antialias) return picture;
     picture.palette[1] = picture.palette[255];
-    for_ranges(team, picture.pixels.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, picture.pixels.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) picture.pixels[i] >>= 7;
     });
     return picture;
@@ -113,8 +113,8 @@ bool DotImage::is_bilevel() const {
 }
 
 DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antialias, const std::stop_token& stop,
-                 Team& team) {
-    if (palette.mixing == Mixing::Cover) return cover(std::move(rasters.front()), palette, antialias, team);
+                 Executor& executor) {
+    if (palette.mixing == Mixing::Cover) return cover(std::move(rasters.front()), palette, antialias, executor);
     const PrintedColour colour_of(palette);
     DotImage picture;
     picture.width = rasters.front().width;
@@ -122,7 +122,7 @@ DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antia
     picture.transparent = palette.paper.transparent;
     if (!antialias) fill_palette(picture, rasters.size(), colour_of);
     picture.pixels.resize(rasters.front().coverage.size() * picture.channels());
-    for_ranges(team, rasters.front().coverage.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, rasters.front().coverage.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
         if (stop.stop_requested()) return;
         if (antialias) {
             fill_colours(rasters, begin, end, colour_of, picture);

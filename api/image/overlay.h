@@ -8,7 +8,7 @@
 #include "api/image/shades.h"
 #include "api/input/palette.h"
 #include "core/halftone/dots.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt::api {
 
@@ -39,8 +39,8 @@ struct DotImage {
 /// @param rasters    [inks], all of one size
 /// @param antialias  false: they hold 0 and 255 only, and the picture has a palette of all mixtures
 /// @param stop       asked now and then where inks mix; a stop ends it early, with nothing of use
-/// Same input, same bytes, whatever the team.
+/// Same input, same bytes, whatever the executor.
 DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antialias, const std::stop_token& stop = {},
-                 Team& team = alone());
+                 Executor& executor = inline_executor());
 
 }  // namespace ccdt::api

@@ -182,7 +182,7 @@ void CapacityIntegral::sum_flows(const Triangulation& mesh, const std::stop_toke
     const std::size_t triangles = mesh.triangle_count();
     // Contributions to triangles of other tasks.
     std::vector<std::vector<std::pair<std::uint32_t, double>>> later((triangles + kRange - 1) / kRange);
-    for_ranges(mesh.team(), triangles, kRange, [&](std::size_t begin, std::size_t end) {
+    for_ranges(mesh.executor(), triangles, kRange, [&](std::size_t begin, std::size_t end) {
         if (stop.stop_requested()) return;
         const auto add = [&](std::uint32_t triangle, double part) {
             if (triangle - begin < end - begin) {
@@ -227,7 +227,7 @@ void CapacityIntegral::of_triangles(const Triangulation& mesh, std::vector<doubl
         return sum_flows(mesh, stop, capacity, [](std::uint32_t, const Sweep&) {});
     }
     capacities.resize(mesh.triangle_count());
-    for_ranges(mesh.team(), capacities.size(), kAreas, [&](std::size_t begin, std::size_t end) {
+    for_ranges(mesh.executor(), capacities.size(), kAreas, [&](std::size_t begin, std::size_t end) {
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) capacities[t] = mesh.doubled_area(t) / 2;
     });
 }

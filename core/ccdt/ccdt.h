@@ -12,7 +12,7 @@
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 #include "core/polish/settings.h"
 #include "core/result.h"
 
@@ -57,7 +57,7 @@ struct Control {
     std::stop_token stop;  ///< polled at least once per pass
     /// Called after the start, each iteration and each round of the polish; may be empty.
     std::function<void(const Progress&)> progress;
-    Team* team = &alone();  ///< runs the tasks; never null
+    Executor* executor = &inline_executor();  ///< runs the tasks; never null
 };
 
 /// The triangulation behind a distribution, in the caller's coordinates. On a torus, corners of a triangle may belong

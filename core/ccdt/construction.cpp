@@ -47,7 +47,7 @@ Construction::Construction(const Domain& domain, const Density& density, const O
       density_(density),
       options_(options),
       stop_(control.stop),
-      team_(*control.team),
+      executor_(*control.executor),
       capacity_(domain, density) {}
 
 Result<void> Construction::start() {
@@ -96,7 +96,7 @@ Result<DomainMesh> Construction::mesh_for(std::size_t fixed) const {
 Result<DomainMesh> Construction::triangulate_sites(std::vector<Point> first) {
     auto placed = mesh_for(fixed_.places.size());
     if (!placed) return placed;
-    placed->mesh.set_team(team_);
+    placed->mesh.set_executor(executor_);
     placed->mesh.fix_last(fixed_.places.size());
     for (std::size_t i = 0; i < fixed_.places.size(); ++i)
         placed->mesh.insert(static_cast<std::uint32_t>(options_.sites + i), fixed_.places[i]);
@@ -121,7 +121,7 @@ const StartSites& Construction::start_sites() {
 
 MeshPolish& Construction::polish() {
     return polish_ ? *polish_
-                   : polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_, team_);
+                   : polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_, executor_);
 }
 
 /// Returns initial sites without long waves of density error; none if that is not needed.
@@ -131,7 +131,7 @@ std::vector<Point> Construction::even_start() {
     constexpr std::size_t kSites = 4096;  // sites per task
     const StartSites& start = start_sites();
     first.resize(options_.sites);
-    for_ranges(team_, options_.sites, kSites, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, options_.sites, kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t site = begin; site < end; ++site) first[site] = start.draw(site, 0);
     });
     polish().even_out_start(first, stop_);

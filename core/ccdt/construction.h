@@ -82,7 +82,7 @@ private:
     const Density& density_;
     Options options_;
     std::stop_token stop_;
-    Team& team_;
+    Executor& executor_;
     CapacityIntegral capacity_;
     FixedSites fixed_;
     std::optional<DomainMesh> placed_;

@@ -157,7 +157,7 @@ template <class ReachedBy, class WeightOf>
 Aims find_aims(const Triangulation& mesh, ReachedBy&& reached_by, const WeightOf& weight_of) {
     const std::size_t count = mesh.triangle_count();
     std::vector<Aims> parts((count + kRange - 1) / kRange);
-    for_ranges(mesh.team(), count, kRange, [&](std::size_t begin, std::size_t end) {
+    for_ranges(mesh.executor(), count, kRange, [&](std::size_t begin, std::size_t end) {
         Aims own;
         FacedLengths faced_lengths(mesh, weight_of);
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
@@ -219,7 +219,7 @@ private:
 template <class WeightOf>
 void set_each(const Triangulation& mesh, const Aims& aims, WeightOf&& weight_of, std::vector<TriangleGoal>& goals) {
     goals.resize(mesh.triangle_count());
-    for_ranges(mesh.team(), goals.size(), kRange, [&](std::size_t begin, std::size_t end) {
+    for_ranges(mesh.executor(), goals.size(), kRange, [&](std::size_t begin, std::size_t end) {
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) goals[t] = {weight_of(t), 1, 1};
     });
     for (std::size_t i = 0; i < aims.goals.size(); ++i) goals[aims.triangles[i]] = aims.goals[i];
@@ -250,7 +250,7 @@ double set_goals(const Triangulation& mesh, double total, double densest, std::v
         goals = std::move(each);
         return aims.reached.variation();
     }
-    for_ranges(mesh.team(), capacities.size(), kRange, [&](std::size_t begin, std::size_t end) {
+    for_ranges(mesh.executor(), capacities.size(), kRange, [&](std::size_t begin, std::size_t end) {
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) capacities[t] = weights(t);
     });
     goals = {std::move(capacities), std::move(aims.triangles), std::move(aims.goals)};

@@ -116,11 +116,11 @@ void Relaxation::prepare_exact(TriangleGoals goals, const std::stop_token& stop)
     kinds_ = std::vector<std::uint8_t>();
     record_memory_ = std::vector<std::uint32_t>();
     levels_.resize(mesh_.blocks().sites());
-    mesh_.team().run(groups_[0].size(), [&](std::size_t number) {
+    mesh_.executor().run(groups_[0].size(), [&](std::size_t number) {
         if (!stop.stop_requested()) find_levels(number, first_time);
     });
     for (std::size_t level = 1; level < groups_.size(); ++level) {
-        mesh_.team().run(groups_[level].size(), [&](std::size_t number) { list_larger(level, number, true); });
+        mesh_.executor().run(groups_[level].size(), [&](std::size_t number) { list_larger(level, number, true); });
     }
     list_border();
 }
@@ -152,11 +152,11 @@ void Relaxation::list_sites(const std::stop_token& stop) {
     record_memory_.resize(record_memory_of(blocks.sites()));
     kinds_.resize(blocks.sites(), kFanKind);
     levels_.resize(blocks.sites());
-    mesh_.team().run(blocks.count(0), [&](std::size_t number) {
+    mesh_.executor().run(blocks.count(0), [&](std::size_t number) {
         if (!stop.stop_requested()) list_block(number, first_time);
     });
     for (std::size_t level = 1; level < groups_.size(); ++level) {
-        mesh_.team().run(groups_[level].size(), [&](std::size_t number) { list_larger(level, number, false); });
+        mesh_.executor().run(groups_[level].size(), [&](std::size_t number) { list_larger(level, number, false); });
     }
 }
 
@@ -281,7 +281,7 @@ std::uint8_t Relaxation::level_of(std::uint32_t site) const {
 
 double Relaxation::mean_doubled_area() const {
     std::vector<double> areas((mesh_.triangle_count() + kRange - 1) / kRange, 0);
-    for_ranges(mesh_.team(), mesh_.triangle_count(), kRange, [&](std::size_t begin, std::size_t end) {
+    for_ranges(mesh_.executor(), mesh_.triangle_count(), kRange, [&](std::size_t begin, std::size_t end) {
         double& area = areas[begin / kRange];
         for (std::size_t t = begin; t < end; ++t) area += mesh_.doubled_area(static_cast<std::uint32_t>(t));
     });
@@ -366,7 +366,8 @@ void Relaxation::for_groups(int times, const std::stop_token& stop, Move&& move)
             for (int time = 0; time < in_turn && !stop.stop_requested(); ++time) step();
         };
         for (std::size_t level = 0; level < groups_.size(); ++level) {
-            mesh_.team().run(groups_[level].size(), [&](std::size_t number) { repeat([&] { move(level, number); }); });
+            mesh_.executor().run(groups_[level].size(),
+                                 [&](std::size_t number) { repeat([&] { move(level, number); }); });
         }
         repeat([&] {
             for (const Fan& fan : border_.all) slide(border_, fan);

@@ -52,7 +52,8 @@ std::uint64_t along_curve(Point share) {
 
 }  // namespace
 
-Result<DotGround> DotGround::create(const Map& map, std::size_t number, Team& team, const std::stop_token& stop) {
+Result<DotGround> DotGround::create(const Map& map, std::size_t number, Executor& executor,
+                                    const std::stop_token& stop) {
     DotGround ground(map, number);
     ground.find_fixed();
     for (std::size_t i = 0; i < map.features.size(); ++i) {
@@ -83,7 +84,7 @@ Result<DotGround> DotGround::create(const Map& map, std::size_t number, Team& te
     }
     ground.overlaps_.resize(map.features.size());
     ground.fences_.resize(map.features.size());
-    team.run(ground.fences_.size(), [&](std::size_t i) {
+    executor.run(ground.fences_.size(), [&](std::size_t i) {
         if (!stop.stop_requested()) ground.fences_[i] = ground.make_fence(static_cast<std::uint32_t>(i));
     });
     if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
@@ -191,7 +192,7 @@ std::vector<std::uint32_t> DotGround::order() const {
 }
 
 Result<std::vector<FeatureDot>> DotGround::draw(std::uint64_t seed, const std::function<Point(Point)>& rounded,
-                                                Team& team, const std::stop_token& stop) const {
+                                                Executor& executor, const std::stop_token& stop) const {
     std::vector<FeatureDot> all(dots_);
     const std::vector<std::uint32_t> order = this->order();
     std::vector<std::span<FeatureDot>> shares;
@@ -200,7 +201,7 @@ Result<std::vector<FeatureDot>> DotGround::draw(std::uint64_t seed, const std::f
         rest = rest.subspan(dots(feature));
     }
     std::vector<Result<void>> drawn(order.size());
-    team.run(order.size(), [&](std::size_t i) {
+    executor.run(order.size(), [&](std::size_t i) {
         if (stop.stop_requested() || shares[i].empty()) return;
         drawn[i] = draw(order[i], seed_of(seed, class_, order[i]), rounded, shares[i]);
     });

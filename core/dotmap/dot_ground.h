@@ -15,7 +15,7 @@
 #include "core/dotmap/feature_index.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 #include "core/result.h"
 
 namespace ccdt {
@@ -44,7 +44,8 @@ public:
     /// @param stop  polled regularly; a stop gives the error Stopped
     ///
     /// Errors: Unusable if the density is zero everywhere in a feature that has dots.
-    static Result<DotGround> create(const Map& map, std::size_t number, Team& team, const std::stop_token& stop);
+    static Result<DotGround> create(const Map& map, std::size_t number, Executor& executor,
+                                    const std::stop_token& stop);
 
     std::size_t features() const { return map_.features.size(); }
     const Domain& area(std::size_t feature) const { return map_.features[feature].area; }
@@ -65,8 +66,8 @@ public:
     /// @param rounded  rounds a position to the one where it will be stored; called in parallel
     ///
     /// Errors: Unusable for a feature that is too thin; Stopped.
-    Result<std::vector<FeatureDot>> draw(std::uint64_t seed, const std::function<Point(Point)>& rounded, Team& team,
-                                         const std::stop_token& stop) const;
+    Result<std::vector<FeatureDot>> draw(std::uint64_t seed, const std::function<Point(Point)>& rounded,
+                                         Executor& executor, const std::stop_token& stop) const;
 
     /// Draws a new position for a dot, anywhere in its feature, until one is accepted. Errors: Unusable.
     /// @param interior  sampler of the feature; created if empty

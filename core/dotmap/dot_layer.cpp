@@ -39,7 +39,7 @@ double doubled_area(double a, double b, double c) {
 }  // namespace
 
 DotLayer::DotLayer(DotGround& ground, Domain land, const Options& options, const Control& control)
-    : ground_(ground), land_(std::move(land)), options_(options), stop_(control.stop), team_(*control.team) {
+    : ground_(ground), land_(std::move(land)), options_(options), stop_(control.stop), executor_(*control.executor) {
     options_.sites = ground.dots();
 }
 
@@ -69,7 +69,7 @@ std::vector<double> DotLayer::length_in_dots(Point a, Point b) const {
 
 Result<void> DotLayer::start() {
     const auto rounded = [this](Point p) { return land_.to_user(land_.to_unit(p)); };
-    auto drawn = ground_.draw(options_.seed, rounded, team_, stop_);
+    auto drawn = ground_.draw(options_.seed, rounded, executor_, stop_);
     if (!drawn) return tl::unexpected(drawn.error());
     dots_ = *std::move(drawn);
     ground_.find_overlaps(dots_, stop_);
@@ -80,7 +80,7 @@ Result<void> DotLayer::start() {
     auto empty = empty_mesh(land_, border, sites, stop_);
     if (!empty) return tl::unexpected(empty.error());
     placed_ = *std::move(empty);
-    mesh().set_team(team_);
+    mesh().set_executor(executor_);
     mesh().fix_last(fixed_.places.size());
     radii_.resize(sites);
     moves_.resize(sites);
@@ -151,7 +151,7 @@ Result<void> DotLayer::insert_anywhere(std::uint32_t dot) {
 
 /// Computes the radii of the dots' discs at their positions.
 void DotLayer::find_radii() {
-    for_ranges(team_, dots_.size(), kDots, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, dots_.size(), kDots, [&](std::size_t begin, std::size_t end) {
         if (stopping()) return;
         for (std::size_t dot = begin; dot < end; ++dot) {
             const std::uint32_t feature = dots_[dot].feature;
@@ -165,7 +165,7 @@ void DotLayer::find_radii() {
 void DotLayer::find_aims() {
     find_radii();
     aims_.resize(mesh().triangle_count());
-    for_ranges(team_, aims_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, aims_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) aims_[t] = aim_of(t);
     });
 }
@@ -186,7 +186,7 @@ double DotLayer::aim_of(std::uint32_t triangle) const {
 double DotLayer::measure() {
     find_aims();
     capacities_.resize(aims_.size());
-    for_ranges(team_, aims_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, aims_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t)
             capacities_[t] = aims_[t] > 0 ? 0.5 * mesh().doubled_area(t) / aims_[t] : 0;
     });
@@ -211,7 +211,7 @@ void DotLayer::soften_borders() {
         goals_[triangle].weight *= share;
         goals_[triangle].target *= share;
     };
-    for_ranges(team_, goals_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, goals_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) soften(t);
     });
 }
@@ -270,13 +270,13 @@ bool DotLayer::iterate() {
 void DotLayer::begin() {
     areas_.resize(mesh().triangle_count());
     moved_areas_.resize(areas_.size());
-    for_ranges(team_, areas_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, areas_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) areas_[t] = mesh().doubled_area(t);
     });
 }
 
 void DotLayer::push_apart(double reach, double push, std::span<const Point> pushed) {
-    for_ranges(team_, dots_.size(), kDots, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, dots_.size(), kDots, [&](std::size_t begin, std::size_t end) {
         for (auto dot = static_cast<std::uint32_t>(begin); dot < end; ++dot) {
             const Point by = pushed.empty() ? Point{} : 1 / scale() * pushed[dot];
             moves_[dot] = by + push_off_neighbours(dot, reach, push);
@@ -366,7 +366,7 @@ double DotLayer::least_distance() const {
 }
 
 void DotLayer::apply() {
-    for_ranges(team_, dots_.size(), kDots, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, dots_.size(), kDots, [&](std::size_t begin, std::size_t end) {
         for (auto dot = static_cast<std::uint32_t>(begin); dot < end; ++dot) {
             before_[dot] = mesh().point(dot);
             if (!(moves_[dot] == Point{})) mesh().points()[dot] = fenced(dot, before_[dot] + moves_[dot]);
@@ -391,7 +391,7 @@ bool DotLayer::is_sound(std::uint32_t triangle, double area) const {
 void DotLayer::revert_moves() {
     std::vector<std::vector<std::uint32_t>> lists((areas_.size() + kTriangles - 1) / kTriangles);
     for (bool found = true; found;) {
-        for_ranges(team_, areas_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor_, areas_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
             auto& list = lists[begin / kTriangles];
             list.clear();
             for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {

@@ -14,7 +14,7 @@
 #include "core/dotmap/dot_ground.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 #include "core/polish/cell_list.h"
 #include "core/polish/fixed_sites.h"
 #include "core/polish/mesh_transport.h"
@@ -30,7 +30,7 @@ class DotLayer {
 public:
     /// @param ground   must outlive this
     /// @param land     all ground that has dots
-    /// @param control  its team must outlive this
+    /// @param control  its executor must outlive this
     DotLayer(DotGround& ground, Domain land, const Options& options, const Control& control);
     DotLayer(const DotLayer&) = delete;  // relaxations refer to it
     DotLayer& operator=(const DotLayer&) = delete;
@@ -108,7 +108,7 @@ private:
     Domain land_;
     Options options_;
     std::stop_token stop_;
-    Team& team_;
+    Executor& executor_;
     std::optional<DomainMesh> placed_;
     std::vector<FeatureDot> dots_;             ///< in the order of their sites, with their initial positions
     FixedSites fixed_;                         ///< fixed points; their vertices follow the dots' vertices

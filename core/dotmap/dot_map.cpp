@@ -38,7 +38,7 @@ public:
     DotMap(std::span<const MapFeature> features, const Box& box, const Density& density, const Options& options,
            const Control& control)
         : features_(features),
-          areas_(areas_of(features, *control.team)),
+          areas_(areas_of(features, *control.executor)),
           index_(areas_),
           map_{features, areas_, index_, box, density, options.fixed},
           options_(options),
@@ -47,7 +47,7 @@ public:
     Result<std::vector<ClassDots>> execute();
 
 private:
-    static std::vector<FeatureArea> areas_of(std::span<const MapFeature> features, Team& team);
+    static std::vector<FeatureArea> areas_of(std::span<const MapFeature> features, Executor& executor);
     bool stopping() const { return control_.stop.stop_requested(); }
     Result<void> make_layers();
     PolishSettings settings() const;
@@ -78,9 +78,9 @@ private:
     int round_ = 0;
 };
 
-std::vector<FeatureArea> DotMap::areas_of(std::span<const MapFeature> features, Team& team) {
+std::vector<FeatureArea> DotMap::areas_of(std::span<const MapFeature> features, Executor& executor) {
     std::vector<FeatureArea> areas(features.size());
-    team.run(areas.size(), [&](std::size_t i) { areas[i] = FeatureArea(features[i].area); });
+    executor.run(areas.size(), [&](std::size_t i) { areas[i] = FeatureArea(features[i].area); });
     return areas;
 }
 
@@ -94,7 +94,7 @@ Result<std::vector<ClassDots>> DotMap::execute() {
 
 Result<void> DotMap::make_layers() {
     for (std::size_t number = 0; number < features_.front().dots.size(); ++number) {
-        auto ground = DotGround::create(map_, number, *control_.team, control_.stop);
+        auto ground = DotGround::create(map_, number, *control_.executor, control_.stop);
         if (!ground) return tl::unexpected(ground.error());
         grounds_.emplace_back();
         layers_.emplace_back();
@@ -221,7 +221,7 @@ std::vector<Point> DotMap::pushes(double reach, double push) {
         };
         const std::size_t first = sites.size();
         sites.resize(first + layer.size());
-        for_ranges(*control_.team, layer.size(), kDots, [&](std::size_t begin, std::size_t end) {
+        for_ranges(*control_.executor, layer.size(), kDots, [&](std::size_t begin, std::size_t end) {
             for (std::size_t dot = begin; dot < end; ++dot) sites[first + dot] = site_of(dot);
         });
         ++number;

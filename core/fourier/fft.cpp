@@ -58,8 +58,8 @@ std::size_t product(int columns, int rows) {
 /// @param grid       row by row
 /// @param transform  called with the lines and a pointer to the first of them
 template <class Value, class Transform>
-void for_columns(Team& team, Value* grid, std::size_t width, std::size_t rows, Transform&& transform) {
-    for_ranges(team, width, kLines, [&](std::size_t begin, std::size_t end) {
+void for_columns(Executor& executor, Value* grid, std::size_t width, std::size_t rows, Transform&& transform) {
+    for_ranges(executor, width, kLines, [&](std::size_t begin, std::size_t end) {
         const std::size_t count = end - begin;
         const auto columns = taken<Value>(std::malloc(count * rows * sizeof(Value)));
         for (std::size_t row = 0; row < rows; ++row)
@@ -72,8 +72,8 @@ void for_columns(Team& team, Value* grid, std::size_t width, std::size_t rows, T
 
 /// Calls transform(rows, number of the first row) for a few rows at a time.
 template <class Transform>
-void for_rows(Team& team, std::size_t width, std::size_t rows, Transform&& transform) {
-    for_ranges(team, rows, kLines, [&](std::size_t begin, std::size_t end) {
+void for_rows(Executor& executor, std::size_t width, std::size_t rows, Transform&& transform) {
+    for_ranges(executor, rows, kLines, [&](std::size_t begin, std::size_t end) {
         transform(LineSet{width, 1, end - begin, width}, begin);
     });
 }
@@ -94,8 +94,8 @@ int good_size(double least) {
 }
 
 struct RealTransform::Grids {
-    Grids(int columns, int rows, Team& of_threads, std::size_t spare_size)
-        : team(of_threads),
+    Grids(int columns, int rows, Executor& of_threads, std::size_t spare_size)
+        : executor(of_threads),
           width(static_cast<std::size_t>(columns)),
           height(static_cast<std::size_t>(rows)),
           kept(width / 2 + 1),
@@ -108,14 +108,14 @@ struct RealTransform::Grids {
         spectrum.restore();
     }
 
-    Team& team;
+    Executor& executor;
     std::size_t width, height, kept, spare;
     Buffer<double> grid;
     Buffer<std::complex<double>> spectrum;  ///< [kept * height], or the spare memory
 };
 
-RealTransform::RealTransform(int columns, int rows, Team& team, std::size_t spare)
-    : grids_(std::make_unique<Grids>(columns, rows, team, spare)) {}
+RealTransform::RealTransform(int columns, int rows, Executor& executor, std::size_t spare)
+    : grids_(std::make_unique<Grids>(columns, rows, executor, spare)) {}
 RealTransform::RealTransform(RealTransform&&) noexcept = default;
 RealTransform& RealTransform::operator=(RealTransform&&) noexcept = default;
 RealTransform::~RealTransform() = default;
@@ -145,45 +145,45 @@ std::span<double> RealTransform::spare() {
 
 void RealTransform::forward() {
     Grids& g = *grids_;
-    for_rows(g.team, g.width, g.height, [&](const LineSet& rows, std::size_t first) {
+    for_rows(g.executor, g.width, g.height, [&](const LineSet& rows, std::size_t first) {
         line_transforms().real(rows, g.grid.data() + first * g.width, g.kept, g.spectrum.data() + first * g.kept);
     });
-    for_columns(g.team, g.spectrum.data(), g.kept, g.height, line_transforms().complex);
+    for_columns(g.executor, g.spectrum.data(), g.kept, g.height, line_transforms().complex);
 }
 
 void RealTransform::backward() {
     Grids& g = *grids_;
-    for_columns(g.team, g.spectrum.data(), g.kept, g.height, line_transforms().complex_back);
-    for_rows(g.team, g.width, g.height, [&](const LineSet& rows, std::size_t first) {
+    for_columns(g.executor, g.spectrum.data(), g.kept, g.height, line_transforms().complex_back);
+    for_rows(g.executor, g.width, g.height, [&](const LineSet& rows, std::size_t first) {
         line_transforms().real_back(rows, g.grid.data() + first * g.width, g.kept, g.spectrum.data() + first * g.kept);
     });
 }
 
 struct CosineTransform::Grids {
-    Grids(int columns, int rows, Team& of_threads, std::size_t spare)
-        : team(of_threads),
+    Grids(int columns, int rows, Executor& of_threads, std::size_t spare)
+        : executor(of_threads),
           width(static_cast<std::size_t>(columns)),
           height(static_cast<std::size_t>(rows)),
           grid(std::max(product(columns, rows), spare)) {}
 
     template <class Transform>
     void transform_rows(Transform&& transform) {
-        for_rows(team, width, height,
+        for_rows(executor, width, height,
                  [&](const LineSet& rows, std::size_t first) { transform(rows, grid.data() + first * width); });
     }
 
     template <class Transform>
     void transform_columns(Transform&& transform) {
-        for_columns(team, grid.data(), width, height, transform);
+        for_columns(executor, grid.data(), width, height, transform);
     }
 
-    Team& team;
+    Executor& executor;
     std::size_t width, height;
     Buffer<double> grid;  ///< [width * height], and the spare memory
 };
 
-CosineTransform::CosineTransform(int columns, int rows, Team& team, std::size_t spare)
-    : grids_(std::make_unique<Grids>(columns, rows, team, spare)) {}
+CosineTransform::CosineTransform(int columns, int rows, Executor& executor, std::size_t spare)
+    : grids_(std::make_unique<Grids>(columns, rows, executor, spare)) {}
 CosineTransform::CosineTransform(CosineTransform&&) noexcept = default;
 CosineTransform& CosineTransform::operator=(CosineTransform&&) noexcept = default;
 CosineTransform::~CosineTransform() = default;

@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -16,16 +16,16 @@ int good_size(double least);
 
 /// Fourier transform of a real grid, and its inverse.
 ///
-/// The same input gives the same bits in every run, on every processor of one architecture and with any team. An object
-/// must be used by one thread at a time. Throws std::bad_alloc. O(n log n) for n cells, 16 bytes per cell.
+/// The same input gives the same bits in every run, on every processor of one architecture and with any executor. An
+/// object must be used by one thread at a time. Throws std::bad_alloc. O(n log n) for n cells, 16 bytes per cell.
 class RealTransform {
 public:
     /// @param columns, rows  >= 1; see good_size()
-    /// @param team           runs the transforms; must outlive this
+    /// @param executor       runs the transforms; must outlive this
     /// @param spare          least size of spare(), in numbers
     ///
     /// All cells are 0 at first.
-    RealTransform(int columns, int rows, Team& team = alone(), std::size_t spare = 0);
+    RealTransform(int columns, int rows, Executor& executor = inline_executor(), std::size_t spare = 0);
     RealTransform(RealTransform&&) noexcept;
     RealTransform& operator=(RealTransform&&) noexcept;
     ~RealTransform();
@@ -62,11 +62,11 @@ private:
 class CosineTransform {
 public:
     /// @param columns, rows  >= 1; see good_size()
-    /// @param team           runs the transforms; must outlive this
+    /// @param executor       runs the transforms; must outlive this
     /// @param spare          least size of spare(), in numbers; 0, or at least the number of cells
     ///
     /// All cells are 0 at first.
-    CosineTransform(int columns, int rows, Team& team = alone(), std::size_t spare = 0);
+    CosineTransform(int columns, int rows, Executor& executor = inline_executor(), std::size_t spare = 0);
     CosineTransform(CosineTransform&&) noexcept;
     CosineTransform& operator=(CosineTransform&&) noexcept;
     ~CosineTransform();

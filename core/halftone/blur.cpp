@@ -103,29 +103,31 @@ void filter_rows(const Box& box, int width, float* rows, std::vector<float>& pad
 
 }  // namespace
 
-void blur(std::vector<float>& values, int width, int height, double sigma, std::vector<float>& scratch, Team& team) {
+void blur(std::vector<float>& values, int width, int height, double sigma, std::vector<float>& scratch,
+          Executor& executor) {
     assert(sigma >= 0 && values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     const Box down = box_of(sigma, height), across = box_of(sigma, width);
     const auto columns = static_cast<std::size_t>(width);
     scratch.resize(values.size());
-    for_ranges(team, columns, kColumns, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, columns, kColumns, [&](std::size_t begin, std::size_t end) {
         filter_columns(down, width, height, values.data() + begin, scratch.data() + begin, end - begin);
         filter_columns(down, width, height, scratch.data() + begin, values.data() + begin, end - begin);
     });
-    for_ranges(team, static_cast<std::size_t>(height), rows_of_task(width), [&](std::size_t begin, std::size_t end) {
-        std::vector<float> padded;
-        for (std::size_t row = begin; row < end;) {
-            const bool alone = end - row < kRows;
-            const auto filter = alone ? filter_rows<1> : filter_rows<kRows>;
-            for (int i = 0; i < kBoxes; ++i) filter(across, width, values.data() + row * columns, padded);
-            row += alone ? 1 : kRows;
-        }
-    });
+    for_ranges(executor, static_cast<std::size_t>(height), rows_of_task(width),
+               [&](std::size_t begin, std::size_t end) {
+                   std::vector<float> padded;
+                   for (std::size_t row = begin; row < end;) {
+                       const bool alone = end - row < kRows;
+                       const auto filter = alone ? filter_rows<1> : filter_rows<kRows>;
+                       for (int i = 0; i < kBoxes; ++i) filter(across, width, values.data() + row * columns, padded);
+                       row += alone ? 1 : kRows;
+                   }
+               });
 }
 
-std::vector<float> blurred(std::vector<float> values, int width, int height, double sigma, Team& team) {
+std::vector<float> blurred(std::vector<float> values, int width, int height, double sigma, Executor& executor) {
     std::vector<float> scratch;
-    blur(values, width, height, sigma, scratch, team);
+    blur(values, width, height, sigma, scratch, executor);
     return values;
 }
 

@@ -24,10 +24,10 @@ constexpr Kernel kNext = {1 / 36.0f, 8 / 36.0f, 18 / 36.0f, 8 / 36.0f, 1 / 36.0f
 
 /// Filters along the columns, then along the rows. Pixels beyond the border equal those at it.
 void filter(std::vector<float>& values, int width, int height, const Kernel& kernel, std::vector<float>& scratch,
-            Team& team) {
+            Executor& executor) {
     const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
     scratch.resize(values.size());
-    for_ranges(team, rows, rows_of_task(width), [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, rows, rows_of_task(width), [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {
             std::array<const float*, 5> from;
             for (std::size_t k = 0; k < 5; ++k) {
@@ -40,7 +40,7 @@ void filter(std::vector<float>& values, int width, int height, const Kernel& ker
                         kernel[0] * (from[0][x] + from[4][x]);
         }
     });
-    for_ranges(team, rows, rows_of_task(width), [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, rows, rows_of_task(width), [&](std::size_t begin, std::size_t end) {
         std::vector<float> padded(columns + 4);
         for (std::size_t y = begin; y < end; ++y) {
             const float* from = scratch.data() + y * columns;
@@ -75,17 +75,17 @@ std::vector<float> halved(const std::vector<float>& values, int width, int heigh
 
 }  // namespace
 
-BlurPyramid::BlurPyramid(std::vector<float> values, int width, int height, double widest, Team& team) {
+BlurPyramid::BlurPyramid(std::vector<float> values, int width, int height, double widest, Executor& executor) {
     assert(values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     constexpr int kSmallest = 4;  // pixels a side
     std::vector<float> scratch;
-    filter(values, width, height, kWide, scratch, team);
+    filter(values, width, height, kWide, scratch, executor);
     levels_.push_back({width, height, std::move(values)});
     for (double reached = 1; reached < widest; reached *= 2) {
         const Level& finer = levels_.back();
         if (std::min(finer.width, finer.height) < 2 * kSmallest) break;
         Level next{(finer.width + 1) / 2, (finer.height + 1) / 2, halved(finer.values, finer.width, finer.height)};
-        filter(next.values, next.width, next.height, kNext, scratch, team);
+        filter(next.values, next.width, next.height, kNext, scratch, executor);
         levels_.push_back(std::move(next));
     }
 }

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/geometry/point.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -16,7 +16,8 @@ public:
     /// @param values  [width * height]
     /// @param widest  standard deviation in pixels that at() shall reach
     /// Same input, same bytes, on any executor. O(pixels).
-    BlurPyramid(std::vector<float> values, int width, int height, double widest, Team& team = alone());
+    BlurPyramid(std::vector<float> values, int width, int height, double widest,
+                Executor& executor = inline_executor());
 
     /// Returns the mean around a place, in pixels from the image's corner, by a Gaussian of about `sigma` pixels. Less
     /// than 1 counts as 1.

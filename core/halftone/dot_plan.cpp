@@ -22,10 +22,10 @@ constexpr double kPi = std::numbers::pi;
 /// What is to be covered, sorted by what is to be covered around there.
 class Demand {
 public:
-    void add(const std::vector<float>& cover, const std::vector<float>& around, Team& team) {
+    void add(const std::vector<float>& cover, const std::vector<float>& around, Executor& executor) {
         if (cover.size() <= kPixelsOfSum) return add(cover, around, 0, cover.size());
         std::vector<Demand> parts((cover.size() + kPixelsOfSum - 1) / kPixelsOfSum);
-        for_ranges(team, cover.size(), kPixelsOfSum, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor, cover.size(), kPixelsOfSum, [&](std::size_t begin, std::size_t end) {
             parts[begin / kPixelsOfSum].add(cover, around, begin, end);
         });
         for (const Demand& part : parts) std::ranges::transform(sums_, part.sums_, sums_.begin(), std::plus());
@@ -94,9 +94,9 @@ constexpr double kSurroundings = 0.7;
 /// Turns what is to be covered into dots, per pixel. Returns their sum.
 /// @param area  of a dot, in pixels
 double to_density(std::vector<float>& cover, const std::vector<float>& around, const Discs& discs, double factor,
-                  double area, Team& team) {
+                  double area, Executor& executor) {
     constexpr double kNothing = 1e-6;
-    return sum_of_pixels(team, cover.size(), [&](std::size_t i) {
+    return sum_of_pixels(executor, cover.size(), [&](std::size_t i) {
         const double share = std::clamp(static_cast<double>(around[i]), kNothing, 1.0);
         cover[i] = static_cast<float>(static_cast<double>(cover[i]) * discs.per_share(share, factor) / area);
         return static_cast<double>(cover[i]);
@@ -106,7 +106,7 @@ double to_density(std::vector<float>& cover, const std::vector<float>& around, c
 }  // namespace
 
 DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, const DotWish& wish,
-                  const std::stop_token& stop, Team& team) {
+                  const std::stop_token& stop, Executor& executor) {
     assert(wish.sites || wish.radius);
     const auto sites = static_cast<double>(wish.sites.value_or(0));
     const Discs discs;
@@ -114,14 +114,14 @@ DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, 
         return wish.radius ? *wish.radius : std::sqrt(discs.sum(demand) / (kPi * sites));
     };
     Demand first, demand;
-    for (const auto& each : cover) first.add(each, each, team);
+    for (const auto& each : cover) first.add(each, each, executor);
     const double size = radius(first);
     std::vector<std::vector<float>> around;
     for (auto& each : cover) {
         if (stop.stop_requested()) return {};
-        each = sharpened(each, width, height, wish.detail * size, team);
-        around.push_back(blurred(each, width, height, kSurroundings * size, team));
-        demand.add(each, around.back(), team);
+        each = sharpened(each, width, height, wish.detail * size, executor);
+        around.push_back(blurred(each, width, height, kSurroundings * size, executor));
+        demand.add(each, around.back(), executor);
     }
 
     DotPlan plan;
@@ -130,7 +130,7 @@ DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, 
     const double factor = wish.sites && wish.radius ? find_factor(demand, discs, sites * area) : 1;
     plan.tone = discs.tone(demand, factor);
     for (std::size_t ink = 0; ink < cover.size(); ++ink) {
-        plan.dots.push_back(to_density(cover[ink], around[ink], discs, factor, area, team));
+        plan.dots.push_back(to_density(cover[ink], around[ink], discs, factor, area, executor));
         around[ink] = {};
     }
     plan.density = std::move(cover);

@@ -5,7 +5,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -37,8 +37,8 @@ struct DotPlan {
 ///
 /// @param cover  [inks][width * height] in [0, 1], one > 0
 /// @param stop   asked now and then; a stop ends it early, with nothing of use
-/// Same input, same bytes, whatever the team. O(pixels).
+/// Same input, same bytes, whatever the executor. O(pixels).
 DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, const DotWish& wish,
-                  const std::stop_token& stop = {}, Team& team = alone());
+                  const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
 }  // namespace ccdt

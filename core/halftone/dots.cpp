@@ -74,7 +74,7 @@ void for_pixels_within(Point centre, const Canvas& canvas, const Band& band, dou
     }
 }
 
-/// A value for each pixel of a canvas. Whoever draws sets them: a team does so faster than its caller alone.
+/// A value for each pixel of a canvas. Whoever draws sets them: an executor does so faster than its caller alone.
 struct Values {
     std::unique_ptr<float[]> values;
     std::size_t count = 0;
@@ -101,11 +101,11 @@ public:
     /// it.
     /// @param bare  value of pixels where there is no dot
     template <class Draw>
-    Values draw(float bare, Team& team, const std::stop_token& stop, const Draw& draw) const {
+    Values draw(float bare, Executor& executor, const std::stop_token& stop, const Draw& draw) const {
         const std::size_t columns = static_cast<std::size_t>(width_);
         Values values{std::make_unique_for_overwrite<float[]>(columns * static_cast<std::size_t>(height_)),
                       columns * static_cast<std::size_t>(height_)};
-        team.run(dots_.size(), [&](std::size_t number) {
+        executor.run(dots_.size(), [&](std::size_t number) {
             const Band band = band_of(number);
             const auto row = [&](int y) { return values.begin() + static_cast<std::size_t>(y) * columns; };
             std::fill(row(band.top), row(band.bottom), bare);
@@ -119,8 +119,8 @@ public:
 
     /// Calls visit(band, dot) for each band and the dots that reach into it.
     template <class Visit>
-    void visit(Team& team, const std::stop_token& stop, const Visit& visit) const {
-        team.run(dots_.size(), [&](std::size_t number) {
+    void visit(Executor& executor, const std::stop_token& stop, const Visit& visit) const {
+        executor.run(dots_.size(), [&](std::size_t number) {
             for (const std::uint32_t dot : dots_[number]) {
                 if (stop.stop_requested()) return;
                 visit(band_of(number), dot);
@@ -151,9 +151,9 @@ private:
 class DistanceMap {
 public:
     DistanceMap(std::span<const Point> dots, const Canvas& canvas, double reach, const std::stop_token& stop,
-                Team& team)
+                Executor& executor)
         : squared_(Bands(dots, canvas, reach)
-                       .draw(std::numeric_limits<float>::infinity(), team, stop,
+                       .draw(std::numeric_limits<float>::infinity(), executor, stop,
                              [&](float* to, const Band& band, std::size_t dot) {
                                  const auto keep_less = [to](std::size_t pixel, float squared) {
                                      to[pixel] = std::min(to[pixel], squared);
@@ -226,14 +226,14 @@ struct Fitted {
 
 /// Finds the radius for the mean coverage, looking further out until the reach is enough.
 Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
-                  const std::stop_token& stop, Team& team) {
+                  const std::stop_token& stop, Executor& executor) {
     const double pixels = static_cast<double>(canvas.width) * canvas.height;
     const double mean_coverage = std::clamp(options.mean_coverage, 0.0, 1.0);
     const auto wanted = static_cast<std::size_t>(std::lround(mean_coverage * pixels));
     const double alone = std::sqrt(mean_coverage * pixels / (kPi * static_cast<double>(dots.size())));
     const double furthest = std::hypot(canvas.width, canvas.height) + 1;
     for (double reach = std::min(1.4 * alone + 2, furthest);; reach = std::min(1.6 * reach, furthest)) {
-        DistanceMap map(dots, canvas, reach, stop, team);
+        DistanceMap map(dots, canvas, reach, stop, executor);
         const float squared = map.smallest(std::max(wanted, std::size_t{1}));
         const double margin = options.antialias ? 1 : 0;
         if (reach < furthest && !stop.stop_requested() && !(std::sqrt(static_cast<double>(squared)) + margin < reach))
@@ -251,10 +251,10 @@ Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOp
 /// the other's share. Measured on flat greys: with seven parts of the first and three of the second, all together cover
 /// what discs do to 0.002 at a radius of 3 pixels, and to 0.005 at 1.5.
 Raster draw_soft(std::span<const Point> dots, const Canvas& canvas, const Radii& radii, const std::stop_token& stop,
-                 Team& team) {
+                 Executor& executor) {
     constexpr float kFacing = 0.7f;
     const Bands bands(dots, canvas, radii.largest() + 0.5);
-    const Values bare = bands.draw(1, team, stop, [&](float* to, const Band& band, std::size_t dot) {
+    const Values bare = bands.draw(1, executor, stop, [&](float* to, const Band& band, std::size_t dot) {
         // A rim a pixel wide adds pi / 12 to the area of a disc.
         const double middle = std::sqrt(std::max(0.0, radii[dot] * radii[dot] - 1.0 / 12));
         const auto core = static_cast<float>(middle > 0.5 ? (middle - 0.5) * (middle - 0.5) : -1);
@@ -271,7 +271,7 @@ Raster draw_soft(std::span<const Point> dots, const Canvas& canvas, const Radii&
     });
     Raster raster{canvas.width, canvas.height, radii.largest(), {}};
     raster.coverage.resize(bare.count);
-    for_ranges(team, bare.count, kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, bare.count, kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
         std::transform(bare.begin() + begin, bare.begin() + end, raster.coverage.data() + begin,
                        [](float left) { return static_cast<std::uint8_t>(std::lrint(255 * (1 - left))); });
     });
@@ -280,10 +280,10 @@ Raster draw_soft(std::span<const Point> dots, const Canvas& canvas, const Radii&
 
 /// Draws discs of pixels whose centres they cover.
 Raster draw_hard(std::span<const Point> dots, const Canvas& canvas, const Radii& radii, const std::stop_token& stop,
-                 Team& team) {
+                 Executor& executor) {
     Raster raster{canvas.width, canvas.height, radii.largest(), {}};
     raster.coverage.resize(static_cast<std::size_t>(canvas.width) * static_cast<std::size_t>(canvas.height));
-    Bands(dots, canvas, radii.largest()).visit(team, stop, [&](const Band& band, std::size_t dot) {
+    Bands(dots, canvas, radii.largest()).visit(executor, stop, [&](const Band& band, std::size_t dot) {
         const auto limit = static_cast<float>(radii[dot] * radii[dot]);
         const auto cover = [&](std::size_t pixel, float squared) {
             if (squared <= limit) raster.coverage[pixel] = 255;
@@ -310,7 +310,7 @@ void append_reduced(const Raster& fine, int samples, std::vector<std::uint8_t>& 
 /// Draws band by band, so that not all samples are there at once.
 /// @param radii  in samples
 Raster draw_samples(std::span<const Point> dots, const Canvas& canvas, const Radii& radii, int samples,
-                    const std::stop_token& stop, Team& team) {
+                    const std::stop_token& stop, Executor& executor) {
     constexpr int kBand = 1 << 20;  // samples, about
     const int a_row = canvas.width * samples * samples;
     Raster raster{canvas.width, canvas.height, radii.largest() / samples, {}};
@@ -318,7 +318,7 @@ Raster draw_samples(std::span<const Point> dots, const Canvas& canvas, const Rad
     for (int top = 0; top < canvas.height;) {
         const int rows = std::min(canvas.height - top, std::max(1, kBand / a_row));
         const Canvas band{samples * canvas.width, samples * rows, samples * canvas.scale};
-        append_reduced(draw_soft(shifted, band, radii, stop, team), samples, raster.coverage);
+        append_reduced(draw_soft(shifted, band, radii, stop, executor), samples, raster.coverage);
         for (Point& dot : shifted) dot.y -= rows / canvas.scale;
         top += rows;
     }
@@ -336,7 +336,7 @@ int samples_for(double radius, const Canvas& canvas, bool antialias) {
 }
 
 Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
-                 const std::stop_token& stop, Team& team) {
+                 const std::stop_token& stop, Executor& executor) {
     assert(canvas.width >= 1 && canvas.height >= 1 && canvas.scale > 0);
     assert(!options.radius || (*options.radius >= 0 && std::isfinite(*options.radius)));
     if (dots.empty()) {
@@ -345,17 +345,17 @@ Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOpt
                                           static_cast<std::size_t>(canvas.height))};
     }
     if (options.samples == 1 && options.antialias)
-        return draw_soft(dots, canvas, Radii(options.radius.value()), stop, team);
+        return draw_soft(dots, canvas, Radii(options.radius.value()), stop, executor);
     if (options.samples > 1) {
         const Radii radii(options.samples * options.radius.value());
-        Raster raster = draw_samples(dots, canvas, radii, options.samples, stop, team);
+        Raster raster = draw_samples(dots, canvas, radii, options.samples, stop, executor);
         raster.radius = *options.radius;
         if (!options.antialias) diffuse(raster.coverage, raster.width, raster.height);
         return raster;
     }
     const Fitted fitted = options.radius
-                              ? Fitted{DistanceMap(dots, canvas, *options.radius + 1, stop, team), *options.radius}
-                              : fit_radius(dots, canvas, options, stop, team);
+                              ? Fitted{DistanceMap(dots, canvas, *options.radius + 1, stop, executor), *options.radius}
+                              : fit_radius(dots, canvas, options, stop, executor);
     Raster raster{canvas.width, canvas.height, std::max(0.0, fitted.radius), {}};
     const Values& squared = fitted.map.squared();
     raster.coverage.resize(squared.count);
@@ -365,7 +365,7 @@ Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOpt
         const double share = pixel_coverage(radius - std::sqrt(static_cast<double>(value)));
         return static_cast<std::uint8_t>(std::lrint(255 * share));
     };
-    for_ranges(team, squared.count, kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, squared.count, kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
         const float *from = squared.begin() + begin, *last = squared.begin() + end;
         std::uint8_t* const to = raster.coverage.data() + begin;
         options.antialias ? std::transform(from, last, to, covered) : std::transform(from, last, to, is_covered);
@@ -374,12 +374,13 @@ Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOpt
 }
 
 Raster draw_dots(std::span<const Point> dots, std::span<const float> radii, const Canvas& canvas, bool antialias,
-                 int samples, const std::stop_token& stop, Team& team) {
+                 int samples, const std::stop_token& stop, Executor& executor) {
     assert(dots.size() == radii.size() && samples >= 1);
-    if (dots.empty()) return draw_dots({}, canvas, {}, stop, team);
-    if (samples > 1) return draw_samples(dots, canvas, Radii(radii, samples * canvas.scale), samples, stop, team);
+    if (dots.empty()) return draw_dots({}, canvas, {}, stop, executor);
+    if (samples > 1) return draw_samples(dots, canvas, Radii(radii, samples * canvas.scale), samples, stop, executor);
     const Radii scaled(radii, canvas.scale);
-    return antialias ? draw_soft(dots, canvas, scaled, stop, team) : draw_hard(dots, canvas, scaled, stop, team);
+    return antialias ? draw_soft(dots, canvas, scaled, stop, executor)
+                     : draw_hard(dots, canvas, scaled, stop, executor);
 }
 
 }  // namespace ccdt

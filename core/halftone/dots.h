@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/geometry/point.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -51,9 +51,9 @@ int samples_for(double radius, const Canvas& canvas, bool antialias);
 /// @param dots    finite; may lie beyond the canvas
 /// @param canvas  at least 1 x 1, its scale positive
 /// @param stop    asked at each dot; a stop ends it early, with nothing of use
-/// Same input, same bytes, whatever the team. O(pixels + dots), and the area of all dots.
+/// Same input, same bytes, whatever the executor. O(pixels + dots), and the area of all dots.
 Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
-                 const std::stop_token& stop = {}, Team& team = alone());
+                 const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
 /// Draws discs each with a radius of its own, overlaps counted once.
 ///
@@ -64,6 +64,6 @@ Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOpt
 /// @param stop       asked at each dot; a stop ends it early, with nothing of use
 /// Same input, same bytes, on any executor. O(pixels + dots), and the area of all dots.
 Raster draw_dots(std::span<const Point> dots, std::span<const float> radii, const Canvas& canvas, bool antialias,
-                 int samples, const std::stop_token& stop = {}, Team& team = alone());
+                 int samples, const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
 }  // namespace ccdt

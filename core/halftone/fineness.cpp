@@ -41,12 +41,12 @@ void add_rows(std::size_t first, std::size_t columns, const Lightness& lightness
 /// Of all squares of 2 x 2 pixels.
 /// @param lightness  of a pixel, by its index
 template <class Lightness>
-double fineness(int width, int height, Team& team, const Lightness& lightness) {
+double fineness(int width, int height, Executor& executor, const Lightness& lightness) {
     const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
     if (columns < 2 || rows < 2) return 0;
     const std::size_t pairs = rows / 2, range = std::max<std::size_t>(kPixelsOfSum / (2 * columns), 1);
     std::vector<Sums> parts((pairs + range - 1) / range);
-    for_ranges(team, pairs, range, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, pairs, range, [&](std::size_t begin, std::size_t end) {
         for (std::size_t pair = begin; pair < end; ++pair)
             add_rows(2 * pair * columns, columns, lightness, parts[begin / range]);
     });
@@ -65,13 +65,13 @@ float seen(float luminance, const Plane& alpha, std::size_t pixel) {
 
 }  // namespace
 
-double fineness(const Picture& picture, Team& team) {
-    return fineness(picture.width, picture.height, team,
+double fineness(const Picture& picture, Executor& executor) {
+    return fineness(picture.width, picture.height, executor,
                     [&](std::size_t pixel) { return seen(picture.luminance[pixel], picture.alpha, pixel); });
 }
 
-double fineness(const ColourPicture& picture, Team& team) {
-    return fineness(picture.width, picture.height, team, [&](std::size_t pixel) {
+double fineness(const ColourPicture& picture, Executor& executor) {
+    return fineness(picture.width, picture.height, executor, [&](std::size_t pixel) {
         const float luminance = luminance_of(picture.red[pixel], picture.green[pixel], picture.blue[pixel]);
         return seen(luminance, picture.alpha, pixel);
     });

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/halftone/picture.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -10,8 +10,8 @@ namespace ccdt {
 ///
 /// Lightness is the root of luminance; what is transparent is white. Values of the picture beyond [0, 1] count as the
 /// nearer end, what is no number as 0. A last row or column without a partner does not count. Same input, same bytes,
-/// whatever the team. O(pixels).
-double fineness(const Picture& picture, Team& team = alone());
-double fineness(const ColourPicture& picture, Team& team = alone());
+/// whatever the executor. O(pixels).
+double fineness(const Picture& picture, Executor& executor = inline_executor());
+double fineness(const ColourPicture& picture, Executor& executor = inline_executor());
 
 }  // namespace ccdt

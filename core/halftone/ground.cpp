@@ -144,10 +144,10 @@ float white_share(const Ground& ground, int column, int row) {
 
 /// Adds what differs from the surroundings, as unsharp masking does.
 std::vector<float> emphasised(const std::vector<float>& light, const CellGrid& cells, double sigma, double strength,
-                              Team& team) {
-    std::vector<float> result = blurred(light, cells.columns, cells.rows, sigma, team);
+                              Executor& executor) {
+    std::vector<float> result = blurred(light, cells.columns, cells.rows, sigma, executor);
     const auto gain = static_cast<float>(strength);
-    for_ranges(team, light.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, light.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             result[i] = std::clamp(light[i] + gain * (light[i] - result[i]), 0.0f, 1.0f);
     });
@@ -156,14 +156,14 @@ std::vector<float> emphasised(const std::vector<float>& light, const CellGrid& c
 
 /// Gives channels the light of the grey that they are near to, or that they have within some cells: so they have their
 /// boundaries in one place there.
-void join_greys(std::vector<std::vector<float>>& light, const CellGrid& cells, Team& team) {
+void join_greys(std::vector<std::vector<float>>& light, const CellGrid& cells, Executor& executor) {
     constexpr float kNear = 0.04f, kCells = 0.75f;
     const auto columns = static_cast<std::size_t>(cells.columns), rows = static_cast<std::size_t>(cells.rows);
     std::vector<float> grey(light.front().size());
-    for_ranges(team, grey.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, grey.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) grey[i] = luminance_of(light[0][i], light[1][i], light[2][i]);
     });
-    for_ranges(team, grey.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, grey.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t x = i % columns, y = i / columns;
             const float across = grey[x + 1 < columns ? i + 1 : i] - grey[x > 0 ? i - 1 : i];
@@ -193,10 +193,10 @@ Ground Ground::inverse() const {
     return {std::move(level), cells_};
 }
 
-std::vector<float> Ground::white_shares(Team& team) const {
+std::vector<float> Ground::white_shares(Executor& executor) const {
     std::vector<float> shares(level_.size());
     const auto columns = static_cast<std::size_t>(cells_.columns);
-    for_ranges(team, static_cast<std::size_t>(cells_.rows), rows_of_task(cells_.columns),
+    for_ranges(executor, static_cast<std::size_t>(cells_.rows), rows_of_task(cells_.columns),
                [&](std::size_t begin, std::size_t end) {
                    for (std::size_t row = begin; row < end; ++row) {
                        for (std::size_t column = 0; column < columns; ++column)
@@ -207,11 +207,11 @@ std::vector<float> Ground::white_shares(Team& team) const {
     return shares;
 }
 
-void Ground::apply(Raster& flipped, Point scale, bool antialias, Team& team) const {
+void Ground::apply(Raster& flipped, Point scale, bool antialias, Executor& executor) const {
     const Point step{1 / scale.x, 1 / scale.y};
     const auto width = static_cast<std::size_t>(flipped.width);
     const PixelColumns columns(flipped.width, step.x, cells_.columns);
-    for_ranges(team, static_cast<std::size_t>(flipped.height), rows_of_task(flipped.width),
+    for_ranges(executor, static_cast<std::size_t>(flipped.height), rows_of_task(flipped.width),
                [&](std::size_t begin, std::size_t end) {
                    for (std::size_t y = begin; y < end; ++y) {
                        const LevelRow row(*this, (static_cast<double>(y) + 0.5) * step.y);
@@ -224,7 +224,7 @@ void Ground::apply(Raster& flipped, Point scale, bool antialias, Team& team) con
 }
 
 std::vector<Ground> divide_ground(std::span<const std::vector<float>> light, const CellGrid& cells, double radius,
-                                  double detail, Team& team) {
+                                  double detail, Executor& executor) {
     // Measured on eleven photographs and pages of text, by |dL*| after blurs of 0.5 to 2 pitches and by eye: less
     // smoothing leaves boundaries that meander through noise, more of it lets strokes of text dissolve into dots.
     constexpr double kSurroundings = 3, kEmphasis = 1.4, kSmoothing = 0.4;
@@ -232,12 +232,12 @@ std::vector<Ground> divide_ground(std::span<const std::vector<float>> light, con
     constexpr int kSteps = 15;
     std::vector<std::vector<float>> clear;
     for (const auto& channel : light)
-        clear.push_back(emphasised(channel, cells, kSurroundings * radius, kEmphasis * detail, team));
-    if (clear.size() > 1) join_greys(clear, cells, team);
+        clear.push_back(emphasised(channel, cells, kSurroundings * radius, kEmphasis * detail, executor));
+    if (clear.size() > 1) join_greys(clear, cells, executor);
     const float strength = std::max(static_cast<float>(kSmoothing * radius), kLeastStrength);
     std::vector<Ground> grounds;
     for (auto& channel : clear) {
-        grounds.emplace_back(denoised(channel, cells.columns, cells.rows, strength, kSteps, team), cells);
+        grounds.emplace_back(denoised(channel, cells.columns, cells.rows, strength, kSteps, executor), cells);
         channel = {};
     }
     return grounds;

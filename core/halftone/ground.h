@@ -7,7 +7,7 @@
 #include "core/geometry/point.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/reduction.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -30,7 +30,7 @@ public:
     Ground inverse() const;
 
     /// Returns the share of each cell that is white [columns * rows], in sixteenths.
-    std::vector<float> white_shares(Team& team = alone()) const;
+    std::vector<float> white_shares(Executor& executor = inline_executor()) const;
 
     /// Turns the shares of pixels that dots flip into the shares that ink covers: of white ground as many, of black
     /// ground the rest.
@@ -38,7 +38,7 @@ public:
     /// @param flipped    drawn on a canvas that shows the whole picture
     /// @param scale      canvas pixels per cell, across and down
     /// @param antialias  false: a pixel has the ground of its centre
-    void apply(Raster& flipped, Point scale, bool antialias, Team& team = alone()) const;
+    void apply(Raster& flipped, Point scale, bool antialias, Executor& executor = inline_executor()) const;
 
 private:
     CellGrid cells_;
@@ -58,6 +58,6 @@ private:
 /// @returns       [channels]
 /// Same input, same bytes, on any executor. O(cells).
 std::vector<Ground> divide_ground(std::span<const std::vector<float>> light, const CellGrid& cells, double radius,
-                                  double detail, Team& team = alone());
+                                  double detail, Executor& executor = inline_executor());
 
 }  // namespace ccdt

@@ -39,9 +39,9 @@ public:
         return std::lerp(table_[below], table_[below + 1], place - static_cast<float>(below));
     }
 
-    Plane of(const Plane& plane, Team& team) const {
+    Plane of(const Plane& plane, Executor& executor) const {
         const auto values = std::make_shared_for_overwrite<float[]>(plane.size());
-        for_ranges(team, plane.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor, plane.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
             std::transform(plane.begin() + begin, plane.begin() + end, values.get() + begin, std::cref(*this));
         });
         return {values, plane.size()};
@@ -58,20 +58,20 @@ private:
 
 }  // namespace
 
-Picture with_levels(const Picture& picture, const Levels& levels, Team& team) {
+Picture with_levels(const Picture& picture, const Levels& levels, Executor& executor) {
     if (levels == Levels{}) return picture;
     const LevelCurve curve(levels);
-    return {picture.width, picture.height, curve.of(picture.luminance, team), picture.alpha};
+    return {picture.width, picture.height, curve.of(picture.luminance, executor), picture.alpha};
 }
 
-ColourPicture with_levels(const ColourPicture& picture, const Levels& levels, Team& team) {
+ColourPicture with_levels(const ColourPicture& picture, const Levels& levels, Executor& executor) {
     if (levels == Levels{}) return picture;
     const LevelCurve curve(levels);
     return {picture.width,
             picture.height,
-            curve.of(picture.red, team),
-            curve.of(picture.green, team),
-            curve.of(picture.blue, team),
+            curve.of(picture.red, executor),
+            curve.of(picture.green, executor),
+            curve.of(picture.blue, executor),
             picture.alpha};
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/halftone/picture.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -17,9 +17,9 @@ struct Levels {
 
 /// Gives a picture levels; with the default ones it stays as it is, to the bit. Alpha stays.
 /// Values of the picture beyond [0, 1] count as the nearer end, what is no number as 0.
-Picture with_levels(const Picture& picture, const Levels& levels, Team& team = alone());
+Picture with_levels(const Picture& picture, const Levels& levels, Executor& executor = inline_executor());
 
 /// Gives levels to red, green and blue alike.
-ColourPicture with_levels(const ColourPicture& picture, const Levels& levels, Team& team = alone());
+ColourPicture with_levels(const ColourPicture& picture, const Levels& levels, Executor& executor = inline_executor());
 
 }  // namespace ccdt

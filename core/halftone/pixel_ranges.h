@@ -4,7 +4,7 @@
 #include <numeric>
 #include <vector>
 
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -24,9 +24,9 @@ constexpr std::size_t rows_of_task(int width) {
 
 /// Calls value(i) for each of so many pixels, and adds up what that gives.
 template <class Value>
-double sum_of_pixels(Team& team, std::size_t pixels, const Value& value) {
+double sum_of_pixels(Executor& executor, std::size_t pixels, const Value& value) {
     std::vector<double> sums((pixels + kPixelsOfSum - 1) / kPixelsOfSum, 0.0);
-    for_ranges(team, pixels, kPixelsOfSum, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, pixels, kPixelsOfSum, [&](std::size_t begin, std::size_t end) {
         double sum = 0;
         for (std::size_t i = begin; i < end; ++i) sum += value(i);
         sums[begin / kPixelsOfSum] = sum;

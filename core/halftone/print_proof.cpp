@@ -53,7 +53,7 @@ Channels at(const LightPlanes& planes, std::size_t number) {
 }  // namespace
 
 PrintProof::PrintProof(const LightPlanes& light, const CellGrid& cells, int width, int height, const InkSet& inks,
-                       double radius, std::size_t sites, Team& team)
+                       double radius, std::size_t sites, Executor& executor)
     : radius_(radius),
       step_(std::max(radius / kFine,
                      std::sqrt(static_cast<double>(width) * height /
@@ -82,23 +82,23 @@ PrintProof::PrintProof(const LightPlanes& light, const CellGrid& cells, int widt
             return at(light, cell(y, cells.rows, height) * static_cast<std::size_t>(cells.columns) +
                                  cell(x, cells.columns, width));
         },
-        team);
+        executor);
 }
 
 /// The mean light of each cell's samples, blurred over a cell.
 template <class LightAt>
-LightPlanes PrintProof::means(const LightAt& light_at, Team& team) const {
+LightPlanes PrintProof::means(const LightAt& light_at, Executor& executor) const {
     LightPlanes means;
     const std::size_t cells = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
     for (auto& plane : means) plane.resize(cells);
-    for_ranges(team, cells, kCellsOfTask, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, cells, kCellsOfTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
             const auto columns = static_cast<std::size_t>(columns_);
             const Channels light = mean(light_at, static_cast<int>(cell % columns), static_cast<int>(cell / columns));
             for (std::size_t c = 0; c < 3; ++c) means[c][cell] = static_cast<float>(light[c]);
         }
     });
-    for (auto& plane : means) plane = blurred(std::move(plane), columns_, rows_, 1, team);
+    for (auto& plane : means) plane = blurred(std::move(plane), columns_, rows_, 1, executor);
     return means;
 }
 
@@ -120,7 +120,7 @@ PrintProof::Channels PrintProof::mean(const LightAt& light_at, int column, int r
 
 /// Inks that cover each sample's centre, as bits.
 std::vector<std::uint8_t> PrintProof::printed_samples(std::span<const std::vector<Point>> sites,
-                                                      const std::stop_token& stop, Team& team) const {
+                                                      const std::stop_token& stop, Executor& executor) const {
     std::vector<std::uint8_t> samples(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
     const double reach = radius_ / step_;
     const auto first = [](double from, int least, int most) {
@@ -128,7 +128,7 @@ std::vector<std::uint8_t> PrintProof::printed_samples(std::span<const std::vecto
     };
     // A band of rows each: all have a look at all sites.
     constexpr std::size_t kBands = 16;
-    for_ranges(team, static_cast<std::size_t>(height_), (static_cast<std::size_t>(height_) + kBands - 1) / kBands,
+    for_ranges(executor, static_cast<std::size_t>(height_), (static_cast<std::size_t>(height_) + kBands - 1) / kBands,
                [&](std::size_t begin, std::size_t end) {
                    const int top = static_cast<int>(begin), bottom = static_cast<int>(end);
                    for (std::size_t ink = 0; ink < sites.size() && !stop.stop_requested(); ++ink) {
@@ -149,15 +149,15 @@ std::vector<std::uint8_t> PrintProof::printed_samples(std::span<const std::vecto
 }
 
 /// What a unit of light more in each cell would cost.
-LightPlanes PrintProof::pulls(const std::vector<std::uint8_t>& samples, Team& team) const {
+LightPlanes PrintProof::pulls(const std::vector<std::uint8_t>& samples, Executor& executor) const {
     const LightPlanes seen = means(
         [&](int x, int y) {
             return colours_[samples[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                                     static_cast<std::size_t>(x)]];
         },
-        team);
+        executor);
     LightPlanes pulls = seen;
-    for_ranges(team, seen[0].size(), kCellsOfTask, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, seen[0].size(), kCellsOfTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
             const Channels here = pull(at(wanted_, cell), at(seen, cell));
             for (std::size_t c = 0; c < 3; ++c) pulls[c][cell] = static_cast<float>(here[c]);
@@ -195,15 +195,15 @@ Point PrintProof::move(Point site, unsigned ink, const std::vector<std::uint8_t>
 }
 
 std::vector<std::vector<Point>> PrintProof::moves(std::span<const std::vector<Point>> sites,
-                                                  const std::stop_token& stop, Team& team) const {
+                                                  const std::stop_token& stop, Executor& executor) const {
     std::vector<std::vector<Point>> moves;
     for (const auto& each : sites) moves.emplace_back(each.size());
     if (columns_ == 0) return moves;
-    const auto samples = printed_samples(sites, stop, team);
-    const LightPlanes pulls = this->pulls(samples, team);
+    const auto samples = printed_samples(sites, stop, executor);
+    const LightPlanes pulls = this->pulls(samples, executor);
     for (unsigned ink = 0; ink < sites.size(); ++ink) {
         if (stop.stop_requested()) break;
-        for_ranges(team, sites[ink].size(), kSitesOfTask, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor, sites[ink].size(), kSitesOfTask, [&](std::size_t begin, std::size_t end) {
             for (std::size_t site = begin; site < end; ++site)
                 moves[ink][site] = move(sites[ink][site], ink, samples, pulls);
         });

@@ -10,7 +10,7 @@
 #include "core/geometry/point.h"
 #include "core/halftone/overprint.h"
 #include "core/halftone/reduction.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -28,7 +28,7 @@ public:
     /// @param radius         of all dots, pixels, > 0
     /// @param sites          how many dots there are, of all inks; bounds the memory
     PrintProof(const LightPlanes& light, const CellGrid& cells, int width, int height, const InkSet& inks,
-               double radius, std::size_t sites, Team& team = alone());
+               double radius, std::size_t sites, Executor& executor = inline_executor());
 
     /// Computes the moves of a round: a step of steepest descent on the squared difference of what is seen, by
     /// ColourDifference, blurred over about three radii.
@@ -37,20 +37,20 @@ public:
     /// @param stop   asked now and then; the rest is not moved, then
     /// @returns      [inks][sites], none longer than a seventh of a radius; none at all where dots are so few on a
     ///               large picture that they hardly meet
-    /// Same input, same bytes, whatever the team. O(sites).
+    /// Same input, same bytes, whatever the executor. O(sites).
     std::vector<std::vector<Point>> moves(std::span<const std::vector<Point>> sites, const std::stop_token& stop = {},
-                                          Team& team = alone()) const;
+                                          Executor& executor = inline_executor()) const;
 
 private:
     using Channels = Overprint::Channels;
 
     template <class LightAt>
-    LightPlanes means(const LightAt& light_at, Team& team) const;
+    LightPlanes means(const LightAt& light_at, Executor& executor) const;
     template <class LightAt>
     Channels mean(const LightAt& light_at, int column, int row) const;
     std::vector<std::uint8_t> printed_samples(std::span<const std::vector<Point>> sites, const std::stop_token& stop,
-                                              Team& team) const;
-    LightPlanes pulls(const std::vector<std::uint8_t>& samples, Team& team) const;
+                                              Executor& executor) const;
+    LightPlanes pulls(const std::vector<std::uint8_t>& samples, Executor& executor) const;
     Point move(Point site, unsigned ink, const std::vector<std::uint8_t>& samples, const LightPlanes& pulls) const;
 
     double radius_;                  ///< pixels

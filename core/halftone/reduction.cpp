@@ -36,20 +36,20 @@ std::vector<Part> parts_of(int pixels, int cells) {
 /// Means over cells.
 class CellMeans {
 public:
-    CellMeans(int width, int height, const CellGrid& cells, Team& team)
+    CellMeans(int width, int height, const CellGrid& cells, Executor& executor)
         : columns_(static_cast<std::size_t>(cells.columns)),
           rows_(static_cast<std::size_t>(cells.rows)),
           across_(parts_of(width, cells.columns)),
           down_(parts_of(height, cells.rows)),
           area_(static_cast<double>(width) * height / (static_cast<double>(cells.columns) * cells.rows)),
-          team_(team) {}
+          executor_(executor) {}
 
     /// Fills [columns * rows] with means of values, which are told by their pixel.
     template <class Value>
     void fill(float* to, const Value& value) const {
         const std::size_t rows_of_pixels = (down_.size() + rows_ - 1) / rows_;  // in a row of cells
         const std::size_t range = std::max<std::size_t>(kPixelsOfTask / (across_.size() * rows_of_pixels), 1);
-        for_ranges(team_, rows_, range,
+        for_ranges(executor_, rows_, range,
                    [&](std::size_t begin, std::size_t end) { fill_rows(begin, end, to + begin * columns_, value); });
     }
 
@@ -92,7 +92,7 @@ private:
     std::size_t columns_, rows_;
     std::vector<Part> across_, down_;
     double area_;  ///< of a cell, in pixels
-    Team& team_;
+    Executor& executor_;
 };
 
 }  // namespace
@@ -107,16 +107,17 @@ CellGrid resolved_cells(int width, int height, double radius) {
     return {static_cast<int>(std::ceil(width / side)), static_cast<int>(std::ceil(height / side))};
 }
 
-std::vector<float> reduced(const std::vector<float>& values, int width, int height, const CellGrid& cells, Team& team) {
+std::vector<float> reduced(const std::vector<float>& values, int width, int height, const CellGrid& cells,
+                           Executor& executor) {
     assert(cells.columns <= width && cells.rows <= height);
     std::vector<float> means(static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows));
-    CellMeans(width, height, cells, team).fill(means.data(), [&](std::size_t pixel) { return values[pixel]; });
+    CellMeans(width, height, cells, executor).fill(means.data(), [&](std::size_t pixel) { return values[pixel]; });
     return means;
 }
 
-ColourPicture reduced(const ColourPicture& picture, const CellGrid& cells, Team& team) {
+ColourPicture reduced(const ColourPicture& picture, const CellGrid& cells, Executor& executor) {
     const auto size = static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows);
-    const CellMeans all(picture.width, picture.height, cells, team);
+    const CellMeans all(picture.width, picture.height, cells, executor);
     const auto means = [&](const auto& value) {
         const auto plane = std::make_shared_for_overwrite<float[]>(size);
         all.fill(plane.get(), value);

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/halftone/picture.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -29,11 +29,11 @@ CellGrid resolved_cells(int width, int height, double radius);
 /// @param values  [width * height]
 /// @param cells   not more than there are pixels, either way
 /// @returns       [columns * rows]
-/// Same input, same bytes, whatever the team. O(pixels).
+/// Same input, same bytes, whatever the executor. O(pixels).
 std::vector<float> reduced(const std::vector<float>& values, int width, int height, const CellGrid& cells,
-                           Team& team = alone());
+                           Executor& executor = inline_executor());
 
 /// Takes the mean light over each cell, pixels counting by their alpha: what is seen of it on any paper stays.
-ColourPicture reduced(const ColourPicture& picture, const CellGrid& cells, Team& team = alone());
+ColourPicture reduced(const ColourPicture& picture, const CellGrid& cells, Executor& executor = inline_executor());
 
 }  // namespace ccdt

@@ -224,7 +224,7 @@ InkSet toned(const InkSet& inks, Tone tone) {
 }
 
 Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop,
-                    Team& team) {
+                    Executor& executor) {
     assert(!inks.inks.empty() && inks.inks.size() <= kMostInks);
     const std::size_t pixels = picture.red.size();
     const Channels paper = Overprint::channels_of(mapped(inks.paper, tone));
@@ -242,7 +242,7 @@ Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone,
         }
     };
     const auto columns = static_cast<std::size_t>(picture.width);
-    for_ranges(team, static_cast<std::size_t>(picture.height), rows_of_task(picture.width),
+    for_ranges(executor, static_cast<std::size_t>(picture.height), rows_of_task(picture.width),
                [&](std::size_t begin, std::size_t end) {
                    for (std::size_t row = begin; row < end && !stop.stop_requested(); ++row) {
                        for (std::size_t p = row * columns; p < (row + 1) * columns; ++p) separate_pixel(p);
@@ -252,14 +252,14 @@ Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone,
 }
 
 std::vector<std::vector<float>> channel_coverage(const ColourPicture& picture, const InkSet& inks, Tone tone,
-                                                 Team& team) {
+                                                 Executor& executor) {
     const auto map = [tone](float light) { return mapped({light, light, light}, tone).red; };
     const std::array<float, 3> paper{inks.paper.red, inks.paper.green, inks.paper.blue};
     const std::array<const Plane*, 3> planes{&picture.red, &picture.green, &picture.blue};
     std::vector<std::vector<float>> coverage(planes.size(), std::vector<float>(picture.red.size()));
     for (std::size_t c = 0; c < planes.size(); ++c) {
         const float full = inks.additive ? 1 : map(paper[c]);
-        for_ranges(team, picture.red.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor, picture.red.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
             for (std::size_t p = begin; p < end; ++p) {
                 const float alpha = picture.alpha.empty() ? 1 : to_share(picture.alpha[p]);
                 const float seen = std::lerp(map(paper[c]), map((*planes[c])[p]), alpha);

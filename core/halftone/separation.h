@@ -8,7 +8,7 @@
 #include "core/halftone/overprint.h"
 #include "core/halftone/picture.h"
 #include "core/halftone/tone.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -31,15 +31,15 @@ struct Separation {
 /// yellow and black greys are black alone; dots that would not be seen are left out.
 ///
 /// @param stop  asked once a row; a stop ends it early, with nothing of use
-/// Same input, same bytes, whatever the team. O(pixels), and besides that for each kind of colour; all there are take
-/// as long as some million pixels do.
+/// Same input, same bytes, whatever the executor. O(pixels), and besides that for each kind of colour; all there are
+/// take as long as some million pixels do.
 Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop = {},
-                    Team& team = alone());
+                    Executor& executor = inline_executor());
 
 /// Share of each channel's light that is to be taken from a picture's pixels [red, green, blue][width * height], in
 /// [0, 1]: of that of the paper or, if inks add, of white. Transparent parts show the paper.
 std::vector<std::vector<float>> channel_coverage(const ColourPicture& picture, const InkSet& inks, Tone tone,
-                                                 Team& team = alone());
+                                                 Executor& executor = inline_executor());
 
 /// Shares sites among inks so that all dots have about one size: in proportion, by largest remainders, but one at least
 /// for each ink that covers anything as long as there are enough, those that cover most first. An ink that covers

@@ -9,10 +9,10 @@
 
 namespace ccdt {
 
-void soften(Raster& raster, Team& team) {
+void soften(Raster& raster, Executor& executor) {
     const auto width = static_cast<std::size_t>(raster.width), height = static_cast<std::size_t>(raster.height);
     const std::vector<std::uint8_t> sharp = raster.coverage;
-    for_ranges(team, height, rows_of_task(raster.width), [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, height, rows_of_task(raster.width), [&](std::size_t begin, std::size_t end) {
         std::vector<unsigned> down(width);  // weighted sums of three rows
         for (std::size_t y = begin; y < end; ++y) {
             const std::uint8_t* const row = sharp.data() + y * width;

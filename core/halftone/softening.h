@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/halftone/dots.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -12,6 +12,6 @@ namespace ccdt {
 /// is enlarged twice, a third of what it would.
 ///
 /// Same input, same bytes, on any executor. O(pixels).
-void soften(Raster& raster, Team& team = alone());
+void soften(Raster& raster, Executor& executor = inline_executor());
 
 }  // namespace ccdt

@@ -36,9 +36,9 @@ float to_share(float value) {
     return value > 0 ? std::min(value, 1.0f) : 0.0f;
 }
 
-std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, Team& team) {
+std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, Executor& executor) {
     std::vector<float> coverage(picture.luminance.size());
-    for_ranges(team, coverage.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, coverage.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const float luminance = to_share(picture.luminance[i]);
             const float light = tone == Tone::Perceptual ? lightness(luminance) : luminance;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/halftone/picture.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -27,7 +27,7 @@ float to_share(float value);
 /// Share of each pixel that the dots shall cover [width * height], in [0, 1], top row first.
 /// Dark pixels want dots; inverted, light ones do. Transparent pixels show the paper: no dots.
 /// Values of the picture beyond [0, 1] count as the nearer end, what is no number as 0.
-std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, Team& team = alone());
+std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, Executor& executor = inline_executor());
 
 /// Dots that resolve a picture well: one for 8 pixels' worth of ink, and where such dots would lose more than 1/50 of
 /// what the picture's lightness varies, as many times more as that is more. There are 4,096 at least (as long as that

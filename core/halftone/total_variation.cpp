@@ -15,12 +15,12 @@ namespace {
 /// Solver state: the dual field and its extrapolation, one vector a pixel, and the smoothed image.
 class TotalVariation {
 public:
-    TotalVariation(const std::vector<float>& values, int width, int height, float strength, Team& team)
+    TotalVariation(const std::vector<float>& values, int width, int height, float strength, Executor& executor)
         : values_(values),
           columns_(static_cast<std::size_t>(width)),
           rows_(static_cast<std::size_t>(height)),
           strength_(strength),
-          team_(team),
+          executor_(executor),
           dual_x_(values.size()),
           dual_y_(values.size()),
           ahead_x_(values.size()),
@@ -42,7 +42,7 @@ public:
 private:
     template <class Work>
     void for_rows(const Work& work) {
-        for_ranges(team_, rows_, rows_of_task(static_cast<int>(columns_)), [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor_, rows_, rows_of_task(static_cast<int>(columns_)), [&](std::size_t begin, std::size_t end) {
             for (std::size_t row = begin; row < end; ++row) work(row);
         });
     }
@@ -90,16 +90,16 @@ private:
     const std::vector<float>& values_;
     std::size_t columns_, rows_;
     float strength_;
-    Team& team_;
+    Executor& executor_;
     std::vector<float> dual_x_, dual_y_, ahead_x_, ahead_y_, smooth_;
 };
 
 }  // namespace
 
 std::vector<float> denoised(const std::vector<float>& values, int width, int height, float strength, int steps,
-                            Team& team) {
+                            Executor& executor) {
     assert(width >= 1 && height >= 1 && strength > 0 && steps >= 1);
-    return TotalVariation(values, width, height, strength, team).solve(steps);
+    return TotalVariation(values, width, height, strength, executor).solve(steps);
 }
 
 }  // namespace ccdt

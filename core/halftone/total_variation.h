@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -18,6 +18,6 @@ namespace ccdt {
 /// Source: Rudin, Osher, Fatemi 1992; solved by the dual method of Beck and Teboulle 2009, Fast gradient-based
 /// algorithms for constrained total variation image denoising, algorithm FGP.
 std::vector<float> denoised(const std::vector<float>& values, int width, int height, float strength, int steps,
-                            Team& team = alone());
+                            Executor& executor = inline_executor());
 
 }  // namespace ccdt

@@ -34,8 +34,8 @@ float relative_area(float cover, float visibility) {
 }
 
 template <class Work>
-void for_cells(Team& team, std::size_t cells, const Work& work) {
-    for_ranges(team, cells, kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+void for_cells(Executor& executor, std::size_t cells, const Work& work) {
+    for_ranges(executor, cells, kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) work(i);
     });
 }
@@ -66,9 +66,9 @@ float light_beside(const std::vector<float>& light, const std::vector<float>& wh
 /// A cell that the boundary crosses wants what the cells beside it do, on either side: nothing at an edge between black
 /// and white, half of it where a smooth tone passes one half.
 std::vector<float> wanted_share(const std::vector<float>& light, const std::vector<float>& white, const CellGrid& cells,
-                                Team& team) {
+                                Executor& executor) {
     std::vector<float> share(light.size());
-    for_cells(team, light.size(), [&](std::size_t i) {
+    for_cells(executor, light.size(), [&](std::size_t i) {
         if (white[i] == 0 || white[i] == 1) {
             share[i] = std::abs(light[i] - white[i]);
         } else {
@@ -83,18 +83,18 @@ std::vector<float> wanted_share(const std::vector<float>& light, const std::vect
 /// Leaves ground that is thinner than dots without dots, and takes the error that this makes off the dots beside it,
 /// which are on the other side.
 void spare_thin_ground(const std::vector<float>& white, const CellGrid& cells, double radius, std::vector<float>& share,
-                       Team& team) {
+                       Executor& executor) {
     constexpr float kNothing = 1e-9f;
     std::vector<float> scratch, majority = white;
-    blur(majority, cells.columns, cells.rows, radius, scratch, team);
+    blur(majority, cells.columns, cells.rows, radius, scratch, executor);
     const auto is_thin = [&](std::size_t i) { return (white[i] > 0.5f) != (majority[i] > 0.5f); };
     // Signed, ink being positive: of thin ground, and of all other.
     std::vector<float> thin(share.size()), other(share.size());
-    for_cells(team, share.size(),
+    for_cells(executor, share.size(),
               [&](std::size_t i) { (is_thin(i) ? thin : other)[i] = white[i] > 0.5f ? share[i] : -share[i]; });
-    blur(thin, cells.columns, cells.rows, radius, scratch, team);
-    blur(other, cells.columns, cells.rows, radius, scratch, team);
-    for_cells(team, share.size(), [&](std::size_t i) {
+    blur(thin, cells.columns, cells.rows, radius, scratch, executor);
+    blur(other, cells.columns, cells.rows, radius, scratch, executor);
+    for_cells(executor, share.size(), [&](std::size_t i) {
         const float sign = white[i] > 0.5f ? 1.0f : -1.0f;
         const float own = std::max(sign * other[i], kNothing);
         share[i] = is_thin(i) ? 0 : share[i] * std::clamp(1 + sign * thin[i] / own, 0.0f, 1.0f);
@@ -129,13 +129,13 @@ class KindPlan {
 public:
     /// @param share  [channels][cells] that is to be flipped
     KindPlan(TwoSidedPlan& plan, std::span<const std::vector<float>> share, std::span<const std::vector<float>> light,
-             double radius, Team& team)
-        : plan_(plan), share_(share), team_(team) {
+             double radius, Executor& executor)
+        : plan_(plan), share_(share), executor_(executor) {
         constexpr double kSurroundings = 2;
         std::vector<float> scratch;
         const auto surroundings = [&](const std::vector<float>& values) {
             std::vector<float> means = values;
-            blur(means, plan.cells.columns, plan.cells.rows, kSurroundings * radius, scratch, team);
+            blur(means, plan.cells.columns, plan.cells.rows, kSurroundings * radius, scratch, executor);
             return means;
         };
         for (const auto& each : share) share_around_.push_back(surroundings(each));
@@ -147,7 +147,7 @@ public:
         const std::size_t cells = share_.front().size();
         plan_.kinds.resize(kinds_of(share_.size()));
         for (KindOfDots& kind : plan_.kinds) kind.density.resize(cells), kind.area.resize(cells);
-        for_cells(team_, cells, [&](std::size_t i) { add_areas(i); });
+        for_cells(executor_, cells, [&](std::size_t i) { add_areas(i); });
         float largest = 0;
         for (const KindOfDots& kind : plan_.kinds) {
             for (std::size_t i = 0; i < cells; ++i) {
@@ -155,7 +155,7 @@ public:
             }
         }
         for (KindOfDots& kind : plan_.kinds) {
-            for_cells(team_, cells,
+            for_cells(executor_, cells,
                       [&](std::size_t i) { kind.area[i] = largest > 0 ? std::min(kind.area[i] / largest, 1.0f) : 1; });
         }
     }
@@ -184,7 +184,7 @@ private:
     TwoSidedPlan& plan_;
     std::span<const std::vector<float>> share_;
     std::vector<std::vector<float>> share_around_, light_around_;
-    Team& team_;
+    Executor& executor_;
 };
 
 /// Settles the number of dots, the area of the largest, and that of the smallest over it.
@@ -195,7 +195,7 @@ struct Scale {
 };
 
 /// @param kinds  with their shares as densities
-Scale settle(std::span<const KindOfDots> kinds, const TwoSidedOptions& options, Team& team) {
+Scale settle(std::span<const KindOfDots> kinds, const TwoSidedOptions& options, Executor& executor) {
     constexpr float kLeastArea = 0.05f;
     constexpr int kRounds = 3;
     Scale scale;
@@ -203,7 +203,7 @@ Scale settle(std::span<const KindOfDots> kinds, const TwoSidedOptions& options, 
     for (int round = 0; round < kRounds; ++round) {
         double units = 0;
         for (const auto& [share, area, all] : kinds) {
-            units += sum_of_pixels(team, share.size(), [&, &share = share, &area = area](std::size_t i) {
+            units += sum_of_pixels(executor, share.size(), [&, &share = share, &area = area](std::size_t i) {
                 return static_cast<double>(share[i] / std::max(area[i], scale.least));
             });
         }
@@ -218,9 +218,9 @@ Scale settle(std::span<const KindOfDots> kinds, const TwoSidedOptions& options, 
 }
 
 /// Radius that dots would have if all had one size, in cells.
-double mean_radius(std::span<const std::vector<float>> light, const TwoSidedOptions& options, Team& team) {
+double mean_radius(std::span<const std::vector<float>> light, const TwoSidedOptions& options, Executor& executor) {
     if (options.radius) return *options.radius;
-    const double minority = minority_of(light, team);
+    const double minority = minority_of(light, executor);
     return std::sqrt(minority / (kPi * static_cast<double>(*options.sites)));
 }
 
@@ -260,14 +260,15 @@ double common_area(double first, double second, double distance) {
 /// Fits the areas of dots to the picture.
 class DotFit {
 public:
-    DotFit(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, Team& team) : plan_(plan), team_(team) {
+    DotFit(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, Executor& executor)
+        : plan_(plan), executor_(executor) {
         for (std::size_t kind = 0; kind < sites.size(); ++kind) {
             if (!sites[kind].empty()) add(plan.kinds[kind], flips_of(kind), sites[kind]);
         }
         areas_ = planned_;
         cut_.resize(sites_.size() * plan.channels.size());
         gains_.resize(sites_.size());
-        for_cells(team, sites_.size(), [&](std::size_t dot) { gains_[dot] = gains_of(dot); });
+        for_cells(executor, sites_.size(), [&](std::size_t dot) { gains_[dot] = gains_of(dot); });
         find_cut();
     }
 
@@ -282,18 +283,18 @@ public:
         for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
             const TwoSidedChannel& channel = plan_.channels[c];
             std::vector<float> error(channel.white);
-            for_cells(team_, error.size(), [&](std::size_t i) { error[i] -= channel.light[i]; });
+            for_cells(executor_, error.size(), [&](std::size_t i) { error[i] -= channel.light[i]; });
             for (std::size_t dot = 0; dot < sites_.size(); ++dot) print(dot, c, error);
             for (const auto& [one, other] : close_) print_overlap(one, other, c, error);
-            const BlurPyramid means(std::move(error), plan_.cells.columns, plan_.cells.rows, spread(widest), team_);
-            for_cells(team_, sites_.size(), [&](std::size_t dot) {
+            const BlurPyramid means(std::move(error), plan_.cells.columns, plan_.cells.rows, spread(widest), executor_);
+            for_cells(executor_, sites_.size(), [&](std::size_t dot) {
                 const float ground = ground_per_dot_[dot];
                 const float mean = means.at(sites_[dot], spread(ground)) * ground;
                 const float excess = std::max(std::abs(mean) - kNoise * planned_[dot], 0.0f);
                 change[dot] += -kStep * sign(dot, c) * gains_[dot][c] * std::copysign(excess, mean);
             });
         }
-        for_cells(team_, sites_.size(), [&](std::size_t dot) {
+        for_cells(executor_, sites_.size(), [&](std::size_t dot) {
             areas_[dot] = std::clamp(areas_[dot] + change[dot], kSmallest * planned_[dot], kLargest * planned_[dot]);
         });
     }
@@ -301,7 +302,7 @@ public:
     /// Finds where the boundary of the ground cuts dots of their present sizes, and which dots are close together.
     void find_cut() {
         if (plan_.kinds.size() > 1) find_close();
-        for_cells(team_, sites_.size(), [&](std::size_t dot) {
+        for_cells(executor_, sites_.size(), [&](std::size_t dot) {
             for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
                 if (flips(dot, c)) cut_[dot * plan_.channels.size() + c] = cut_of(dot, plan_.channels[c].ground);
             }
@@ -340,7 +341,7 @@ private:
 
     /// Adds the dots of a kind.
     void add(const KindOfDots& kind, unsigned flipped, std::span<const Point> sites) {
-        const double sum = sum_of_pixels(team_, kind.density.size(),
+        const double sum = sum_of_pixels(executor_, kind.density.size(),
                                          [&](std::size_t i) { return static_cast<double>(kind.density[i]); });
         const auto least = std::max(static_cast<float>(kLeastDensity * sum / static_cast<double>(kind.density.size())),
                                     std::numeric_limits<float>::min());
@@ -528,7 +529,7 @@ private:
     }
 
     const TwoSidedPlan& plan_;
-    Team& team_;
+    Executor& executor_;
     std::vector<Point> sites_;           ///< [dots], of one kind after the other
     std::vector<std::uint8_t> flips_;    ///< [dots] channels, as bits
     std::vector<float> planned_;         ///< [dots] area
@@ -541,8 +542,8 @@ private:
 
 }  // namespace
 
-double minority_of(std::span<const std::vector<float>> light, Team& team) {
-    return sum_of_pixels(team, light.front().size(), [&](std::size_t i) {
+double minority_of(std::span<const std::vector<float>> light, Executor& executor) {
+    return sum_of_pixels(executor, light.front().size(), [&](std::size_t i) {
         float most = 0;
         for (const auto& channel : light) most = std::max(most, std::min(channel[i], 1 - channel[i]));
         return static_cast<double>(most);
@@ -550,45 +551,45 @@ double minority_of(std::span<const std::vector<float>> light, Team& team) {
 }
 
 TwoSidedPlan plan_two_sided(std::vector<std::vector<float>> light, const CellGrid& cells,
-                            const TwoSidedOptions& options, const std::stop_token& stop, Team& team) {
+                            const TwoSidedOptions& options, const std::stop_token& stop, Executor& executor) {
     assert(options.sites || options.radius);
     assert(light.size() == 1 || light.size() == 3);
-    const double radius = mean_radius(light, options, team);
+    const double radius = mean_radius(light, options, executor);
     TwoSidedPlan plan{cells, {}, {}, 0, 0};
-    std::vector<Ground> grounds = divide_ground(light, cells, radius, options.detail, team);
+    std::vector<Ground> grounds = divide_ground(light, cells, radius, options.detail, executor);
     std::vector<std::vector<float>> sharp, share;
     for (std::size_t c = 0; c < light.size(); ++c) {
         if (stop.stop_requested()) return plan;
         plan.channels.push_back({std::move(grounds[c]), std::move(light[c]), {}});
         TwoSidedChannel& channel = plan.channels.back();
-        sharp.push_back(sharpened(channel.light, cells.columns, cells.rows, options.detail * radius, team));
-        channel.white = channel.ground.white_shares(team);
-        share.push_back(wanted_share(sharp.back(), channel.white, cells, team));
-        spare_thin_ground(channel.white, cells, radius, share.back(), team);
+        sharp.push_back(sharpened(channel.light, cells.columns, cells.rows, options.detail * radius, executor));
+        channel.white = channel.ground.white_shares(executor);
+        share.push_back(wanted_share(sharp.back(), channel.white, cells, executor));
+        spare_thin_ground(channel.white, cells, radius, share.back(), executor);
     }
     if (stop.stop_requested()) return plan;
-    KindPlan(plan, share, sharp, radius, team).add_areas();
-    const Scale scale = settle(plan.kinds, options, team);
+    KindPlan(plan, share, sharp, radius, executor).add_areas();
+    const Scale scale = settle(plan.kinds, options, executor);
     plan.dots = scale.dots;
     plan.radius = std::sqrt(scale.unit / kPi);
     for (KindOfDots& kind : plan.kinds) {
-        for_cells(team, kind.area.size(), [&](std::size_t i) {
+        for_cells(executor, kind.area.size(), [&](std::size_t i) {
             const float area = std::max(kind.area[i], scale.least);
             kind.density[i] /= area;
             kind.area[i] = area * static_cast<float>(scale.unit);
         });
-        kind.share = sum_of_pixels(team, kind.density.size(),
+        kind.share = sum_of_pixels(executor, kind.density.size(),
                                    [&](std::size_t i) { return static_cast<double>(kind.density[i]); });
     }
     return plan;
 }
 
 std::vector<SizedDots> size_dots(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, bool fit,
-                                 const std::stop_token& stop, Team& team) {
+                                 const std::stop_token& stop, Executor& executor) {
     std::vector<SizedDots> dots(sites.size());
     if (std::ranges::all_of(sites, &std::vector<Point>::empty)) return dots;
     constexpr int kRounds = 14, kRoundsOfCut = 4;
-    DotFit sizes(plan, sites, team);
+    DotFit sizes(plan, sites, executor);
     for (int round = 0; fit && round < kRounds && !stop.stop_requested(); ++round) {
         if (round > 0 && round % kRoundsOfCut == 0) sizes.find_cut();
         sizes.improve();

@@ -10,7 +10,7 @@
 #include "core/geometry/point.h"
 #include "core/halftone/ground.h"
 #include "core/halftone/reduction.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -66,7 +66,7 @@ struct TwoSidedPlan {
 
 /// Sums over all cells what dots have to flip: of each cell, the channel of which that is most.
 /// @param light  [channels][cells] in [0, 1]
-double minority_of(std::span<const std::vector<float>> light, Team& team = alone());
+double minority_of(std::span<const std::vector<float>> light, Executor& executor = inline_executor());
 
 /// Divides the picture into grounds and plans the dots.
 ///
@@ -79,7 +79,8 @@ double minority_of(std::span<const std::vector<float>> light, Team& team = alone
 /// @param stop   asked between steps; a stop ends it early, with nothing of use
 /// Same input, same bytes, on any executor. O(cells).
 TwoSidedPlan plan_two_sided(std::vector<std::vector<float>> light, const CellGrid& cells,
-                            const TwoSidedOptions& options, const std::stop_token& stop = {}, Team& team = alone());
+                            const TwoSidedOptions& options, const std::stop_token& stop = {},
+                            Executor& executor = inline_executor());
 
 /// Dots of a kind as they are drawn.
 struct SizedDots {
@@ -97,6 +98,6 @@ struct SizedDots {
 /// @returns      [kinds]
 /// Same input, same bytes, on any executor. O(cells + sites).
 std::vector<SizedDots> size_dots(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, bool fit,
-                                 const std::stop_token& stop = {}, Team& team = alone());
+                                 const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
 }  // namespace ccdt

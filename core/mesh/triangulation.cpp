@@ -275,7 +275,7 @@ template <class Work>
 Triangulation::Region Triangulation::work_upwards(Regions regions, Work&& work) {
     for (std::size_t level = 0;; ++level) {
         std::vector<Region>& small = regions.levels[level];
-        team_->run(small.size(), [&](std::size_t number) { work(small[number]); });
+        executor_->run(small.size(), [&](std::size_t number) { work(small[number]); });
         if (level + 1 == regions.levels.size()) return std::move(small.front());
         std::vector<Region>& large = regions.levels[level + 1];
         for (std::size_t number = 0; number < small.size(); ++number) {
@@ -455,7 +455,7 @@ void Triangulation::wrap() {
     };
     std::vector<Shift> left(points_.size());
     std::atomic<bool> any = false;
-    for_ranges(*team_, points_.size(), kRange, [&](std::size_t begin, std::size_t end) {
+    for_ranges(*executor_, points_.size(), kRange, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
             left[v] = {periods(points_[v].x, period_.x), periods(points_[v].y, period_.y)};
             if (left[v] == Shift{}) continue;
@@ -503,7 +503,7 @@ std::size_t Triangulation::restore_delaunay(const std::stop_token& stop) {
     changed_.assign(points_.size(), 0);
     if (is_torus()) wrap();
     std::vector<std::vector<Flip>> found((triangle_count() + kRange - 1) / kRange);
-    for_ranges(*team_, triangle_count(), kRange, [&](std::size_t begin, std::size_t end) {
+    for_ranges(*executor_, triangle_count(), kRange, [&](std::size_t begin, std::size_t end) {
         if (!stop.stop_requested()) find_flips(begin, end, found[begin / kRange]);
     });
     if (stop.stop_requested()) return 0;
@@ -591,7 +591,7 @@ std::vector<std::array<Point, 3>> Triangulation::inside_triangles(std::uint32_t 
 
 void Triangulation::trim() {
     constexpr std::size_t kRange = 16384;
-    for_ranges(*team_, triangle_count(), kRange, [&](std::size_t begin, std::size_t end) {
+    for_ranges(*executor_, triangle_count(), kRange, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
             for (std::uint32_t i = 0; i < 3; ++i) {
                 if (triangles_[t].is_constrained(i)) triangles_[t].twins[i] = kNone;
@@ -627,18 +627,18 @@ void Triangulation::number_along_sites() {
     const auto first_of = [&](std::size_t t) { return std::ranges::min(triangles_[t].corners); };
     // End of each vertex' triangles in the new order.
     std::vector<std::uint32_t> ends(points_.size() + 1, 0);
-    for_ranges(*team_, count, kRange, [&](std::size_t begin, std::size_t end) {
+    for_ranges(*executor_, count, kRange, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t)
             std::atomic_ref(ends[first_of(t) + 1]).fetch_add(1, std::memory_order_relaxed);
     });
     std::partial_sum(ends.begin(), ends.end(), ends.begin());
     std::vector<std::uint32_t> order(count), number(count);
-    for_ranges(*team_, count, kRange, [&](std::size_t begin, std::size_t end) {
+    for_ranges(*executor_, count, kRange, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t)
             order[std::atomic_ref(ends[first_of(t)]).fetch_add(1, std::memory_order_relaxed)] =
                 static_cast<std::uint32_t>(t);
     });
-    for_ranges(*team_, points_.size(), kRange, [&](std::size_t begin, std::size_t end) {
+    for_ranges(*executor_, points_.size(), kRange, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
             const std::uint32_t first = v == 0 ? 0 : ends[v - 1];
             // The order up to here depends on the schedule of the tasks.
@@ -647,7 +647,7 @@ void Triangulation::number_along_sites() {
         }
     });
     std::vector<Triangle> sorted(count);
-    for_ranges(*team_, count, kRange, [&](std::size_t begin, std::size_t end) {
+    for_ranges(*executor_, count, kRange, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             sorted[i] = triangles_[order[i]];
             for (std::uint32_t& twin : sorted[i].twins) {

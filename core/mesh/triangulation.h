@@ -11,7 +11,7 @@
 #include "core/geometry/delaunay.h"
 #include "core/geometry/point.h"
 #include "core/mesh/site_blocks.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -52,8 +52,8 @@ public:
     Triangulation(std::size_t sites, Point period);
 
     /// Sets the executor of lengthy operations on this triangulation, by itself and by others; it must outlive this.
-    void set_team(Team& team) { team_ = &team; }
-    Team& team() const { return *team_; }
+    void set_executor(Executor& executor) { executor_ = &executor; }
+    Executor& executor() const { return *executor_; }
 
     bool is_torus() const { return period_.x > 0; }
     Point period() const { return period_; }
@@ -288,7 +288,7 @@ private:
     std::vector<std::uint8_t> changed_;
     SiteBlocks blocks_;  ///< blocks of the free sites
     Region whole_;
-    Team* team_ = &alone();
+    Executor* executor_ = &inline_executor();
 };
 
 }  // namespace ccdt

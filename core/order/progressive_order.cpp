@@ -327,7 +327,7 @@ public:
 
     /// @param reaches  [n] distance within which points crowd each other
     Crowd(const Domain& domain, std::span<const Point> places, std::span<const double> reaches, double widest,
-          Team& team, const std::stop_token& stop)
+          Executor& executor, const std::stop_token& stop)
         : cells_(domain, places),
           numbers_(cells_.numbers()),
           places_(places),
@@ -351,7 +351,7 @@ public:
         x_unit_ = static_cast<float>(sides.x / range / usual);
         y_unit_ = static_cast<float>(sides.y / range / usual);
         std::vector<std::vector<Pair>> pairs((places.size() + kRange - 1) / kRange);
-        for_ranges(team, places.size(), kRange, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor, places.size(), kRange, [&](std::size_t begin, std::size_t end) {
             std::vector<CellList::Run> runs;
             for (auto k = static_cast<std::uint32_t>(begin); k < end && !stop.stop_requested(); ++k) {
                 find_near(k, 1, runs);
@@ -487,7 +487,7 @@ class Elimination {
 public:
     /// @param even  whether all spacings are equal
     Elimination(const Domain& domain, std::vector<Point> places, std::vector<double> spacings, bool even,
-                Regions regions, Team& team)
+                Regions regions, Executor& executor)
         : domain_(domain),
           places_(std::move(places)),
           spacings_(std::move(spacings)),
@@ -495,7 +495,7 @@ public:
           regions_(std::move(regions)),
           left_(places_.size()),
           reference_(places_),
-          team_(team) {
+          executor_(executor) {
         std::iota(left_.begin(), left_.end(), 0U);
     }
 
@@ -531,7 +531,7 @@ private:
             near_places_.push_back(places_[i]);
             reaches_.push_back(reach * spacings_[i]);
         }
-        crowd_.emplace(domain_, near_places_, reaches_, widest_, team_, stop);
+        crowd_.emplace(domain_, near_places_, reaches_, widest_, executor_, stop);
         next_pair_ = 0;
         is_there_.assign(left_.size(), 1);
         if (reference_.size() > kManyTimes * left_.size()) {
@@ -541,7 +541,7 @@ private:
         surplus_.emplace(domain_, reference_, near_places_, node_distance());
         bounds_.resize(left_.size() + kLanes);
         wanted_.resize(left_.size() + kLanes);
-        for_ranges(team_, left_.size(), kStopStride, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor_, left_.size(), kStopStride, [&](std::size_t begin, std::size_t end) {
             for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
                 wanted_[i] = kSurplusWeight * surplus_->wanted(i);
                 bounds_[i] = without_wanted(i);
@@ -645,7 +645,7 @@ private:
     std::vector<std::uint32_t> left_;
     std::span<const Point> reference_;  ///< points that represent the wanted density
     std::vector<Point> sparse_;         ///< storage for the reference once it is no longer places_
-    Team& team_;
+    Executor& executor_;
 
     // State of the current step, for the points left at its beginning.
     std::size_t target_ = 0;             ///< number of points left at its end
@@ -663,13 +663,13 @@ private:
 
 /// Returns the spacing around each point.
 /// @param even  whether points have the same density everywhere
-std::vector<double> spacings_of(const Domain& domain, std::span<const Point> places, bool even, Team& team,
+std::vector<double> spacings_of(const Domain& domain, std::span<const Point> places, bool even, Executor& executor,
                                 const std::stop_token& stop) {
     const double usual = std::sqrt(domain.unit_area() / static_cast<double>(places.size()));
     std::vector<double> spacings(places.size(), usual);
     if (even) return spacings;
     const CellList near(domain, places);
-    for_ranges(team, places.size(), kStopStride, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor, places.size(), kStopStride, [&](std::size_t begin, std::size_t end) {
         if (stop.stop_requested()) return;
         SpacingMeter meter(domain, places, near, usual);
         for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) spacings[i] = meter(i);
@@ -690,7 +690,7 @@ constexpr double kLeastSide = 1e-9;  ///< of a chart's square, in case all point
 
 /// Orders points of the unit frame.
 std::vector<std::uint32_t> order_places(const Domain& domain, std::span<const Point> unsorted, bool even,
-                                        const std::stop_token& stop, Team& team) {
+                                        const std::stop_token& stop, Executor& executor) {
     std::vector<std::uint32_t> order;
     if (unsorted.empty()) return order;
     std::vector<std::uint32_t> numbers(unsorted.size());
@@ -699,9 +699,9 @@ std::vector<std::uint32_t> order_places(const Domain& domain, std::span<const Po
     std::vector<Point> places;
     places.reserve(unsorted.size());
     for (const std::uint32_t i : numbers) places.push_back(unsorted[i]);
-    std::vector<double> spacings = spacings_of(domain, places, even, team, stop);
+    std::vector<double> spacings = spacings_of(domain, places, even, executor, stop);
 
-    Elimination elimination(domain, std::move(places), std::move(spacings), even, std::move(regions), team);
+    Elimination elimination(domain, std::move(places), std::move(spacings), even, std::move(regions), executor);
     while (elimination.left().size() > 1 && !stop.stop_requested()) {
         const std::vector<std::uint32_t> gone = elimination.step(stop);
         order.insert(order.end(), gone.begin(), gone.end());
@@ -715,15 +715,15 @@ std::vector<std::uint32_t> order_places(const Domain& domain, std::span<const Po
 }  // namespace
 
 std::vector<std::uint32_t> progressive_order(const Domain& domain, std::span<const Point> points, bool even,
-                                             const std::stop_token& stop, Team& team) {
+                                             const std::stop_token& stop, Executor& executor) {
     std::vector<Point> places;
     places.reserve(points.size());
     for (const Point p : points) places.push_back(domain.to_unit(p));
-    return order_places(domain, places, even, stop, team);
+    return order_places(domain, places, even, stop, executor);
 }
 
 std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> points, const std::stop_token& stop,
-                                                      Team& team) {
+                                                      Executor& executor) {
     if (points.empty()) return {};
     std::vector<Direction> directions;
     directions.reserve(points.size());
@@ -744,7 +744,7 @@ std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> poi
     const double side = std::max({box.width(), box.height(), kLeastSide});
     const Domain square = Domain::rectangle(side, side).value();
     for (Point& p : places) p = square.to_unit(p - box.min);
-    return order_places(square, places, false, stop, team);
+    return order_places(square, places, false, stop, executor);
 }
 
 }  // namespace ccdt

@@ -20,8 +20,8 @@ constexpr std::uint32_t kTask = 2048;
 
 }  // namespace
 
-GraphSolver::GraphSolver(std::size_t vertices, std::span<const Edge> edges, Team& team)
-    : team_(team), sums_((vertices + kTask - 1) / kTask), direction_(vertices), image_(vertices) {
+GraphSolver::GraphSolver(std::size_t vertices, std::span<const Edge> edges, Executor& executor)
+    : executor_(executor), sums_((vertices + kTask - 1) / kTask), direction_(vertices), image_(vertices) {
     std::vector<Edge> between;
     levels_.push_back(make_level(vertices, edges));
     for (;;) {
@@ -134,7 +134,7 @@ inline double GraphSolver::Level::outflow(std::uint32_t v, std::span<const doubl
 /// Calls function(begin, end) for ranges of vertices of a level, in parallel.
 template <class Function>
 void GraphSolver::for_blocks(std::size_t vertices, Function&& function) const {
-    for_ranges(team_, vertices, kTask, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, vertices, kTask, [&](std::size_t begin, std::size_t end) {
         function(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end));
     });
 }

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -27,11 +27,11 @@ public:
         float conductance;
     };
 
-    /// @param edges  parallel edges add up; neighbours should have nearby numbers
-    /// @param team   runs the tasks; must outlive this
+    /// @param edges     parallel edges add up; neighbours should have nearby numbers
+    /// @param executor  runs the tasks; must outlive this
     ///
     /// O(vertices + edges).
-    GraphSolver(std::size_t vertices, std::span<const Edge> edges, Team& team = alone());
+    GraphSolver(std::size_t vertices, std::span<const Edge> edges, Executor& executor = inline_executor());
 
     std::size_t size() const { return levels_.front().size(); }
 
@@ -78,7 +78,7 @@ private:
     double sum_over_blocks(Function&& function);
     void cycle(std::size_t number);
 
-    Team& team_;
+    Executor& executor_;
     std::vector<double> sums_;  ///< [blocks] partial sums
     std::vector<Level> levels_;
     std::vector<double> direction_, image_;  ///< [vertices] search direction, and its outflows

@@ -28,12 +28,12 @@ constexpr std::size_t kSites = 8192, kTriangles = 16384;
 }  // namespace
 
 MeshPolish::MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites,
-                       FixedSites fixed, const std::stop_token& stop, Team& team)
-    : team_(team), domain_(domain), density_(density), fixed_(std::move(fixed)), support_(domain, density) {
+                       FixedSites fixed, const std::stop_token& stop, Executor& executor)
+    : executor_(executor), domain_(domain), density_(density), fixed_(std::move(fixed)), support_(domain, density) {
     if (!(fixed_.sites > 0)) fixed_.sites = static_cast<double>(sites);
     if (!fixed_.others.empty()) others_.emplace(domain, fixed_.others);
     if (domain.is_box()) {
-        transport_.emplace(domain, density, static_cast<std::size_t>(std::llround(fixed_.sites)), stop, team);
+        transport_.emplace(domain, density, static_cast<std::size_t>(std::llround(fixed_.sites)), stop, executor);
     } else if (!density.is_uniform()) {
         local_.emplace(domain.unit_bounds().max, density, fixed_.sites * density.total() / capacity);
     }
@@ -88,7 +88,7 @@ void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& s
         }
         if (!transport_->displacements(all.empty() ? sites : all, moves_, stop, fixed_.weights)) break;
         const bool free = round < kFreeRounds;
-        for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 last[i] = moves_[i] + (free ? kMomentum : 0) * last[i];
                 const Point moved = sites[i] + last[i];
@@ -128,7 +128,7 @@ void MeshPolish::begin(const Triangulation& mesh) {
     edges_.resize(static_cast<std::size_t>(blocks.levels()));
     for (int level = 0; level < blocks.levels(); ++level)
         edges_[static_cast<std::size_t>(level)].assign(blocks.count(level), {});
-    team_.run(others.size(), [&](std::size_t block) { list_edges(mesh, block, others[block]); });
+    executor_.run(others.size(), [&](std::size_t block) { list_edges(mesh, block, others[block]); });
     for (const auto& list : others) {
         for (const std::uint32_t h : list) {
             const auto block = blocks.around({mesh.origin(h), mesh.target(h)});
@@ -137,7 +137,7 @@ void MeshPolish::begin(const Triangulation& mesh) {
     }
     if (!domain_.is_box()) row_.find(mesh);
     std::vector<double> largest((mesh.triangle_count() + kTriangles - 1) / kTriangles, 0);
-    for_ranges(team_, mesh.triangle_count(), kTriangles, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, mesh.triangle_count(), kTriangles, [&](std::size_t begin, std::size_t end) {
         double& own = largest[begin / kTriangles];
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) own = std::max(own, mesh.doubled_area(t));
     });
@@ -250,13 +250,13 @@ void MeshPolish::measure_spacings(const Triangulation& mesh) {
         std::ranges::fill(spacings_, even_spacing_);
         return;
     }
-    for_ranges(team_, mesh.site_count(), kSites, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, mesh.site_count(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) spacings_[v] = spacing(mesh.points()[v]);
     });
 }
 
 void MeshPolish::silence(Triangulation& mesh, const std::stop_token& stop) {
-    if (!stealth_) stealth_.emplace(domain_, mesh.site_count(), team_);
+    if (!stealth_) stealth_.emplace(domain_, mesh.site_count(), executor_);
     const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
     if (stealth_->displacements(sites, moves_, stop)) apply(mesh);
 }
@@ -287,13 +287,13 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
         moves_[b] = moves_[b] + (mesh.is_free(a) ? 1 : 2) * by;
     };
     for (const auto& blocks : edges_) {
-        team_.run(blocks.size(), [&](std::size_t block) {
+        executor_.run(blocks.size(), [&](std::size_t block) {
             for (const std::uint32_t h : blocks[block]) push_two(mesh.origin(h), mesh.target(h), mesh.along(h));
         });
     }
     for (const auto& [a, b] : facing_) push_two(a, b, mesh.point(b) - mesh.point(a));
     if (others_) push_off_others(mesh, half_reach, push);
-    for_ranges(team_, moves_.size(), kSites, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, moves_.size(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
             const double longest = kLongestPush * spacing_of(static_cast<std::uint32_t>(v)),
                          length = std::sqrt(dot(moves_[v], moves_[v]));
@@ -325,7 +325,7 @@ void MeshPolish::push_off_others(const Triangulation& mesh, double half_reach, d
 
 void MeshPolish::apply(Triangulation& mesh) {
     for (auto v = static_cast<std::uint32_t>(mesh.free_count()); v < mesh.site_count(); ++v) moves_[v] = mesh.point(v);
-    for_ranges(team_, mesh.free_count(), kSites, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, mesh.free_count(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
             const Point here = mesh.points()[v], there = here + moves_[v];
             mesh.points()[v] = density_.is_uniform() ? inside(there) : allowed(there, [&] { return spacing(here); });
@@ -372,7 +372,7 @@ void MeshPolish::revert_moves(Triangulation& mesh) {
     bool found = true;
     for (int sweep = 0; found; ++sweep) {
         const double kept = !domain_.is_box() && sweep < kHalvings ? 0.5 : 0;
-        for_ranges(team_, triangles, kTriangles, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor_, triangles, kTriangles, [&](std::size_t begin, std::size_t end) {
             auto& list = lists[begin / kTriangles];
             list.clear();
             double most = 0;

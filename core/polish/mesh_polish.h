@@ -32,9 +32,9 @@ public:
     /// @param sites            number of free sites
     /// @param fixed            existing points; `fixed.places` are the mesh's last sites
     /// @param stop             polled regularly; after a stop the object must not be used
-    /// @param team             runs the steps; must outlive this
+    /// @param executor         runs the steps; must outlive this
     MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites, FixedSites fixed = {},
-               const std::stop_token& stop = {}, Team& team = alone());
+               const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
     const Density& density() const { return density_; }
 
@@ -98,7 +98,7 @@ private:
     template <class Spacing>
     Point allowed(Point p, Spacing&& spacing) const;
 
-    Team& team_;
+    Executor& executor_;
     const Domain& domain_;
     const Density& density_;
     FixedSites fixed_;

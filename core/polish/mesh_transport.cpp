@@ -66,7 +66,7 @@ std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, co
     const auto owner = owners(mesh);
     // Cotangents of the angles opposite to the edges.
     std::vector<std::array<double, 3>> cotangents(mesh.triangle_count());
-    for_ranges(mesh.team(), cotangents.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+    for_ranges(mesh.executor(), cotangents.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
             const auto [a, b, c] = mesh.places(static_cast<std::uint32_t>(t));
             const Point ab = b - a, bc = c - b, ca = a - c;
@@ -76,7 +76,7 @@ std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, co
         }
     });
     std::vector<std::vector<GraphSolver::Edge>> lists((cotangents.size() + kTriangles - 1) / kTriangles);
-    for_ranges(mesh.team(), cotangents.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+    for_ranges(mesh.executor(), cotangents.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
         auto& list = lists[begin / kTriangles];
         list.reserve(3 * (end - begin) / 2 + 3);
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
@@ -170,17 +170,17 @@ MeshTransport::MeshTransport(const Domain& domain, const Density& density, const
           mesh,
           [grid = ErrorGrid(domain.unit_bounds().max, cell_of(domain, density, mesh.site_count()), mesh.site_count(),
                             border_of(domain, density, mesh), density),
-           &team = mesh.team()](std::span<const Point> sites, std::span<double> errors) mutable {
+           &executor = mesh.executor()](std::span<const Point> sites, std::span<double> errors) mutable {
               grid.measure(sites);
-              for_ranges(team, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+              for_ranges(executor, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
                   for (std::size_t v = begin; v < end; ++v) errors[v] = grid.at(sites[v]);
               });
           },
           [](std::uint32_t, std::uint32_t) { return true; }) {}
 
 MeshTransport::MeshTransport(const Triangulation& mesh, Measure measure, const Passes& passes)
-    : team_(mesh.team()),
-      solver_(mesh.site_count(), edges_between_sites(mesh, passes), mesh.team()),
+    : executor_(mesh.executor()),
+      solver_(mesh.site_count(), edges_between_sites(mesh, passes), mesh.executor()),
       measure_(std::move(measure)),
       error_(mesh.site_count()),
       potential_(mesh.site_count()),
@@ -209,7 +209,7 @@ void MeshTransport::find_errors(const Triangulation& mesh) {
 /// Converts flows along edges to moves: each end of an edge moves by half the flow times the edge vector.
 void MeshTransport::flow(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves) const {
     constexpr double kLongestMove = 0.35;  // in spacings; countries in core/README.md: .25 loses 1 dB among fjords
-    for_ranges(team_, mesh.site_count(), kSites, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, mesh.site_count(), kSites, [&](std::size_t begin, std::size_t end) {
         for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
             Point move;
             for (const auto& [to, conductance] : solver_.links(v)) {

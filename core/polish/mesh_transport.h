@@ -63,7 +63,7 @@ private:
     void find_errors(const Triangulation& mesh);
     void flow(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves) const;
 
-    Team& team_;
+    Executor& executor_;
     GraphSolver solver_;
     Measure measure_;
     std::vector<double> error_, potential_;  ///< [sites] error and potential of each site

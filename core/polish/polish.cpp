@@ -47,7 +47,7 @@ Polish::Polish(const Domain& domain, std::vector<Layer> layers, const std::stop_
     moves_.resize(sites);
     if (!domain.is_box()) return;
     density_ = sum_of_densities(layers_);
-    transport_.emplace(domain, *density_, sites, stop, layers_.front().mesh->team());
+    transport_.emplace(domain, *density_, sites, stop, layers_.front().mesh->executor());
 }
 
 void Polish::refine(const PolishSettings& settings, const std::stop_token& stop, const std::function<void()>& after,

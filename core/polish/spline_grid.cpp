@@ -102,16 +102,16 @@ double sinc(double cycles) {
     return x == 0 ? 1 : std::sin(x) / x;
 }
 
-std::variant<RealTransform, CosineTransform> make_transform(bool torus, int columns, int rows, Team& team,
+std::variant<RealTransform, CosineTransform> make_transform(bool torus, int columns, int rows, Executor& executor,
                                                             std::size_t padded) {
-    if (torus) return RealTransform(columns, rows, team, padded);
-    return CosineTransform(columns, rows, team, padded);
+    if (torus) return RealTransform(columns, rows, executor, padded);
+    return CosineTransform(columns, rows, executor, padded);
 }
 
 }  // namespace
 
-SplineGrid::SplineGrid(bool torus, Point sides, int columns, int rows, Team& team)
-    : team_(team),
+SplineGrid::SplineGrid(bool torus, Point sides, int columns, int rows, Executor& executor)
+    : executor_(executor),
       torus_(torus),
       sides_(sides),
       columns_(columns),
@@ -119,7 +119,7 @@ SplineGrid::SplineGrid(bool torus, Point sides, int columns, int rows, Team& tea
       kept_(torus ? columns / 2 + 1 : columns),
       half_cell_{0.5 / columns, 0.5 / rows},
       stride_(static_cast<std::size_t>(columns) + 2 * kMargin),
-      transform_(make_transform(torus, columns, rows, team, padded_size())) {
+      transform_(make_transform(torus, columns, rows, executor, padded_size())) {
     assert(sides.x > 0 && sides.y > 0);
     acquire_memory();
     const double waves = torus ? 1 : 0.5;
@@ -191,7 +191,7 @@ void SplineGrid::acquire_memory() {
 void SplineGrid::clear() {
     acquire_memory();
     constexpr std::size_t kRange = 65536;
-    for_ranges(team_, padded_.size(), kRange, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, padded_.size(), kRange, [&](std::size_t begin, std::size_t end) {
         std::ranges::fill(padded_.subspan(begin, end - begin), 0.0);
     });
 }
@@ -309,7 +309,7 @@ void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& a
     const auto band_of = [&](std::size_t i) { return first_row(points[i]) / kRows; };
     // [parts][bands] place in the order for a part's next point of each band.
     std::vector<std::uint32_t> next(parts * bands, 0);
-    for_ranges(team_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
         std::uint32_t* const count = &next[begin / kFew * bands];
         for (std::size_t i = begin; i < end; ++i) {
             if (counts(i)) ++count[band_of(i)];
@@ -322,14 +322,14 @@ void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& a
         begins.push_back(begin);
     }
     order.resize(begins.back());
-    for_ranges(team_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
         std::uint32_t* const next_of = &next[begin / kFew * bands];
         for (std::size_t i = begin; i < end; ++i) {
             if (counts(i)) order[next_of[band_of(i)]++] = static_cast<std::uint32_t>(i);
         }
     });
     for (std::size_t odd = 0; odd < 2; ++odd) {
-        team_.run((bands + 1 - odd) / 2, [&](std::size_t number) {
+        executor_.run((bands + 1 - odd) / 2, [&](std::size_t number) {
             const std::size_t band = 2 * number + odd;
             add(std::span(order).subspan(begins[band], begins[band + 1] - begins[band]));
         });
@@ -379,7 +379,7 @@ void SplineGrid::fold() {
     const std::span<double> cells = grid();
     const auto rows = static_cast<std::size_t>(rows_);
     const auto add = [&](double& padded, std::size_t cell) { cells[cell] += padded; };
-    for_ranges(team_, rows, kRows, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, rows, kRows, [&](std::size_t begin, std::size_t end) {
         std::fill(cells.begin() + static_cast<std::ptrdiff_t>(begin * static_cast<std::size_t>(columns_)),
                   cells.begin() + static_cast<std::ptrdiff_t>(end * static_cast<std::size_t>(columns_)), 0.0);
         for (std::size_t row = begin; row < end; ++row) for_padded(kMargin + row, add);
@@ -393,16 +393,17 @@ void SplineGrid::fold() {
 /// Copies the grid's values, and fills the margins by periodic or mirrored repetition.
 void SplineGrid::unfold() {
     const std::span<double> cells = grid();
-    for_ranges(team_, static_cast<std::size_t>(rows_) + 2 * kMargin, kRows, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row)
-            for_padded(row, [&](double& padded, std::size_t cell) { padded = cells[cell]; });
-    });
+    for_ranges(executor_, static_cast<std::size_t>(rows_) + 2 * kMargin, kRows,
+               [&](std::size_t begin, std::size_t end) {
+                   for (std::size_t row = begin; row < end; ++row)
+                       for_padded(row, [&](double& padded, std::size_t cell) { padded = cells[cell]; });
+               });
 }
 
 /// Does the same as fold() in place: adds the margins, then compacts the rows.
 void SplineGrid::close_up() {
     const auto rows = static_cast<std::size_t>(rows_), columns = static_cast<std::size_t>(columns_);
-    for_ranges(team_, rows, kRows, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, rows, kRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             double* const own = padded_row(kMargin + row);
             for_margins([&](std::size_t i, std::size_t inside) { own[inside] += own[i]; });
@@ -425,7 +426,7 @@ void SplineGrid::open_up() {
         const double* const from = padded_.data() + row * columns;
         std::copy_backward(from, from + columns, padded_row(kMargin + row) + kMargin + columns);
     }
-    for_ranges(team_, rows, kRows, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, rows, kRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             double* const own = padded_row(kMargin + row);
             for_margins([&](std::size_t i, std::size_t inside) { own[i] = own[inside]; });

@@ -10,7 +10,7 @@
 #include "core/fourier/fft.h"
 #include "core/geometry/pair.h"
 #include "core/geometry/point.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
@@ -23,8 +23,8 @@ class SplineGrid {
 public:
     /// @param sides          size of the box, > 0
     /// @param columns, rows  even, >= 2; see good_size()
-    /// @param team           runs operations on the whole grid and on many points; must outlive this
-    SplineGrid(bool torus, Point sides, int columns, int rows, Team& team = alone());
+    /// @param executor       runs operations on the whole grid and on many points; must outlive this
+    SplineGrid(bool torus, Point sides, int columns, int rows, Executor& executor = inline_executor());
 
     int columns() const { return columns_; }
     int rows() const { return rows_; }
@@ -79,7 +79,7 @@ public:
     /// Skips aliased frequencies.
     template <class Visit>
     void for_frequencies(Visit&& visit) const {
-        for_ranges(team_, static_cast<std::size_t>(rows_), kRows, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor_, static_cast<std::size_t>(rows_), kRows, [&](std::size_t begin, std::size_t end) {
             std::size_t number = begin * static_cast<std::size_t>(kept_);
             for (auto row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
                 const int j = signed_row(row);
@@ -152,7 +152,7 @@ private:
 
     static constexpr std::size_t kRows = 16;  ///< rows per task; more than the taps reach
 
-    Team& team_;
+    Executor& executor_;
     bool torus_;
     Point sides_;
     int columns_;

@@ -40,13 +40,14 @@ bool Stealth::fits(const Domain& torus, std::size_t sites) {
     return static_cast<double>(sites) >= (1 - kRounding) * fewest_sites(torus.unit_bounds().max);
 }
 
-Stealth::Stealth(const Domain& torus, std::size_t sites, Team& team)
-    : team_(team),
+Stealth::Stealth(const Domain& torus, std::size_t sites, Executor& executor)
+    : executor_(executor),
       sides_(torus.unit_bounds().max),
       sites_(static_cast<double>(sites)),
       transform_(highest(end_of(torus, sites), sides_.x), highest(end_of(torus, sites), sides_.y)),
       positions_(sites),
-      grid_(true, sides_, cells_for(end_of(torus, sites), sides_.x), cells_for(end_of(torus, sites), sides_.y), team) {
+      grid_(true, sides_, cells_for(end_of(torus, sites), sides_.x), cells_for(end_of(torus, sites), sides_.y),
+            executor) {
     const double end = end_of(torus, sites);
     const int columns = highest(end, sides_.x), rows = highest(end, sides_.y);
     for (int row = -rows; row <= rows; ++row) {
@@ -121,7 +122,7 @@ void Stealth::find_moves(const Coefficients& potential, std::span<const Point> s
         }
     });
     grid_.transform_back();
-    for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
         grid_.gradients(sites.subspan(begin, end - begin), moves.subspan(begin, end - begin));
     });
 }

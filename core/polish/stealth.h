@@ -9,7 +9,7 @@
 #include "core/analysis/nonuniform_transform.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 #include "core/polish/spline_grid.h"
 
 namespace ccdt {
@@ -38,11 +38,11 @@ public:
     /// Whether a torus is wide enough for a number of sites. Tolerates the rounding of its sides.
     static bool fits(const Domain& torus, std::size_t sites);
 
-    /// @param torus  wide enough for the sites, see fits()
-    /// @param team   runs the tasks; must outlive this
+    /// @param torus     wide enough for the sites, see fits()
+    /// @param executor  runs the tasks; must outlive this
     ///
     /// About 400 bytes per site.
-    Stealth(const Domain& torus, std::size_t sites, Team& team = alone());
+    Stealth(const Domain& torus, std::size_t sites, Executor& executor = inline_executor());
 
     /// Computes the moves of one round.
     /// @param sites  [sites] in the unit frame; any copy
@@ -70,7 +70,7 @@ private:
     double product(const Coefficients& a, const Coefficients& b) const;
     void precondition(const Coefficients& from, Coefficients& to) const;
 
-    Team& team_;
+    Executor& executor_;
     Point sides_;
     double sites_;
     std::vector<Wave> waves_;  ///< one of each pair k, -k

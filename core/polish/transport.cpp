@@ -89,8 +89,8 @@ double contrast_of(const Density& density, const CellBlock& block) {
 }  // namespace
 
 Transport::Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop,
-                     Team& team)
-    : team_(team),
+                     Executor& executor)
+    : executor_(executor),
       torus_(domain.is_torus()),
       uniform_(density.is_uniform()),
       sides_(domain.unit_bounds().max),
@@ -133,7 +133,7 @@ void Transport::add_octave() {
     const auto cells = [&](double side) {
         return std::max(kFewestCells, good_size(kCellsPerSpacing * side / spacing));
     };
-    octaves_.push_back({SplineGrid(torus_, sides_, cells(sides_.x), cells(sides_.y), team_), {}});
+    octaves_.push_back({SplineGrid(torus_, sides_, cells(sides_.x), cells(sides_.y), executor_), {}});
     Octave& octave = octaves_.back();
     const SplineGrid& grid = octave.grid;
     octave.factors.resize(grid.number(0, torus_ ? grid.rows() / 2 + 1 : grid.rows()));
@@ -159,7 +159,7 @@ std::vector<double> Transport::masses(const Density& density, const CellBlock& b
     const SplineGrid& grid = octaves_[0].grid;
     const auto columns = static_cast<std::size_t>(grid.columns()), rows = static_cast<std::size_t>(grid.rows());
     std::vector<double> mass(columns * rows);
-    for_ranges(team_, rows, kRows, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, rows, kRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const auto values = std::span(mass).subspan(row * columns, columns);
             density.resample_row(block, grid.columns(), grid.rows(), static_cast<int>(row), values);
@@ -188,7 +188,7 @@ std::span<const double> Transport::smooth(const std::vector<double>& masses, dou
     std::copy(masses.begin(), masses.end(), grid.grid().begin());
     grid.forward();
     grid.with_coefficients([&, &across = across, &up = up](auto coefficients) {
-        for_ranges(team_, coefficients.size(), kCells, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor_, coefficients.size(), kCells, [&](std::size_t begin, std::size_t end) {
             for (std::size_t number = begin; number < end; ++number) coefficients[number] *= scale;
         });
         grid.for_frequencies([&](std::size_t number, int i, int j) {
@@ -205,13 +205,13 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
     levels_.resize(masses.size());
     spacings_.resize(masses.size());
     const auto fine = smooth(masses, kSmoothing * finest_);
-    for_ranges(team_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell)
             spacings_[cell] = shortened(spacing_at(fine[cell]) / finest_);
     });
     const auto coarse = smooth(masses, kLevelSmoothing * finest_);
     std::vector<double> highest((masses.size() + kCells - 1) / kCells, 0);
-    for_ranges(team_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
         double& own = highest[begin / kCells];
         for (std::size_t cell = begin; cell < end; ++cell) {
             const double level = std::log2(spacing_at(coarse[cell]) / finest_) + kCaution;
@@ -237,7 +237,7 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
         targets_.emplace<std::vector<Kept<Coefficient>>>(grid.coefficient_count());
     });
     for (std::size_t octave = 0; octave < octaves_.size() && !stop.stop_requested(); ++octave) {
-        for_ranges(team_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) grid.grid()[i] = masses[i] * part(levels_[i], octave);
         });
         grid.forward();
@@ -367,7 +367,7 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
     if (!(origin_ == Point{})) moved.resize(sites.size());
     const std::span<const Point> places = moved.empty() ? sites : moved;
     std::vector<std::uint16_t> levels(sites.size());
-    for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (!moved.empty()) moved[i] = in_box(sites[i]);
             levels[i] = levels_[cell_of(places[i])];
@@ -376,7 +376,7 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
     values.resize(sites.size());
     for (std::size_t octave = 0; octave < octaves_.size(); ++octave) {
         if (stop.stop_requested()) return false;
-        for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) values[i] = weight(i) * part(levels[i], octave);
         });
         octaves_[octave].grid.spread(places, values);
@@ -393,7 +393,7 @@ void Transport::solve(std::span<Coefficient> total) {
     const auto* const own = std::get_if<std::vector<Kept<Coefficient>>>(&targets_);
     const std::span<const Kept<Coefficient>> targets = own ? *own : std::span<const Kept<Coefficient>>();
     const std::size_t columns = finest.number(0, 1);
-    for_ranges(team_, static_cast<std::size_t>(finest.rows()), kRows, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, static_cast<std::size_t>(finest.rows()), kRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const float* const factors = &octaves_[0].factor(0, finest.signed_row(static_cast<int>(row)));
             const auto part = total.subspan(row * columns, columns);
@@ -429,7 +429,7 @@ bool Transport::displacements(std::span<const Point> sites, std::span<Point> mov
     finest.transform_back();
     const double unit = octave_spacing(0), area = sides_.x * sides_.y;
     const double scale = unit * unit / (finest.copies() * area);
-    for_ranges(team_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+    for_ranges(executor_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
         if (stop.stop_requested()) return;
         for (std::size_t i = begin; i < end; ++i) moves[i] = in_box(sites[i]);
         finest.gradients(moves.subspan(begin, end - begin), moves.subspan(begin, end - begin));

@@ -35,16 +35,16 @@ namespace ccdt {
 /// waves; core/README.md has the derivation.
 class Transport {
 public:
-    /// @param domain   a box or a torus; the documented ranges of its sides and of the density's values keep contrast,
-    ///                 spacings and grid sizes finite and nonzero
-    /// @param density  must outlive this
-    /// @param sites    >= 1
-    /// @param stop     polled regularly; after a stop the object must not be used
-    /// @param team     runs the tasks; must outlive this
+    /// @param domain    a box or a torus; the documented ranges of its sides and of the density's values keep contrast,
+    ///                  spacings and grid sizes finite and nonzero
+    /// @param density   must outlive this
+    /// @param sites     >= 1
+    /// @param stop      polled regularly; after a stop the object must not be used
+    /// @param executor  runs the tasks; must outlive this
     ///
     /// O(density's cells + sites log sites).
     Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {},
-              Team& team = alone());
+              Executor& executor = inline_executor());
 
     /// Computes the moves of one round.
     /// @param sites    [sites] in the unit frame; inside, on a torus any copy
@@ -93,7 +93,7 @@ private:
     template <class Coefficient>
     void solve(std::span<Coefficient> total);
 
-    Team& team_;
+    Executor& executor_;
     bool torus_;
     bool uniform_;
     Point origin_;  ///< lower left corner of the box that contains all of the density

@@ -19,7 +19,7 @@
 #include <malloc.h>
 #include <unistd.h>
 
-#include "core/parallel/thread_team.h"
+#include "core/parallel/thread_executor.h"
 #include "server/decoder/decoder_client.h"
 #include "server/decoder/decoder_protocol.h"
 #include "server/processes/messages.h"
@@ -101,7 +101,7 @@ private:
 };
 
 /// The threads that the server lends a computation.
-class LentThreads : public Team {
+class LentThreads : public Executor {
 public:
     /// @param lent  how many it may have, the caller's among them; outlives this
     explicit LentThreads(const NumberOfOthers& lent)
@@ -125,7 +125,7 @@ private:
     const Clock::time_point start_ = Clock::now();
     std::size_t lent_ = 1;
     std::size_t most_ = 1;
-    ThreadTeam threads_;
+    ThreadExecutor threads_;
 };
 
 /// Milliseconds that the processors have worked for this process, by all its threads.

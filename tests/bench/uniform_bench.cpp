@@ -3,7 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include "core/ccdt/ccdt.h"
-#include "core/parallel/thread_team.h"
+#include "core/parallel/thread_executor.h"
 #include "tests/bench/stages.h"
 #include "tests/bench/yardstick.h"
 
@@ -78,9 +78,9 @@ void UniformStages(benchmark::State& state) {
 void Scaling(benchmark::State& state) {
     Options options = options_for(state.range(0));
     options.quality = static_cast<Quality>(state.range(1));
-    ThreadTeam team(std::thread::hardware_concurrency());
+    ThreadExecutor executor(std::thread::hardware_concurrency());
     Control together;
-    together.team = &team;
+    together.executor = &executor;
     std::vector<double> by_one, by_all, yardstick;
     for (auto _ : state) {
         Clock clock;

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "api/input/option_reader.h"
-#include "core/parallel/thread_team.h"
+#include "core/parallel/thread_executor.h"
 
 namespace ccdt::api {
 namespace {
@@ -53,16 +53,16 @@ TEST(Overlay, AddsLights) {
         EXPECT_EQ(pixels(overlay(lights, palette_of("rgb"), antialias)), expected);
 }
 
-TEST(Overlay, IsTheSameForAnyTeam) {
+TEST(Overlay, IsTheSameForAnyExecutor) {
     std::vector<std::uint8_t> some(100'003);
     for (std::size_t i = 0; i < some.size(); ++i) some[i] = i * i % 7 < 3 ? 255 : 0;
     const std::vector<std::uint8_t> others(some.rbegin(), some.rend());
     const std::vector<Raster> inks = {raster(some), raster(others), raster(some)};
-    ThreadTeam team(3);
+    ThreadExecutor executor(3);
     for (const char* color : {"gray", "rgb"}) {
         for (const bool antialias : {false, true}) {
             const Palette palette = palette_of(color);
-            EXPECT_EQ(overlay(inks, palette, antialias, {}, team).pixels, overlay(inks, palette, antialias).pixels);
+            EXPECT_EQ(overlay(inks, palette, antialias, {}, executor).pixels, overlay(inks, palette, antialias).pixels);
         }
     }
 }

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/delaunay.h"
-#include "core/parallel/thread_team.h"
+#include "core/parallel/thread_executor.h"
 #include "core/random.h"
 #include "tests/support/meshes.h"
 #include "tests/support/pictures.h"
@@ -221,24 +221,24 @@ TEST(Distribute, IsIdenticalInConcurrentRuns) {
 }
 
 /// An executor that counts its tasks.
-class CountingTeam : public Team {
+class CountingExecutor : public Executor {
 public:
     void run(std::size_t count, const std::function<void(std::size_t)>& task) override {
         ++runs;
-        alone().run(count, task);
+        inline_executor().run(count, task);
     }
     int runs = 0;
 };
 
 TEST(Distribute, RunsThePolishOnTheExecutorToo) {
     const auto runs_of = [](Quality quality) {
-        CountingTeam team;
+        CountingExecutor executor;
         Control control;
-        control.team = &team;
+        control.executor = &executor;
         const auto result =
             distribute(domain_of(kSquare), Density::uniform(), {.sites = 20'000, .quality = quality}, control);
         EXPECT_TRUE(result);
-        return team.runs;
+        return executor.runs;
     };
     const int draft = runs_of(Quality::Draft), standard = runs_of(Quality::Standard);
     EXPECT_GT(draft, 60);
@@ -269,9 +269,9 @@ TEST(Distribute, IsIdenticalOnAnyNumberOfThreads) {
         SCOPED_TRACE(c.name);
         const auto expected = distribute(c.domain, c.density, c.options).value();
         for (const std::size_t size : {2, 3, 16}) {
-            ThreadTeam team(size);
+            ThreadExecutor executor(size);
             Control control;
-            control.team = &team;
+            control.executor = &executor;
             const auto found = distribute(c.domain, c.density, c.options, control).value();
             EXPECT_TRUE(same_bytes(found.points, expected.points)) << size << " threads";
             EXPECT_EQ(found.trace, expected.trace);

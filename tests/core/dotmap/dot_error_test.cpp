@@ -43,7 +43,7 @@ public:
         const Domain land = Domain::united(domains).value();
         const Density density = Density::uniform();
         const auto ground =
-            DotGround::create({features_, areas, index, land.bounds(), density}, 0, alone(), {}).value();
+            DotGround::create({features_, areas, index, land.bounds(), density}, 0, inline_executor(), {}).value();
         std::vector<Point> units;
         for (const Point& p : places) units.push_back(land.to_unit(p));
         std::vector<double> errors(places.size());

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/parallel/thread_team.h"
+#include "core/parallel/thread_executor.h"
 #include "core/random.h"
 #include "tests/support/shapes.h"
 
@@ -253,9 +253,9 @@ TEST(DistributeDots, IsIdenticalOnAnyNumberOfThreads) {
     for (const Density* density : {&uniform, &ramp}) {
         const auto expected = distribute(features, *density).value();
         for (const std::size_t size : {2, 16}) {
-            ThreadTeam team(size);
+            ThreadExecutor executor(size);
             Control control;
-            control.team = &team;
+            control.executor = &executor;
             const auto found = distribute(features, *density, {}, control).value();
             for (std::size_t i = 0; i < expected.size(); ++i) {
                 EXPECT_TRUE(found[i].dots.points == expected[i].dots.points) << size << " threads";

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/parallel/thread_team.h"
+#include "core/parallel/thread_executor.h"
 
 #include "core/random.h"
 
@@ -175,9 +175,9 @@ TEST(RealTransform, IsIdenticalOnAnyNumberOfThreads) {
         return found;
     };
     for (const std::size_t size : {2, 3, 16}) {
-        ThreadTeam team(size);
-        EXPECT_EQ(there_and_back(RealTransform(90, 100, team)), there_and_back(RealTransform(90, 100)));
-        EXPECT_EQ(there_and_back(CosineTransform(90, 100, team)), there_and_back(CosineTransform(90, 100)));
+        ThreadExecutor executor(size);
+        EXPECT_EQ(there_and_back(RealTransform(90, 100, executor)), there_and_back(RealTransform(90, 100)));
+        EXPECT_EQ(there_and_back(CosineTransform(90, 100, executor)), there_and_back(CosineTransform(90, 100)));
     }
 }
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/ccdt/start.h"
-#include "core/parallel/thread_team.h"
+#include "core/parallel/thread_executor.h"
 #include "core/random.h"
 #include "tests/support/meshes.h"
 
@@ -121,9 +121,9 @@ TEST(Triangulation, InsertsAllSitesOnAnyNumberOfThreads) {
     const StartSites start(domain, density, options);
     std::vector<std::uint32_t> coarse, fine;
     for (std::uint32_t site = 0; site < kSites; ++site) (site % 8 == 0 ? coarse : fine).push_back(site);
-    const auto corners_by = [&](Team& team) {
+    const auto corners_by = [&](Executor& executor) {
         Triangulation mesh = empty_mesh(ring, kSites);
-        mesh.set_team(team);
+        mesh.set_executor(executor);
         for (const auto& sites : {coarse, fine}) {
             const auto draw = [&](std::uint32_t site, int attempt) { return start.draw(site, attempt); };
             for (const std::uint32_t site : mesh.insert_all(sites, draw, 16, 0)) {
@@ -136,10 +136,10 @@ TEST(Triangulation, InsertsAllSitesOnAnyNumberOfThreads) {
         for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) corners.push_back(mesh.corners(t));
         return corners;
     };
-    const auto expected = corners_by(alone());
+    const auto expected = corners_by(inline_executor());
     for (const std::size_t size : {2, 5}) {
-        ThreadTeam team(size);
-        EXPECT_EQ(corners_by(team), expected);
+        ThreadExecutor executor(size);
+        EXPECT_EQ(corners_by(executor), expected);
     }
 }
 

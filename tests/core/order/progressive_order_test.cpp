@@ -12,7 +12,7 @@
 #include "core/ccdt/ccdt.h"
 #include "core/globe/chart.h"
 #include "core/order/reorder.h"
-#include "core/parallel/thread_team.h"
+#include "core/parallel/thread_executor.h"
 #include "core/random.h"
 #include "tests/support/evenness.h"
 
@@ -65,8 +65,8 @@ TEST(ProgressiveOrder, IsIdenticalOnAnyNumberOfThreads) {
         for (const bool even : {true, false}) {
             const auto order = progressive_order(domain, points, even);
             for (const std::size_t size : {2, 16}) {
-                ThreadTeam team(size);
-                EXPECT_EQ(progressive_order(domain, points, even, {}, team), order);
+                ThreadExecutor executor(size);
+                EXPECT_EQ(progressive_order(domain, points, even, {}, executor), order);
             }
         }
     }

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/parallel/thread_team.h"
+#include "core/parallel/thread_executor.h"
 #include "core/random.h"
 
 namespace ccdt {
@@ -73,16 +73,16 @@ TEST(GraphSolver, IsIdenticalOnAnyNumberOfThreads) {
     std::vector<double> inflow;
     for (std::uint32_t v = 0; v < kSide * kSide; ++v) inflow.push_back(v % 2 == 0 ? 1 : -1);
     std::ranges::shuffle(inflow, std::minstd_rand(1));
-    const auto solved_by = [&](Team& team) {
-        GraphSolver solver(kSide * kSide, grid(kSide), team);
+    const auto solved_by = [&](Executor& executor) {
+        GraphSolver solver(kSide * kSide, grid(kSide), executor);
         std::vector<double> left = inflow, potential(kSide * kSide);
         solver.solve(left, potential, 3);
         return potential;
     };
-    const auto expected = solved_by(alone());
+    const auto expected = solved_by(inline_executor());
     for (const std::size_t size : {2, 3, 16}) {
-        ThreadTeam team(size);
-        EXPECT_EQ(solved_by(team), expected) << size << " threads";
+        ThreadExecutor executor(size);
+        EXPECT_EQ(solved_by(executor), expected) << size << " threads";
     }
 }
 

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/parallel/thread_team.h"
+#include "core/parallel/thread_executor.h"
 #include "core/random.h"
 
 namespace ccdt {
@@ -212,15 +212,15 @@ TEST(SplineGrid, SpreadsManyAsItSpreadsEach) {
         values[i] = i % 3 == 0 ? 0 : random.uniform();
     }
     for (const bool torus : {false, true}) {
-        const auto cells_of = [&](Team& team, auto&& spread) {
-            SplineGrid grid(torus, {2, 1}, 160, 90, team);
+        const auto cells_of = [&](Executor& executor, auto&& spread) {
+            SplineGrid grid(torus, {2, 1}, 160, 90, executor);
             grid.clear();
             spread(grid);
             grid.transform();
             grid.backward();
             return std::vector<double>(grid.grid().begin(), grid.grid().end());
         };
-        const auto each = cells_of(alone(), [&](SplineGrid& grid) {
+        const auto each = cells_of(inline_executor(), [&](SplineGrid& grid) {
             for (std::size_t i = 0; i < points.size(); ++i) {
                 grid.spread(points[i], values[i]);
                 grid.spread_move(points[i], moves[i]);
@@ -230,11 +230,11 @@ TEST(SplineGrid, SpreadsManyAsItSpreadsEach) {
             grid.spread(points, values);
             grid.spread_moves(points, moves);
         };
-        const auto alone_all = cells_of(alone(), all);
+        const auto alone_all = cells_of(inline_executor(), all);
         for (std::size_t i = 0; i < each.size(); ++i) ASSERT_NEAR(alone_all[i], each[i], 1e-4);
         for (const std::size_t size : {2, 16}) {
-            ThreadTeam team(size);
-            EXPECT_EQ(cells_of(team, all), alone_all);
+            ThreadExecutor executor(size);
+            EXPECT_EQ(cells_of(executor, all), alone_all);
         }
     }
 }

@@ -34,12 +34,12 @@ void wait_for_stop(const std::stop_token& stop) {
 }
 
 /// Whether so many threads work at once: each waits a little for the others.
-bool can_meet(Team& team, std::size_t count) {
+bool can_meet(Executor& executor, std::size_t count) {
     constexpr std::chrono::milliseconds kLittle{10};
     std::set<std::thread::id> threads;
     std::mutex mutex;
     std::condition_variable came;
-    team.run(count, [&](std::size_t) {
+    executor.run(count, [&](std::size_t) {
         std::unique_lock lock(mutex);
         threads.insert(std::this_thread::get_id());
         came.notify_all();
@@ -62,7 +62,7 @@ Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery
     if (request.path == "refuse") return failure(ErrorCode::Unusable, "no", "/a field");
     if (request.path == "meet") {
         control.progress({.iteration = 1});
-        while (!can_meet(*control.team, std::stoul(request.query))) {
+        while (!can_meet(*control.executor, std::stoul(request.query))) {
         }
     }
     if (request.path == "endless") wait_for_stop({});

@@ -17,7 +17,7 @@
 #include "core/halftone/sharpening.h"
 #include "core/halftone/tone.h"
 #include "core/halftone/two_sided.h"
-#include "core/parallel/thread_team.h"
+#include "core/parallel/thread_executor.h"
 #include "tests/support/inks.h"
 
 namespace ccdt {
@@ -46,84 +46,84 @@ std::vector<Point> lattice() {
     return points;
 }
 
-/// Expects teams of any size to make what one alone makes.
+/// Expects executors of any size to make what one alone makes.
 template <class Make>
 void expect_same(const Make& make) {
-    const auto expected = make(alone());
+    const auto expected = make(inline_executor());
     for (const std::size_t threads : {2, 3, 16}) {
-        ThreadTeam team(threads);
-        EXPECT_TRUE(make(team) == expected) << threads << " threads";
+        ThreadExecutor executor(threads);
+        EXPECT_TRUE(make(executor) == expected) << threads << " threads";
     }
 }
 
-TEST(Teams, PlanAndSizeDotsOnBothSidesTheSame) {
+TEST(Executors, PlanAndSizeDotsOnBothSidesTheSame) {
     constexpr CellGrid kCells{kWidth, kHeight};
     const std::vector<std::vector<float>> light{values_of(waves(0.05)), values_of(waves(0.06)), values_of(waves(0.08))};
     const std::vector<std::vector<Point>> sites(kinds_of(light.size()), lattice());
-    expect_same([&](Team& team) {
-        const TwoSidedPlan plan = plan_two_sided(light, kCells, {28'000, {}, 0.7, 0}, {}, team);
+    expect_same([&](Executor& executor) {
+        const TwoSidedPlan plan = plan_two_sided(light, kCells, {28'000, {}, 0.7, 0}, {}, executor);
         std::vector<float> radii{static_cast<float>(plan.radius), static_cast<float>(plan.dots)};
-        for (const SizedDots& kind : size_dots(plan, sites, true, {}, team))
+        for (const SizedDots& kind : size_dots(plan, sites, true, {}, executor))
             radii.insert(radii.end(), kind.radii.begin(), kind.radii.end());
         return radii;
     });
 }
 
-TEST(Teams, BlurAndSharpenTheSame) {
+TEST(Executors, BlurAndSharpenTheSame) {
     const std::vector<float> values = values_of(waves(0.05));
     for (const double sigma : {0.7, 5.0, 300.0}) {
-        expect_same([&](Team& team) { return blurred(values, kWidth, kHeight, sigma, team); });
-        expect_same([&](Team& team) { return sharpened(values, kWidth, kHeight, sigma, team); });
+        expect_same([&](Executor& executor) { return blurred(values, kWidth, kHeight, sigma, executor); });
+        expect_same([&](Executor& executor) { return sharpened(values, kWidth, kHeight, sigma, executor); });
     }
-    expect_same([&](Team& team) { return blurred(values, kHeight, kWidth, 2, team); });
-    expect_same([&](Team& team) { return blurred(values, kWidth * kHeight, 1, 2, team); });
-    expect_same([&](Team& team) { return blurred(values, 1, kWidth * kHeight, 2, team); });
+    expect_same([&](Executor& executor) { return blurred(values, kHeight, kWidth, 2, executor); });
+    expect_same([&](Executor& executor) { return blurred(values, kWidth * kHeight, 1, 2, executor); });
+    expect_same([&](Executor& executor) { return blurred(values, 1, kWidth * kHeight, 2, executor); });
 }
 
-TEST(Teams, PlanTheSameDots) {
+TEST(Executors, PlanTheSameDots) {
     const std::vector<std::vector<float>> cover = {values_of(waves(0.05)), values_of(waves(0.013))};
     for (const DotWish& wish :
          {DotWish{.sites = 5000, .radius = {}, .detail = 1}, DotWish{.sites = {}, .radius = 4.0, .detail = 0.5}}) {
-        expect_same([&](Team& team) {
-            const DotPlan plan = plan_dots(cover, kWidth, kHeight, wish, {}, team);
+        expect_same([&](Executor& executor) {
+            const DotPlan plan = plan_dots(cover, kWidth, kHeight, wish, {}, executor);
             return std::tuple(plan.radius, plan.tone, plan.density, plan.dots);
         });
     }
 }
 
-TEST(Teams, ReadTheSameTones) {
+TEST(Executors, ReadTheSameTones) {
     const Picture picture{kWidth, kHeight, waves(0.4), waves(0.02)};
     const ColourPicture colours{kWidth, kHeight, waves(0.4), waves(0.03), waves(0.01), waves(0.02)};
     for (const Tone tone : {Tone::Linear, Tone::Perceptual})
-        expect_same([&](Team& team) { return ink_coverage(picture, tone, false, team); });
-    expect_same([&](Team& team) { return fineness(picture, team); });
-    expect_same([&](Team& team) { return fineness(colours, team); });
+        expect_same([&](Executor& executor) { return ink_coverage(picture, tone, false, executor); });
+    expect_same([&](Executor& executor) { return fineness(picture, executor); });
+    expect_same([&](Executor& executor) { return fineness(colours, executor); });
     const Levels levels{.black = 0.1, .white = 0.9, .gamma = 2};
-    expect_same([&](Team& team) { return with_levels(picture, levels, team).luminance; });
-    expect_same([&](Team& team) { return with_levels(colours, levels, team).blue; });
+    expect_same([&](Executor& executor) { return with_levels(picture, levels, executor).luminance; });
+    expect_same([&](Executor& executor) { return with_levels(colours, levels, executor).blue; });
 }
 
-TEST(Teams, ReduceToTheSameMeans) {
+TEST(Executors, ReduceToTheSameMeans) {
     const std::vector<float> values = values_of(waves(0.4));
     const ColourPicture colours{kWidth, kHeight, waves(0.4), waves(0.03), waves(0.01), waves(0.02)};
     for (const CellGrid& cells : {CellGrid{kWidth, kHeight}, CellGrid{434, 303}, CellGrid{97, 61}, CellGrid{1, 1}}) {
-        expect_same([&](Team& team) { return reduced(values, kWidth, kHeight, cells, team); });
-        expect_same([&](Team& team) {
-            const ColourPicture small = reduced(colours, cells, team);
+        expect_same([&](Executor& executor) { return reduced(values, kWidth, kHeight, cells, executor); });
+        expect_same([&](Executor& executor) {
+            const ColourPicture small = reduced(colours, cells, executor);
             return std::tuple(small.red, small.green, small.blue, small.alpha);
         });
     }
 }
 
-TEST(Teams, SeparateTheSame) {
+TEST(Executors, SeparateTheSame) {
     const ColourPicture colours{kWidth, kHeight, waves(0.4), waves(0.03), waves(0.01), waves(0.02)};
-    expect_same([&](Team& team) {
-        const Separation separation = separate(colours, test::cmyk_inks(), Tone::Linear, {}, team);
+    expect_same([&](Executor& executor) {
+        const Separation separation = separate(colours, test::cmyk_inks(), Tone::Linear, {}, executor);
         return std::tuple(separation.coverage, separation.light);
     });
 }
 
-TEST(Teams, DrawTheSameDots) {
+TEST(Executors, DrawTheSameDots) {
     const std::vector<Point> dots = lattice();
     const Canvas canvas{kWidth, kHeight, 1};
     for (const DotOptions& options :
@@ -131,20 +131,20 @@ TEST(Teams, DrawTheSameDots) {
           DotOptions{.radius = 9.0}, DotOptions{.radius = 9.0, .antialias = true},
           DotOptions{.radius = 300.0, .antialias = true, .samples = 1},
           DotOptions{.radius = 9.0, .antialias = true, .samples = 1}, DotOptions{.radius = 1.2, .samples = 2}}) {
-        expect_same([&](Team& team) {
-            const Raster raster = draw_dots(dots, canvas, options, {}, team);
+        expect_same([&](Executor& executor) {
+            const Raster raster = draw_dots(dots, canvas, options, {}, executor);
             return std::tuple(raster.radius, raster.coverage);
         });
     }
 }
 
-TEST(Teams, MoveDotsOfInksTheSame) {
+TEST(Executors, MoveDotsOfInksTheSame) {
     const LightPlanes light = {values_of(waves(0.03)), values_of(waves(0.02)), values_of(waves(0.01))};
     const std::vector<std::vector<Point>> sites(4, lattice());
-    expect_same([&](Team& team) {
-        const PrintProof proof(light, {kWidth, kHeight}, kWidth, kHeight, test::cmyk_inks(), 9, 16'004, team);
+    expect_same([&](Executor& executor) {
+        const PrintProof proof(light, {kWidth, kHeight}, kWidth, kHeight, test::cmyk_inks(), 9, 16'004, executor);
         std::vector<double> moves;
-        for (const auto& ink : proof.moves(sites, {}, team)) {
+        for (const auto& ink : proof.moves(sites, {}, executor)) {
             for (const Point& move : ink) moves.insert(moves.end(), {move.x, move.y});
         }
         EXPECT_TRUE(std::ranges::any_of(moves, [](double move) { return move != 0; }));

@@ -1,4 +1,4 @@
-#include "core/parallel/thread_team.h"
+#include "core/parallel/thread_executor.h"
 
 #include <atomic>
 #include <barrier>
@@ -13,45 +13,45 @@
 namespace ccdt {
 namespace {
 
-TEST(ThreadTeam, CallsEachTaskOnce) {
+TEST(ThreadExecutor, CallsEachTaskOnce) {
     for (const std::size_t size : {0, 1, 2, 3, 16}) {
-        ThreadTeam team(size);
+        ThreadExecutor executor(size);
         for (const std::size_t count : {0, 1, 2, 7, 1000}) {
             std::vector<std::atomic<int>> calls(count);
-            team.run(count, [&](std::size_t number) { ++calls[number]; });
+            executor.run(count, [&](std::size_t number) { ++calls[number]; });
             for (const auto& each : calls) EXPECT_EQ(each, 1) << size << " threads, " << count << " tasks";
         }
     }
 }
 
-TEST(ThreadTeam, RunsTasksInParallel) {
+TEST(ThreadExecutor, RunsTasksInParallel) {
     // Three tasks that wait for each other end only if three threads run them.
-    ThreadTeam team(3);
+    ThreadExecutor executor(3);
     std::barrier together(3);
-    team.run(3, [&](std::size_t) { together.arrive_and_wait(); });
+    executor.run(3, [&](std::size_t) { together.arrive_and_wait(); });
 }
 
-TEST(ThreadTeam, RespectsTheNumberOfThreads) {
+TEST(ThreadExecutor, RespectsTheNumberOfThreads) {
     std::size_t size = 1;
-    ThreadTeam team([&] { return size; });
+    ThreadExecutor executor([&] { return size; });
     const auto own = std::this_thread::get_id();
     std::atomic<int> others = 0;
-    team.run(100, [&](std::size_t) { others += std::this_thread::get_id() == own ? 0 : 1; });
+    executor.run(100, [&](std::size_t) { others += std::this_thread::get_id() == own ? 0 : 1; });
     EXPECT_EQ(others, 0);
     size = 2;
     std::barrier together(2);
-    team.run(2, [&](std::size_t) {
+    executor.run(2, [&](std::size_t) {
         together.arrive_and_wait();
         others += std::this_thread::get_id() == own ? 0 : 1;
     });
     EXPECT_EQ(others, 1);
 }
 
-TEST(ThreadTeam, RethrowsTheExceptionOfTheFirstTask) {
+TEST(ThreadExecutor, RethrowsTheExceptionOfTheFirstTask) {
     for (const std::size_t size : {1, 4}) {
-        ThreadTeam team(size);
+        ThreadExecutor executor(size);
         try {
-            team.run(100, [](std::size_t number) {
+            executor.run(100, [](std::size_t number) {
                 if (number == 5 || number == 7) throw std::runtime_error(std::to_string(number));
             });
             FAIL();
@@ -59,16 +59,16 @@ TEST(ThreadTeam, RethrowsTheExceptionOfTheFirstTask) {
             EXPECT_STREQ(error.what(), "5");
         }
         std::atomic<int> calls = 0;
-        team.run(10, [&](std::size_t) { ++calls; });
+        executor.run(10, [&](std::size_t) { ++calls; });
         EXPECT_EQ(calls, 10) << "after a failure";
     }
 }
 
 TEST(ForRanges, CoversTheWholeRange) {
-    ThreadTeam team(2);
+    ThreadExecutor executor(2);
     for (const std::size_t count : {0, 1, 9, 10, 11, 100}) {
         std::vector<int> calls(count, 0);
-        for_ranges(team, count, 10, [&](std::size_t begin, std::size_t end) {
+        for_ranges(executor, count, 10, [&](std::size_t begin, std::size_t end) {
             EXPECT_LE(end - begin, 10u);
             for (std::size_t i = begin; i < end; ++i) ++calls[i];
         });

@@ -10,21 +10,21 @@
 #include <thread>
 #include <vector>
 
-#include "core/parallel/team.h"
+#include "core/parallel/executor.h"
 
 namespace ccdt {
 
 /// Runs tasks on several threads: the caller's, and others that are started when first needed and end with this object.
 /// One caller at a time.
-class ThreadTeam : public Team {
+class ThreadExecutor : public Executor {
 public:
     /// @param size  called before each run, on the caller's thread: returns the number of threads to use, the caller's
     ///              included; less than 1 counts as 1
-    explicit ThreadTeam(std::function<std::size_t()> size);
-    explicit ThreadTeam(std::size_t size);
-    ThreadTeam(const ThreadTeam&) = delete;
-    ThreadTeam& operator=(const ThreadTeam&) = delete;
-    ~ThreadTeam() override;
+    explicit ThreadExecutor(std::function<std::size_t()> size);
+    explicit ThreadExecutor(std::size_t size);
+    ThreadExecutor(const ThreadExecutor&) = delete;
+    ThreadExecutor& operator=(const ThreadExecutor&) = delete;
+    ~ThreadExecutor() override;
 
     /// Falls back to the available threads if no more can be started.
     void run(std::size_t count, const std::function<void(std::size_t)>& task) override;

@@ -8,9 +8,9 @@ namespace ccdt {
 
 /// Runs the tasks of one computation. How work is divided into tasks depends on the input alone, never on the number of
 /// threads, so that results do not depend on it.
-class Team {
+class Executor {
 public:
-    virtual ~Team() = default;
+    virtual ~Executor() = default;
 
     /// Calls task(0) to task(count - 1), each once, in any order, possibly in parallel, and returns after all have
     /// ended. A task must not touch what another task writes, nor call run().
@@ -21,18 +21,18 @@ public:
 };
 
 /// Returns an executor that runs all tasks in the calling thread, one after the other.
-Team& alone();
+Executor& inline_executor();
 
 /// Divides [0, count) into ranges of `range` numbers, the last one possibly shorter, and calls function(begin, end) for
 /// each.
 template <class Function>
-void for_ranges(Team& team, std::size_t count, std::size_t range, Function&& function) {
+void for_ranges(Executor& executor, std::size_t count, std::size_t range, Function&& function) {
     if (count <= range) {
         if (count > 0) function(std::size_t{0}, count);
         return;
     }
-    team.run((count + range - 1) / range,
-             [&](std::size_t number) { function(number * range, std::min(count, (number + 1) * range)); });
+    executor.run((count + range - 1) / range,
+                 [&](std::size_t number) { function(number * range, std::min(count, (number + 1) * range)); });
 }
 
 }  // namespace ccdt

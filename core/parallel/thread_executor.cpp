@@ -1,4 +1,4 @@
-#include "core/parallel/thread_team.h"
+#include "core/parallel/thread_executor.h"
 
 #include <algorithm>
 #include <chrono>
@@ -9,7 +9,7 @@ namespace ccdt {
 
 namespace {
 
-class Alone : public Team {
+class InlineExecutor : public Executor {
 public:
     void run(std::size_t count, const std::function<void(std::size_t)>& task) override {
         for (std::size_t number = 0; number < count; ++number) task(number);
@@ -26,20 +26,20 @@ void wait_awake(Predicate&& has_come) {
 
 }  // namespace
 
-Team& alone() {
-    static Alone team;
-    return team;
+Executor& inline_executor() {
+    static InlineExecutor executor;
+    return executor;
 }
 
-ThreadTeam::ThreadTeam(std::function<std::size_t()> size) : size_(std::move(size)) {}
+ThreadExecutor::ThreadExecutor(std::function<std::size_t()> size) : size_(std::move(size)) {}
 
-ThreadTeam::ThreadTeam(std::size_t size) : ThreadTeam([size] { return size; }) {}
+ThreadExecutor::ThreadExecutor(std::size_t size) : ThreadExecutor([size] { return size; }) {}
 
-ThreadTeam::~ThreadTeam() = default;
+ThreadExecutor::~ThreadExecutor() = default;
 
-void ThreadTeam::run(std::size_t count, const std::function<void(std::size_t)>& task) {
+void ThreadExecutor::run(std::size_t count, const std::function<void(std::size_t)>& task) {
     const std::size_t helpers = std::min(std::max<std::size_t>(size_(), 1), count) - (count > 0 ? 1 : 0);
-    if (helpers == 0) return alone().run(count, task);
+    if (helpers == 0) return inline_executor().run(count, task);
     start_helpers(helpers);
     Work work;
     work.count = count;
@@ -63,7 +63,7 @@ void ThreadTeam::run(std::size_t count, const std::function<void(std::size_t)>& 
 }
 
 /// Starts threads until there are `helpers` of them.
-void ThreadTeam::start_helpers(std::size_t helpers) {
+void ThreadExecutor::start_helpers(std::size_t helpers) {
     try {
         while (helpers_.size() < helpers) {
             helpers_.emplace_back([this](const std::stop_token& stop) { help(stop); });
@@ -72,7 +72,7 @@ void ThreadTeam::start_helpers(std::size_t helpers) {
     }
 }
 
-void ThreadTeam::help(const std::stop_token& stop) {
+void ThreadExecutor::help(const std::stop_token& stop) {
     std::size_t done = 0;
     std::unique_lock lock(mutex_);
     while (wanted_.wait(lock, stop, [&] { return work_ != nullptr && round_ != done && open_slots_ > 0; })) {
@@ -90,7 +90,7 @@ void ThreadTeam::help(const std::stop_token& stop) {
     }
 }
 
-void ThreadTeam::work_on(Work& work) {
+void ThreadExecutor::work_on(Work& work) {
     for (std::size_t number = work.next++; number < work.count; number = work.next++) {
         try {
             (*work.task)(number);
