@@ -5,6 +5,7 @@ import importlib.util
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -58,6 +59,13 @@ class Setup(unittest.TestCase):
                 self.assertTrue(text.startswith("#!/bin/bash\n"))
                 self.assertIn("set -euo pipefail", text)
                 subprocess.run(["bash", "-n", str(path)], check=True)
+
+    def test_the_version_is_the_same_everywhere(self):
+        version = re.search(r"^project\(ccdt VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
+        self.assertEqual(json.loads((ROOT / "api" / "openapi.json").read_text())["info"]["version"], version)
+        chart = (ROOT / "docker" / "chart" / "Chart.yaml").read_text()
+        self.assertIn(f"\nversion: {version}\n", chart)
+        self.assertIn(f"\nappVersion: {version}\n", chart)
 
     def test_the_list_has_its_sections(self):
         self.assertEqual(set(sections()), {"build", "run", "test", "fuzz", "tools"})
