@@ -36,7 +36,7 @@ bool is_cmyk(std::span<const Ink> inks);
 Result<Palette> read_color(const Input& input);
 
 /// Reads 1 to kMostInks different colours: a text of them with commas between, or a JSON array of strings. Each is
-/// named by its colour as #rrggbb.
+/// named by its colour as `\#rrggbb`.
 /// Errors: Malformed, of an array's element with its own field.
 Result<Palette> read_palette(const Input& input);
 

@@ -40,7 +40,7 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 /// Writes dots as SVG, those of each ink ordered along a short path, for the pen of a plotter, if the page has them so;
 /// circles of dots with ranks have these as `data-rank`. User units are
 /// millimetres if the page has a width in these, else the points' units; the origin is the page's upper left corner,
-/// and the paper is drawn for discs only, as a pen would draw it, too. A <desc> tells how long a path is, and how long
+/// and the paper is drawn for discs only, as a pen would draw it, too. The element `desc` tells how long a path is, and how long
 /// it was. Inks with names are layers as Inkscape and programs for plotters know them, so that pens are changed between
 /// them.
 ///
