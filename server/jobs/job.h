@@ -66,7 +66,7 @@ struct Job {
 /// Writes headers as stores keep them, such that headers_in() reads the same.
 std::string text_of(const std::vector<Header>& headers);
 
-/// Reads headers that were stored; lines that are none, which earlier versions kept there, are taken for nothing.
+/// Reads headers that text_of() wrote. Other lines are skipped.
 std::vector<Header> headers_in(std::string_view text);
 
 /// The job's status document, application/json.

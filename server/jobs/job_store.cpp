@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "server/work/digest.h"
+
 namespace ccdt::server {
 
 Result<std::optional<std::string>> JobStore::result(const std::string& id) {
@@ -16,6 +18,14 @@ Result<std::optional<std::string>> JobStore::result(const std::string& id) {
         body += **next;
     }
     return all;
+}
+
+std::string digest_of_piece(std::string_view id, std::size_t number, std::string_view piece) {
+    Digest digest;
+    digest.add(id);
+    digest.add(std::to_string(number));
+    digest.add(piece);
+    return digest.finish();
 }
 
 }  // namespace ccdt::server

@@ -118,8 +118,7 @@ public:
     /// @returns  none if there is no such job, or it has expired
     virtual Result<std::optional<Job>> find(const std::string& id) = 0;
 
-    /// A piece of a result, whose pieces are `Job::result_bytes` together; some of earlier versions are longer than
-    /// kPiece.
+    /// A piece of a result, whose pieces are `Job::result_bytes` together.
     /// @param number  from 0; less than there are
     /// @returns       none if the job is not there, or its result is not
     virtual Result<std::optional<std::string>> piece(const std::string& id, std::size_t number) = 0;
@@ -159,5 +158,10 @@ public:
                request.body.size();
     }
 };
+
+/// Returns the digest of a piece of a stored body, by which the stores recognise damage.
+/// @param id      of its job
+/// @param number  of the piece in the body, from 0
+std::string digest_of_piece(std::string_view id, std::size_t number, std::string_view piece);
 
 }  // namespace ccdt::server

@@ -73,12 +73,7 @@ Problem too_late(std::chrono::milliseconds timeout) {
 Result<ComputeRequest> whole_request(Result<std::optional<ComputeRequest>> stored) {
     if (!stored) return failure(ErrorCode::Internal, stored.error().message);
     if (!*stored) return failure(ErrorCode::Internal, "the request is lost");
-    ComputeRequest request = **std::move(stored);
-    // Earlier versions stored forms as they came.
-    const auto apart =
-        find_fields(request).and_then([&](const std::vector<FormPart>& fields) { return take_apart(request, fields); });
-    if (!apart) return tl::unexpected(apart.error());
-    return request;
+    return **std::move(stored);
 }
 
 Problem shut_down() {

@@ -63,15 +63,6 @@ std::string key_of_pieces(const Job& job) {
     return key_of("pieces", job.id) + ':' + std::to_string(job.claim);
 }
 
-/// Returns the digest of a piece of a request's or a result's body.
-std::string digest_of(const std::string& id, std::size_t number, std::string_view piece) {
-    Digest digest;
-    digest.add(id);
-    digest.add(std::to_string(number));
-    digest.add(piece);
-    return digest.finish();
-}
-
 std::string name_of_digest(std::size_t number) {
     return "digest:" + std::to_string(number);
 }
@@ -82,11 +73,6 @@ std::string digest_of_head(std::string_view path, std::string_view query, std::s
     Digest digest;
     for (const std::string_view text : {path, query, content_type, accept}) digest.add(text);
     return digest.finish();
-}
-
-/// Whether a digest is the one that was stored. Earlier releases stored none.
-bool matches(const RedisReply& stored, const std::string& digest) {
-    return stored.kind == RedisReply::Kind::Nothing || stored.text == digest;
 }
 
 template <class Number>
@@ -271,7 +257,7 @@ Result<std::optional<std::string>> RedisJobStore::read_piece(const std::string& 
     if (!reply) return tl::unexpected(reply.error());
     if (reply->items.size() != 2 || reply->items[0].kind == RedisReply::Kind::Nothing) return std::nullopt;
     std::string piece = std::move(reply->items[0].text);
-    if (!matches(reply->items[1], digest_of(id, number, piece))) return damaged(key);
+    if (reply->items[1].text != digest_of_piece(id, number, piece)) return damaged(key);
     return piece;
 }
 
@@ -285,7 +271,7 @@ Result<void> RedisJobStore::upload(const Job& job, RedisCommand fields, std::str
     do {
         const auto piece = body.substr(0, kPiece);
         const std::string name = std::to_string(number), name_of_its_digest = name_of_digest(number);
-        const std::string digest = digest_of(job.id, number++, piece);
+        const std::string digest = digest_of_piece(job.id, number++, piece);
         fields.insert(fields.end(), {name, piece, name_of_its_digest, digest});
         body.remove_prefix(std::min(kPiece, body.size()));
         const std::vector<RedisCommand> commands{std::move(fields), {"EXPIRE", key, kPiecesKept}};
@@ -363,7 +349,7 @@ Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& reque
     RedisCommand arguments{job.id,    pieces,     bytes,  waiting, most,
                            job.owner, job.client, memory, seconds, job.traceparent};
     const std::string size = std::to_string(request.body.size());
-    const std::string digest = pieces.empty() ? digest_of(job.id, 0, request.body) : "";
+    const std::string digest = pieces.empty() ? digest_of_piece(job.id, 0, request.body) : "";
     if (pieces.empty()) {
         arguments.insert(arguments.end(), fields.begin(), fields.end());
         arguments.insert(arguments.end(), {"size", size, "0", request.body, "digest:0", digest});
@@ -397,8 +383,8 @@ Result<std::optional<ComputeRequest>> RedisJobStore::request(const std::string& 
     auto& items = reply->items;
     if (items.size() != 8 || items[4].kind == RedisReply::Kind::Nothing) return std::nullopt;
     const auto size = api::parse_number<std::size_t>(items[4].text);
-    const bool sound = size && matches(items[6], digest_of(id, 0, items[5].text)) &&
-                       matches(items[7], digest_of_head(items[0].text, items[1].text, items[2].text, items[3].text));
+    const bool sound = size && items[6].text == digest_of_piece(id, 0, items[5].text) &&
+                       items[7].text == digest_of_head(items[0].text, items[1].text, items[2].text, items[3].text);
     if (!sound) return damaged(key);
     auto body = download(key, id, std::move(items[5].text), *size);
     if (!body) return tl::unexpected(body.error());
@@ -434,7 +420,7 @@ Result<bool> RedisJobStore::take(const Job& job, const Taken& before, std::strin
     const std::string pieces = key_of_pieces(job), known = key_of("job", job.id),
                       leases = std::string(kPrefix) + "leases";
     const std::string number = std::to_string(before.pieces), name = name_of_digest(before.pieces);
-    const std::string digest = digest_of(job.id, before.pieces, piece);
+    const std::string digest = digest_of_piece(job.id, before.pieces, piece);
     const auto replies = client_.run(std::vector<RedisCommand>{{"HSET", pieces, number, piece, name, digest},
                                                                {"EXPIRE", pieces, kPiecesKept},
                                                                {"HGET", known, "claim"},
@@ -461,7 +447,7 @@ Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_vi
     const std::string bytes = std::to_string(bytes_of_job(whole));
     const std::string most = std::to_string(limits_.bytes);
     const bool goes_along = pieces.empty();
-    const std::string digest = goes_along ? digest_of(job.id, 0, result) : "";
+    const std::string digest = goes_along ? digest_of_piece(job.id, 0, result) : "";
     RedisCommand arguments{job.id, claim, pieces, size, bytes, most, goes_along ? result : "", digest};
     const auto fields = fields_of_end(job);
     arguments.insert(arguments.end(), fields.begin(), fields.end());

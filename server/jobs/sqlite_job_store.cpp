@@ -20,8 +20,8 @@ namespace {
 /// "ccdt", where SQLite keeps whose file it is.
 constexpr std::int64_t kApplication = 0x63636474;
 
-/// 1: without digests; 2: without traces; 3: results in one piece.
-constexpr std::int64_t kVersion = 4;
+/// Version of the tables.
+constexpr std::int64_t kVersion = 1;
 
 /// Bytes of the disk that the log keeps, so that there is room to delete when the disk is full. To delete a result
 /// of 36 MiB takes 0.1 MB of it, to give back `kGivenBack` pages 4.2 MB.
@@ -37,6 +37,7 @@ constexpr const char* kFile = "/jobs.sqlite";
 
 constexpr const char* kDamagedJob = "what is stored of this job is damaged";
 
+/// Every row has a digest of what was written, so that bytes that the disk has changed are recognised.
 constexpr const char* kTables = R"(
     CREATE TABLE jobs (
         row INTEGER PRIMARY KEY,
@@ -60,7 +61,9 @@ constexpr const char* kTables = R"(
         result_bytes INTEGER NOT NULL,
         partial INTEGER NOT NULL,
         dropped INTEGER NOT NULL,
-        bytes INTEGER NOT NULL
+        bytes INTEGER NOT NULL,
+        traceparent TEXT NOT NULL,
+        digest TEXT NOT NULL DEFAULT ''
     );
     CREATE INDEX unfinished_jobs ON jobs (row) WHERE finished IS NULL;
     CREATE INDEX finished_jobs ON jobs (finished) WHERE finished IS NOT NULL;
@@ -71,31 +74,18 @@ constexpr const char* kTables = R"(
         query TEXT NOT NULL,
         content_type TEXT NOT NULL,
         accept TEXT NOT NULL,
-        body BLOB NOT NULL
+        body BLOB NOT NULL,
+        digest TEXT NOT NULL
     );
-    CREATE TABLE results (row INTEGER PRIMARY KEY, body BLOB NOT NULL);
-)";
-
-/// Digests of all that is kept, so that what the disk changed is not taken for it.
-constexpr const char* kDigests = R"(
-    ALTER TABLE jobs ADD COLUMN digest TEXT NOT NULL DEFAULT '';
-    ALTER TABLE questions ADD COLUMN digest TEXT NOT NULL DEFAULT '';
-    ALTER TABLE results ADD COLUMN digest TEXT NOT NULL DEFAULT '';
-)";
-
-/// The requests that jobs came with, for the log.
-constexpr const char* kTraces = "ALTER TABLE jobs ADD COLUMN traceparent TEXT NOT NULL DEFAULT ''";
-
-/// Results in pieces. Those of earlier versions are one each, in the row of their job, and are left where they are: to
-/// write them again would take as much room.
-constexpr const char* kPieces = R"(
-    ALTER TABLE results ADD COLUMN job INTEGER;
-    ALTER TABLE results ADD COLUMN number INTEGER NOT NULL DEFAULT 0;
+    CREATE TABLE results (
+        row INTEGER PRIMARY KEY,
+        job INTEGER NOT NULL,
+        number INTEGER NOT NULL,
+        body BLOB NOT NULL,
+        digest TEXT NOT NULL
+    );
     CREATE UNIQUE INDEX pieces_of_results ON results (job, number);
 )";
-
-/// Which pieces are those of a job's row, the first parameter.
-constexpr std::string_view kOfJob = "(job = ?1 OR (row = ?1 AND job IS NULL))";
 
 std::int64_t number_of(Time time) {
     return time.time_since_epoch().count();
@@ -132,11 +122,9 @@ std::string select_jobs(const std::string& which) {
            which;
 }
 
-/// What an earlier version did not have goes into it only where it is there: what that one wrote is still sound.
 std::string digest_of(const Statement& row) {
     Digest digest;
-    for (int column = 0; column < kTraceparent; ++column) digest.add(row.image(column));
-    if (!row.text(kTraceparent).empty()) digest.add(row.image(kTraceparent));
+    for (int column = 0; column < kDigest; ++column) digest.add(row.image(column));
     return digest.finish();
 }
 
@@ -176,14 +164,6 @@ std::string digest_of(std::string_view id, const ComputeRequest& request) {
          {id, std::string_view(request.path), std::string_view(request.query), std::string_view(request.content_type),
           std::string_view(request.accept), std::string_view(request.body)})
         digest.add(text);
-    return digest.finish();
-}
-
-/// A piece is that of its place, too. What earlier versions wrote is a first one.
-std::string digest_of(std::string_view id, std::size_t number, std::string_view piece) {
-    Digest digest;
-    for (const std::string_view text : {id, piece}) digest.add(text);
-    if (number > 0) digest.add(std::to_string(number));
     return digest.finish();
 }
 
@@ -255,7 +235,7 @@ SqliteJobStore::SqliteJobStore(const std::string& path, const JobLimits& limits)
     const auto version = database_.value_of("PRAGMA user_version");
     const bool empty = database_.value_of("SELECT count(*) FROM sqlite_schema") == 0 && application == 0;
     if (!empty && application != kApplication) throw SqliteError(SQLITE_NOTADB, "it belongs to another program");
-    if (!empty && (version < 1 || version > kVersion))
+    if (!empty && version != kVersion)
         throw SqliteError(SQLITE_NOTADB,
                           "it is of version " + std::to_string(version) + ", not " + std::to_string(kVersion));
     if (empty) database_.execute("PRAGMA auto_vacuum = INCREMENTAL");
@@ -264,7 +244,7 @@ SqliteJobStore::SqliteJobStore(const std::string& path, const JobLimits& limits)
     database_.execute("PRAGMA secure_delete = FAST");
     database_.execute(("PRAGMA journal_size_limit = " + std::to_string(kReserve)).c_str());
     check_file();
-    if (empty || version < kVersion) prepare_tables(empty ? 0 : version);
+    if (empty) create_tables();
     fail_damaged();
     bytes_ = static_cast<std::size_t>(database_.value_of("SELECT sum(bytes) FROM jobs"));
     queue_unfinished();
@@ -285,38 +265,21 @@ void SqliteJobStore::check_file() {
     ++damages_;
 }
 
-/// Brings the tables to this version.
-/// @param version  of those that there are; 0: none
-void SqliteJobStore::prepare_tables(std::int64_t version) {
+void SqliteJobStore::create_tables() {
     Transaction transaction(database_);
-    if (version < 1) database_.execute(kTables);
-    if (version < 2) database_.execute(kDigests);
-    if (version < 3) database_.execute(kTraces);
-    database_.execute(kPieces);
-    if (version < 2) seal_all();
+    database_.execute(kTables);
     database_.execute(("PRAGMA application_id = " + std::to_string(kApplication)).c_str());
     database_.execute(("PRAGMA user_version = " + std::to_string(kVersion)).c_str());
     transaction.commit();
 }
 
-/// Believes all that there is.
-void SqliteJobStore::seal_all() {
-    for (const auto row : rows_where([](const Statement&) { return true; })) {
-        seal(row);
-        const Kept kept = *look_up("WHERE row = ?", row);
-        const auto& id = kept.job.id;
-        if (const auto request = request_of(kept))
-            Statement(database_, "UPDATE questions SET digest = ? WHERE row = ?", digest_of(id, request->value), row)
-                .run();
-        if (const auto result = piece_of(kept, 0))
-            Statement(database_, "UPDATE results SET digest = ? WHERE row = ?", digest_of(id, 0, result->value), row)
-                .run();
-    }
-}
-
 /// Fails the jobs that are not what they were.
 void SqliteJobStore::fail_damaged() {
-    for (const auto row : rows_where([](const Statement& job) { return !is_sound(job); })) {
+    std::vector<std::int64_t> rows;
+    Statement query(database_, select_jobs("").c_str());
+    while (query.step())
+        if (!is_sound(query)) rows.push_back(query.integer(kRow));
+    for (const auto row : rows) {
         Transaction transaction(database_);
         fail_damaged(row);
         transaction.commit();
@@ -334,15 +297,6 @@ void SqliteJobStore::fail_damaged(std::int64_t row) {
               number_of(bytes_of_job(0)), row)
         .run();
     seal(row);
-}
-
-template <class Test>
-std::vector<std::int64_t> SqliteJobStore::rows_where(Test test) {
-    std::vector<std::int64_t> rows;
-    Statement query(database_, select_jobs("").c_str());
-    while (query.step())
-        if (test(query)) rows.push_back(query.integer(kRow));
-    return rows;
 }
 
 /// Writes down what a row's job is now, so that it can be known again.
@@ -400,7 +354,7 @@ void SqliteJobStore::take_room(std::size_t bytes) {
     database_.allocate(static_cast<std::size_t>(pages * page));
 }
 
-/// Moves the last pages to free ones before them, and cuts the file. Files of the first version keep their size.
+/// Moves the last pages to free ones before them, and cuts the file.
 void SqliteJobStore::give_back() {
     const auto free_pages = [this] { return database_.value_of("PRAGMA freelist_count"); };
     const auto step = [&] {
@@ -610,8 +564,8 @@ std::optional<SqliteJobStore::Sealed<ComputeRequest>> SqliteJobStore::request_of
 }
 
 std::optional<SqliteJobStore::Sealed<std::string>> SqliteJobStore::piece_of(const Kept& kept, std::size_t number) {
-    const std::string which = "SELECT row, digest FROM results WHERE " + std::string(kOfJob) + " AND number = ?2";
-    Statement query(database_, which.c_str(), kept.row, number_of(number));
+    Statement query(database_, "SELECT row, digest FROM results WHERE job = ? AND number = ?", kept.row,
+                    number_of(number));
     if (!query.step()) return std::nullopt;
     return Sealed<std::string>{database_.read_body("results", query.integer(0), kept.bytes), query.text(1)};
 }
@@ -656,7 +610,8 @@ Result<std::optional<std::string>> SqliteJobStore::piece(const std::string& id, 
         const auto kept = look_up(id);
         if (!kept || kept->job.result_bytes == 0 || kept->job.dropped) return std::nullopt;
         auto piece = piece_of(*kept, number);
-        if (!piece || piece->digest != digest_of(id, number, piece->value)) damaged("the stored result is damaged");
+        if (!piece || piece->digest != digest_of_piece(id, number, piece->value))
+            damaged("the stored result is damaged");
         return std::move(piece->value);
     });
 }
@@ -744,7 +699,7 @@ void SqliteJobStore::exchange(const Job& job, const Kept& kept, std::string_view
 
 void SqliteJobStore::insert_piece(const Kept& kept, std::size_t number, std::string_view piece) {
     Statement(database_, "INSERT INTO results (job, number, body, digest) VALUES (?, ?, zeroblob(?), ?)", kept.row,
-              number_of(number), number_of(piece.size()), digest_of(kept.job.id, number, piece))
+              number_of(number), number_of(piece.size()), digest_of_piece(kept.job.id, number, piece))
         .run();
     database_.write_body("results", database_.last_row(), piece);
 }
@@ -781,11 +736,10 @@ void SqliteJobStore::remove_question(std::int64_t row) {
 /// Removes what is there of a job's result.
 /// @returns  bytes of it
 std::size_t SqliteJobStore::remove_pieces(std::int64_t row) {
-    const std::string which = " FROM results WHERE " + std::string(kOfJob);
-    Statement sum(database_, ("SELECT sum(length(body))" + which).c_str(), row);
+    Statement sum(database_, "SELECT sum(length(body)) FROM results WHERE job = ?", row);
     const auto bytes = sum.step() ? static_cast<std::size_t>(sum.integer(0)) : 0;
     sum.run();
-    Statement(database_, ("DELETE" + which).c_str(), row).run();
+    Statement(database_, "DELETE FROM results WHERE job = ?", row).run();
     return bytes;
 }
 

@@ -32,8 +32,7 @@ class SqliteJobStore : public JobStore {
 public:
     /// @param folder  where the database's files are, made if it is missing; empty: in memory
     /// Errors (Unusable): the folder cannot be used, another server uses it, the file is damaged beyond single
-    /// jobs, something else's or of a later version of this program. The message names it. Files of earlier versions
-    /// are taken over; jobs that are damaged fail.
+    /// jobs, another program's, or of another version of the tables. The message names it. Damaged jobs fail.
     static Result<std::unique_ptr<SqliteJobStore>> open(const std::string& folder, const JobLimits& limits = {});
 
     Result<bool> is_full(std::string_view client) override;
@@ -89,12 +88,9 @@ private:
     void give_back();
 
     void check_file();
-    void prepare_tables(std::int64_t version);
-    void seal_all();
+    void create_tables();
     void fail_damaged();
     void fail_damaged(std::int64_t row);
-    template <class Test>
-    std::vector<std::int64_t> rows_where(Test test);
     void seal(std::int64_t row);
 
     template <class Value>

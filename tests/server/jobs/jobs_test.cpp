@@ -270,21 +270,6 @@ TEST_F(JobsTest, FailWithResultsThatThereIsNoRoomFor) {
     EXPECT_EQ(jobs_->find(job.id, kAlice)->failure->status, 507);
 }
 
-TEST_F(JobsTest, RunFormsThatEarlierVersionsStored) {
-    Job job;
-    job.id = "0123456789abcdef0123456789abcdef";
-    job.owner = kAlice;
-    job.client = kAlice;
-    job.cost = {1000, 1};
-    const std::string part = "--b\r\nContent-Disposition: form-data; name=";
-    const ComputeRequest form{"/halftone", "", "multipart/form-data; boundary=b", "",
-                              part + "sites\r\n\r\n0\r\n" + part + "image\r\n\r\nx\r\n--b--\r\n"};
-    make_store({});
-    ASSERT_EQ(store_->add(job, form), JobStore::Added::Accepted);
-    start();
-    EXPECT_EQ(wait_for_end(job.id).failure->error.field, "sites") << "was read as an option";
-}
-
 TEST_F(JobsTest, AreRefusedIfTheyAreLargerThanTheRoom) {
     start({.bytes = 2'000});
     EXPECT_EQ(try_to_submit(sample("\"sites\":5" + std::string(2'000, ' '))).error().status, 413);

@@ -1,6 +1,0 @@
--- id, claim
-if owns(ARGV[1], ARGV[2]) then
-    redis.call('HINCRBY', job_key(ARGV[1]), 'starts', -1)
-    put_back(ARGV[1])
-end
-return 1

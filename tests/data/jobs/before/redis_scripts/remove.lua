@@ -1,7 +1,0 @@
--- id -> whether there was such a job, 1 or 0
-local id = ARGV[1]
-if not field(id, 'created') then return 0 end
-remove(id)
-tell('stop ' .. id)
-tell('changed ' .. id)
-return 1
