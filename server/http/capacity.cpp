@@ -9,11 +9,11 @@
 namespace ccdt::server {
 namespace {
 
-/// Time that whoever connects has to send something before it counts as idle: newcomers wait as long for its place.
+/// Time that a new connection has for its first request before it counts as idle. Newcomers wait as long for its slot.
 constexpr std::chrono::milliseconds kLeastIdle{50};
 
-/// Time that newcomers wait for idle connections to leave, and after which another of these is closed: only a busy
-/// machine takes so long.
+/// Time that newcomers wait for idle connections to end, and time after which another one is closed. Only a busy
+/// machine needs so long.
 constexpr std::chrono::milliseconds kTimeToLeave{1'000};
 constexpr std::chrono::milliseconds kTimeForAnother{100};
 
@@ -51,14 +51,14 @@ bool Capacity::close_longest_idle() {
     return true;
 }
 
-/// Finds who has been idle longest, of a room or of any.
+/// Finds the connection that has been idle longest, in one class or in any.
 Capacity::IdleConnections::iterator Capacity::longest_idle_locked(std::optional<Room> room) {
     return std::ranges::find_if(idle_, [room](const Idle& idle) {
         return (!room || idle.place->room_ == *room) && !has_unread_bytes(idle.socket);
     });
 }
 
-/// Closes an idle connection: its thread notices, and gives the place back.
+/// Closes an idle connection. Its thread notices and releases the slot.
 void Capacity::close_locked(IdleConnections::iterator idle) {
     shutdown(idle->socket, SHUT_RDWR);
     idle->place->closed_ = true;
@@ -66,7 +66,7 @@ void Capacity::close_locked(IdleConnections::iterator idle) {
     idle_.erase(idle);
 }
 
-/// Has idle connections of a room leave until there is a place.
+/// Closes idle connections of a class until a slot is free.
 bool Capacity::free_place(Room room, std::unique_lock<std::mutex>& lock) {
     const auto end = Clock::now() + kTimeToLeave;
     while (!has_place_locked(room)) {
@@ -83,7 +83,7 @@ bool Capacity::free_place(Room room, std::unique_lock<std::mutex>& lock) {
     return true;
 }
 
-/// @returns  none if both rooms for newcomers are full, and nobody there is idle
+/// @returns  none if both classes for newcomers are full and have no idle connection
 std::optional<Room> Capacity::find_room(std::unique_lock<std::mutex>& lock) {
     for (const Room room : {Room::Common, Room::Reserve}) {
         if (free_place(room, lock)) return room;
@@ -91,8 +91,8 @@ std::optional<Room> Capacity::find_room(std::unique_lock<std::mutex>& lock) {
     return std::nullopt;
 }
 
-/// Counts one more of an address.
-/// @returns  false if it has enough
+/// Counts one more connection of an address.
+/// @returns  false if the address is at its limit
 bool Capacity::enter_locked(const std::string& address) {
     if (limits_.per_address == 0 || address.empty()) return true;
     auto& count = by_address_[address];
@@ -111,7 +111,7 @@ void Capacity::leave_locked(const std::string& address) {
 
 Place::Place(Capacity& capacity, std::string address) : capacity_(capacity), address_(std::move(address)) {
     std::unique_lock lock(capacity_.mutex_);
-    // Checked first: an address at its own limit must not close the connections of others.
+    // Checked first, because an address at its own limit must not close the connections of others.
     if (!capacity_.enter_locked(address_)) {
         entry_ = Entry::AddressFull;
         return;
