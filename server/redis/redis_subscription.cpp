@@ -12,10 +12,10 @@ constexpr std::chrono::milliseconds kDeadline{2'000};
 constexpr std::chrono::milliseconds kLeastPause{50};
 constexpr std::chrono::milliseconds kMostPause{1'000};
 
-/// Time after which it is looked whether the thread should end.
+/// Interval at which the thread checks whether it should end.
 constexpr std::chrono::milliseconds kPeek{100};
 
-/// Silence after which Redis is asked whether it is there.
+/// Silence after which Redis is asked whether it is alive.
 constexpr std::chrono::milliseconds kSilence{1'000};
 
 }  // namespace
@@ -28,7 +28,7 @@ RedisSubscription::RedisSubscription(RedisAddress address, std::string channel, 
 
 void RedisSubscription::listen(const std::stop_token& closing) {
     auto pause = kLeastPause;
-    bool ended = false;  // and told so
+    bool ended = false;  // `ended` was called
     while (!closing.stop_requested()) {
         const Error error = listen_once(closing);
         if (std::exchange(begun_, false)) {
@@ -44,7 +44,7 @@ void RedisSubscription::listen(const std::stop_token& closing) {
     }
 }
 
-/// @returns  why it has ended
+/// @returns  why the subscription ended
 Error RedisSubscription::listen_once(const std::stop_token& closing) {
     auto connection = RedisConnection::open(address_, Clock::now() + kDeadline);
     if (!connection) return connection.error();
@@ -58,7 +58,7 @@ Error RedisSubscription::listen_once(const std::stop_token& closing) {
     return hear(**connection, told_, closing);
 }
 
-/// Tells messages until the connection is lost.
+/// Delivers messages until the connection is lost.
 Error RedisSubscription::hear(RedisConnection& connection, const Told& told, const std::stop_token& closing) {
     auto heard = Clock::now();
     bool asked = false;
@@ -71,7 +71,7 @@ Error RedisSubscription::hear(RedisConnection& connection, const Told& told, con
             const auto& items = (*reply)->items;
             if (items.size() == 3 && items[0].text == "message") told.message(items[2].text);
         } else if (asked && Clock::now() - heard > kSilence + kDeadline) {
-            return {ErrorCode::Stopped, "Redis does not answer", {}};
+            return {ErrorCode::Stopped, "Redis does not reply", {}};
         } else if (!asked && Clock::now() - heard > kSilence) {
             asked = true;
             if (const auto sent = connection.send({"PING"}, Clock::now() + kDeadline); !sent) return sent.error();
