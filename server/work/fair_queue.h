@@ -12,10 +12,10 @@
 
 namespace ccdt::server {
 
-/// A queue for items of several clients, who take turns by what the items cost: next is always that of the client who
-/// has had least. Having had nothing for a while gives no credit, and once nobody waits all that was had is forgotten.
+/// A fair queue for items of several clients, by cost: the next item belongs to the client that has received the least
+/// service. An idle client gains no credit, and when the queue is empty all accounts are cleared.
 ///
-/// Not for several threads at once. O(items) an operation.
+/// Not thread-safe. O(items) per operation.
 /// Source: Goyal, Vin, Cheng 1996, Start-time fair queuing.
 template <class Item>
 class FairQueue {
@@ -23,13 +23,13 @@ public:
     struct Entry {
         std::string client;
         double cost = 0;
-        double turn = 0;  ///< what its client will have had before it
+        double turn = 0;  ///< service that its client will have received before it
         Item item;
     };
 
     bool empty() const { return entries_.empty(); }
     std::size_t size() const { return entries_.size(); }
-    auto begin() const { return entries_.begin(); }  ///< in the order in which they came
+    auto begin() const { return entries_.begin(); }  ///< in order of arrival
     auto end() const { return entries_.end(); }
 
     bool has(std::string_view client) const {
@@ -43,7 +43,7 @@ public:
         entries_.push_back({client, cost, turn, std::move(item)});
     }
 
-    /// The entry that came first of those whose turn is first; there must be one.
+    /// Returns the entry with the lowest start tag, the earliest one among equals. The queue must not be empty.
     const Entry& next() const { return *std::ranges::min_element(entries_, {}, &Entry::turn); }
 
     Item take_next() {
@@ -52,7 +52,7 @@ public:
         return remove(next);
     }
 
-    /// Takes the entry that is next of those whose items a test holds for.
+    /// Takes the next entry among those whose items pass a test.
     /// @returns  none if there is none
     template <class Test>
     std::optional<Entry> take_next_of(Test test) {
@@ -66,13 +66,13 @@ public:
         return taken;
     }
 
-    /// Puts an entry that was taken where it is next.
+    /// Returns a taken entry to the front of the queue.
     void put_back(Entry entry) {
         entry.turn = std::min(entry.turn, turn_);
         entries_.push_front(std::move(entry));
     }
 
-    /// Takes out the first item that a test holds for, as if it had never been there.
+    /// Removes the first item that passes a test, as if it had never been added.
     /// @returns  none if there is none
     template <class Test>
     std::optional<Item> withdraw(Test test) {
@@ -83,7 +83,7 @@ public:
     }
 
 private:
-    /// Goes on to a turn that is taken.
+    /// Advances the virtual time to the start tag of an entry that is taken.
     void pass(double turn) {
         turn_ = std::max(turn_, turn);
         std::erase_if(had_, [this](const auto& client) { return client.second <= turn_; });
@@ -100,8 +100,8 @@ private:
     }
 
     std::deque<Entry> entries_;
-    double turn_ = 0;                                 ///< the latest that was taken
-    std::map<std::string, double, std::less<>> had_;  ///< by client, of those that had more than `turn_`
+    double turn_ = 0;                                 ///< the highest start tag that was taken
+    std::map<std::string, double, std::less<>> had_;  ///< by client, if higher than the virtual time
 };
 
 }  // namespace ccdt::server
