@@ -6,13 +6,13 @@
 namespace ccdt::server {
 namespace {
 
-/// Bytes of an entry besides its texts: nodes of the list and the table, and what the allocator adds.
+/// Bytes of an entry besides its texts: nodes of the list and of the table, and the allocator's overhead.
 constexpr std::size_t kOverhead = 512;
 
 }  // namespace
 
 std::shared_ptr<const api::Answer> ResultCache::find(const std::string& name) {
-    if (most_ == 0 && !shared_) return nullptr;  // then nothing counts as missed
+    if (most_ == 0 && !shared_) return nullptr;  // a miss is not counted without a cache
     auto answer = find_here(name);
     if (!answer && shared_) {
         if (auto shared = shared_->find(name)) {
@@ -39,7 +39,7 @@ void ResultCache::keep(const std::string& name, const api::Answer& answer) {
     try {
         keep_here(name, std::make_shared<const api::Answer>(answer));
     } catch (const std::bad_alloc&) {
-        // For want of memory it is computed again next time.
+        // Without memory the answer is not cached.
     }
 }
 

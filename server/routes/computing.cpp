@@ -23,21 +23,21 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-/// Time after which a connection looks whether its client still waits.
+/// Interval at which a connection checks whether its client still waits.
 constexpr std::chrono::milliseconds kPeek{20};
 
-/// Time after the deadline that a computation may take to stop and to write a partial answer.
+/// Time that a computation may take after the deadline to stop and to write a partial answer.
 constexpr std::chrono::seconds kGrace{2};
 
-/// Content type of a picture in a folder: whatever the file holds, it is neither JSON nor a form.
+/// Content type of the pictures in the folder: whatever a file contains, it is parsed neither as JSON nor as a form.
 constexpr const char* kPicture = "image/*";
 
-/// Bytes of a body: longer ones are never for short jobs.
+/// Minimum body size, in bytes, of requests that certainly are not short.
 constexpr std::size_t kLongBody = 65'536;
 
-/// Clients that take answers compressed have them kept so: compressing is work, too.
+/// Makes the key of an answer in the cache. Compressed answers are stored compressed, to save repeated work.
 ///
-/// @param owner  the API key that they are kept for; empty: for all
+/// @param owner  API key for which the answer is stored; empty: for all
 std::string cache_key(const std::string& name, bool compressed, const std::string& owner) {
     return (compressed ? name + "-gzip " : name + ' ') + owner;
 }
@@ -53,13 +53,13 @@ bool is_encoding(const Header& header) {
            !equals_ignoring_case(header.value, "identity");
 }
 
-/// Tells figures why a computation was given up.
+/// Records why a computation was cancelled.
 tl::unexpected<Problem> give_up(tl::unexpected<Problem> why, std::string_view cause, Record& record) {
     record.cancelled = cause;
     return why;
 }
 
-/// @param name  of the answer, unless it is only a part of it
+/// @param name  name of the answer; used unless the answer is partial
 Response response_of(api::Answer answer, const std::string& name, Record& record) {
     Response response;
     response.headers = answer_headers(answer);
@@ -77,8 +77,7 @@ Response response_of(api::Answer answer, const std::string& name, Record& record
 
 }  // namespace
 
-/// A request, and its part of the memory for those that wait. Shared with the worker, which may still read it when the
-/// connection has left.
+/// A request and its reserved memory. Shared with the worker, which may still read it when the connection has ended.
 struct Computing::AcceptedRequest {
     const Operation& operation;
     ComputeRequest request;
@@ -86,14 +85,14 @@ struct Computing::AcceptedRequest {
     MemoryBudget::Lease lease;
 };
 
-/// An answer, and its part of the memory that computing it had.
+/// An answer and the memory that its computation reserved.
 struct Computing::ComputedAnswer {
     api::Answer answer;
     MemoryBudget::Lease lease;
-    std::shared_ptr<Passage> passage = {};  ///< of a large body, which is on its way still
+    std::shared_ptr<Passage> passage = {};  ///< the rest of a large body that is still being written
 };
 
-/// A result on its way from a worker to the connection that waits for it, which may leave before it comes.
+/// A result that a worker passes to the connection waiting for it. The connection may end before the result arrives.
 template <class T>
 class Computing::PendingResult {
 public:
@@ -102,7 +101,7 @@ public:
         stages_.queue = Milliseconds(Clock::now() - submitted_).count();
     }
 
-    /// Takes a result, unless there is one.
+    /// Sets the result unless there is one already.
     void finish(Result<T> result, const api::Timings& timings) {
         const std::lock_guard lock(mutex_);
         if (finished_already_) return;
@@ -128,7 +127,7 @@ public:
         return stages_;
     }
 
-    /// Tells whatever makes the result that nobody wants it any more.
+    /// Tells the computation that the result is not needed any more.
     void abandon() { unwanted_.request_stop(); }
     std::stop_token unwanted() const { return unwanted_.get_token(); }
 
@@ -139,18 +138,18 @@ private:
     mutable std::mutex mutex_;  ///< guards the rest
     std::condition_variable finished_;
     std::optional<Result<T>> result_;
-    bool finished_already_ = false;  ///< the result may have been taken since
+    bool finished_already_ = false;  ///< stays true when the result is taken
     Stages stages_;
 };
 
-/// Takes a large body from its computation, hands it on, and keeps a copy if it is not too large for that.
+/// Passes a large body from its computation to the connection, and copies it for the cache unless it is too large.
 class Computing::Outlet : public api::BodyTaker {
 public:
-    /// @param largest  bytes of a body that is kept
+    /// @param largest  size limit of cached bodies, in bytes
     Outlet(PendingResult<ComputedAnswer>& pending, const api::Timings& timings, std::size_t largest,
            MemoryBudget& memory)
         : pending_(pending), timings_(timings), largest_(largest), memory_(memory) {}
-    ~Outlet() override { close(failure(ErrorCode::Internal, "the answer was not written to its end")); }
+    ~Outlet() override { close(failure(ErrorCode::Internal, "the answer was not written completely")); }
     Outlet(const Outlet&) = delete;
     Outlet& operator=(const Outlet&) = delete;
 
@@ -169,13 +168,13 @@ public:
         return passage_->push(piece);
     }
 
-    /// Ends the body; an error: it is not whole.
+    /// Ends the body. An error means that it is incomplete.
     void close(Result<void> outcome) { passage_->close(std::move(outcome), timings_, memory_); }
 
-    /// Stops what computes once nobody takes the body any more.
+    /// Stops the computation once nobody reads the body any more.
     std::stop_source& stop() { return passage_->stop(); }
 
-    /// The whole answer, once the body has ended; null if it is too large to be kept.
+    /// Returns the complete answer once the body has ended; null if it is too large for the cache.
     const api::Answer* copy() const { return copy_ ? &*copy_ : nullptr; }
 
 private:
@@ -224,7 +223,7 @@ HttpResult<Response> Computing::answer(const Operation& operation, PictureFile p
     if (!lease) return tl::unexpected(lease.error());
     auto bytes = picture.read();
     if (!bytes) return tl::unexpected(bytes.error());
-    // All browsers then share an answer whose format is asked for, whatever else they accept.
+    // All browsers then share an answer whose format is given, regardless of their Accept headers.
     const bool has_format = std::ranges::any_of(parse_query(options),
                                                 [](const api::TextOption& option) { return option.name == "format"; });
     ComputeRequest request{std::string(operation.path), std::move(options), kPicture,
@@ -234,7 +233,7 @@ HttpResult<Response> Computing::answer(const Operation& operation, PictureFile p
     return give(*asked, incoming);
 }
 
-/// Gives an answer that the client has already, that is kept, or that is computed while the client waits.
+/// Returns an answer that the client already has, one from the cache, or one that is computed while the client waits.
 HttpResult<Response> Computing::give(const AcceptedPointer& asked, const Incoming& incoming) {
     if (const auto tag = known_tag(incoming, asked->name)) return not_modified(*tag);
     const bool compressed = accepts_gzip(incoming.request.header("Accept-Encoding"));
@@ -259,8 +258,8 @@ HttpResult<Response> Computing::compute(const AcceptedPointer& asked, bool compr
     return response;
 }
 
-/// Makes what sends a large body while it is written.
-/// @param latest  when what computes has to be done
+/// Makes the function that sends a large body while it is written.
+/// @param latest  time by which the computation must have ended
 Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& incoming, Clock::time_point latest) const {
     return [this, passage = computed.passage, &connection = incoming.connection, latest](const Send& send,
                                                                                          Record& record) {
@@ -276,7 +275,7 @@ Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& inco
                 continue;
             }
             passage->abandon();
-            if (record.cancelled != "client_gone") record.cause = "the answer was not written to its end";
+            if (record.cancelled != "client_gone") record.cause = "the answer was not written completely";
             return false;
         }
         record.stages.work = passage->timings();
@@ -286,12 +285,13 @@ Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& inco
     };
 }
 
-/// Finds whose an answer in the cache is: by the time it takes one key could tell what another asked.
+/// Returns the owner of a cached answer. With a shared cache, the response time reveals to one key what another
+/// requested.
 std::string Computing::cache_owner(const Connection& connection) const {
     return config_.cache_shared ? "" : connection.key();
 }
 
-/// Finds the answer of that name if it was computed before, and there is memory to send it.
+/// Finds the answer of that name if it is cached and there is memory to send it.
 std::optional<Response> Computing::recall(const std::string& name, bool compressed, const Incoming& incoming) {
     const auto answer = cache_.find(cache_key(name, compressed, cache_owner(incoming.connection)));
     if (answer == nullptr) return std::nullopt;
@@ -303,19 +303,19 @@ std::optional<Response> Computing::recall(const std::string& name, bool compress
     return response;
 }
 
-/// Refuses to compute while the server shuts down. Whoever connected before that began is served; by a connection that
-/// was kept, others know to ask once more.
+/// Refuses to compute while the server shuts down, except for connections made before. Clients of kept connections know
+/// to retry on another one.
 HttpResult<void> Computing::check_drain(const Incoming& incoming) const {
     if (draining_ && !incoming.connection.is_on_first_request()) return busy(503, "the server is shutting down");
     return {};
 }
 
-/// Reads the body of a request that is to be computed, unless it is clear already that it will not be.
+/// Reads the body of a request, unless it is already clear that the request will be refused.
 HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool deferred) const {
     const Request& request = incoming.request;
     Connection& connection = incoming.connection;
     if (std::ranges::any_of(request.headers, is_encoding))
-        return problem(415, "a Content-Encoding is not understood; send the body as it is");
+        return problem(415, "Content-Encoding is not supported; send the body without encoding");
     if (auto checked = check_drain(incoming); !checked) return tl::unexpected(checked.error());
     const bool may_be_short = request.content_length.value_or(kLongBody) < kLongBody;
     const auto& client = connection.client_name();
@@ -324,7 +324,7 @@ HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool defe
     return connection.read_body(request, config_.max_body);
 }
 
-/// Counts the memory of a request from here on until nobody needs it any more.
+/// Reserves memory for a request until it is done.
 HttpResult<MemoryBudget::Lease> Computing::take_memory(std::size_t size) {
     if (size > waiting_memory_.total()) return too_large(size);
     auto lease = waiting_memory_.take(size);
@@ -332,7 +332,7 @@ HttpResult<MemoryBudget::Lease> Computing::take_memory(std::size_t size) {
     return *std::move(lease);
 }
 
-/// Takes apart what was asked.
+/// Parses a form into its parts and names the answer.
 HttpResult<Computing::AcceptedPointer> Computing::take_in(const Operation& operation, ComputeRequest request,
                                                           MemoryBudget::Lease lease) {
     auto fields = find_fields(request);
@@ -343,17 +343,17 @@ HttpResult<Computing::AcceptedPointer> Computing::take_in(const Operation& opera
         AcceptedRequest{operation, std::move(request), std::move(name), std::move(lease)});
 }
 
-/// Makes a job of what is parsed now and computed when its turn comes.
+/// Makes a job of a request, which is parsed now and computed later.
 HttpResult<Response> Computing::defer(const AcceptedPointer& asked, const Incoming& incoming) {
     const auto forecast = this->forecast(asked, incoming, Clock::now() + config_.timeout);
     if (!forecast) return tl::unexpected(forecast.error());
-    incoming.record.stages = {};  // the job has its own
+    incoming.record.stages = {};  // the job has stages of its own
     Job job;
     job.owner = incoming.connection.key();
     job.client = incoming.connection.client_name();
     job.traceparent = whole_traceparent(incoming.request.header("traceparent"));
     job.cost = forecast->cost;
-    job.cost.memory += asked->request.body.size();  // its run takes it from the store
+    job.cost.memory += asked->request.body.size();  // the run loads the body from the store
     if (job.cost.memory > pool_.memory().total()) return too_large(job.cost.memory);
     return jobs_.accept(std::move(job), asked->request).map(accepted);
 }
@@ -374,7 +374,7 @@ HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& asked
     return *found;
 }
 
-/// Has a worker do a task, and waits for the result. The record tells how far it came.
+/// Has a worker run a task, and waits for the result. The record gets the stages so far.
 template <class T>
 HttpResult<T> Computing::have_worker_do(Task<T> task, const api::Cost& cost, const Incoming& incoming,
                                         const TimeLimit& limit) {
@@ -402,8 +402,8 @@ HttpResult<T> Computing::have_worker_do(Task<T> task, const api::Cost& cost, con
     return *std::move(result);
 }
 
-/// Waits for a result until the client leaves, the server shuts down, or the deadline and the grace have passed. A
-/// computation that is still running then ends in the background.
+/// Waits for a result until the client closes the connection, the server shuts down, or the deadline and the grace have
+/// passed. A computation that is still running then ends in the background.
 template <class T>
 HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
                                      const TimeLimit& limit) {
@@ -411,7 +411,7 @@ HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobI
         if (incoming.connection.client_gone()) {
             pending.abandon();
             pool_.cancel(job);
-            return give_up(problem(kClientGone, "the client went away"), "client_gone", incoming.record);
+            return give_up(problem(kClientGone, "the client closed the connection"), "client_gone", incoming.record);
         }
         if (abandoned_) {
             pending.abandon();
@@ -459,8 +459,8 @@ tl::unexpected<Problem> Computing::busy(int status, std::string message) const {
 
 tl::unexpected<Problem> Computing::too_large(std::size_t bytes) const {
     const auto mebibytes = [](std::size_t size) { return std::to_string((size >> 20) + 1) + " MiB"; };
-    return problem(413, "this would take about " + mebibytes(bytes) + " of memory; of this server's limit (memory) " +
-                            mebibytes(pool_.memory().total()) + " are for computing and " +
+    return problem(413, "this needs about " + mebibytes(bytes) + " of memory; this server's limit (memory) leaves " +
+                            mebibytes(pool_.memory().total()) + " for computing and " +
                             mebibytes(waiting_memory_.total()) + " for requests");
 }
 

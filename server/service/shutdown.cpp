@@ -11,7 +11,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Time for telling those who wait that nothing will come.
+/// Time to answer waiting clients that there will be no result.
 constexpr std::chrono::milliseconds kLastWords{1'000};
 
 /// @returns  false if the time has passed
@@ -37,7 +37,7 @@ void ServerSignals::wait_for_end(const std::function<void()>& reload) const {
     int number = 0;
     while (sigwait(&signals_, &number) == 0 && number == SIGHUP) reload();
     std::signal(SIGHUP, SIG_IGN);
-    // Handlers, since the default action does not end the first process of a container.
+    // Handlers are needed, because the default action does not end the first process of a container.
     for (const int other : kEndSignals) std::signal(other, [](int again) { _exit(128 + again); });
     pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
 }
@@ -61,10 +61,10 @@ bool ShutdownDeadline::wait_for_start(const std::stop_token& ended) {
 void ShutdownDeadline::keep(const std::stop_token& ended) {
     const auto last_words = std::min(kLastWords, timeout_ / 2);
     if (ended_within(timeout_ - last_words, ended)) return;
-    log_.info("the time to shut down is nearly over: requests that are not done are given up");
+    log_.info("the time for shutdown is nearly over: unfinished requests are cancelled");
     abandon_();
     if (ended_within(last_words, ended)) return;
-    log_.error("the time to shut down is over: answers that clients do not take are dropped");
+    log_.error("the time for shutdown is over: unsent answers are dropped");
     std::_Exit(EXIT_SUCCESS);
 }
 
