@@ -14,10 +14,10 @@
 
 namespace ccdt::server {
 
-class Place;
+class ConnectionSlot;
 
 /// The class of a connection. Each class has slots of its own, so that none takes the slots of another.
-enum class Room {
+enum class ConnectionClass {
     Common,   ///< any request
     Reserve,  ///< health checks and metrics, which need almost nothing, when the common slots are taken
     Streams,  ///< event streams, which last long
@@ -72,25 +72,27 @@ public:
     bool close_longest_idle();
 
 private:
-    friend class Place;
+    friend class ConnectionSlot;
 
     using Clock = std::chrono::steady_clock;
 
     /// A connection that waits for a request.
     struct Idle {
-        Place* place = nullptr;
+        ConnectionSlot* slot = nullptr;
         int socket = -1;
         Clock::time_point since;
     };
     using IdleConnections = std::list<Idle>;
 
-    IdleConnections::iterator longest_idle_locked(std::optional<Room> room);
+    IdleConnections::iterator longest_idle_locked(std::optional<ConnectionClass> connection_class);
     void close_locked(IdleConnections::iterator idle);
-    bool free_place(Room room, std::unique_lock<std::mutex>& lock);
-    std::optional<Room> find_room(std::unique_lock<std::mutex>& lock);
-    std::size_t limit(Room room) const;
-    std::atomic<std::size_t>& taken(Room room) { return taken_[static_cast<std::size_t>(room)]; }
-    bool has_place_locked(Room room) { return taken(room) < limit(room); }
+    bool free_slot(ConnectionClass connection_class, std::unique_lock<std::mutex>& lock);
+    std::optional<ConnectionClass> find_class(std::unique_lock<std::mutex>& lock);
+    std::size_t limit(ConnectionClass connection_class) const;
+    std::atomic<std::size_t>& taken(ConnectionClass connection_class) {
+        return taken_[static_cast<std::size_t>(connection_class)];
+    }
+    bool has_slot_locked(ConnectionClass connection_class) { return taken(connection_class) < limit(connection_class); }
     bool enter_locked(const std::string& address);
     void leave_locked(const std::string& address);
 
@@ -109,27 +111,27 @@ private:
 };
 
 /// The slot of a connection, released by the destructor.
-class Place {
+class ConnectionSlot {
 public:
     enum class Entry { Admitted, Full, AddressFull };
 
     /// Takes a common slot or, if there is none, one of the reserve. If all are taken, closes an idle connection and
     /// waits for a moment until it has released its slot.
     /// @param address  empty: not counted by address
-    Place(Capacity& capacity, std::string address);
-    ~Place();
-    Place(const Place&) = delete;
-    Place& operator=(const Place&) = delete;
+    ConnectionSlot(Capacity& capacity, std::string address);
+    ~ConnectionSlot();
+    ConnectionSlot(const ConnectionSlot&) = delete;
+    ConnectionSlot& operator=(const ConnectionSlot&) = delete;
 
     /// Whether the connection is admitted; only then it has a slot.
     Entry entry() const { return entry_; }
 
     /// The current class. May be called by the thread that calls move_to().
-    Room room() const { return room_; }
+    ConnectionClass connection_class() const { return class_; }
 
     /// Moves the slot to the class that the current request needs. For Reserve, any class will do.
     /// @returns  false if that class is full; the slot then stays where it was
-    bool move_to(Room room);
+    bool move_to(ConnectionClass connection_class);
 
     /// Marks the connection as idle unless it is already. Until `end_idle`, the socket may be shut down to make way for
     /// another connection, unless it has unread bytes. The socket must stay open until then.
@@ -146,7 +148,7 @@ private:
     Capacity& capacity_;
     std::string address_;
     Entry entry_ = Entry::Full;
-    Room room_ = Room::Common;
+    ConnectionClass class_ = ConnectionClass::Common;
     bool closed_ = false;  ///< to make way for another; guarded by the capacity's mutex
     std::optional<Capacity::IdleConnections::iterator> idle_;  ///< guarded by the capacity's mutex
 };
@@ -154,18 +156,18 @@ private:
 /// The time during which a connection is idle.
 class IdleTime {
 public:
-    /// @param place  null: the connection is never closed
-    IdleTime(Place* place, int socket) : place_(place) {
-        if (place_ != nullptr) place_->begin_idle(socket);
+    /// @param slot  null: the connection is never closed
+    IdleTime(ConnectionSlot* slot, int socket) : slot_(slot) {
+        if (slot_ != nullptr) slot_->begin_idle(socket);
     }
     ~IdleTime() {
-        if (place_ != nullptr) place_->end_idle();
+        if (slot_ != nullptr) slot_->end_idle();
     }
     IdleTime(const IdleTime&) = delete;
     IdleTime& operator=(const IdleTime&) = delete;
 
 private:
-    Place* const place_;
+    ConnectionSlot* const slot_;
 };
 
 /// Bytes that a connection takes, released by the destructor.

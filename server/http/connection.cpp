@@ -52,13 +52,8 @@ bool may_break_a_line(char c) {
 
 }  // namespace
 
-Connection::Connection(int socket, const Patience& patience, Capacity* capacity, Place* place)
-    : socket_(socket),
-      patience_(patience),
-      capacity_(capacity),
-      place_(place),
-      peer_(peer_of(socket)),
-      client_(peer_) {}
+Connection::Connection(int socket, const Patience& patience, Capacity* capacity, ConnectionSlot* slot)
+    : socket_(socket), patience_(patience), capacity_(capacity), slot_(slot), peer_(peer_of(socket)), client_(peer_) {}
 
 bool Connection::wait_for_request(const std::function<bool(Milliseconds waited)>& give_up) {
     bytes_in_ = 0;
@@ -167,7 +162,7 @@ void Connection::Transfer::move_to(std::uint64_t total) {
 /// Waits for the first byte or the end of a connection, which counts as idle meanwhile.
 /// @returns  false if `give_up` returned true
 bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& give_up) const {
-    const IdleTime idle(place_, socket_);
+    const IdleTime idle(slot_, socket_);
     const auto start = Clock::now();
     while (!wait_for(socket_, POLLIN, Clock::now() + kWaitStep)) {
         if (give_up(duration_cast<Milliseconds>(Clock::now() - start))) return false;

@@ -34,7 +34,7 @@ public:
 
     /// Does not own the socket. `capacity` and `slot`, if not null, must outlive the connection.
     explicit Connection(int socket, const Patience& patience = {}, Capacity* capacity = nullptr,
-                        Place* place = nullptr);
+                        ConnectionSlot* slot = nullptr);
 
     /// Waits for the first byte of the next request.
     /// @param give_up  called about five times a second with the time waited so far
@@ -79,10 +79,10 @@ public:
     void reset() { resets_ = true; }
 
     /// Moves the connection's slot to the class that the current request needs; returns false if that class is full.
-    bool move_to(Room room) { return place_ == nullptr || place_->move_to(room); }
+    bool move_to(ConnectionClass connection_class) { return slot_ == nullptr || slot_->move_to(connection_class); }
 
     /// Whether the connection is in the reserve. Such connections are closed after their first request.
-    bool in_reserve() const { return place_ != nullptr && place_->room() == Room::Reserve; }
+    bool in_reserve() const { return slot_ != nullptr && slot_->connection_class() == ConnectionClass::Reserve; }
 
     /// The client or proxy that connected.
     const Peer& peer() const { return peer_; }
@@ -150,7 +150,7 @@ private:
     const int socket_;
     const Patience patience_;
     Capacity* const capacity_;
-    Place* const place_;
+    ConnectionSlot* const slot_;
     Peer peer_;
     Peer client_;
     std::string client_name_;

@@ -69,8 +69,8 @@ void contain(const Task& task) {
     }
 }
 
-tl::unexpected<Problem> refusal(Place::Entry entry) {
-    const std::string reason = entry == Place::Entry::AddressFull
+tl::unexpected<Problem> refusal(ConnectionSlot::Entry entry) {
+    const std::string reason = entry == ConnectionSlot::Entry::AddressFull
                                    ? "this address has too many connections (max-connections-per-address)"
                                    : "too many connections are open (max-connections)";
     return busy(503, reason, std::chrono::seconds(1));
@@ -202,12 +202,12 @@ void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused
 
 /// Gives a connection its thread, which then owns the socket. If the system has no more threads, an idle connection is
 /// closed to free its thread.
-bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared_ptr<Place>& place) {
+bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared_ptr<ConnectionSlot>& slot) {
     const auto end = Clock::now() + kTimeToMakeRoom;
     while (true) {
-        place->begin_idle(socket);
-        if (threads.run([this, socket, place] { serve_socket(UniqueFd(socket), *place); })) return true;
-        place->end_idle();
+        slot->begin_idle(socket);
+        if (threads.run([this, socket, slot] { serve_socket(UniqueFd(socket), *slot); })) return true;
+        slot->end_idle();
         if (Clock::now() >= end || !capacity_.close_longest_idle()) return false;
         std::this_thread::sleep_for(kRecovery);
     }
@@ -217,14 +217,14 @@ bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared
 void HttpServer::receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused) {
     const int yes = 1;
     setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
-    const auto place = std::make_shared<Place>(capacity_, counted_address(peer));
-    auto entry = place->entry();
-    if (entry == Place::Entry::Admitted) {
-        if (start(threads, socket.get(), place)) {
+    const auto slot = std::make_shared<ConnectionSlot>(capacity_, counted_address(peer));
+    auto entry = slot->entry();
+    if (entry == ConnectionSlot::Entry::Admitted) {
+        if (start(threads, socket.get(), slot)) {
             socket.release();
             return;
         }
-        entry = Place::Entry::Full;
+        entry = ConnectionSlot::Entry::Full;
     }
     contain([&] {
         Connection connection(socket.get(), patience_, &capacity_);
@@ -235,26 +235,26 @@ void HttpServer::receive(UniqueFd socket, const Peer& peer, ConnectionThreads& t
     refused.add(std::move(socket));
 }
 
-void HttpServer::serve_socket(const UniqueFd& socket, Place& place) {
+void HttpServer::serve_socket(const UniqueFd& socket, ConnectionSlot& slot) {
     contain([&] {
-        Connection connection(socket.get(), patience_, &capacity_, &place);
-        contain([&] { serve_connection(connection, place); });
+        Connection connection(socket.get(), patience_, &capacity_, &slot);
+        contain([&] { serve_connection(connection, slot); });
         connection.close_gently();
     });
-    place.end_idle();  // while the socket is still open
+    slot.end_idle();  // while the socket is still open
 }
 
-void HttpServer::serve_connection(Connection& connection, Place& place) {
+void HttpServer::serve_connection(Connection& connection, ConnectionSlot& slot) {
     AnswerWriter writer(connection, patience_.idle, kRequestsPerConnection);
     // A new connection is expected to send a request soon.
     auto longest = patience_.header;
     const auto give_up = [&](milliseconds waited) {
-        const bool idles_elsewhere = place.room() != Room::Common;
+        const bool idles_elsewhere = slot.connection_class() != ConnectionClass::Common;
         const bool pressed = capacity_.is_pressed() || idles_elsewhere || (draining_ && busy_ == 0);
         return waited >= (pressed ? std::min(longest, kIdleUnderPressure) : longest);
     };
     if (proxies_.include(connection.peer()) && connection.wait_for_request(give_up)) {
-        const auto told = connection.read_proxy_header().and_then([&] { return count(connection.peer(), place); });
+        const auto told = connection.read_proxy_header().and_then([&] { return count(connection.peer(), slot); });
         if (!told) {
             answer(connection, writer, {}, told, true);
             return;
@@ -264,22 +264,22 @@ void HttpServer::serve_connection(Connection& connection, Place& place) {
         const Counted busy(busy_);
         auto request = connection.read_head();
         const auto received =
-            request.and_then(check_request).and_then([&] { return take_client(*request, connection, place); });
+            request.and_then(check_request).and_then([&] { return take_client(*request, connection, slot); });
         const bool last = !received || left == 1;
         if (!answer(connection, writer, std::move(request).value_or(Request()), received, last)) break;
-        place.count_by(counted_address(connection.peer()));
+        slot.count_by(counted_address(connection.peer()));
         longest = patience_.idle;
     }
 }
 
 /// Identifies the client, and counts the connection by that client's address until the request is answered.
-HttpResult<void> HttpServer::take_client(const Request& request, Connection& connection, Place& place) const {
+HttpResult<void> HttpServer::take_client(const Request& request, Connection& connection, ConnectionSlot& slot) const {
     connection.set_client(client_of(request, connection.peer(), proxies_));
-    return count(connection.client(), place);
+    return count(connection.client(), slot);
 }
 
-HttpResult<void> HttpServer::count(const Peer& client, Place& place) const {
-    if (!place.count_by(counted_address(client))) return refusal(Place::Entry::AddressFull);
+HttpResult<void> HttpServer::count(const Peer& client, ConnectionSlot& slot) const {
+    if (!slot.count_by(counted_address(client))) return refusal(ConnectionSlot::Entry::AddressFull);
     return {};
 }
 

@@ -73,12 +73,12 @@ private:
     Next accept_next(ConnectionThreads& threads, RefusedClients& refused);
     void recover(int accept_error);
     void accept_last(ConnectionThreads& threads, RefusedClients& refused);
-    bool start(ConnectionThreads& threads, int socket, const std::shared_ptr<Place>& place);
+    bool start(ConnectionThreads& threads, int socket, const std::shared_ptr<ConnectionSlot>& slot);
     void receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused);
-    void serve_socket(const UniqueFd& socket, Place& place);
-    void serve_connection(Connection& connection, Place& place);
-    HttpResult<void> take_client(const Request& request, Connection& connection, Place& place) const;
-    HttpResult<void> count(const Peer& client, Place& place) const;
+    void serve_socket(const UniqueFd& socket, ConnectionSlot& slot);
+    void serve_connection(Connection& connection, ConnectionSlot& slot);
+    HttpResult<void> take_client(const Request& request, Connection& connection, ConnectionSlot& slot) const;
+    HttpResult<void> count(const Peer& client, ConnectionSlot& slot) const;
     std::string counted_address(const Peer& client) const;
     bool answer(Connection& connection, AnswerWriter& writer, Request request, const HttpResult<void>& received,
                 bool last);

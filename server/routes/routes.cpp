@@ -98,10 +98,10 @@ Header cache_control(const Response& response, const SignedUrl& url, bool is_pri
     return {"Cache-Control", (is_private ? "private, max-age=" : "public, max-age=") + std::to_string(seconds)};
 }
 
-tl::unexpected<Problem> no_place(Room room) {
+tl::unexpected<Problem> no_slot(ConnectionClass connection_class) {
     return busy(503,
-                room == Room::Streams ? "too many event streams are open (max-streams)"
-                                      : "too many connections are open (max-connections)",
+                connection_class == ConnectionClass::Streams ? "too many event streams are open (max-streams)"
+                                                             : "too many connections are open (max-connections)",
                 std::chrono::seconds(1));
 }
 
@@ -122,22 +122,23 @@ Response json_response(std::string body) {
 /// All routes: fixed ones, and one for each row of kOperations.
 struct Routes::Table {
     static constexpr auto kFixed = std::to_array<Route>({
-        {"/", "GET", Room::Common, Entrance::Read, &Routes::page, nullptr},
-        {"/openapi.json", "GET", Room::Common, Entrance::Read, &Routes::page, nullptr},
-        {"/capabilities", "GET", Room::Common, Entrance::Read, &Routes::capabilities, nullptr},
-        {"/health", "GET", Room::Reserve, Entrance::Anyone, &Routes::live, nullptr},
-        {"/health/live", "GET", Room::Reserve, Entrance::Anyone, &Routes::live, nullptr},
-        {"/health/ready", "GET", Room::Reserve, Entrance::Anyone, &Routes::ready, nullptr},
-        {"/metrics", "GET", Room::Reserve, Entrance::Key, &Routes::metrics, nullptr},
-        {"/halftone/{name}", "GET", Room::Common, Entrance::Signature, &Routes::picture, find_operation("/halftone")},
-        {"/jobs/{id}", "GET", Room::Common, Entrance::Key, &Routes::job_status, nullptr},
-        {"/jobs/{id}", "DELETE", Room::Common, Entrance::Key, &Routes::remove_job, nullptr},
-        {"/jobs/{id}/events", "GET", Room::Streams, Entrance::Key, &Routes::job_events, nullptr},
-        {"/jobs/{id}/result", "GET", Room::Common, Entrance::Key, &Routes::job_result, nullptr},
+        {"/", "GET", ConnectionClass::Common, Access::Read, &Routes::page, nullptr},
+        {"/openapi.json", "GET", ConnectionClass::Common, Access::Read, &Routes::page, nullptr},
+        {"/capabilities", "GET", ConnectionClass::Common, Access::Read, &Routes::capabilities, nullptr},
+        {"/health", "GET", ConnectionClass::Reserve, Access::Anyone, &Routes::live, nullptr},
+        {"/health/live", "GET", ConnectionClass::Reserve, Access::Anyone, &Routes::live, nullptr},
+        {"/health/ready", "GET", ConnectionClass::Reserve, Access::Anyone, &Routes::ready, nullptr},
+        {"/metrics", "GET", ConnectionClass::Reserve, Access::ApiKey, &Routes::metrics, nullptr},
+        {"/halftone/{name}", "GET", ConnectionClass::Common, Access::Signature, &Routes::picture,
+         find_operation("/halftone")},
+        {"/jobs/{id}", "GET", ConnectionClass::Common, Access::ApiKey, &Routes::job_status, nullptr},
+        {"/jobs/{id}", "DELETE", ConnectionClass::Common, Access::ApiKey, &Routes::remove_job, nullptr},
+        {"/jobs/{id}/events", "GET", ConnectionClass::Streams, Access::ApiKey, &Routes::job_events, nullptr},
+        {"/jobs/{id}/result", "GET", ConnectionClass::Common, Access::ApiKey, &Routes::job_result, nullptr},
     });
 
     static constexpr Route row_of(const Operation& operation) {
-        return {operation.path, "POST", Room::Common, Entrance::Key, &Routes::compute, &operation};
+        return {operation.path, "POST", ConnectionClass::Common, Access::ApiKey, &Routes::compute, &operation};
     }
 
     static const std::array<Route, kFixed.size() + kOperations.size()> kRows;
@@ -211,14 +212,14 @@ Routes::Found Routes::find(const Request& request) {
 Gate::Credential Routes::needed(const Found& found, const Request& request) {
     const auto key_unless = [](bool free) { return free ? Gate::Credential::None : Gate::Credential::Key; };
     if (found.route == nullptr) return key_unless(request.path.starts_with("/health/"));
-    switch (found.route->entrance) {
-        case Entrance::Key:
+    switch (found.route->access) {
+        case Access::ApiKey:
             return Gate::Credential::Key;
-        case Entrance::Signature:
+        case Access::Signature:
             return Gate::Credential::Signature;
-        case Entrance::Read:
+        case Access::Read:
             return key_unless(is_taken(request.method, "GET"));
-        case Entrance::Anyone:
+        case Access::Anyone:
             break;
     }
     return Gate::Credential::None;
@@ -226,7 +227,7 @@ Gate::Credential Routes::needed(const Found& found, const Request& request) {
 
 /// Refuses requests for hosts that are not allowed. Health checks are answered for any host.
 HttpResult<void> Routes::check_host(const Found& found, const Request& request) {
-    const bool is_for_anyone = found.route != nullptr && found.route->entrance == Entrance::Anyone;
+    const bool is_for_anyone = found.route != nullptr && found.route->access == Access::Anyone;
     if (is_for_anyone || allows_host(config_.allowed_hosts, request.authority)) return {};
     const std::string asked = request.authority.substr(0, kLongestHost);
     if (!warned_of_hosts_.exchange(true))
@@ -267,7 +268,7 @@ HttpResult<Response> Routes::dispatch(const Route* route, const Incoming& incomi
         refused.value().headers.push_back({"Allow", allowed});
         return refused;
     }
-    if (!incoming.connection.move_to(route->room)) return no_place(route->room);
+    if (!incoming.connection.move_to(route->connection_class)) return no_slot(route->connection_class);
     return (this->*route->handler)(incoming);
 }
 

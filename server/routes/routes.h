@@ -61,9 +61,9 @@ public:
 private:
     using Handler = HttpResult<Response> (Routes::*)(const Incoming&);
 
-    /// What a request needs if there are API keys.
-    enum class Entrance {
-        Key,        ///< an API key; the rate is limited
+    /// Credential that a request needs if there are API keys.
+    enum class Access {
+        ApiKey,     ///< an API key; the rate is limited
         Signature,  ///< a signed URL, if there are signing keys: <img> sends no API key
         Read,       ///< an API key, except for GET and HEAD: browsers send none when they open the page
         Anyone      ///< nothing: load balancers send no keys with health checks
@@ -71,10 +71,10 @@ private:
 
     /// A row of the table of routes; no column has a default.
     struct Route {
-        std::string_view path;    ///< a placeholder such as `{id}` matches anything without a slash
-        std::string_view method;  ///< GET includes HEAD
-        Room room;                ///< class in which the connection needs a slot
-        Entrance entrance;
+        std::string_view path;             ///< a placeholder such as `{id}` matches anything without a slash
+        std::string_view method;           ///< GET includes HEAD
+        ConnectionClass connection_class;  ///< class in which the connection needs a slot
+        Access access;
         Handler handler;
         const Operation* operation;  ///< operation that the handler computes; null: none
     };
