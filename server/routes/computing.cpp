@@ -14,8 +14,8 @@
 #include "server/routes/job_routes.h"
 #include "server/work/answer_headers.h"
 #include "server/work/answer_name.h"
+#include "server/work/body_pipe.h"
 #include "server/work/form.h"
-#include "server/work/passage.h"
 
 namespace ccdt::server {
 namespace {
@@ -89,7 +89,7 @@ struct Computing::AcceptedRequest {
 struct Computing::ComputedAnswer {
     api::Answer answer;
     MemoryBudget::Lease lease;
-    std::shared_ptr<Passage> passage = {};  ///< the rest of a large body that is still being written
+    std::shared_ptr<BodyPipe> pipe = {};  ///< the rest of a large body that is still being written
 };
 
 /// A result that a worker passes to the connection waiting for it. The connection may end before the result arrives.
@@ -143,19 +143,19 @@ private:
 };
 
 /// Passes a large body from its computation to the connection, and copies it for the cache unless it is too large.
-class Computing::Outlet : public api::BodyTaker {
+class Computing::TeeWriter : public api::BodyTaker {
 public:
     /// @param largest  size limit of cached bodies, in bytes
-    Outlet(PendingResult<ComputedAnswer>& pending, const api::Timings& timings, std::size_t largest,
-           MemoryBudget& memory)
+    TeeWriter(PendingResult<ComputedAnswer>& pending, const api::Timings& timings, std::size_t largest,
+              MemoryBudget& memory)
         : pending_(pending), timings_(timings), largest_(largest), memory_(memory) {}
-    ~Outlet() override { close(failure(ErrorCode::Internal, "the answer was not written completely")); }
-    Outlet(const Outlet&) = delete;
-    Outlet& operator=(const Outlet&) = delete;
+    ~TeeWriter() override { close(failure(ErrorCode::Internal, "the answer was not written completely")); }
+    TeeWriter(const TeeWriter&) = delete;
+    TeeWriter& operator=(const TeeWriter&) = delete;
 
     Result<void> begin(const api::Answer& head) override {
         copy_ = head;
-        pending_.finish(ComputedAnswer{head, {}, passage_}, timings_);
+        pending_.finish(ComputedAnswer{head, {}, pipe_}, timings_);
         return {};
     }
 
@@ -165,14 +165,14 @@ public:
         } else {
             copy_.reset();
         }
-        return passage_->push(piece);
+        return pipe_->push(piece);
     }
 
     /// Ends the body. An error means that it is incomplete.
-    void close(Result<void> outcome) { passage_->close(std::move(outcome), timings_, memory_); }
+    void close(Result<void> outcome) { pipe_->close(std::move(outcome), timings_, memory_); }
 
     /// Stops the computation once nobody reads the body any more.
-    std::stop_source& stop() { return passage_->stop(); }
+    std::stop_source& stop() { return pipe_->stop(); }
 
     /// Returns the complete answer once the body has ended; null if it is too large for the cache.
     const api::Answer* copy() const { return copy_ ? &*copy_ : nullptr; }
@@ -182,7 +182,7 @@ private:
     const api::Timings& timings_;
     const std::size_t largest_;
     MemoryBudget& memory_;
-    const std::shared_ptr<Passage> passage_ = std::make_shared<Passage>();
+    const std::shared_ptr<BodyPipe> pipe_ = std::make_shared<BodyPipe>();
     std::optional<api::Answer> copy_;
 };
 
@@ -249,11 +249,11 @@ HttpResult<Response> Computing::compute(const AcceptedPointer& asked, bool compr
     auto product = run(asked, forecast->cost, compressed, incoming, limit);
     if (!product) return tl::unexpected(std::move(product.error()));
     api::Answer& answer = product->answer;
-    if (!product->passage && !answer.partial)
+    if (!product->pipe && !answer.partial)
         cache_.keep(cache_key(asked->name, compressed, cache_owner(incoming.connection)), answer);
     incoming.record.computed = Computed{answer.sites, answer.pixels};
     Response response = response_of(std::move(answer), asked->name, incoming.record);
-    if (product->passage) response.stream = stream_of(*product, incoming, deadline + kGrace + Passage::kPatience);
+    if (product->pipe) response.stream = stream_of(*product, incoming, deadline + kGrace + BodyPipe::kPatience);
     response.lease = std::make_shared<MemoryBudget::Lease>(std::move(product->lease));
     return response;
 }
@@ -261,10 +261,9 @@ HttpResult<Response> Computing::compute(const AcceptedPointer& asked, bool compr
 /// Makes the function that sends a large body while it is written.
 /// @param latest  time by which the computation must have ended
 Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& incoming, Clock::time_point latest) const {
-    return [this, passage = computed.passage, &connection = incoming.connection, latest](const Send& send,
-                                                                                         Record& record) {
-        while (!passage->is_over()) {
-            const auto piece = passage->pop(Clock::now() + kPeek);
+    return [this, pipe = computed.pipe, &connection = incoming.connection, latest](const Send& send, Record& record) {
+        while (!pipe->is_over()) {
+            const auto piece = pipe->pop(Clock::now() + kPeek);
             if (piece ? !send(*piece) : connection.client_gone()) {
                 record.cancelled = "client_gone";
             } else if (abandoned_) {
@@ -274,12 +273,12 @@ Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& inco
             } else {
                 continue;
             }
-            passage->abandon();
+            pipe->abandon();
             if (record.cancelled != "client_gone") record.cause = "the answer was not written completely";
             return false;
         }
-        record.stages.work = passage->timings();
-        const auto outcome = passage->outcome();
+        record.stages.work = pipe->timings();
+        const auto outcome = pipe->outcome();
         if (!outcome) record.cause = outcome.error().message;
         return outcome.has_value();
     };
@@ -433,15 +432,14 @@ HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& aske
     const bool in_pieces = incoming.request.method != "HEAD";
     Task<ComputedAnswer> task = [this, asked, compressed, key, in_pieces](const Control& control, api::Timings& timings,
                                                                           PendingResult<ComputedAnswer>& pending) {
-        Outlet outlet(pending, timings, cache_.largest(), pool_.memory());
-        const std::stop_callback pass_on(control.stop, [&outlet] { outlet.stop().request_stop(); });
+        TeeWriter tee(pending, timings, cache_.largest(), pool_.memory());
+        const std::stop_callback pass_on(control.stop, [&tee] { tee.stop().request_stop(); });
         Control own = control;
-        own.stop = outlet.stop().get_token();
+        own.stop = tee.stop().get_token();
         auto answer =
-            compute_(asked->request, {compressed, in_pieces ? &outlet : nullptr, pending.unwanted()}, own, timings);
-        if (answer && answer->streamed && outlet.copy() != nullptr && !answer->partial)
-            cache_.keep(key, *outlet.copy());
-        outlet.close(answer.map([](const api::Answer&) {}));
+            compute_(asked->request, {compressed, in_pieces ? &tee : nullptr, pending.unwanted()}, own, timings);
+        if (answer && answer->streamed && tee.copy() != nullptr && !answer->partial) cache_.keep(key, *tee.copy());
+        tee.close(answer.map([](const api::Answer&) {}));
         return std::move(answer).map([this](api::Answer&& whole) {
             const std::size_t size = whole.body.size();
             return ComputedAnswer{std::move(whole), pool_.memory().hold(size)};

@@ -58,7 +58,7 @@ private:
     struct ComputedAnswer;
     template <class T>
     class PendingResult;
-    class Outlet;
+    class TeeWriter;
 
     /// Properties of a parsed request that determine how it is run.
     struct Forecast {

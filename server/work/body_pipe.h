@@ -21,7 +21,7 @@ namespace ccdt::server {
 /// If the client receives fast enough, almost nothing is buffered. A slow client makes the worker wait for a few
 /// seconds at most. Then the rest is buffered, in the memory reserved for the computation, and the worker becomes free.
 /// Both threads may call it.
-class Passage {
+class BodyPipe {
 public:
     using Clock = std::chrono::steady_clock;
 
@@ -29,7 +29,7 @@ public:
     static constexpr std::size_t kMostHeld = std::size_t{4} << 20;
     static constexpr std::chrono::seconds kPatience{5};
 
-    explicit Passage(Clock::duration patience = kPatience) : patience_(patience) {}
+    explicit BodyPipe(Clock::duration patience = kPatience) : patience_(patience) {}
 
     /// Appends a piece. Errors: Stopped if the reader has abandoned the pipe.
     Result<void> push(std::string_view piece);
