@@ -27,10 +27,10 @@ std::shared_ptr<const api::Answer> ResultCache::find(const std::string& name) {
 
 std::shared_ptr<const api::Answer> ResultCache::find_here(const std::string& name) {
     const std::lock_guard lock(mutex_);
-    const auto place = places_.find(name);
-    if (place == places_.end()) return nullptr;
-    entries_.splice(entries_.begin(), entries_, place->second);
-    return place->second->answer;
+    const auto found = by_name_.find(name);
+    if (found == by_name_.end()) return nullptr;
+    entries_.splice(entries_.begin(), entries_, found->second);
+    return found->second->answer;
 }
 
 void ResultCache::keep(const std::string& name, const api::Answer& answer) {
@@ -50,16 +50,16 @@ void ResultCache::keep_here(const std::string& name, std::shared_ptr<const api::
 
 void ResultCache::add(const std::string& name, std::shared_ptr<const api::Answer> answer, std::size_t bytes) {
     const std::lock_guard lock(mutex_);
-    if (places_.contains(name)) return;
+    if (by_name_.contains(name)) return;
     while (load_.bytes + bytes > most_) {
         load_.bytes -= entries_.back().bytes;
-        places_.erase(entries_.back().name);
+        by_name_.erase(entries_.back().name);
         entries_.pop_back();
     }
     entries_.push_front({name, std::move(answer), bytes});
     load_.bytes += bytes;
     load_.answers = entries_.size();
-    places_.emplace(entries_.front().name, entries_.begin());
+    by_name_.emplace(entries_.front().name, entries_.begin());
 }
 
 ResultCache::Load ResultCache::load() const {

@@ -59,9 +59,10 @@ private:
 
     const std::size_t most_;
     std::optional<RedisCache> shared_;
-    mutable std::mutex mutex_;                                                 ///< guards the rest
-    std::list<Entry> entries_;                                                 ///< most recently used first
-    std::unordered_map<std::string_view, std::list<Entry>::iterator> places_;  ///< keys are views of the entries' names
+    mutable std::mutex mutex_;  ///< guards the rest
+    std::list<Entry> entries_;  ///< most recently used first
+    std::unordered_map<std::string_view, std::list<Entry>::iterator>
+        by_name_;  ///< keys are views of the entries' names
     Load load_;
 };
 

@@ -27,21 +27,21 @@ Error error_of(const RedisReply& reply, const RedisAddress& address) {
 
 }  // namespace
 
-class RedisClient::Turn {
+class RedisClient::Permit {
 public:
-    Turn(RedisClient& client, Clock::time_point deadline) : client_(client) {
+    Permit(RedisClient& client, Clock::time_point deadline) : client_(client) {
         std::unique_lock lock(client_.mutex_);
         has_ = client_.free_.wait_until(lock, deadline, [&] { return client_.in_use_ < kMostConnections; });
         if (has_) ++client_.in_use_;
     }
-    ~Turn() {
+    ~Permit() {
         if (!has_) return;
         const std::lock_guard lock(client_.mutex_);
         --client_.in_use_;
         client_.free_.notify_one();
     }
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
+    Permit(const Permit&) = delete;
+    Permit& operator=(const Permit&) = delete;
 
     explicit operator bool() const { return has_; }
 
@@ -102,8 +102,8 @@ std::string RedisClient::setting(std::string_view name) {
 
 Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisCommand> commands,
                                                      Clock::time_point deadline) {
-    const Turn turn(*this, deadline);
-    if (!turn) return failure(ErrorCode::Stopped, "Redis at " + address_.name() + ": too many calls at once");
+    const Permit permit(*this, deadline);
+    if (!permit) return failure(ErrorCode::Stopped, "Redis at " + address_.name() + ": too many calls at once");
     if (auto connection = take_idle()) {
         auto replies = connection->run(commands, deadline);
         if (replies) keep(std::move(connection));

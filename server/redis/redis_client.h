@@ -69,7 +69,7 @@ private:
     using Connection = std::unique_ptr<RedisConnection>;
 
     /// Counts one connection in use.
-    class Turn;
+    class Permit;
 
     Result<std::vector<RedisReply>> attempt(std::span<const RedisCommand> commands, Clock::time_point deadline);
     tl::unexpected<Error> late(const Error& error);
