@@ -7,10 +7,10 @@
 
 namespace ccdt::server {
 
-/// List entry that allows only the hosts or origins of this machine.
+/// List entry for all hosts or origins of this machine.
 inline constexpr std::string_view kLoopback = "loopback";
 
-/// List entry that allows all hosts or origins.
+/// List entry for all hosts or origins.
 inline constexpr std::string_view kAny = "*";
 
 /// Whether a host always means this machine: `localhost`, 127.0.0.1, ::1 and similar.

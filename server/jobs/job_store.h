@@ -87,8 +87,8 @@ public:
     /// @returns  none if the job does not exist or has ended
     virtual Result<std::optional<ComputeRequest>> request(const std::string& id) = 0;
 
-    /// Renews the lease of a claimed job, and stores its progress. The job counts as waiting until the first such call
-    /// with a start time, then as running.
+    /// Renews the lease of a claimed job, and stores its state: waiting or running. The first call with the status
+    /// Running sets the time of the start.
     virtual Result<Hold> hold(const Job& job) = 0;
 
     /// Returns a claimed job to the front of the queue; the start is not counted.
@@ -101,8 +101,8 @@ public:
     /// @returns       false if the job was lost or cancelled
     virtual Result<bool> take(const Job& job, const Taken& before, std::string_view piece) = 0;
 
-    /// Stores the end of a claimed job: deletes its request, keeps its result. Frees space as `add` does; a job without
-    /// a result needs none (LimitExceeded). May be repeated after an error.
+    /// Stores the end of a claimed job: deletes its request, keeps its result. Frees space as `add` does
+    /// (LimitExceeded), which a job without a result does not need. May be repeated after an error.
     /// @param result  the whole result, or the part after the stored pieces, which may be empty
     /// @returns       time of the end; none if the job was lost or cancelled
     virtual Result<std::optional<Time>> finish(const Job& job, std::string_view result, const Taken& before) = 0;

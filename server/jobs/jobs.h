@@ -121,8 +121,8 @@ public:
     };
     HttpResult<Watch> watch(const std::string& id, const std::string& owner) const;
 
-    /// Accepts no more jobs and stops all runs; returns at once. If the store survives, unfinished jobs are left to the
-    /// next process or to other servers; otherwise they fail.
+    /// Stops all runs; returns at once. If the store survives, unfinished jobs are left to the next process or to other
+    /// servers. Otherwise they fail, and no more jobs are accepted.
     void drain();
     bool is_draining() const;
 

@@ -49,7 +49,7 @@ public:
 
     const ResultCache& cache() const { return computing_.cache(); }
 
-    /// Refuses all new computations from now on.
+    /// From now on, refuses new computations as Computing::drain() does, and reports that the server is not ready.
     void drain() {
         draining_ = true;
         computing_.drain();

@@ -52,7 +52,7 @@ public:
     /// @returns  false if accepting failed for any other reason
     bool serve() { return server_.serve(); }
 
-    /// Refuses new connections, computations and jobs from now on. May be called from any thread.
+    /// Stops accepting connections and new computations. May be called from any thread.
     void drain();
 
     /// Answers all clients that wait for a result that the server shuts down.
