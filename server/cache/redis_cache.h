@@ -18,8 +18,8 @@ public:
     /// `client` must outlive this object.
     explicit RedisCache(RedisClient& client) : client_(client) {}
 
-    /// Lists the settings of a Redis that prevent it from storing answers, as far as Redis reveals them. Errors: Redis
-    /// cannot be reached.
+    /// Lists the settings of a Redis that prevent it from storing answers, as far as Redis reveals them.
+    /// Errors: Redis cannot be reached.
     static Result<std::vector<std::string>> find_faults(RedisClient& client);
 
     std::optional<api::Answer> find(const std::string& name);

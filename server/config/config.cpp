@@ -119,7 +119,7 @@ std::optional<std::string> parse_host(std::string_view text) {
     if (const auto address = IpAddress::parse(text)) return address->text();
     const auto is_of_name = [](char c) { return c > ' ' && c < 0x7f && c != ':' && c != '/'; };
     if (text.empty() || has_brackets || !std::ranges::all_of(text, is_of_name)) return std::nullopt;
-    return in_small_letters(text);
+    return to_lower_case(text);
 }
 
 std::string set_allowed_hosts(Draft& draft, std::string_view text) {

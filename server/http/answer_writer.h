@@ -23,14 +23,15 @@ namespace ccdt::server {
 /// |---|---|
 /// | threads and deadlines: http_server.h, connection.h | with 40 silent clients, a ping waits for 24 s |
 /// | reading heads: http.h | takes 93 MB for 200,000 headers; accepts `Content-Length: 10abc`, and two lengths |
-/// | reading bodies: connection.h | reads 500 MB in chunks at a limit of 1 MB; parses unread bodies as the next request
-/// | | pipelined requests: connection.h | answers one of three that arrive at once | | no ranges | takes 2 GB for 2,000
-/// ranges of a 1 MB answer | | compression: compression.h | takes 4.1 s for 2 MB of JSON (brotli at its best), for
-/// which gzip needs 0.2 s | | rows of routes: routes.h | needs 4.6 MB of stack for a regular expression on a path of 8
-/// kB; answers 404 for 405 | | listening: sockets.h | has a backlog of 5 clients; shares its port with any second
-/// server | | TCP_NODELAY: http_server.cpp | takes 44 ms for a small answer on a kept connection without it, 0.04 ms
-/// with it | | streams: http_server.cpp | ends the program if the provider of a body throws | | shutdown: http_server.h
-/// | drops its queue, and waits 4 s for an idle connection |
+/// | reading bodies: connection.h | reads 500 MB of chunks at a limit of 1 MB; parses unread bodies as requests |
+/// | pipelined requests: connection.h | answers one of three that arrive at once |
+/// | no ranges | takes 2 GB for 2,000 ranges of a 1 MB answer |
+/// | compression: compression.h | takes 4.1 s for 2 MB of JSON (brotli at its best), for which gzip needs 0.2 s |
+/// | rows of routes: routes.h | needs 4.6 MB of stack for a regex on a path of 8 kB; answers 404 for 405 |
+/// | listening: sockets.h | has a backlog of 5 clients; shares its port with any second server |
+/// | TCP_NODELAY: http_server.cpp | takes 44 ms for a small answer on a kept connection without it, 0.04 ms with it |
+/// | streams: http_server.cpp | ends the program if the provider of a body throws |
+/// | shutdown: http_server.h | drops its queue, and waits 4 s for an idle connection |
 class AnswerWriter {
 public:
     /// @param idle      time-out of the connection between two requests

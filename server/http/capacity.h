@@ -27,7 +27,6 @@ enum class ConnectionClass {
 ///
 /// Rejects connections at the hard limit. Above the soft limit, time-outs shrink. Connections without a request do not
 /// keep others out: at the limit, the one that has been idle longest is closed. Thread-safe.
-/// keep others out: at the limit, the one that has been idle longest is closed. May be used from any thread.
 class Capacity {
 public:
     struct Limits {

@@ -230,8 +230,9 @@ std::string_view Connection::use(std::size_t size) {
 /// Looks for the end of a line in the received bytes, and receives more until it arrives.
 /// @param begin  start of the line
 /// @param limit  last position that its CRLF may have
-/// @returns      position of the CRLF; npos: beyond the limit Problem besides those of receiving (400): a NUL, or a CR
-///               or LF alone, which other programs might take for the end of a line.
+/// @returns      position of the CRLF; npos: beyond the limit
+/// Problems, in addition to those of receiving: 400 a NUL, or a CR or LF alone, which other programs might take for the
+/// end of a line.
 HttpResult<std::size_t> Connection::find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up) {
     for (std::size_t at = begin;;) {
         const auto received = unread_.view();

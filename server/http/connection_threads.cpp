@@ -43,7 +43,7 @@ ConnectionThreads::Counts ConnectionThreads::counts() const {
 void ConnectionThreads::work(Threads::iterator self) {
     std::unique_lock lock(mutex_);
     while (true) {
-        self->wake.wait_for(lock, rest_, [&] { return self->task || closing_; });
+        self->wake.wait_for(lock, idle_timeout_, [&] { return self->task || closing_; });
         if (!self->task) break;
         auto task = std::exchange(self->task, nullptr);
         lock.unlock();

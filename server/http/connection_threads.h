@@ -15,8 +15,8 @@ namespace ccdt::server {
 /// end. The destructor returns once all tasks are done.
 class ConnectionThreads {
 public:
-    /// @param rest  time-out of an idle thread
-    explicit ConnectionThreads(std::chrono::milliseconds rest) : rest_(rest) {}
+    /// @param idle_timeout  time-out of an idle thread
+    explicit ConnectionThreads(std::chrono::milliseconds idle_timeout) : idle_timeout_(idle_timeout) {}
     ~ConnectionThreads();
 
     ConnectionThreads(const ConnectionThreads&) = delete;
@@ -42,7 +42,7 @@ private:
 
     void work(Threads::iterator self);
 
-    const std::chrono::milliseconds rest_;
+    const std::chrono::milliseconds idle_timeout_;
 
     mutable std::mutex mutex_;  ///< guards the rest; after closing_ is set, the threads belong to the destructor
     bool closing_ = false;

@@ -220,7 +220,7 @@ bool equals_ignoring_case(std::string_view a, std::string_view b) {
     return std::ranges::equal(a, b, {}, to_lower, to_lower);
 }
 
-std::string in_small_letters(std::string_view text) {
+std::string to_lower_case(std::string_view text) {
     std::string small(text);
     std::ranges::transform(small, small.begin(), to_lower);
     return small;
@@ -317,7 +317,7 @@ std::string encode_percent(std::string_view text) {
 }
 
 std::string media_type(std::string_view content_type) {
-    return in_small_letters(api::trim(content_type.substr(0, content_type.find(';'))));
+    return to_lower_case(api::trim(content_type.substr(0, content_type.find(';'))));
 }
 
 std::string header_parameter(std::string_view value, std::string_view name) {

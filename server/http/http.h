@@ -49,7 +49,7 @@ std::string header_parameter(std::string_view value, std::string_view name);
 
 bool equals_ignoring_case(std::string_view a, std::string_view b);
 
-std::string in_small_letters(std::string_view text);
+std::string to_lower_case(std::string_view text);
 
 /// Returns the standard phrase of a status.
 std::string_view status_phrase(int status);

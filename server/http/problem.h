@@ -12,8 +12,8 @@
 
 namespace ccdt::server {
 
-/// Why a request or a job has no result: the only kind of error that clients see. api and core return Errors, which
-/// `problem` converts.
+/// The reason why a request or a job has no result: the only kind of error that clients see. api and core return
+/// Errors, which `problem` converts.
 struct Problem {
     int status = 500;
     Error error;                       ///< as the client sees it

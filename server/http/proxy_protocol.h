@@ -24,7 +24,8 @@ struct ProxyHeader {
 /// Parses the header from the first bytes of a connection.
 ///
 /// Supports both versions, for TCP over IPv4 and IPv6. Other contents of version 2, such as the client's certificate,
-/// are skipped. Problem (400): a header that begins correctly and continues in any other way.
+/// are skipped.
+/// Problem (400): a header that begins correctly and continues in any other way.
 /// Source: The PROXY protocol, versions 1 & 2 (HAProxy Technologies, 2020), sections 2.1 and 2.2.
 HttpResult<ProxyHeader> parse_proxy_header(std::string_view received);
 

@@ -171,28 +171,28 @@ RedisJobStore::RedisJobStore(RedisClient& client, const JobLimits& limits, Notes
     : limits_(limits),
       notes_(std::move(notes)),
       client_(client),
-      subscription_(client.address(), std::string(kPrefix) + "news", hear()) {}
+      subscription_(client.address(), std::string(kPrefix) + "news", callbacks()) {}
 
-RedisSubscription::Told RedisJobStore::hear() {
+RedisSubscription::Callbacks RedisJobStore::callbacks() {
     return {.message = [this](std::string_view message) { tell(message); },
             .begun =
                 [this] {
                     notes_.info("jobs are stored in Redis at " + client_.address().name());
                     for (const auto& fault : find_faults(client_).value_or(std::vector<std::string>()))
                         notes_.warning(fault);
-                    hears_since_ = Clock::now();
+                    subscribed_since_ = Clock::now();
                     news_.tell([](JobListener& listener) { listener.missed(); });
                 },
             .ended =
                 [this](const Error& error) {
-                    hears_since_ = Clock::time_point::max();
+                    subscribed_since_ = Clock::time_point::max();
                     notes_.error("jobs have to wait: " + error.message);
                 }};
 }
 
 void RedisJobStore::listen(JobListener* listener) {
     news_.listen(listener);
-    if (hears_since_.load() != Clock::time_point::max())
+    if (subscribed_since_.load() != Clock::time_point::max())
         news_.tell([](JobListener& now) { now.missed(); });  // otherwise it is notified once the subscription begins
 }
 
@@ -380,7 +380,7 @@ Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& reque
 Result<std::optional<Job>> RedisJobStore::claim(std::size_t memory) {
     const std::string most = std::to_string(memory);
     const std::string lease = text_of(limits_.lease);
-    const auto since = hears_since_.load();
+    const auto since = subscribed_since_.load();
     const bool all_had_time = since < Clock::now() && Clock::now() - since >= limits_.lease;
     const auto reply = run(kClaim, {most, lease, all_had_time ? "1" : "0"});
     if (!reply) return tl::unexpected(reply.error());

@@ -29,7 +29,6 @@ namespace ccdt::server {
 ///
 /// Other programs may overwrite keys. A damaged key is reported and repaired by the call that finds it: see repair.lua.
 /// A damaged request fails its job, and a damaged result is an error (Unusable); bodies have digests.
-/// damaged request fails its job, and a damaged result is an error (Unusable): bodies have digests.
 class RedisJobStore : public JobStore {
 public:
     /// Functions that write log messages.
@@ -79,14 +78,14 @@ private:
     Result<std::optional<std::string>> read_piece(const std::string& key, const std::string& id, std::size_t number);
     tl::unexpected<Error> damaged(const std::string& key);
     Result<std::optional<Job>> job_of(const std::string& id, const Result<RedisReply>& reply) const;
-    RedisSubscription::Told hear();
+    RedisSubscription::Callbacks callbacks();
     void tell(std::string_view news);
 
     const JobLimits limits_;
     const Notes notes_;
     RedisClient& client_;
     JobNews news_;
-    std::atomic<Clock::time_point> hears_since_ = Clock::time_point::max();
+    std::atomic<Clock::time_point> subscribed_since_ = Clock::time_point::max();
     std::atomic<Clock::time_point> next_repair_ = Clock::time_point::min();
     RedisSubscription subscription_;  ///< last, because it uses the other members
 };

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kLongestName = 255;  // Linux' limit
 
 /// Time after which a client may retry.
-constexpr std::chrono::seconds kSoon{1};
+constexpr std::chrono::seconds kRetryAfter{1};
 
 /// @param cause  for the log; empty: no log entry
 tl::unexpected<Problem> no_picture(std::string cause = {}) {
@@ -25,7 +25,7 @@ tl::unexpected<Problem> no_picture(std::string cause = {}) {
 }
 
 tl::unexpected<Problem> failed(const char* what, int error) {
-    if (error == EMFILE || error == ENFILE || error == ENOMEM) return busy(503, "too many files are open", kSoon);
+    if (error == EMFILE || error == ENFILE || error == ENOMEM) return busy(503, "too many files are open", kRetryAfter);
     return problem(500, std::string(what) + ": " + std::strerror(error));
 }
 
@@ -68,7 +68,7 @@ HttpResult<std::string> PictureFile::read() {
         if (count == 0) break;
         done += static_cast<std::size_t>(count);
     }
-    if (done != size_) return busy(503, "the picture is being changed", kSoon);
+    if (done != size_) return busy(503, "the picture is being changed", kRetryAfter);
     bytes.resize(size_);
     return bytes;
 }

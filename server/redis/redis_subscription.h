@@ -21,13 +21,13 @@ public:
     using Clock = std::chrono::steady_clock;
 
     /// Callbacks, which the subscription's thread calls.
-    struct Told {
+    struct Callbacks {
         std::function<void(std::string_view)> message;
         std::function<void()> begun;              ///< subscribed: all later messages are delivered
         std::function<void(const Error&)> ended;  ///< messages may be lost from now on; called once per outage
     };
 
-    RedisSubscription(RedisAddress address, std::string channel, Told told);
+    RedisSubscription(RedisAddress address, std::string channel, Callbacks callbacks);
 
     RedisSubscription(const RedisSubscription&) = delete;
     RedisSubscription& operator=(const RedisSubscription&) = delete;
@@ -35,11 +35,11 @@ public:
 private:
     void listen(const std::stop_token& closing);
     Error listen_once(const std::stop_token& closing);
-    static Error hear(RedisConnection& connection, const Told& told, const std::stop_token& closing);
+    static Error deliver(RedisConnection& connection, const Callbacks& callbacks, const std::stop_token& closing);
 
     const RedisAddress address_;
     const std::string channel_;
-    const Told told_;
+    const Callbacks callbacks_;
     bool begun_ = false;   ///< used by the thread only
     std::jthread thread_;  ///< last, because it uses all other members
 };

@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
 /// Interval at which a connection checks whether its client still waits.
-constexpr std::chrono::milliseconds kPeek{20};
+constexpr std::chrono::milliseconds kPollInterval{20};
 
 /// Time that a computation may take after the deadline to stop and to write a partial answer.
 constexpr std::chrono::seconds kGrace{2};
@@ -209,9 +209,9 @@ HttpResult<Response> Computing::answer(const Operation& operation, const Incomin
     to_compute.body = *std::move(body);
     auto lease = take_memory(to_compute.body.size());
     if (!lease) return tl::unexpected(lease.error());
-    const auto asked = take_in(operation, std::move(to_compute), *std::move(lease));
+    const auto asked = prepare(operation, std::move(to_compute), *std::move(lease));
     if (!asked) return tl::unexpected(asked.error());
-    if (!deferred) return give(*asked, incoming);
+    if (!deferred) return respond(*asked, incoming);
     if (const auto tag = known_tag(incoming, (*asked)->name)) return not_modified(*tag);
     return defer(*asked, incoming);
 }
@@ -228,16 +228,16 @@ HttpResult<Response> Computing::answer(const Operation& operation, PictureFile p
                                                 [](const api::TextOption& option) { return option.name == "format"; });
     ComputeRequest request{std::string(operation.path), std::move(options), kPicture,
                            has_format ? "" : std::string(incoming.request.header("Accept")), *std::move(bytes)};
-    const auto asked = take_in(operation, std::move(request), *std::move(lease));
+    const auto asked = prepare(operation, std::move(request), *std::move(lease));
     if (!asked) return tl::unexpected(asked.error());
-    return give(*asked, incoming);
+    return respond(*asked, incoming);
 }
 
 /// Returns an answer that the client already has, one from the cache, or one that is computed while the client waits.
-HttpResult<Response> Computing::give(const AcceptedPointer& asked, const Incoming& incoming) {
+HttpResult<Response> Computing::respond(const AcceptedPointer& asked, const Incoming& incoming) {
     if (const auto tag = known_tag(incoming, asked->name)) return not_modified(*tag);
     const bool compressed = accepts_gzip(incoming.request.header("Accept-Encoding"));
-    if (auto response = recall(asked->name, compressed, incoming)) return *std::move(response);
+    if (auto response = find_cached(asked->name, compressed, incoming)) return *std::move(response);
     return compute(asked, compressed, incoming);
 }
 
@@ -263,7 +263,7 @@ HttpResult<Response> Computing::compute(const AcceptedPointer& asked, bool compr
 Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& incoming, Clock::time_point latest) const {
     return [this, pipe = computed.pipe, &connection = incoming.connection, latest](const Send& send, Record& record) {
         while (!pipe->is_over()) {
-            const auto piece = pipe->pop(Clock::now() + kPeek);
+            const auto piece = pipe->pop(Clock::now() + kPollInterval);
             if (piece ? !send(*piece) : connection.client_gone()) {
                 record.cancelled = "client_gone";
             } else if (abandoned_) {
@@ -291,7 +291,7 @@ std::string Computing::cache_owner(const Connection& connection) const {
 }
 
 /// Finds the answer of that name if it is cached and there is memory to send it.
-std::optional<Response> Computing::recall(const std::string& name, bool compressed, const Incoming& incoming) {
+std::optional<Response> Computing::find_cached(const std::string& name, bool compressed, const Incoming& incoming) {
     const auto answer = cache_.find(cache_key(name, compressed, cache_owner(incoming.connection)));
     if (answer == nullptr) return std::nullopt;
     auto lease = pool_.memory().take(answer->body.size());
@@ -332,7 +332,7 @@ HttpResult<MemoryBudget::Lease> Computing::take_memory(std::size_t size) {
 }
 
 /// Parses a form into its parts and names the answer.
-HttpResult<Computing::AcceptedPointer> Computing::take_in(const Operation& operation, ComputeRequest request,
+HttpResult<Computing::AcceptedPointer> Computing::prepare(const Operation& operation, ComputeRequest request,
                                                           MemoryBudget::Lease lease) {
     auto fields = find_fields(request);
     if (!fields) return problem(std::move(fields.error()));
@@ -366,8 +366,8 @@ HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& asked
         });
     };
     if (!is_quickly_parsed(asked->operation, asked->request))
-        return have_worker_do<Forecast>([find](const Control&, api::Timings&, auto&) { return find(); },
-                                        cost_of_parsing(asked->operation, asked->request), incoming, {deadline});
+        return run_in_worker<Forecast>([find](const Control&, api::Timings&, auto&) { return find(); },
+                                       cost_of_parsing(asked->operation, asked->request), incoming, {deadline});
     auto found = find();
     if (!found) return problem(std::move(found.error()));
     return *found;
@@ -375,8 +375,8 @@ HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& asked
 
 /// Has a worker run a task, and waits for the result. The record gets the stages so far.
 template <class T>
-HttpResult<T> Computing::have_worker_do(Task<T> task, const api::Cost& cost, const Incoming& incoming,
-                                        const TimeLimit& limit) {
+HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming,
+                                       const TimeLimit& limit) {
     if (cost.memory > pool_.memory().total()) return too_large(cost.memory);
     const auto pending = std::make_shared<PendingResult<T>>();
     const auto job = pool_.submit(
@@ -406,7 +406,7 @@ HttpResult<T> Computing::have_worker_do(Task<T> task, const api::Cost& cost, con
 template <class T>
 HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
                                      const TimeLimit& limit) {
-    while (!pending.wait_until(std::min(Clock::now() + kPeek, limit.deadline))) {
+    while (!pending.wait_until(std::min(Clock::now() + kPollInterval, limit.deadline))) {
         if (incoming.connection.client_gone()) {
             pending.abandon();
             pool_.cancel(job);
@@ -446,7 +446,7 @@ HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& aske
         });
     };
     const double waited = incoming.record.stages.queue;
-    auto product = have_worker_do(std::move(task), cost, incoming, limit);
+    auto product = run_in_worker(std::move(task), cost, incoming, limit);
     incoming.record.stages.queue += waited;
     return product;
 }

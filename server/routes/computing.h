@@ -81,18 +81,18 @@ private:
     HttpResult<void> check_drain(const Incoming& incoming) const;
     HttpResult<std::string> read_body(const Incoming& incoming, bool deferred) const;
     HttpResult<MemoryBudget::Lease> take_memory(std::size_t size);
-    HttpResult<AcceptedPointer> take_in(const Operation& operation, ComputeRequest request, MemoryBudget::Lease lease);
-    HttpResult<Response> give(const AcceptedPointer& asked, const Incoming& incoming);
+    HttpResult<AcceptedPointer> prepare(const Operation& operation, ComputeRequest request, MemoryBudget::Lease lease);
+    HttpResult<Response> respond(const AcceptedPointer& asked, const Incoming& incoming);
     HttpResult<Response> defer(const AcceptedPointer& asked, const Incoming& incoming);
     HttpResult<Forecast> forecast(const AcceptedPointer& asked, const Incoming& incoming, Clock::time_point deadline);
     template <class T>
-    HttpResult<T> have_worker_do(Task<T> task, const api::Cost& cost, const Incoming& incoming, const TimeLimit& limit);
+    HttpResult<T> run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming, const TimeLimit& limit);
     template <class T>
     HttpResult<void> wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
                               const TimeLimit& limit);
     std::string cache_owner(const Connection& connection) const;
     Stream stream_of(const ComputedAnswer& computed, const Incoming& incoming, Clock::time_point latest) const;
-    std::optional<Response> recall(const std::string& name, bool compressed, const Incoming& incoming);
+    std::optional<Response> find_cached(const std::string& name, bool compressed, const Incoming& incoming);
     HttpResult<Response> compute(const AcceptedPointer& asked, bool compressed, const Incoming& incoming);
     HttpResult<ComputedAnswer> run(const AcceptedPointer& asked, const api::Cost& cost, bool compressed,
                                    const Incoming& incoming, const TimeLimit& limit);

@@ -13,9 +13,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Interval at which a stream checks whether its client is still connected.
-constexpr std::chrono::milliseconds kPeek{200};
+constexpr std::chrono::milliseconds kPollInterval{200};
 
-constexpr std::chrono::seconds kSoon{1};
+constexpr std::chrono::seconds kRetryAfter{1};
 
 /// Maximum size of a result that is sent whole, in bytes; larger ones are sent in pieces.
 constexpr std::size_t kWhole = api::Body::kWhole;
@@ -74,7 +74,7 @@ HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view i
     if (const auto tag = find_tag(if_none_match, id)) return not_modified(*tag);
     const bool in_pieces = job->result_bytes > kWhole;
     auto lease = memory_.take(in_pieces ? 2 * JobStore::kPiece : job->result_bytes);
-    if (!lease) return busy(503, "there is too little memory left to send a result of this size", kSoon);
+    if (!lease) return busy(503, "there is too little memory left to send a result of this size", kRetryAfter);
     auto first = in_pieces ? jobs_.piece(id, 0) : jobs_.result(id);
     if (!first) return tl::unexpected(std::move(first.error()));
     Response response;
@@ -135,7 +135,7 @@ void JobRoutes::send_events(Jobs::Watch watch, const Connection& connection, con
     while (!connection.client_gone()) {
         const bool last_look = jobs_.is_draining();
         const auto ping = silent_since + ping_;
-        const auto news = watch.next(last_look ? Clock::now() : std::min(Clock::now() + kPeek, ping));
+        const auto news = watch.next(last_look ? Clock::now() : std::min(Clock::now() + kPollInterval, ping));
         if (!news && (last_look || watch.is_over())) return;
         if (!news && Clock::now() < ping) continue;
         if (!news) watch.look_again();

@@ -30,7 +30,7 @@ void tell(const Confinement& confinement, const Log& log) {
 }
 
 /// Time limit for calls without which a request can be answered: shared answers and rates.
-constexpr std::chrono::milliseconds kBriefly{200};
+constexpr std::chrono::milliseconds kOptionalDeadline{200};
 
 std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& address, std::chrono::milliseconds deadline,
                                        const Log& log) {
@@ -99,7 +99,8 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
     auto computing = start_computing(config, **decoder, log);
     if (!computing) return tl::unexpected(std::move(computing.error()));
     RedisClients redis{client_of(config.redis, RedisClient::kDeadline, log),
-                       client_of(config.cache_redis, kBriefly, log), client_of(config.rate_redis, kBriefly, log)};
+                       client_of(config.cache_redis, kOptionalDeadline, log),
+                       client_of(config.rate_redis, kOptionalDeadline, log)};
     auto gate = start_gate(config, redis.rates.get());
     if (!gate) return tl::unexpected(std::move(gate.error()));
     if (auto checked = check_pictures(config); !checked) return tl::unexpected(std::move(checked.error()));

@@ -12,7 +12,7 @@ namespace ccdt::server {
 namespace {
 
 /// Time to answer waiting clients that there will be no result.
-constexpr std::chrono::milliseconds kLastWords{1'000};
+constexpr std::chrono::milliseconds kTimeToAnswer{1'000};
 
 /// @returns  false if the time has passed
 bool ended_within(std::chrono::milliseconds time, const std::stop_token& ended) {
@@ -59,11 +59,11 @@ bool ShutdownDeadline::wait_for_start(const std::stop_token& ended) {
 }
 
 void ShutdownDeadline::keep(const std::stop_token& ended) {
-    const auto last_words = std::min(kLastWords, timeout_ / 2);
-    if (ended_within(timeout_ - last_words, ended)) return;
+    const auto time_to_answer = std::min(kTimeToAnswer, timeout_ / 2);
+    if (ended_within(timeout_ - time_to_answer, ended)) return;
     log_.info("the time for shutdown is nearly over: unfinished requests are cancelled");
     abandon_();
-    if (ended_within(last_words, ended)) return;
+    if (ended_within(time_to_answer, ended)) return;
     log_.error("the time for shutdown is over: unsent answers are dropped");
     std::_Exit(EXIT_SUCCESS);
 }

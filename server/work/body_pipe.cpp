@@ -10,7 +10,7 @@ Result<void> BodyPipe::push(std::string_view piece) {
     const auto start = Clock::now();
     went_.wait_until(lock, start + patience_, [this] { return abandoned_ || held_ < kMostHeld; });
     patience_ -= std::min(patience_, Clock::now() - start);
-    if (abandoned_) return failure(ErrorCode::Stopped, "nobody takes the answer any more");
+    if (abandoned_) return failure(ErrorCode::Stopped, "the client no longer receives the answer");
     pieces_.emplace_back(piece);
     held_ += piece.size();
     came_.notify_one();
