@@ -23,15 +23,15 @@ constexpr int kWrongUsage = 2;
 
 void reload_keys(Service& service, const Config& config, const Log& log) {
     if (config.api_key_file.empty() && config.signing.file.empty())
-        log.info("SIGHUP is ignored: there is no file of keys to read again");
+        log.info("SIGHUP is ignored: there is no key file to reload");
     else if (const auto read = service.read_keys(); read)
-        log.info("the keys were read again");
+        log.info("the keys were reloaded");
     else
         log.error("the keys stay as they were: " + read.error().message);
 }
 
-/// Serves until a signal comes, accepting fails, or the programs beside this one do not start.
-/// @returns  false if one of these failed
+/// Serves until a signal arrives, accepting fails, or the sibling programs do not start.
+/// @returns  false if serving or a program failed
 bool serve_until_signal(Service& service, const ServerSignals& signals, const Config& config, const Log& log) {
     ShutdownDeadline deadline(
         config.drain_timeout, [&] { service.abandon(); }, log);
@@ -49,7 +49,7 @@ bool serve_until_signal(Service& service, const ServerSignals& signals, const Co
         log.error(ready.error().message);
     deadline.start();
     service.drain();
-    log.info("shutting down: nobody connects any more, whoever has is answered");
+    log.info("shutting down: no new connections are accepted, requests on open ones are answered");
     acceptor.join();
     service.finish();
     log.info("stopped");

@@ -8,14 +8,15 @@
 namespace ccdt::server {
 namespace {
 
-/// Whether a browser asks before a request from another origin, which it does without a key.
+/// Whether a request is a CORS preflight, which browsers send without a key.
 bool is_preflight(const Request& request) {
     return request.method == "OPTIONS" && !request.header("Origin").empty() &&
            !request.header("Access-Control-Request-Method").empty();
 }
 
 tl::unexpected<Problem> no_key(bool none_shown) {
-    auto refused = problem(401, none_shown ? "an API key is needed: Authorization: Bearer KEY" : "the key is unknown");
+    auto refused =
+        problem(401, none_shown ? "an API key is required: Authorization: Bearer KEY" : "the API key is unknown");
     refused.value().headers.push_back({"WWW-Authenticate", "Bearer"});
     return refused;
 }
@@ -83,14 +84,14 @@ Gate::Verdict Gate::check_signature(const KeyRing& ring, const Request& request,
     return verdict;
 }
 
-/// Counts a request, and refuses it if it came too soon.
+/// Counts a request, and refuses it if the rate limit is exceeded.
 HttpResult<void> Gate::count(const std::string& client) {
     const auto wait = client.empty() ? std::chrono::seconds(0) : take(client);
     if (wait.count() == 0) return {};
     return busy(429, "too many requests for this key or address (rate-limit)", wait);
 }
 
-/// Counts a request where all servers do, or if that cannot be had here.
+/// Counts a request in Redis, or locally if Redis is not configured or does not reply.
 std::chrono::seconds Gate::take(const std::string& client) {
     const auto wait = shared_ ? shared_->take(client) : std::nullopt;
     return wait ? *wait : limiter_.take(client);

@@ -16,22 +16,22 @@
 
 namespace ccdt::server {
 
-/// Decides whether a request may pass: it needs what the server asks for, and must not come too often.
+/// Checks the credentials and the rate of requests before they are handled.
 ///
-/// The rate is counted by key, or by address for those without a good one, so that keys cannot be guessed fast. Over a
-/// Unix socket clients have no address, and are not limited without a key. Browsers send no keys with preflights, which
-/// need none, and count by address. Whoever has a signed URL counts by address, too: all visitors of a page have URLs
-/// of one key. May be used from any thread.
+/// Requests are counted by API key, or by address if they have no valid key, so that keys cannot be guessed quickly.
+/// Clients of a Unix socket have no address; without a key their rate is not limited. Browsers send preflights without
+/// keys, so preflights need none and are counted by address. Requests with a signed URL are also counted by address,
+/// because all visitors of a page have URLs signed by the same key. Thread-safe.
 class Gate {
 public:
-    /// Credential that a request needs in order to pass.
+    /// Credential that a request needs.
     enum class Credential {
-        None,      ///< nothing, whatever it shows, and it does not count
-        Key,       ///< an API key, if there are any
-        Signature  ///< the signature of a signing key, if there are any; else as Key
+        None,      ///< none; the request is not counted
+        Key,       ///< an API key, if any are configured
+        Signature  ///< the signature of a signing key, if any are configured; otherwise the same as Key
     };
 
-    /// Source of the signing keys: a file, or one key itself. If both are empty, there are none.
+    /// Source of the signing keys: a file or a single key. If both are empty, there are no signing keys.
     struct SigningKeys {
         std::string file;
         std::string key;
@@ -39,30 +39,30 @@ public:
         bool empty() const { return file.empty() && key.empty(); }
     };
 
-    /// Characters of the shortest signing key. Whoever sees a signed URL can try keys as fast as its computers allow.
+    /// Minimum length of a signing key, in characters. Whoever has a signed URL can try keys offline.
     static constexpr std::size_t kShortestSigningKey = 32;
 
     struct Verdict {
-        std::string key;             ///< the name of the API key that was shown; empty: none
-        std::string client;          ///< who asks: the key or the address
-        HttpResult<void> admission;  ///< why the request may not pass, if it may not
-        std::string signer;          ///< the name of the key that signed the URL; empty: none
+        std::string key;             ///< name of the API key that the request has; empty: none
+        std::string client;          ///< the key or the address, by which the request is counted
+        HttpResult<void> admission;  ///< why the request is refused, if it is
+        std::string signer;          ///< name of the key that signed the URL; empty: none
     };
 
     /// @param key_file  empty: no key is needed
-    /// @param shared    Redis where servers count together, which must outlive it; null: each counts by itself
+    /// @param shared    Redis in which several servers count together; must outlive the gate; null: counts are local
     Gate(std::string key_file, const RateLimiter::Rate& rate, RedisClient* shared = nullptr, SigningKeys signing = {})
         : key_file_(std::move(key_file)), signing_(std::move(signing)), limiter_(rate) {
         if (shared != nullptr) shared_.emplace(*shared, rate);
     }
 
-    /// Reads the keys that are configured. After an error they are what they were.
+    /// Reads the configured keys. After an error, the keys stay as they were.
     Result<void> read_keys();
 
     Verdict check(const Request& request, const std::string& address, Credential needed = Credential::Key);
 
 private:
-    /// Keys of both kinds; null: there are none of it.
+    /// The keys of both kinds; null: none are configured.
     struct Keys {
         std::shared_ptr<const KeyRing> api;
         std::shared_ptr<const KeyRing> signing;
@@ -83,8 +83,8 @@ private:
     Keys keys_;
 };
 
-/// Reads signing keys: of the file or, if none is named, the key itself. None of either: null.
-/// Errors: those of KeyRing, which name the file or the variable.
+/// Reads the signing keys from the file or, if no file is named, from `key`. Returns null if both are empty.
+/// Errors: those of KeyRing; the message names the file or the variable.
 Result<std::shared_ptr<const KeyRing>> read_signing_keys(const Gate::SigningKeys& signing);
 
 }  // namespace ccdt::server

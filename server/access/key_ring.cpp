@@ -17,7 +17,7 @@ constexpr std::size_t kLongestKey = 256;
 constexpr std::size_t kLongestName = 64;
 constexpr std::string_view kBlanks = " \t\r";
 
-/// Compares without leaving early: the time tells neither where two keys differ nor how long the real one is.
+/// Compares in constant time: the time reveals neither where two keys differ nor how long the real one is.
 bool is_same(std::string_view real, std::string_view shown) {
     unsigned difference = real.size() == shown.size() ? 0 : 1;
     for (std::size_t i = 0; i < kLongestKey; ++i) {
@@ -34,7 +34,7 @@ bool is_key(std::string_view text, std::size_t shortest) {
 }
 
 std::string wanted_key(std::size_t shortest) {
-    return "a key has " + std::to_string(shortest) + " to " + std::to_string(kLongestKey) + " visible characters";
+    return "a key must have " + std::to_string(shortest) + " to " + std::to_string(kLongestKey) + " visible characters";
 }
 
 tl::unexpected<Error> wrong_line(std::size_t number, const std::string& why) {
@@ -52,12 +52,13 @@ Result<KeyRing> KeyRing::parse(std::string_view text, std::size_t shortest) {
         const auto name = line.substr(0, separator);
         const auto key = api::trim(line.substr(std::min(separator + 1, line.size())), kBlanks);
         if (!api::is_plain_name(name, kLongestName))
-            return wrong_line(number, "a name has up to 64 letters, digits, dots, dashes");
+            return wrong_line(number, "a name must have 1 to 64 letters, digits, dots or dashes");
         if (!is_key(key, shortest)) return wrong_line(number, wanted_key(shortest));
-        if (ring.find(key).value_or(std::string(name)) != name) return wrong_line(number, "another name has this key");
+        if (ring.find(key).value_or(std::string(name)) != name)
+            return wrong_line(number, "this key already has another name");
         ring.entries_.push_back({std::string(name), std::string(key)});
     }
-    if (ring.entries_.empty()) return failure(ErrorCode::Malformed, "there is no key");
+    if (ring.entries_.empty()) return failure(ErrorCode::Malformed, "there are no keys");
     return ring;
 }
 

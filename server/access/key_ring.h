@@ -11,29 +11,29 @@
 
 namespace ccdt::server {
 
-/// The keys that clients may show.
+/// The keys that clients may use.
 class KeyRing {
 public:
     static constexpr std::size_t kShortestKey = 16;
 
-    /// Reads lines of `name:key` or `name key`; empty ones and those that begin with # say nothing. A name may have
-    /// several keys, so that one can be replaced while both are good.
-    /// Errors (Malformed): a line that is none of these, a key of fewer than `shortest` or more than 256 characters,
-    /// two names for a key, no key at all. The message names the line, never the key.
+    /// Parses lines of `name:key` or `name key`. Empty lines and lines that begin with # are ignored. A name may have
+    /// several keys, so that a key can be replaced while the old one is still valid.
+    /// Errors (Malformed): a line of any other form, a key of fewer than `shortest` or more than 256 characters, a key
+    /// with two names, no key at all. The message names the line, never the key.
     static Result<KeyRing> parse(std::string_view text, std::size_t shortest = kShortestKey);
 
-    /// Errors: as above; (Unusable) the file cannot be read.
+    /// Errors: those of parse(); Unusable if the file cannot be read.
     static Result<KeyRing> read(const std::string& file, std::size_t shortest = kShortestKey);
 
-    /// Makes a ring of one key. Errors: as above, without a line.
+    /// Makes a ring of one key. Errors: those of parse(), without a line number.
     static Result<KeyRing> of(std::string name, std::string key, std::size_t shortest = kShortestKey);
 
-    /// Finds whose key it is; none: nobody's. Takes the same time whatever keys there are and however much of one is
-    /// right.
+    /// Finds the name of a key; none if it is unknown. The time taken depends neither on the keys nor on how much of
+    /// `key` is correct.
     std::optional<std::string> find(std::string_view key) const;
 
-    /// Finds whose key makes that signature of a text, as `sign` does; none: nobody's. Takes the same time however much
-    /// of the signature is right.
+    /// Finds the name of the key with which `sign` makes this signature of the text; none if no key does. The time
+    /// taken does not depend on how much of the signature is correct.
     std::optional<std::string> find_signer(std::string_view text, std::string_view signature) const;
 
 private:
@@ -47,7 +47,7 @@ private:
     std::vector<Entry> entries_;
 };
 
-/// The key of an Authorization header, `Bearer KEY`; empty if it is none.
+/// Returns the key of an Authorization header of the form `Bearer KEY`; empty for any other header.
 std::string_view bearer_key(std::string_view authorization);
 
 }  // namespace ccdt::server

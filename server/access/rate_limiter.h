@@ -9,23 +9,23 @@
 
 namespace ccdt::server {
 
-/// A bucket of tokens for each client: a request takes one, and they come back at a steady rate.
+/// A token bucket for each client. A request takes one token; tokens are refilled at a constant rate.
 ///
-/// Remembers the 65,536 clients that asked last; whoever was forgotten has a full bucket again. May be used from any
-/// thread.
+/// Stores the 65,536 clients of the most recent requests. The bucket of a client that was dropped is full again.
+/// Thread-safe.
 class RateLimiter {
 public:
     using Clock = std::chrono::steady_clock;
 
     struct Rate {
-        double per_second = 0;   ///< 0: no limit
-        std::size_t burst = 20;  ///< tokens in a full bucket
+        double per_second = 0;   ///< tokens per second; 0: no limit
+        std::size_t burst = 20;  ///< capacity of a bucket, in tokens
     };
 
     explicit RateLimiter(const Rate& rate, std::size_t most_clients = 65'536)
         : rate_(rate), most_clients_(most_clients) {}
 
-    /// @returns  0 if the request may pass, else after how many seconds there will be a token
+    /// @returns  0 if the request may pass, otherwise the number of seconds until a token is available
     std::chrono::seconds take(const std::string& client, Clock::time_point now = Clock::now());
 
     std::size_t size() const;
@@ -43,7 +43,7 @@ private:
     const std::size_t most_clients_;
 
     mutable std::mutex mutex_;   ///< guards the rest
-    std::list<Bucket> buckets_;  ///< who asked last comes first
+    std::list<Bucket> buckets_;  ///< most recent client first
     std::unordered_map<std::string, std::list<Bucket>::iterator> by_client_;
 };
 

@@ -7,13 +7,13 @@
 namespace ccdt::server {
 namespace {
 
-/// Before the clients; the number is the version of what is kept.
+/// Prefix of the keys. The number is the version of the stored layout.
 constexpr std::string_view kPrefix = "ccdt:1:rate:";
 
-/// As RateLimiter does, by the clock of Redis; a bucket that is full is none.
+/// The rule of RateLimiter by the clock of Redis. Full buckets are not stored: they expire.
 const RedisScript kTake("allow-oom", {R"lua(
--- tokens a second, tokens in a full bucket -> seconds until there is a token, 0 if one was taken; whether the bucket
--- was damaged, 1 or 0, which is taken for full then
+-- (tokens per second, capacity of a bucket) -> seconds until a token is available, or 0 if one was taken; 1 if the
+-- bucket was damaged and therefore counts as full, otherwise 0
 local rate, burst = tonumber(ARGV[1]), tonumber(ARGV[2])
 local time = redis.call('TIME')
 local now = time[1] + time[2] / 1000000

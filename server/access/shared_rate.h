@@ -9,16 +9,16 @@
 
 namespace ccdt::server {
 
-/// Buckets of tokens in a Redis, one for each client over all servers, as RateLimiter has them for one. May be used
-/// from any thread.
+/// Token buckets in Redis, one for each client of all servers. They have the same rules as those of RateLimiter.
+/// Thread-safe.
 class SharedRate {
 public:
-    /// The client must outlive it.
+    /// `client` must outlive this object.
     SharedRate(RedisClient& client, const RateLimiter::Rate& rate) : client_(client), rate_(rate) {}
 
-    /// Takes a token. A bucket that others have written over is reported, and taken for full.
-    /// @returns  0 if the request may pass, else after how many seconds there will be a token; none if Redis does not
-    ///           tell
+    /// Takes a token. A damaged bucket is reported and replaced by a full one.
+    /// @returns  0 if the request may pass, otherwise the number of seconds until a token is available; none if Redis
+    ///           does not reply
     std::optional<std::chrono::seconds> take(const std::string& client);
 
 private:

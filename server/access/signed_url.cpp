@@ -31,7 +31,7 @@ HttpResult<SignedUrl> SignedUrl::parse(std::string_view resource) {
         }
         if (url.expires) return problem(400, "expires is given more than once");
         url.expires = api::parse_number<std::uint64_t>(parameter.substr(kExpires.size()));
-        if (!url.expires) return problem(400, "expires must be a whole number, of seconds since 1970");
+        if (!url.expires) return problem(400, "expires must be a whole number: seconds since 1970");
     }
     return url;
 }
@@ -39,7 +39,7 @@ HttpResult<SignedUrl> SignedUrl::parse(std::string_view resource) {
 HttpResult<std::string> SignedUrl::check(const KeyRing& keys, std::chrono::sys_seconds now) const {
     if (!signature) return problem(403, "this URL must be signed: its last parameter must be `signature`");
     const auto signer = keys.find_signer(text, *signature);
-    if (!signer) return problem(403, "the signature is not that of this path and query by a key of this server");
+    if (!signer) return problem(403, "the signature does not match this path and query with any key of this server");
     const auto seconds = std::max<std::int64_t>(now.time_since_epoch().count(), 0);
     if (expires && static_cast<std::uint64_t>(seconds) >= *expires)
         return problem(403, "the URL has expired (expires)");

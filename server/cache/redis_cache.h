@@ -10,21 +10,21 @@
 
 namespace ccdt::server {
 
-/// Answers in a Redis, where servers share them. What goes first when its memory is full Redis decides; after a day all
-/// do. An answer that cannot be had, for whatever reason, is none. One that others have written over is removed:
-/// entries have digests. May be used from any thread.
+/// Answers in Redis, shared by servers. Redis decides which answers it drops when its memory is full; all expire after
+/// a day. An answer that cannot be retrieved, for whatever reason, counts as absent. Entries have digests, so an entry
+/// that was overwritten by something else is detected and removed. Thread-safe.
 class RedisCache {
 public:
-    /// The client must outlive it.
+    /// `client` must outlive this object.
     explicit RedisCache(RedisClient& client) : client_(client) {}
 
-    /// Finds what of the settings of a Redis keeps answers out of it, as far as it tells them. Errors: it cannot be
-    /// reached.
+    /// Lists the settings of a Redis that prevent it from storing answers, as far as Redis reveals them.
+    /// Errors: Redis cannot be reached.
     static Result<std::vector<std::string>> find_faults(RedisClient& client);
 
     std::optional<api::Answer> find(const std::string& name);
 
-    /// Keeps an answer of at most `kLargest` bytes: others would wait for larger ones.
+    /// Stores an answer of at most `kLargest` bytes. Larger ones would delay other calls.
     void keep(const std::string& name, const api::Answer& answer);
 
     static constexpr std::size_t kLargest = std::size_t{4} << 20;

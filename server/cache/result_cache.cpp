@@ -6,13 +6,13 @@
 namespace ccdt::server {
 namespace {
 
-/// Bytes of an entry besides its texts: nodes of the list and the table, and what the allocator adds.
+/// Bytes of an entry besides its texts: nodes of the list and of the table, and the allocator's overhead.
 constexpr std::size_t kOverhead = 512;
 
 }  // namespace
 
 std::shared_ptr<const api::Answer> ResultCache::find(const std::string& name) {
-    if (most_ == 0 && !shared_) return nullptr;  // then nothing counts as missed
+    if (most_ == 0 && !shared_) return nullptr;  // a miss is not counted without a cache
     auto answer = find_here(name);
     if (!answer && shared_) {
         if (auto shared = shared_->find(name)) {
@@ -27,10 +27,10 @@ std::shared_ptr<const api::Answer> ResultCache::find(const std::string& name) {
 
 std::shared_ptr<const api::Answer> ResultCache::find_here(const std::string& name) {
     const std::lock_guard lock(mutex_);
-    const auto place = places_.find(name);
-    if (place == places_.end()) return nullptr;
-    entries_.splice(entries_.begin(), entries_, place->second);
-    return place->second->answer;
+    const auto found = by_name_.find(name);
+    if (found == by_name_.end()) return nullptr;
+    entries_.splice(entries_.begin(), entries_, found->second);
+    return found->second->answer;
 }
 
 void ResultCache::keep(const std::string& name, const api::Answer& answer) {
@@ -39,7 +39,7 @@ void ResultCache::keep(const std::string& name, const api::Answer& answer) {
     try {
         keep_here(name, std::make_shared<const api::Answer>(answer));
     } catch (const std::bad_alloc&) {
-        // For want of memory it is computed again next time.
+        // Without memory the answer is not cached.
     }
 }
 
@@ -50,16 +50,16 @@ void ResultCache::keep_here(const std::string& name, std::shared_ptr<const api::
 
 void ResultCache::add(const std::string& name, std::shared_ptr<const api::Answer> answer, std::size_t bytes) {
     const std::lock_guard lock(mutex_);
-    if (places_.contains(name)) return;
+    if (by_name_.contains(name)) return;
     while (load_.bytes + bytes > most_) {
         load_.bytes -= entries_.back().bytes;
-        places_.erase(entries_.back().name);
+        by_name_.erase(entries_.back().name);
         entries_.pop_back();
     }
     entries_.push_front({name, std::move(answer), bytes});
     load_.bytes += bytes;
     load_.answers = entries_.size();
-    places_.emplace(entries_.front().name, entries_.begin());
+    by_name_.emplace(entries_.front().name, entries_.begin());
 }
 
 ResultCache::Load ResultCache::load() const {

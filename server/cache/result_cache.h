@@ -18,8 +18,8 @@
 
 namespace ccdt::server {
 
-/// Answers that were computed, to be given again: here, where what was not asked for longest goes first, and in a Redis
-/// that servers share, if there is one. May be used from any thread; O(1) an operation, but for what has to go.
+/// Computed answers, kept for repeated requests: a local LRU cache and, optionally, a Redis shared by servers.
+/// Thread-safe. O(1) per operation, plus the eviction of old entries.
 class ResultCache {
 public:
     struct Load {
@@ -29,19 +29,19 @@ public:
         std::uint64_t misses = 0;
     };
 
-    /// @param bytes   that answers may take; 0: none is kept here
-    /// @param shared  Redis, which must outlive it; null: none
+    /// @param bytes   capacity of the local cache; 0: no local cache
+    /// @param shared  Redis, which must outlive this object; null: none
     explicit ResultCache(std::size_t bytes, RedisClient* shared = nullptr) : most_(bytes) {
         if (shared != nullptr) shared_.emplace(*shared);
     }
 
-    /// @returns  null if there is none of that name
+    /// @returns  null if there is no answer of that name
     std::shared_ptr<const api::Answer> find(const std::string& name);
 
-    /// Keeps a copy, unless it would take more than a quarter of the room: one answer must not drive out all others.
+    /// Stores a copy unless it would take more than a quarter of the capacity: one answer must not evict all others.
     void keep(const std::string& name, const api::Answer& answer);
 
-    /// Bytes of the largest body that is kept.
+    /// Size limit of stored bodies, in bytes.
     std::size_t largest() const { return std::max(most_ / 4, shared_ ? RedisCache::kLargest : 0); }
 
     Load load() const;
@@ -59,9 +59,10 @@ private:
 
     const std::size_t most_;
     std::optional<RedisCache> shared_;
-    mutable std::mutex mutex_;                                                 ///< guards the rest
-    std::list<Entry> entries_;                                                 ///< the latest first
-    std::unordered_map<std::string_view, std::list<Entry>::iterator> places_;  ///< by the entries' own names
+    mutable std::mutex mutex_;  ///< guards the rest
+    std::list<Entry> entries_;  ///< most recently used first
+    std::unordered_map<std::string_view, std::list<Entry>::iterator>
+        by_name_;  ///< keys are views of the entries' names
     Load load_;
 };
 

@@ -24,22 +24,22 @@ namespace ccdt::server {
 
 struct Order;
 
-/// Computes answers in processes that may crash: each costs its own request only.
+/// Computes answers in separate processes, so that a crash costs only the request that caused it.
 ///
-/// A fork server, a program of its own, makes a process whenever none is idle; there are as many as ever computed at
-/// the same time. A process that is killed from outside, as by a system without memory, has done nothing wrong: its
-/// computation is begun again, once. Members may be called from any thread.
+/// A fork server, which is a separate program, makes a process whenever none is idle. So there are as many processes as
+/// ever computed at the same time. If a process is killed from outside, for example because the machine ran out of
+/// memory, its computation is started again, once. Thread-safe.
 class ComputeBox {
 public:
-    /// Hands a process' order on to the decoder; its outcome goes to the process itself.
+    /// Passes a process' order on to the decoder. The result goes directly to the process.
     using Relay = std::function<void(const Order& order, const std::stop_token& stop)>;
 
     struct Options {
         api::Limits limits;
-        std::chrono::seconds to_stop{5};  ///< what a computation may take from its stop to its end
+        std::chrono::seconds to_stop{5};  ///< time limit from a request to stop until the computation ends
 
-        /// The same where nobody wants the answer any more. A process takes about a millisecond to be made, and 3 GB a
-        /// quarter of a second to be given back.
+        /// Time limit when nobody waits for the answer any more. Starting a process takes about a millisecond; freeing
+        /// 3 GB takes a quarter of a second.
         std::chrono::milliseconds to_leave{50};
     };
 
@@ -52,32 +52,32 @@ public:
     ComputeBox(const ComputeBox&) = delete;
     ComputeBox& operator=(const ComputeBox&) = delete;
 
-    /// Waits until processes can be made for the first time. Errors: Internal; none are ever made then.
+    /// Waits until the fork server is ready for the first time. Errors: Internal if it never will be.
     Result<void> wait_until_ready() { return fork_server_->wait_until_ready(); }
 
-    /// Computes an answer: see Compute. The process gives way to others as much as the calling thread does. A
-    /// computation that does not stop in time is ended with its process; that counts as overdue if somebody waits.
+    /// Computes an answer: see Compute. The process has the nice value of the calling thread. A computation that does
+    /// not stop in time is ended with its process; if somebody waits for the answer, it is counted as overdue.
     Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
                                 api::Timings& timings);
 
-    /// Has each computation use so many threads, of which one is its process' own, from its next step on.
+    /// Lets each computation use this many threads from its next step on, including its process' main thread.
     void lend(std::size_t threads) { threads_.store(static_cast<std::uint32_t>(threads)); }
 
-    /// Threads that each computation may have now: 1 at first.
+    /// Number of threads that each computation may use now; initially 1.
     std::size_t lent() const { return threads_.load(); }
 
-    /// Whether processes can be made now, or are about to be for the first time.
+    /// Whether processes can be made now, or soon for the first time.
     bool is_ready() const { return fork_server_->is_ready(); }
 
-    /// Whether the fork server has answered lately.
+    /// Whether the fork server has replied recently.
     bool is_responsive() const { return fork_server_->is_responsive(); }
 
     struct Counts {
-        std::uint64_t crashes = 0;         ///< processes that ended by themselves while they computed
-        std::uint64_t overdue = 0;         ///< processes ended since they did not stop at a deadline
-        std::uint64_t restarts = 0;        ///< of the fork server
-        std::uint64_t silences = 0;        ///< times that the fork server stopped answering
-        std::uint64_t decoder_deaths = 0;  ///< pictures whose decoder crashed, passed a limit or gave nonsense
+        std::uint64_t crashes = 0;         ///< processes that crashed while they computed
+        std::uint64_t overdue = 0;         ///< processes ended because they did not stop at a deadline
+        std::uint64_t restarts = 0;        ///< restarts of the fork server
+        std::uint64_t silences = 0;        ///< times that the fork server stopped replying
+        std::uint64_t decoder_deaths = 0;  ///< pictures whose decoder crashed, exceeded a limit or replied nonsense
     };
     Counts counts() const;
 
@@ -98,10 +98,10 @@ private:
     std::atomic<std::uint64_t> overdue_ = 0;
     std::atomic<std::uint64_t> decoder_deaths_ = 0;
     std::atomic<std::uint64_t> computations_ = 0;
-    SharedNumber threads_;  ///< that each computation may have
+    SharedNumber threads_;  ///< limit of each computation
 
     std::mutex mutex_;
-    std::map<int, std::vector<Process>> idle_;  ///< by how much they give way; guarded by the mutex
+    std::map<int, std::vector<Process>> idle_;  ///< by nice value; guarded by the mutex
 
     const std::unique_ptr<SupervisedProgram> fork_server_;
 };

@@ -8,16 +8,16 @@
 
 namespace ccdt::server {
 
-/// A function that computes an answer: compute_here, or what a test puts in its place.
+/// A function that computes an answer: compute_here, or a replacement in tests.
 using Computer = std::function<Result<api::Answer>(const ComputeRequest& request, const Delivery& delivery,
                                                    const api::Limits& limits, const api::Decode& decode,
                                                    const Control& control, api::Timings& timings)>;
 
-/// Answers calls that come over the channel, one after the other, until its other end is closed: then the process ends
-/// at once, whatever it is doing. See compute_protocol.h.
+/// Answers calls on the channel, one at a time, until the other end is closed. Then the process ends at once, whatever
+/// it is doing. See compute_protocol.h.
 ///
-/// A computation is given as many threads as the server lends it, which begin when they are first wanted and end with
-/// it.
+/// A computation gets as many threads as the server lends it. They start when they are first needed and end with the
+/// computation.
 [[noreturn]] void run_compute_process(ComputeFiles files, const Computer& compute);
 
 }  // namespace ccdt::server

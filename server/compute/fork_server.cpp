@@ -36,7 +36,7 @@ public:
     ForkServer(UniqueFd orders, const ComputeProcess& compute)
         : orders_(std::move(orders)), compute_(compute), deaths_(watch_children()) {}
 
-    /// Forks and reaps until the server has ended.
+    /// Forks and reaps until the server ends.
     void run() {
         const std::byte ready{};
         if (!deaths_ || !send_message(orders_.get(), {&ready, 1})) return;
@@ -70,7 +70,7 @@ private:
         children_.push_back({process, std::move(files.events)});
     }
 
-    /// Becomes a process that computes; in the child.
+    /// Turns the child into a process that computes.
     [[noreturn]] void become(const ForkOrder& order, ComputeFiles files) {
         children_.clear();
         orders_.reset();
@@ -97,7 +97,7 @@ private:
     }
 
     static void tell(const UniqueFd& events, const ChildEnd& death) {
-        // Nobody may be left to hear it.
+        // The receiver may have ended already.
         static_cast<void>(send_message(events.get(), bytes_of(death)));
     }
 

@@ -7,14 +7,15 @@
 
 namespace ccdt::server {
 
-/// The work of a process that computes; it does not return.
+/// The main function of a process that computes; it does not return.
 using ComputeProcess = std::function<void(ComputeFiles files)>;
 
-/// Says that it is ready, then forks a process for each order that comes, as compute_protocol.h has them, and tells how
-/// they end. The calling process, of one thread, becomes it, and ends once the other end of `orders` is closed.
+/// Reports that it is ready, then forks a process for each order (see compute_protocol.h) and reports how each one
+/// ended. The calling process, which must have one thread, becomes the fork server. It ends once the other end of
+/// `orders` is closed.
 ///
-/// Processes that are there outlive it: they end with their own sockets. Should the machine run out of memory they go
-/// before the server.
+/// Forked processes outlive the fork server; each ends when its own socket is closed. If the machine runs out of
+/// memory, the kernel ends them before the server.
 [[noreturn]] void run_fork_server(UniqueFd orders, const ComputeProcess& compute);
 
 }  // namespace ccdt::server

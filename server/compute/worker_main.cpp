@@ -7,7 +7,7 @@
 #include "server/processes/child_program.h"
 #include "server/processes/process.h"
 
-/// The program that computes, which the server starts.
+/// The main function of ccdt-worker, which the server starts.
 int main() {
     using namespace ccdt::server;
     UniqueFd orders(ChildProgram::kSocket);

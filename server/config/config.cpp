@@ -18,17 +18,17 @@ namespace {
 
 constexpr std::size_t kQueuePerWorker = 16;
 
-/// Connections beyond those that compute or wait to: for health checks, refusals and slow clients.
+/// Connections in addition to those that compute or wait to: for health checks, refusals and slow clients.
 constexpr std::size_t kSpareConnections = 512;
 
-/// Connections beyond all of those, for health checks and figures when they are taken.
+/// Additional connections for health checks and metrics when all others are taken.
 constexpr std::size_t kLeastReserve = 16;
 constexpr std::size_t kConnectionsPerReserved = 4;
 
-/// Bytes that jobs may keep on disk, or in Redis.
+/// Bytes that jobs may take on disk or in Redis.
 constexpr std::size_t kJobBytes = std::size_t{1} << 30;
 
-/// Values that flags and variables set; some defaults wait for the number of workers.
+/// Values set by flags and variables. Some defaults depend on the number of workers.
 struct Draft {
     Config config;
     std::optional<std::size_t> threads_per_request;
@@ -42,7 +42,8 @@ struct Draft {
     std::map<std::string_view, ChosenValue> given;  ///< by flag
 };
 
-/// @returns  what was expected instead, empty if the value was taken
+/// Applies a value.
+/// @returns  what was expected instead; empty if the value is valid
 using Apply = std::string (*)(Draft&, std::string_view value);
 
 struct Setting {
@@ -52,7 +53,7 @@ struct Setting {
     std::string_view help;
     Apply apply;
     bool is_secret = false;         ///< errors do not show the value
-    bool only_by_variable = false;  ///< nothing shows the value, not even the list of processes
+    bool only_by_variable = false;  ///< a flag would show the value in the list of processes
 };
 
 std::string set_whole(std::size_t& target, std::string_view text, std::uint64_t low, std::uint64_t high) {
@@ -97,7 +98,7 @@ std::string set_log_format(Draft& draft, std::string_view text) {
     return {};
 }
 
-/// The values end up in a header.
+/// Accepts visible ASCII only, because the values are sent in a header.
 std::string set_cors_origins(Draft& draft, std::string_view text) {
     draft.cors_origins.emplace();
     if (text == "none") return {};
@@ -111,14 +112,14 @@ std::string set_cors_origins(Draft& draft, std::string_view text) {
     }
 }
 
-/// @returns  the host as `allows_host` takes it; none if the text has a port, or is no name or address
+/// @returns  the host in the form for `allows_host`; none if the text has a port, or is neither a name nor an address
 std::optional<std::string> parse_host(std::string_view text) {
     const bool has_brackets = text.starts_with('[') && text.ends_with(']');
     if (has_brackets) text = text.substr(1, text.size() - 2);
     if (const auto address = IpAddress::parse(text)) return address->text();
     const auto is_of_name = [](char c) { return c > ' ' && c < 0x7f && c != ':' && c != '/'; };
     if (text.empty() || has_brackets || !std::ranges::all_of(text, is_of_name)) return std::nullopt;
-    return in_small_letters(text);
+    return to_lower_case(text);
 }
 
 std::string set_allowed_hosts(Draft& draft, std::string_view text) {
@@ -175,13 +176,13 @@ std::string set_bind(Draft& draft, std::string_view text) {
     return {};
 }
 
-/// Pages of this machine may call what nobody else can reach.
+/// On loopback, pages of the same machine may call: nobody else can reach the server.
 std::vector<std::string> default_cors_origins(std::string_view bind) {
     if (!is_loopback(bind)) return {};
     return {std::string(kLoopback)};
 }
 
-/// Names of this machine are always good, as no stranger can have them lead here.
+/// Adds loopback, which is always allowed: no stranger can make these names resolve to this machine.
 std::vector<std::string> all_allowed_hosts(const Draft& draft) {
     if (!draft.allowed_hosts && !is_loopback(draft.config.bind)) return {std::string(kAny)};
     auto hosts = draft.allowed_hosts.value_or(std::vector<std::string>());
@@ -190,105 +191,109 @@ std::vector<std::string> all_allowed_hosts(const Draft& draft) {
 }
 
 constexpr auto kSettings = std::to_array<Setting>({
-    {"--port", "PORT", "N", "port to listen on, 0 for any that is free (8080)", set_port},
+    {"--port", "PORT", "N", "port to listen on, 0 for any free port (8080)", set_port},
     {"--bind", "BIND", "ADDRESS", "address to listen on, or unix:PATH (127.0.0.1)", set_bind},
-    {"--workers", "CCDT_WORKERS", "N", "threads that compute (one per core)",
+    {"--workers", "CCDT_WORKERS", "N", "simultaneous computations (one per core)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.workers, text, 1, 1024); }},
     {"--threads-per-request", "CCDT_THREADS_PER_REQUEST", "N",
-     "most threads of a request while others idle, 1 for no more (workers, but one per core)",
+     "maximum threads of a request while other workers are idle (workers, at most one per core)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.threads_per_request.emplace(), text, 1, 1024); }},
     {"--queue", "CCDT_QUEUE", "N", "requests that may wait for a worker (16 per worker)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.queue.emplace(), text, 0, 4096); }},
-    {"--max-body", "CCDT_MAX_BODY", "BYTES", "largest request body; KiB, MiB and GiB are understood (64MiB)",
+    {"--max-body", "CCDT_MAX_BODY", "BYTES", "maximum size of a request body; accepts KiB, MiB and GiB (64MiB)",
      [](Draft& draft, std::string_view text) { return set_bytes(draft.config.max_body, text); }},
-    {"--memory", "CCDT_MEMORY", "BYTES", "memory to keep to (half of the machine's or the container's)",
+    {"--memory", "CCDT_MEMORY", "BYTES", "memory limit of the server (half of the machine's or the container's)",
      [](Draft& draft, std::string_view text) { return set_bytes(draft.memory.emplace(), text); }},
-    {"--max-pixels", "CCDT_MAX_PIXELS", "N", "most pixels of a picture, read or drawn (64000000)",
+    {"--max-pixels", "CCDT_MAX_PIXELS", "N", "maximum pixels of a picture, read or drawn (64000000)",
      [](Draft& draft, std::string_view text) {
          return set_whole(draft.config.limits.max_pixels, text, 1, 1'000'000'000);
      }},
-    {"--max-sites", "CCDT_MAX_SITES", "N", "most sites of a request (2000000)",
+    {"--max-sites", "CCDT_MAX_SITES", "N", "maximum sites of a request (2000000)",
      [](Draft& draft, std::string_view text) {
          return set_whole(draft.config.limits.max_sites, text, 1, 100'000'000);
      }},
-    {"--timeout", "CCDT_TIMEOUT", "SECONDS", "longest wait for an answer (60)",
+    {"--timeout", "CCDT_TIMEOUT", "SECONDS", "time limit of an answer (60)",
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.timeout, text); }},
-    {"--drain-timeout", "CCDT_DRAIN_TIMEOUT", "SECONDS", "longest time from SIGTERM to the end (70)",
+    {"--drain-timeout", "CCDT_DRAIN_TIMEOUT", "SECONDS", "time limit of the shutdown after SIGTERM (70)",
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.drain_timeout, text); }},
-    {"--header-timeout", "CCDT_HEADER_TIMEOUT", "SECONDS", "longest wait for the head of a request (10)",
+    {"--header-timeout", "CCDT_HEADER_TIMEOUT", "SECONDS", "time limit for the head of a request (10)",
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.patience.header, text); }},
     {"--body-timeout", "CCDT_BODY_TIMEOUT", "SECONDS",
-     "longest pause of a client that sends a body or takes an answer (30)",
+     "longest pause of a client that sends a body or receives an answer (30)",
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.patience.body, text); }},
-    {"--idle-timeout", "CCDT_IDLE_TIMEOUT", "SECONDS", "longest wait for another request on a connection (60)",
+    {"--idle-timeout", "CCDT_IDLE_TIMEOUT", "SECONDS", "time that an idle connection is kept open (60)",
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.patience.idle, text); }},
-    {"--max-connections", "CCDT_MAX_CONNECTIONS", "N", "most open connections (512 + workers + queue)",
+    {"--max-connections", "CCDT_MAX_CONNECTIONS", "N", "maximum open connections (512 + workers + queue)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.connections.emplace(), text, 1, 32'768); }},
-    {"--max-streams", "CCDT_MAX_STREAMS", "N", "most streams of events, which are no part of these (1024)",
+    {"--max-streams", "CCDT_MAX_STREAMS", "N", "maximum event streams, in addition to these (1024)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.capacity.streams, text, 0, 32'768); }},
-    {"--max-connections-per-address", "CCDT_MAX_CONNECTIONS_PER_ADDRESS", "N", "of one address, 0 for no limit (64)",
+    {"--max-connections-per-address", "CCDT_MAX_CONNECTIONS_PER_ADDRESS", "N",
+     "connections per address, 0 for no limit (64)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.capacity.per_address, text, 0, 32'768); }},
-    {"--trusted-proxy", "CCDT_TRUSTED_PROXY", "NETWORKS", "whose word on client addresses counts; unix for its sockets",
+    {"--trusted-proxy", "CCDT_TRUSTED_PROXY", "NETWORKS", "proxies trusted to name clients; unix for Unix sockets",
      set_trusted_proxies},
-    {"--data-dir", "CCDT_DATA_DIR", "FOLDER", "where jobs are kept; made if it is missing (in memory)",
+    {"--data-dir", "CCDT_DATA_DIR", "FOLDER", "folder of the jobs, created if it is missing (in memory)",
      [](Draft& draft, std::string_view text) {
          draft.config.data_dir = text;
          return std::string(text.empty() ? "a folder's name" : "");
      }},
-    {"--redis", "CCDT_REDIS", "URL", "of a Redis, redis://HOST or rediss://HOST, where servers share jobs (none)",
+    {"--redis", "CCDT_REDIS", "URL", "Redis in which servers share jobs: redis://HOST or rediss://HOST (none)",
      [](Draft& draft, std::string_view text) { return set_redis(draft.config.redis, text); }, true},
-    {"--job-lease", "CCDT_JOB_LEASE", "SECONDS", "after which others take the jobs of a server not heard of (15)",
+    {"--job-lease", "CCDT_JOB_LEASE", "SECONDS", "time after which others take the jobs of a lost server (15)",
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.jobs.lease, text); }},
-    {"--job-ttl", "CCDT_JOB_TTL", "SECONDS", "that a job is kept after its end (3600)",
+    {"--job-ttl", "CCDT_JOB_TTL", "SECONDS", "time that a job is kept after its end (3600)",
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.jobs.ttl, text); }},
-    {"--job-timeout", "CCDT_JOB_TIMEOUT", "SECONDS", "longest run of a job (600)",
+    {"--job-timeout", "CCDT_JOB_TIMEOUT", "SECONDS", "time limit of a job (600)",
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.jobs.timeout, text); }},
     {"--job-queue", "CCDT_JOB_QUEUE", "N", "jobs that may wait (1000)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.jobs.waiting, text, 0, 100'000); }},
-    {"--job-bytes", "CCDT_JOB_BYTES", "BYTES", "that jobs may keep (1GiB; in memory a sixteenth of it, at most 256MiB)",
+    {"--job-bytes", "CCDT_JOB_BYTES", "BYTES",
+     "storage for jobs (1GiB; in memory a sixteenth of --memory, at most 256MiB)",
      [](Draft& draft, std::string_view text) { return set_bytes(draft.job_bytes.emplace(), text); }},
-    {"--cache", "CCDT_CACHE", "BYTES", "of answers to keep, 0 for none (64MiB, at most a sixteenth of the memory)",
+    {"--cache", "CCDT_CACHE", "BYTES", "answers to keep, 0 for none (64MiB, at most a sixteenth of --memory)",
      [](Draft& draft, std::string_view text) { return set_bytes(draft.cache.emplace(), text, 0); }},
-    {"--cache-shared", "CCDT_CACHE_SHARED", "BOOL", "true: API keys share answers, and can tell by the time (false)",
+    {"--cache-shared", "CCDT_CACHE_SHARED", "BOOL", "true: API keys share answers, which timing reveals (false)",
      set_cache_shared},
-    {"--cache-redis", "CCDT_CACHE_REDIS", "URL", "of a Redis where servers share answers (none)",
+    {"--cache-redis", "CCDT_CACHE_REDIS", "URL", "Redis in which servers share answers (none)",
      [](Draft& draft, std::string_view text) { return set_redis(draft.config.cache_redis, text); }, true},
     {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGINS",
-     "whose pages may call, by commas; *: all, loopback: this machine's (if --bind is), none", set_cors_origins},
+     "origins whose pages may call, separated by commas; * for all, loopback (default on loopback) or none",
+     set_cors_origins},
     {"--allowed-host", "CCDT_ALLOWED_HOST", "HOSTS",
-     "hosts that requests may name besides loopback's, by commas; * for any (none if --bind is loopback, else any)",
+     "hosts that requests may name besides loopback, separated by commas; * for any (none on loopback, otherwise any)",
      set_allowed_hosts},
-    {"--api-key-file", "CCDT_API_KEY_FILE", "FILE", "lines of name:key; whoever asks needs one, SIGHUP reads it again",
+    {"--api-key-file", "CCDT_API_KEY_FILE", "FILE", "lines of name:key; clients need a key; SIGHUP reloads the file",
      [](Draft& draft, std::string_view text) {
          draft.config.api_key_file = text;
          return std::string(text.empty() ? "a file's name" : "");
      }},
-    {"--pictures", "CCDT_PICTURES", "FOLDER", "of pictures that GET /halftone/NAME makes dots of (none)",
+    {"--pictures", "CCDT_PICTURES", "FOLDER", "folder of the pictures of GET /halftone/NAME (none)",
      [](Draft& draft, std::string_view text) {
          draft.config.pictures = text;
          return std::string(text.empty() ? "a folder's name" : "");
      }},
     {"--signing-key-file", "CCDT_SIGNING_KEY_FILE", "FILE",
-     "lines of name:key, one of which must have signed the URLs of pictures; SIGHUP reads it again",
+     "lines of name:key, with which the URLs of pictures must be signed; SIGHUP reloads the file",
      [](Draft& draft, std::string_view text) {
          draft.config.signing.file = text;
          return std::string(text.empty() ? "a file's name" : "");
      }},
-    {"--signing-key", "CCDT_SIGNING_KEY", "KEY", "such a key itself, by the variable only (none)",
+    {"--signing-key", "CCDT_SIGNING_KEY", "KEY", "a signing key itself; only as a variable (none)",
      [](Draft& draft, std::string_view text) {
          draft.config.signing.key = text;
          return std::string();
      },
      true, true},
-    {"--rate-limit", "CCDT_RATE_LIMIT", "N", "requests a second for each key or address, 0 for no limit (0)", set_rate},
-    {"--rate-burst", "CCDT_RATE_BURST", "N", "requests that may come at once when there is a limit (20)",
+    {"--rate-limit", "CCDT_RATE_LIMIT", "N", "requests per second for each key or address, 0 for no limit (0)",
+     set_rate},
+    {"--rate-burst", "CCDT_RATE_BURST", "N", "requests that may arrive at once under a rate limit (20)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.rate.burst, text, 1, 1'000'000); }},
-    {"--rate-redis", "CCDT_RATE_REDIS", "URL", "of a Redis where servers count requests together (none)",
+    {"--rate-redis", "CCDT_RATE_REDIS", "URL", "Redis in which servers count requests together (none)",
      [](Draft& draft, std::string_view text) { return set_redis(draft.config.rate_redis, text); }, true},
     {"--log-format", "CCDT_LOG_FORMAT", "FORMAT", "text or json (text)", set_log_format},
 });
 
-/// The text with what stands for a password in it, as `redis://user:password@host`, made unreadable.
+/// Returns a text whose password, as in `redis://user:password@host`, is replaced by asterisks.
 std::string without_password(std::string_view text) {
     const auto scheme = text.find("://");
     const auto end = text.rfind('@');
@@ -337,7 +342,7 @@ Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, D
             return failure(ErrorCode::Malformed, "unknown argument '" + std::string(argument) + "'");
         if (setting->only_by_variable)
             return failure(ErrorCode::Malformed, std::string(name) +
-                                                     ": the list of processes shows what stands here; use " +
+                                                     ": the list of processes would show the key; use " +
                                                      setting->variable + " or --signing-key-file");
         const bool attached = equals != std::string_view::npos;
         if (!attached && ++i == arguments.size())
@@ -348,14 +353,14 @@ Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, D
     return action;
 }
 
-/// The default that the help has in parentheses at its end.
+/// Returns the default, which ends the help in parentheses.
 std::string default_of(const Setting& setting) {
     const auto open = setting.help.rfind('(');
     if (open == std::string_view::npos || !setting.help.ends_with(')')) return {};
     return std::string(setting.help.substr(open + 1, setting.help.size() - open - 2));
 }
 
-/// Lists the values of all flags; defaults that are computed as they came out.
+/// Lists the values of all flags, including computed defaults.
 std::vector<ChosenValue> chosen_values(const Draft& draft) {
     const Config& config = draft.config;
     const std::map<std::string_view, std::size_t> computed{
@@ -377,7 +382,7 @@ std::vector<ChosenValue> chosen_values(const Draft& draft) {
     return values;
 }
 
-/// A text, and blanks up to where a column begins.
+/// Pads a text with blanks to the width of a column, with at least one blank.
 std::string padded(std::string_view text, std::size_t width) {
     std::string cell(text);
     cell.resize(std::max(cell.size() + 1, width), ' ');
@@ -387,7 +392,7 @@ std::string padded(std::string_view text, std::size_t width) {
 }  // namespace
 
 Result<CommandLine> parse_command_line(std::span<const char* const> arguments, const Environment& environment) {
-    // Flags first: asking for help works whatever the environment holds.
+    // Flags are read first, so that --help works whatever the environment contains.
     Draft flags;
     const auto action = read_flags(arguments, flags);
     if (!action) return tl::unexpected(action.error());
@@ -402,7 +407,7 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     draft.config.cors_origins = draft.cors_origins.value_or(default_cors_origins(draft.config.bind));
     draft.config.allowed_hosts = all_allowed_hosts(draft);
     if (draft.config.redis && !draft.config.data_dir.empty())
-        return failure(ErrorCode::Malformed, "--data-dir and --redis: jobs are kept in one place");
+        return failure(ErrorCode::Malformed, "--data-dir and --redis: only one of them may be given");
     if (!draft.config.signing.file.empty() && !draft.config.signing.key.empty())
         return failure(ErrorCode::Malformed, "--signing-key-file and CCDT_SIGNING_KEY: only one of them may be given");
     draft.config.threads_per_request = draft.threads_per_request.value_or(std::min(draft.config.workers, cores));
@@ -428,14 +433,13 @@ std::string usage() {
         text += padded(flag, 35) + padded(setting.variable, 33) + std::string(setting.help) + '\n';
     }
     return text +
-           "  --check                                                           prints what it would run with, and "
-           "what is wrong; exits with 1 if it would not start\n"
-           "  --health                                                          asks the server that listens on port "
-           "and "
-           "address whether it lives; exits with 1 if not\n"
+           "  --check                                                           prints all values and what is wrong; "
+           "exits with 1 if the server would not start\n"
+           "  --health                                                          asks the server on this address and "
+           "port whether it is alive; exits with 1 if not\n"
            "  --help                                                            prints this\n"
            "  --version                                                         prints the version\n\n"
-           "Each option may also be given as the environment variable beside it; the flag wins.\n";
+           "Each option may also be given as the environment variable beside it. The flag overrides the variable.\n";
 }
 
 std::string describe(const std::vector<ChosenValue>& values) {

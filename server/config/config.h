@@ -26,67 +26,67 @@ enum class LogFormat { Text, Json };
 
 struct Config {
     std::string bind = "127.0.0.1";
-    int port = 8080;                               ///< 0: any that is free
-    std::size_t workers = 1;                       ///< computations at once
-    std::size_t threads_per_request = 1;           ///< most that a computation is lent while others idle
-    std::size_t queue = 16;                        ///< requests that may wait for a worker
+    int port = 8080;                               ///< 0: any free port
+    std::size_t workers = 1;                       ///< number of simultaneous computations
+    std::size_t threads_per_request = 1;           ///< maximum for a computation while other workers are idle
+    std::size_t queue = 16;                        ///< number of requests that may wait for a worker
     std::size_t max_body = std::size_t{64} << 20;  ///< bytes
-    std::size_t memory = std::size_t{1} << 30;     ///< bytes, of the whole program and its decoders
+    std::size_t memory = std::size_t{1} << 30;     ///< bytes, of the server and its decoders together
     api::Limits limits;
-    std::chrono::milliseconds timeout{60'000};        ///< from a request's last byte to its answer
-    std::chrono::milliseconds drain_timeout{70'000};  ///< from the signal to end to the end
-    Patience patience;                                ///< with slow clients
-    Capacity::Limits capacity;                        ///< for all clients together
-    TrustedProxies trusted_proxies;                   ///< that are believed for whom they ask
+    std::chrono::milliseconds timeout{60'000};        ///< from the last byte of a request to its answer
+    std::chrono::milliseconds drain_timeout{70'000};  ///< from the signal to the end of the process
+    Patience patience;                                ///< time-outs for slow clients
+    Capacity::Limits capacity;                        ///< limits for all clients together
+    TrustedProxies trusted_proxies;                   ///< proxies whose information about their clients is trusted
     JobLimits jobs;
-    std::size_t cache = 0;                    ///< bytes of answers to keep; 0: none
-    bool cache_shared = false;                ///< what is kept for one API key is given to all
-    std::optional<RedisAddress> cache_redis;  ///< where servers share answers
-    std::optional<RedisAddress> rate_redis;   ///< where servers count requests together
-    std::string data_dir;                     ///< where jobs are kept; empty: in memory, or in Redis
-    std::optional<RedisAddress> redis;        ///< where jobs are kept that servers share
-    std::vector<std::string> cors_origins;    ///< whose pages may call, as cors_headers takes them; empty: none
-    std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< that may be asked for, as allows_host takes them
-    std::string api_key_file;                                   ///< empty: whoever asks is answered
-    std::string pictures;                                       ///< folder of those asked for by name; empty: none are
-    Gate::SigningKeys signing;                                  ///< empty: pictures are asked for by any URL
-    RateLimiter::Rate rate;                                     ///< of requests, for each key or address
+    std::size_t cache = 0;                    ///< capacity for answers, in bytes; 0: no cache
+    bool cache_shared = false;                ///< an answer computed for one API key is given to all
+    std::optional<RedisAddress> cache_redis;  ///< Redis in which servers share answers
+    std::optional<RedisAddress> rate_redis;   ///< Redis in which servers count requests together
+    std::string data_dir;                     ///< folder of the jobs; empty: jobs are in memory or in Redis
+    std::optional<RedisAddress> redis;        ///< Redis in which servers share jobs
+    std::vector<std::string> cors_origins;    ///< origins that may call, as in cors_headers; empty: none
+    std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< allowed in `Host`, as in allows_host
+    std::string api_key_file;                                   ///< empty: no key is needed
+    std::string pictures;                                       ///< folder of pictures requested by name; empty: none
+    Gate::SigningKeys signing;                                  ///< empty: pictures by name need no signature
+    RateLimiter::Rate rate;                                     ///< limit of requests for each key or address
     LogFormat log_format = LogFormat::Text;
 };
 
-/// A flag's value, and where it comes from.
+/// A flag's value and its origin.
 struct ChosenValue {
     std::string_view flag;
-    std::string value;        ///< as it was given, without the password of a URL; empty: none, by default
-    std::string_view origin;  ///< the flag or the variable; empty: the default
+    std::string value;        ///< as given, but without the password of a URL; empty: none, by default
+    std::string_view origin;  ///< name of the flag or the variable; empty: the default
 };
 
 struct CommandLine {
     enum class Action {
         Serve,
-        Check,   ///< whether it could
-        Health,  ///< whether one does
+        Check,   ///< check whether the server could start
+        Health,  ///< check whether a running server is alive
         Help,
         Version
     };
     Action action = Action::Serve;
     Config config;
-    std::vector<ChosenValue> values;  ///< one for each flag, to be shown
+    std::vector<ChosenValue> values;  ///< one for each flag, for display
 };
 
 /// Looks up an environment variable; null if it is not set.
 using Environment = std::function<const char*(const char* name)>;
 
-/// Reads the flags and the environment; a flag wins. An empty variable counts as not set.
+/// Reads the flags and the environment. A flag overrides its variable; an empty variable counts as not set.
 ///
-/// @param arguments  without the program's name; `--flag value` and `--flag=value`
-/// Errors (Malformed): an unknown flag, a flag without its value, a value out of range. The message names it.
+/// @param arguments  without the program's name; both `--flag value` and `--flag=value` are accepted
+/// Errors (Malformed): an unknown flag, a flag without a value, a value out of range. The message names the flag.
 Result<CommandLine> parse_command_line(std::span<const char* const> arguments, const Environment& environment);
 
-/// The text that --help prints.
+/// Returns the text that --help prints.
 std::string usage();
 
-/// A line for each flag: its value, and where that comes from.
+/// Returns one line for each flag: its value and origin.
 std::string describe(const std::vector<ChosenValue>& values);
 
 }  // namespace ccdt::server

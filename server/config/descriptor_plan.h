@@ -7,24 +7,24 @@
 
 namespace ccdt::server {
 
-/// Shares of the file descriptors that the server may have open (`ulimit -n`).
+/// Shares of the file descriptors that the server may open (`ulimit -n`).
 struct DescriptorPlan {
-    std::size_t allowed = 0;    ///< the limit
-    std::size_t wanted = 0;     ///< for all connections that the flags allow
-    Capacity::Limits capacity;  ///< what the flags say or, if that is more than fits, a proportional part of it
+    std::size_t allowed = 0;    ///< limit of the process
+    std::size_t wanted = 0;     ///< needed for all connections that the flags allow
+    Capacity::Limits capacity;  ///< the limits of the flags or, if they do not fit, proportionally lower ones
 
     bool fits() const { return wanted <= allowed; }
 };
 
-/// Number of descriptors that all connections and everything else take.
+/// Number of descriptors that all connections and everything else need.
 std::size_t wanted_descriptors(const Config& config);
 
-/// Shares out the descriptors so that none is missing for what the server does itself: its programs, pictures, jobs.
-/// @param allowed  most descriptors of this process
-/// Errors (Unusable): too few for a server of use; the message names the limit and the need.
+/// Divides the descriptors. Programs, pictures and jobs get theirs first, connections the rest.
+/// @param allowed  limit of descriptors of this process
+/// Errors (Unusable): too few for a useful server; the message names the limit and the need.
 Result<DescriptorPlan> share_descriptors(const Config& config, std::size_t allowed);
 
-/// Describes how many connections may be open by a plan, and why not more.
+/// Describes how many connections may be open and, if that is fewer than wanted, why.
 std::string describe(const DescriptorPlan& plan);
 
 }  // namespace ccdt::server

@@ -8,17 +8,17 @@ namespace {
 
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 
-/// Bytes of bodies and answers on their way, at least: a large answer alone must not put the server under pressure.
+/// Lower limit for bodies and answers in transfer: a single large answer must not put the server under pressure.
 constexpr std::size_t kTransfers = 256 * kMebibyte;
 constexpr std::size_t kBodiesAtOnce = 4;
 constexpr std::size_t kMemoryPerTransferred = 4;
 
 constexpr std::size_t kCache = 64 * kMebibyte;
 constexpr std::size_t kJobs = 256 * kMebibyte;
-constexpr std::size_t kMemoryPerKept = 16;  ///< in the cache, and of jobs
+constexpr std::size_t kMemoryPerKept = 16;  ///< share of the cache, and of jobs
 
-constexpr std::size_t kOthers = 160 * kMebibyte;  ///< the decoder's processes, 70 at rest, and threads to come
-constexpr std::size_t kProcess = 4 * kMebibyte;   ///< one that computes, at rest
+constexpr std::size_t kOthers = 160 * kMebibyte;  ///< decoder processes, 70 MiB at rest, and threads to come
+constexpr std::size_t kProcess = 4 * kMebibyte;   ///< of an idle computation process
 constexpr std::size_t kLeast = 192 * kMebibyte;
 
 std::string mebibytes(std::size_t bytes) {
@@ -34,12 +34,12 @@ MemoryShares share_memory(std::size_t memory, std::size_t max_body) {
 
 Result<ComputeMemory> memory_to_compute_with(const Config& config, std::size_t resident) {
     const std::size_t kept = config.data_dir.empty() && !config.redis ? config.jobs.bytes : 0;
-    const std::size_t processes = (config.workers + 2) * kProcess;  // that for short requests, and what makes them
+    const std::size_t processes = (config.workers + 2) * kProcess;  // one more for short requests, and the fork server
     const std::size_t taken = resident + kOthers + processes + config.capacity.bytes + config.cache + kept;
     if (config.memory < taken + kLeast)
         return failure(ErrorCode::Malformed, "a memory of " + mebibytes(config.memory) +
-                                                 " leaves too little to compute with: " + mebibytes(taken + kLeast) +
-                                                 " are needed (--memory)");
+                                                 " leaves too little to compute with: at least " +
+                                                 mebibytes(taken + kLeast) + " are needed (--memory)");
     const std::size_t total = config.memory - taken;
     return ComputeMemory{total, total / 4 * 3, total / 4};
 }

@@ -7,35 +7,35 @@
 
 namespace ccdt::server {
 
-/// Shares of the server's memory (--memory) in bytes, where flags do not set them:
+/// Default shares of the server's memory (--memory), in bytes:
 ///
-/// | share | of it |
+/// | share | size |
 /// |---|---|
-/// | transfers | at most a quarter: 256 MiB, or four of the largest bodies |
+/// | transfers | 256 MiB or four times the largest body, whichever is more, but at most a quarter |
 /// | cache | a sixteenth, at most 64 MiB |
 /// | jobs in memory | a sixteenth, at most 256 MiB |
 ///
-/// What is left of it by these and by the program itself is for computing: see ComputeMemory.
+/// The rest, without the memory of the program itself, is for computations: see ComputeMemory.
 struct MemoryShares {
     std::size_t transfers = 0;
     std::size_t cache = 0;
     std::size_t jobs = 0;
 };
 
-/// @param max_body  bytes of the largest body
+/// @param max_body  size limit of a body, in bytes
 MemoryShares share_memory(std::size_t memory, std::size_t max_body);
 
-/// Bytes for requests and for what is computed for them. They are apart, lest those that wait leave nothing to those
-/// that run.
+/// Memory for requests and for their computations, in bytes. The two are separate, so that waiting requests cannot take
+/// the memory of running ones.
 struct ComputeMemory {
     std::size_t total = 0;
-    std::size_t jobs = 0;      ///< three quarters: what is computed, of which answers are a part until they are sent
-    std::size_t requests = 0;  ///< a quarter: from their body on until they are done
+    std::size_t jobs = 0;      ///< three quarters: computations, including their answers until they are sent
+    std::size_t requests = 0;  ///< a quarter: requests, from the arrival of the body to the end
 };
 
-/// Finds what the shares above leave to compute with.
-/// @param resident  bytes that the program takes at the start, its libraries and processes that decode included
-/// Errors (Malformed): less than 192 MiB.
+/// Computes how much memory the shares above leave for computations.
+/// @param resident  bytes of the program at the start, including libraries and decoder processes
+/// Errors (Malformed): less than 192 MiB is left.
 Result<ComputeMemory> memory_to_compute_with(const Config& config, std::size_t resident);
 
 }  // namespace ccdt::server

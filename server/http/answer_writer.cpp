@@ -10,7 +10,7 @@
 namespace ccdt::server {
 namespace {
 
-/// A stream from which cpp-httplib reads one line, and to the client.
+/// A stream that gives cpp-httplib one line to read, and writes to the client.
 class ClientStream : public httplib::Stream {
 public:
     ClientStream(Connection& connection, bool is_head)
@@ -55,7 +55,7 @@ public:
         });
         set_post_routing_handler(
             [this](const httplib::Request&, httplib::Response& theirs) { leave_out_headers(theirs); });
-        // Its default tells the client what was thrown.
+        // The default handler would reveal the exception's text to the client.
         set_exception_handler([this](const httplib::Request&, httplib::Response& theirs, const std::exception_ptr&) {
             theirs.status = 500;
             failed_ = true;
@@ -95,7 +95,7 @@ private:
     }
 
     Connection& connection_;
-    const Request* request_ = nullptr;  ///< that is answered now, as the next
+    const Request* request_ = nullptr;  ///< the one being answered
     Response* response_ = nullptr;
     bool failed_ = false;
 };

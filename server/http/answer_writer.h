@@ -9,43 +9,44 @@
 
 namespace ccdt::server {
 
-/// Writes answers by cpp-httplib 0.11.4, which nothing but this file's source includes.
+/// Writes answers with cpp-httplib 0.11.4, which is included in this class' source file only.
 ///
-/// cpp-httplib does: the status line with its phrase, the headers in their order, Content-Length, Keep-Alive and
-/// Connection, the body unless HEAD asked. Its only way in, `process_request`, reads a request first: it gets one line
-/// that tells whether it is HEAD, which is all of a request that writing depends on, and its router is never reached.
-/// Accept-Ranges, which it adds for HEAD, and the Content-Length of answers that have none are left out at its hook.
+/// cpp-httplib writes the status line with its phrase, the headers in order, Content-Length, Keep-Alive and Connection,
+/// and the body unless the method is HEAD. Its only entry point, `process_request`, first reads a request. It gets a
+/// single line with the method (HEAD or not), the only part of a request that affects writing; its router is never
+/// reached. A hook removes Accept-Ranges, which it adds for HEAD, and the Content-Length of answers that have none.
 ///
-/// All else is ours, for what the library did when it was measured (its pool of 8 threads, two cores, loopback):
+/// Everything else is our own code, because of these measurements of the library (its pool of 8 threads, two cores,
+/// loopback):
 ///
-/// | ours | because the library's own |
+/// | our own | the library |
 /// |---|---|
-/// | threads and deadlines: http_server.h, connection.h | let 40 silent clients keep a ping waiting for 24 s |
-/// | reading heads: http.h | held 93 MB for 200,000 headers; took `Content-Length: 10abc`, and two lengths |
-/// | reading bodies: connection.h | took 500 MB in chunks at a limit of 1 MB; ran unread bodies as the next request |
-/// | requests in a row: connection.h | answered one of three that came at once |
-/// | no ranges | took 2 GB for 2,000 ranges of a 1 MB answer |
-/// | compression: compression.h | spent 4.1 s on 2 MB of JSON (brotli at its best), which gzip needs 0.2 s for |
-/// | rows of routes: routes.h | needs 4.6 MB of stack for an expression on a path of 8 kB; answers 404 for 405 |
-/// | listening: sockets.h | queues 5 clients; shares its port with any second server |
+/// | threads and deadlines: http_server.h, connection.h | with 40 silent clients, a ping waits for 24 s |
+/// | reading heads: http.h | takes 93 MB for 200,000 headers; accepts `Content-Length: 10abc`, and two lengths |
+/// | reading bodies: connection.h | reads 500 MB of chunks at a limit of 1 MB; parses unread bodies as requests |
+/// | pipelined requests: connection.h | answers one of three that arrive at once |
+/// | no ranges | takes 2 GB for 2,000 ranges of a 1 MB answer |
+/// | compression: compression.h | takes 4.1 s for 2 MB of JSON (brotli at its best), for which gzip needs 0.2 s |
+/// | rows of routes: routes.h | needs 4.6 MB of stack for a regex on a path of 8 kB; answers 404 for 405 |
+/// | listening: sockets.h | has a backlog of 5 clients; shares its port with any second server |
 /// | TCP_NODELAY: http_server.cpp | takes 44 ms for a small answer on a kept connection without it, 0.04 ms with it |
-/// | streams: http_server.cpp | ends the program if what provides a body throws |
-/// | ending: http_server.h | drops what it has queued, and waits 4 s for an idle connection |
+/// | streams: http_server.cpp | ends the program if the provider of a body throws |
+/// | shutdown: http_server.h | drops its queue, and waits 4 s for an idle connection |
 class AnswerWriter {
 public:
-    /// @param idle      how long the connection is kept between two requests
-    /// @param requests  at most so many on one connection
-    /// The connection must outlive it.
+    /// @param idle      time-out of the connection between two requests
+    /// @param requests  limit of requests on one connection
+    /// The connection must outlive this object.
     AnswerWriter(Connection& connection, std::chrono::milliseconds idle, std::size_t requests);
     ~AnswerWriter();
 
     AnswerWriter(const AnswerWriter&) = delete;
     AnswerWriter& operator=(const AnswerWriter&) = delete;
 
-    /// Writes all of an answer but a body that streams. Takes its body and leaves the rest.
+    /// Writes an answer, except for a streamed body. Moves the body out of the response and leaves the rest.
     ///
-    /// @param last  no further request on this connection; set if there was too little memory, and a 500 was written
-    /// @returns     false if the client did not take all of it
+    /// @param last  whether this is the connection's last request; set if memory ran out and a 500 was written
+    /// @returns     false if the client did not accept the whole answer
     bool write(const Request& request, Response& response, bool& last);
 
 private:

@@ -9,11 +9,11 @@
 namespace ccdt::server {
 namespace {
 
-/// Time that whoever connects has to send something before it counts as idle: newcomers wait as long for its place.
+/// Time that a new connection has for its first request before it counts as idle. Newcomers wait as long for its slot.
 constexpr std::chrono::milliseconds kLeastIdle{50};
 
-/// Time that newcomers wait for idle connections to leave, and after which another of these is closed: only a busy
-/// machine takes so long.
+/// Time that newcomers wait for idle connections to end, and time after which another one is closed. Only a busy
+/// machine needs so long.
 constexpr std::chrono::milliseconds kTimeToLeave{1'000};
 constexpr std::chrono::milliseconds kTimeForAnother{100};
 
@@ -26,18 +26,19 @@ bool has_unread_bytes(int socket) {
 
 Capacity::Counts Capacity::counts() const {
     const std::lock_guard lock(mutex_);
-    Counts counts{0, taken_[static_cast<std::size_t>(Room::Streams)], refused_, refused_by_address_, refused_streams_};
+    Counts counts{0, taken_[static_cast<std::size_t>(ConnectionClass::Streams)], refused_, refused_by_address_,
+                  refused_streams_};
     for (const auto& taken : taken_) counts.open += taken;
     return counts;
 }
 
-std::size_t Capacity::limit(Room room) const {
-    switch (room) {
-        case Room::Reserve:
+std::size_t Capacity::limit(ConnectionClass connection_class) const {
+    switch (connection_class) {
+        case ConnectionClass::Reserve:
             return limits_.reserve;
-        case Room::Streams:
+        case ConnectionClass::Streams:
             return limits_.streams;
-        case Room::Common:
+        case ConnectionClass::Common:
             break;
     }
     return limits_.connections;
@@ -51,26 +52,26 @@ bool Capacity::close_longest_idle() {
     return true;
 }
 
-/// Finds who has been idle longest, of a room or of any.
-Capacity::IdleConnections::iterator Capacity::longest_idle_locked(std::optional<Room> room) {
-    return std::ranges::find_if(idle_, [room](const Idle& idle) {
-        return (!room || idle.place->room_ == *room) && !has_unread_bytes(idle.socket);
+/// Finds the connection that has been idle longest, in one class or in any.
+Capacity::IdleConnections::iterator Capacity::longest_idle_locked(std::optional<ConnectionClass> connection_class) {
+    return std::ranges::find_if(idle_, [connection_class](const Idle& idle) {
+        return (!connection_class || idle.slot->class_ == *connection_class) && !has_unread_bytes(idle.socket);
     });
 }
 
-/// Closes an idle connection: its thread notices, and gives the place back.
+/// Closes an idle connection. Its thread notices and releases the slot.
 void Capacity::close_locked(IdleConnections::iterator idle) {
     shutdown(idle->socket, SHUT_RDWR);
-    idle->place->closed_ = true;
-    idle->place->idle_.reset();
+    idle->slot->closed_ = true;
+    idle->slot->idle_.reset();
     idle_.erase(idle);
 }
 
-/// Has idle connections of a room leave until there is a place.
-bool Capacity::free_place(Room room, std::unique_lock<std::mutex>& lock) {
+/// Closes idle connections of a class until a slot is free.
+bool Capacity::free_slot(ConnectionClass connection_class, std::unique_lock<std::mutex>& lock) {
     const auto end = Clock::now() + kTimeToLeave;
-    while (!has_place_locked(room)) {
-        const auto idle = longest_idle_locked(room);
+    while (!has_slot_locked(connection_class)) {
+        const auto idle = longest_idle_locked(connection_class);
         const auto now = Clock::now();
         if (idle == idle_.end() || now >= end) return false;
         auto until = idle->since + kLeastIdle;
@@ -78,21 +79,21 @@ bool Capacity::free_place(Room room, std::unique_lock<std::mutex>& lock) {
             close_locked(idle);
             until = now + kTimeForAnother;
         }
-        left_.wait_until(lock, until, [&] { return has_place_locked(room); });
+        left_.wait_until(lock, until, [&] { return has_slot_locked(connection_class); });
     }
     return true;
 }
 
-/// @returns  none if both rooms for newcomers are full, and nobody there is idle
-std::optional<Room> Capacity::find_room(std::unique_lock<std::mutex>& lock) {
-    for (const Room room : {Room::Common, Room::Reserve}) {
-        if (free_place(room, lock)) return room;
+/// @returns  none if both classes for newcomers are full and have no idle connection
+std::optional<ConnectionClass> Capacity::find_class(std::unique_lock<std::mutex>& lock) {
+    for (const ConnectionClass connection_class : {ConnectionClass::Common, ConnectionClass::Reserve}) {
+        if (free_slot(connection_class, lock)) return connection_class;
     }
     return std::nullopt;
 }
 
-/// Counts one more of an address.
-/// @returns  false if it has enough
+/// Counts one more connection of an address.
+/// @returns  false if the address is at its limit
 bool Capacity::enter_locked(const std::string& address) {
     if (limits_.per_address == 0 || address.empty()) return true;
     auto& count = by_address_[address];
@@ -109,58 +110,59 @@ void Capacity::leave_locked(const std::string& address) {
     if (found != by_address_.end() && --found->second == 0) by_address_.erase(found);
 }
 
-Place::Place(Capacity& capacity, std::string address) : capacity_(capacity), address_(std::move(address)) {
+ConnectionSlot::ConnectionSlot(Capacity& capacity, std::string address)
+    : capacity_(capacity), address_(std::move(address)) {
     std::unique_lock lock(capacity_.mutex_);
-    // Checked first: an address at its own limit must not close the connections of others.
+    // Checked first, because an address at its own limit must not close the connections of others.
     if (!capacity_.enter_locked(address_)) {
         entry_ = Entry::AddressFull;
         return;
     }
-    const auto room = capacity_.find_room(lock);
-    if (!room) {
+    const auto connection_class = capacity_.find_class(lock);
+    if (!connection_class) {
         ++capacity_.refused_;
         capacity_.leave_locked(address_);
         return;
     }
-    room_ = *room;
+    class_ = *connection_class;
     entry_ = Entry::Admitted;
-    ++capacity_.taken(room_);
+    ++capacity_.taken(class_);
 }
 
-Place::~Place() {
+ConnectionSlot::~ConnectionSlot() {
     if (entry_ != Entry::Admitted) return;
     end_idle();
     const std::lock_guard lock(capacity_.mutex_);
-    --capacity_.taken(room_);
+    --capacity_.taken(class_);
     capacity_.leave_locked(address_);
     capacity_.left_.notify_all();
 }
 
-void Place::begin_idle(int socket) {
+void ConnectionSlot::begin_idle(int socket) {
     const std::lock_guard lock(capacity_.mutex_);
     if (closed_ || idle_) return;
     idle_ = capacity_.idle_.insert(capacity_.idle_.end(), {this, socket, Capacity::Clock::now()});
 }
 
-void Place::end_idle() {
+void ConnectionSlot::end_idle() {
     const std::lock_guard lock(capacity_.mutex_);
     if (idle_) capacity_.idle_.erase(*std::exchange(idle_, std::nullopt));
 }
 
-bool Place::move_to(Room room) {
-    if (room == Room::Reserve || room == room_) return true;
+bool ConnectionSlot::move_to(ConnectionClass connection_class) {
+    if (connection_class == ConnectionClass::Reserve || connection_class == class_) return true;
     const std::lock_guard lock(capacity_.mutex_);
-    if (!capacity_.has_place_locked(room)) {
-        ++(room == Room::Streams ? capacity_.refused_streams_ : capacity_.refused_);
+    if (!capacity_.has_slot_locked(connection_class)) {
+        ++(connection_class == ConnectionClass::Streams ? capacity_.refused_streams_ : capacity_.refused_);
         return false;
     }
-    --capacity_.taken(std::exchange(room_, room));
-    ++capacity_.taken(room);
+    --capacity_.taken(std::exchange(class_, connection_class));
+    ++capacity_.taken(connection_class);
     capacity_.left_.notify_all();
     return true;
 }
 
-bool Place::count_by(const std::string& address) {
+bool ConnectionSlot::count_by(const std::string& address) {
     if (address == address_) return true;
     const std::lock_guard lock(capacity_.mutex_);
     if (!capacity_.enter_locked(address)) return false;

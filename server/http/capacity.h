@@ -14,36 +14,36 @@
 
 namespace ccdt::server {
 
-class Place;
+class ConnectionSlot;
 
-/// Purposes that a connection has its place for. Each has places of its own, so that none takes another's.
-enum class Room {
-    Common,   ///< whatever is asked
-    Reserve,  ///< what takes next to nothing, health checks and figures, once the common places are taken
-    Streams,  ///< streams of events, which last
+/// The class of a connection. Each class has slots of its own, so that none takes the slots of another.
+enum class ConnectionClass {
+    Common,   ///< any request
+    Reserve,  ///< health checks and metrics, which need almost nothing, when the common slots are taken
+    Streams,  ///< event streams, which last long
 };
 
-/// Counts how much of the server its clients hold: connections, memory for what is on its way to or from them.
+/// Counts the resources that clients take: connections, and memory for data in transfer to or from them.
 ///
-/// Says no at its limits, and well before them that it is time to be less patient. Connections without a request do not
-/// keep others out: at the limit, the one that has been idle longest is closed. May be used from any thread.
+/// Rejects connections at the hard limit. Above the soft limit, time-outs shrink. Connections without a request do not
+/// keep others out: at the limit, the one that has been idle longest is closed. Thread-safe.
 class Capacity {
 public:
     struct Limits {
-        std::size_t connections = 512;               ///< common places
-        std::size_t reserve = 128;                   ///< further ones
-        std::size_t streams = 1024;                  ///< and those of streams
-        std::size_t refused = 256;                   ///< refused clients who are given time to read why
-        std::size_t per_address = 64;                ///< connections of one address, wherever; 0: no limit
-        std::size_t bytes = std::size_t{256} << 20;  ///< of bodies that are being read and answers being written
+        std::size_t connections = 512;               ///< common slots
+        std::size_t reserve = 128;                   ///< slots in reserve, in addition
+        std::size_t streams = 1024;                  ///< slots for streams, in addition
+        std::size_t refused = 256;                   ///< refused clients that get time to read why
+        std::size_t per_address = 64;                ///< connections of one address, in all classes; 0: no limit
+        std::size_t bytes = std::size_t{256} << 20;  ///< of bodies being read and answers being written
     };
 
     struct Counts {
-        std::size_t open = 0;                  ///< connections, with those that stream
-        std::size_t streams = 0;               ///< among them
+        std::size_t open = 0;                  ///< connections, including those that stream
+        std::size_t streams = 0;               ///< connections that stream
         std::uint64_t refused = 0;             ///< since the start, because the server was full
-        std::uint64_t refused_by_address = 0;  ///< since the start, because their address had enough
-        std::uint64_t refused_streams = 0;     ///< since the start, because there were enough
+        std::uint64_t refused_by_address = 0;  ///< since the start, because of the limit of their address
+        std::uint64_t refused_streams = 0;     ///< since the start, because of the limit of streams
     };
 
     explicit Capacity(const Limits& limits) : limits_(limits) {}
@@ -53,89 +53,92 @@ public:
     void hold(std::size_t bytes) { bytes_ += bytes; }
     void release(std::size_t bytes) { bytes_ -= bytes; }
 
-    /// Whether no more bodies are to be read.
+    /// Whether no further body may be read.
     bool is_out_of_memory() const { return bytes_ > limits_.bytes; }
 
-    /// Whether slow clients have to make room: three quarters of the common places or half of the memory are taken.
+    /// Whether time-outs of slow clients shrink: more than three quarters of the common slots or half of the memory are
+    /// taken.
     bool is_pressed() const { return taken_.front() > limits_.connections / 4 * 3 || bytes_ > limits_.bytes / 2; }
 
-    /// Has slow clients make room whatever is taken from now on: the server is about to end.
+    /// Shrinks the time-outs from now on, because the server is shutting down.
     void close() { closing_ = true; }
     bool is_closing() const { return closing_; }
 
     Counts counts() const;
 
-    /// Closes the connection that has been idle longest, whichever place it has.
+    /// Closes the connection that has been idle longest, in any class.
     /// @returns  false if none is idle
     bool close_longest_idle();
 
 private:
-    friend class Place;
+    friend class ConnectionSlot;
 
     using Clock = std::chrono::steady_clock;
 
     /// A connection that waits for a request.
     struct Idle {
-        Place* place = nullptr;
+        ConnectionSlot* slot = nullptr;
         int socket = -1;
         Clock::time_point since;
     };
     using IdleConnections = std::list<Idle>;
 
-    IdleConnections::iterator longest_idle_locked(std::optional<Room> room);
+    IdleConnections::iterator longest_idle_locked(std::optional<ConnectionClass> connection_class);
     void close_locked(IdleConnections::iterator idle);
-    bool free_place(Room room, std::unique_lock<std::mutex>& lock);
-    std::optional<Room> find_room(std::unique_lock<std::mutex>& lock);
-    std::size_t limit(Room room) const;
-    std::atomic<std::size_t>& taken(Room room) { return taken_[static_cast<std::size_t>(room)]; }
-    bool has_place_locked(Room room) { return taken(room) < limit(room); }
+    bool free_slot(ConnectionClass connection_class, std::unique_lock<std::mutex>& lock);
+    std::optional<ConnectionClass> find_class(std::unique_lock<std::mutex>& lock);
+    std::size_t limit(ConnectionClass connection_class) const;
+    std::atomic<std::size_t>& taken(ConnectionClass connection_class) {
+        return taken_[static_cast<std::size_t>(connection_class)];
+    }
+    bool has_slot_locked(ConnectionClass connection_class) { return taken(connection_class) < limit(connection_class); }
     bool enter_locked(const std::string& address);
     void leave_locked(const std::string& address);
 
     const Limits limits_;
     std::atomic<bool> closing_ = false;
     std::atomic<std::size_t> bytes_ = 0;
-    std::array<std::atomic<std::size_t>, 3> taken_{};  ///< places of each room; written under the mutex
+    std::array<std::atomic<std::size_t>, 3> taken_{};  ///< taken slots of each class; written while `mutex_` is held
 
     mutable std::mutex mutex_;      ///< guards the rest
-    std::condition_variable left_;  ///< a place is free again
-    IdleConnections idle_;          ///< whoever has been idle longest comes first
+    std::condition_variable left_;  ///< a slot has become free
+    IdleConnections idle_;          ///< longest idle first
     std::map<std::string, std::size_t> by_address_;
     std::uint64_t refused_ = 0;
     std::uint64_t refused_by_address_ = 0;
     std::uint64_t refused_streams_ = 0;
 };
 
-/// A connection's place, given back at the end.
-class Place {
+/// The slot of a connection, released by the destructor.
+class ConnectionSlot {
 public:
     enum class Entry { Admitted, Full, AddressFull };
 
-    /// Asks for one: a common one, or else one of the reserve. If all are taken, waits for a moment until an idle
-    /// connection that is closed for it has left.
+    /// Takes a common slot or, if there is none, one of the reserve. If all are taken, closes an idle connection and
+    /// waits for a moment until it has released its slot.
     /// @param address  empty: not counted by address
-    Place(Capacity& capacity, std::string address);
-    ~Place();
-    Place(const Place&) = delete;
-    Place& operator=(const Place&) = delete;
+    ConnectionSlot(Capacity& capacity, std::string address);
+    ~ConnectionSlot();
+    ConnectionSlot(const ConnectionSlot&) = delete;
+    ConnectionSlot& operator=(const ConnectionSlot&) = delete;
 
-    /// Whether it is admitted: only then there is a place.
+    /// Whether the connection is admitted; only then it has a slot.
     Entry entry() const { return entry_; }
 
-    /// Room that the place is in now. May be asked by the thread that moves it.
-    Room room() const { return room_; }
+    /// The current class. May be called by the thread that calls move_to().
+    ConnectionClass connection_class() const { return class_; }
 
-    /// Moves the place to where the current request needs it; any will do for what the reserve is for.
-    /// @returns  false if that room is full; the place is then where it was
-    bool move_to(Room room);
+    /// Moves the slot to the class that the current request needs. For Reserve, any class will do.
+    /// @returns  false if that class is full; the slot then stays where it was
+    bool move_to(ConnectionClass connection_class);
 
-    /// Marks the connection as idle, unless it is already: until `end_idle` its socket may be shut down for the sake of
-    /// another connection, unless it has unread bytes. The socket must stay open as long.
+    /// Marks the connection as idle unless it is already. Until `end_idle`, the socket may be shut down to make way for
+    /// another connection, unless it has unread bytes. The socket must stay open until then.
     void begin_idle(int socket);
     void end_idle();
 
-    /// Counts the place by another address from now on; an empty one: by none.
-    /// @returns  false if that has enough; the place then counts as it did
+    /// Counts the connection by another address from now on; an empty one: by none.
+    /// @returns  false if that address is at its limit; the connection then counts as before
     bool count_by(const std::string& address);
 
 private:
@@ -144,32 +147,32 @@ private:
     Capacity& capacity_;
     std::string address_;
     Entry entry_ = Entry::Full;
-    Room room_ = Room::Common;
-    bool closed_ = false;  ///< for the sake of another; guarded by the capacity's mutex
-    std::optional<Capacity::IdleConnections::iterator> idle_;  ///< likewise
+    ConnectionClass class_ = ConnectionClass::Common;
+    bool closed_ = false;  ///< to make way for another; guarded by the capacity's mutex
+    std::optional<Capacity::IdleConnections::iterator> idle_;  ///< guarded by the capacity's mutex
 };
 
-/// Time during which a connection is idle.
+/// The time during which a connection is idle.
 class IdleTime {
 public:
-    /// @param place  null: nobody closes the connection
-    IdleTime(Place* place, int socket) : place_(place) {
-        if (place_ != nullptr) place_->begin_idle(socket);
+    /// @param slot  null: the connection is never closed
+    IdleTime(ConnectionSlot* slot, int socket) : slot_(slot) {
+        if (slot_ != nullptr) slot_->begin_idle(socket);
     }
     ~IdleTime() {
-        if (place_ != nullptr) place_->end_idle();
+        if (slot_ != nullptr) slot_->end_idle();
     }
     IdleTime(const IdleTime&) = delete;
     IdleTime& operator=(const IdleTime&) = delete;
 
 private:
-    Place* const place_;
+    ConnectionSlot* const slot_;
 };
 
-/// Bytes that a connection holds, released at the end.
+/// Bytes that a connection takes, released by the destructor.
 class HeldBytes {
 public:
-    /// @param capacity  null: nobody counts
+    /// @param capacity  null: nothing is counted
     explicit HeldBytes(Capacity* capacity) : capacity_(capacity) {}
     ~HeldBytes() { resize(0); }
     HeldBytes(const HeldBytes&) = delete;

@@ -8,16 +8,16 @@
 
 namespace ccdt::server {
 
-/// Text. Pictures are compressed already.
+/// Whether a media type is text. Pictures are compressed already.
 bool is_compressible(std::string_view media_type);
 
-/// Text of more than a kilobyte.
+/// Whether a body is text of more than a kilobyte.
 bool is_worth_compressing(std::string_view media_type, std::string_view body);
 
-/// Whether an Accept-Encoding header wants gzip rather than nothing.
+/// Whether an Accept-Encoding header prefers gzip to no encoding.
 bool accepts_gzip(std::string_view accept_encoding);
 
-/// Compressor of a text that comes in pieces.
+/// Compresses a text that arrives in pieces.
 class Gzip {
 public:
     Gzip();
@@ -26,8 +26,8 @@ public:
     Gzip& operator=(const Gzip&) = delete;
 
     /// Compresses a piece.
-    /// @param last    the text ends with it
-    /// @param target  to which what is ready is appended
+    /// @param last    whether the piece ends the text
+    /// @param target  receives the compressed bytes that are ready, at its end
     void add(std::string_view piece, bool last, std::string& target);
 
 private:
@@ -35,8 +35,8 @@ private:
     const std::unique_ptr<Stream> stream_;
 };
 
-/// Compresses quickly rather than well: about 50 MB of JSON in a second, to less than a half.
-/// @returns  none if it was stopped; asked after every 256 KiB
+/// Compresses for speed rather than size: about 50 MB of JSON per second, to less than half.
+/// @returns  none if it was stopped; checked every 256 KiB
 std::optional<std::string> gzip(std::string_view text, const std::stop_token& stop = {});
 
 }  // namespace ccdt::server

@@ -18,20 +18,20 @@ using std::chrono::milliseconds;
 
 constexpr std::size_t kLargestHead = 32'768;
 constexpr std::string_view kLineEnd = "\r\n";
-constexpr std::size_t kLongestLine = 4'096;  ///< of a chunk's size or a trailer
-constexpr std::size_t kMostFraming = 8;      ///< bytes of it for one in chunks, beyond a first kLargestHead
+constexpr std::size_t kLongestLine = 4'096;  ///< limit for a line with a chunk's size or a trailer
+constexpr std::size_t kMostFraming = 8;      ///< maximum of framing bytes per body byte, beyond the first kLargestHead
 constexpr std::size_t kReceiveSize = 16'384;
-constexpr std::size_t kFreeBytes = 65'536;      ///< of a body, which are read even if memory is short
-constexpr std::size_t kTrustedBytes = 1 << 20;  ///< of a body, after which the length it announces is believed
-constexpr std::uint64_t kLeastRate = 32'768;    ///< bytes in a second
+constexpr std::size_t kFreeBytes = 65'536;      ///< bytes of a body that are read even if memory is short
+constexpr std::size_t kTrustedBytes = 1 << 20;  ///< bytes of a body after which its announced length is trusted
+constexpr std::uint64_t kLeastRate = 32'768;    ///< bytes per second
 constexpr std::uint64_t kLeastRateUnderPressure = 262'144;
 constexpr milliseconds kHeadUnderPressure{1'000};
 constexpr milliseconds kPauseUnderPressure{2'000};
 constexpr milliseconds kLinger{2'000};
-constexpr milliseconds kWaitStep{200};  ///< after which a wait looks whether its deadline has moved
+constexpr milliseconds kWaitStep{200};  ///< interval at which a wait checks whether its deadline has moved
 constexpr int kNoTime = 0;
 
-/// Waits for an event on the socket, at most until the deadline.
+/// Waits for an event on the socket until the deadline.
 bool wait_for(int socket, short events, std::chrono::steady_clock::time_point deadline) {
     while (true) {
         const auto left = duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now());
@@ -52,13 +52,8 @@ bool may_break_a_line(char c) {
 
 }  // namespace
 
-Connection::Connection(int socket, const Patience& patience, Capacity* capacity, Place* place)
-    : socket_(socket),
-      patience_(patience),
-      capacity_(capacity),
-      place_(place),
-      peer_(peer_of(socket)),
-      client_(peer_) {}
+Connection::Connection(int socket, const Patience& patience, Capacity* capacity, ConnectionSlot* slot)
+    : socket_(socket), patience_(patience), capacity_(capacity), slot_(slot), peer_(peer_of(socket)), client_(peer_) {}
 
 bool Connection::wait_for_request(const std::function<bool(Milliseconds waited)>& give_up) {
     bytes_in_ = 0;
@@ -95,7 +90,7 @@ HttpResult<Request> Connection::read_head() {
         if (*line_end == std::string_view::npos)
             return problem(431, "the head of the request is larger than " + std::to_string(kLargestHead) + " bytes");
         if (*line_end == 0) {
-            // Clients may send a line end after a body; it is no part of the next head.
+            // Clients may send a line end after a body. It is not part of the next head.
             unread_.use(kLineEnd.size());
             continue;
         }
@@ -111,7 +106,7 @@ HttpResult<std::string> Connection::read_body(const Request& request, std::size_
     if (!request.is_framed()) return problem(411, "the request has neither Content-Length nor chunks");
     if (request.content_length.value_or(0) > limit) return too_large(limit);
     if (request.expects_continue && unread_.empty() && !write("HTTP/1.1 100 Continue\r\n\r\n"))
-        return problem(400, "the client left");
+        return problem(400, "the client closed the connection");
     body_ = {Clock::now(), Clock::now(), 0};
     auto body = request.chunked ? read_chunked(limit) : read_plain(*request.content_length);
     between_requests_ = body.has_value();
@@ -164,10 +159,10 @@ void Connection::Transfer::move_to(std::uint64_t total) {
     bytes = total;
 }
 
-/// Waits for the first byte, or for the end, of a connection that is idle meanwhile.
-/// @returns  false if the wait was given up
+/// Waits for the first byte or the end of a connection, which counts as idle meanwhile.
+/// @returns  false if `give_up` returned true
 bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& give_up) const {
-    const IdleTime idle(place_, socket_);
+    const IdleTime idle(slot_, socket_);
     const auto start = Clock::now();
     while (!wait_for(socket_, POLLIN, Clock::now() + kWaitStep)) {
         if (give_up(duration_cast<Milliseconds>(Clock::now() - start))) return false;
@@ -175,7 +170,7 @@ bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& 
     return true;
 }
 
-/// Finds when a transfer has taken too long: after a pause, or once its rate has been too low for as long.
+/// Computes the deadline of a transfer: after a pause, or once its rate has been too low for the same time.
 Connection::Clock::time_point Connection::deadline(const Transfer& transfer) const {
     const bool pressed = is_pressed();
     const auto pause = pressed ? std::min(patience_.body, kPauseUnderPressure) : patience_.body;
@@ -183,8 +178,8 @@ Connection::Clock::time_point Connection::deadline(const Transfer& transfer) con
     return std::min(transfer.moved + pause, transfer.begun + pause + milliseconds(transfer.bytes * 1000 / rate));
 }
 
-/// Waits for an event on the socket. The deadline may move meanwhile; once it has passed not even an event that is
-/// there already counts, or a client that sends byte after byte would never be late.
+/// Waits for an event on the socket. The deadline may move during the wait. Once it has passed, even an event that has
+/// already occurred does not count; otherwise a client that sends one byte at a time would never be late.
 bool Connection::wait(short events, const Deadline& deadline) const {
     while (true) {
         const auto now = Clock::now();
@@ -194,7 +189,7 @@ bool Connection::wait(short events, const Deadline& deadline) const {
     }
 }
 
-/// Receives what there is, waiting for the first byte of it.
+/// Waits for the first byte, then receives all available bytes.
 HttpResult<void> Connection::fill(const Deadline& deadline) {
     if (!wait(POLLIN, deadline)) return problem(408, "the request did not arrive in time");
     std::array<char, kReceiveSize> buffer;
@@ -206,7 +201,7 @@ HttpResult<void> Connection::fill(const Deadline& deadline) {
     return {};
 }
 
-/// Makes what receives more of a head, of which the first byte is there.
+/// Makes the function that receives more of a head, whose first byte has arrived.
 Connection::Fill Connection::fill_head() {
     const auto deadline = [this, start = Clock::now()] {
         return start + (is_pressed() ? std::min(patience_.header, kHeadUnderPressure) : patience_.header);
@@ -214,7 +209,7 @@ Connection::Fill Connection::fill_head() {
     return [this, deadline] { return fill(deadline); };
 }
 
-/// Receives more of a body, of which so much is there.
+/// Receives more of a body, of which `body` has arrived.
 HttpResult<void> Connection::fill(const std::string& body, HeldBytes& held) {
     body_.move_to(body.size());
     held.resize(body.size());
@@ -223,7 +218,8 @@ HttpResult<void> Connection::fill(const std::string& body, HeldBytes& held) {
     return fill([this] { return deadline(body_); });
 }
 
-/// @returns  what was used, as long as nothing more is received
+/// Consumes received bytes.
+/// @returns  these bytes, valid until more are received
 std::string_view Connection::use(std::size_t size) {
     const auto used = unread_.view().substr(0, size);
     unread_.use(size);
@@ -231,11 +227,12 @@ std::string_view Connection::use(std::size_t size) {
     return used;
 }
 
-/// Looks for the end of a line in what was received, and receives more until it is there.
-/// @param begin  of the line
-/// @param limit  where it has to end at the latest
-/// @returns      where its CRLF stands; npos: beyond the limit
-/// Problem besides (400), at once: a CR or LF alone, which others might take for a line's end, or a NUL.
+/// Looks for the end of a line in the received bytes, and receives more until it arrives.
+/// @param begin  start of the line
+/// @param limit  last position that its CRLF may have
+/// @returns      position of the CRLF; npos: beyond the limit
+/// Problems, in addition to those of receiving: 400 a NUL, or a CR or LF alone, which other programs might take for the
+/// end of a line.
 HttpResult<std::size_t> Connection::find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up) {
     for (std::size_t at = begin;;) {
         const auto received = unread_.view();
@@ -243,12 +240,12 @@ HttpResult<std::size_t> Connection::find_line_end(std::size_t begin, std::size_t
         if (at > limit) return std::string_view::npos;
         const auto found = received.substr(at, kLineEnd.size());
         if (found == kLineEnd) return at;
-        if (!kLineEnd.starts_with(found)) return problem(400, "a line does not end in CRLF, or holds a NUL");
+        if (!kLineEnd.starts_with(found)) return problem(400, "a line does not end in CRLF, or contains a NUL");
         if (auto filled = fill_up(); !filled) return tl::unexpected(filled.error());
     }
 }
 
-/// Reads a line of the body's framing, without its end; it is valid until more is received.
+/// Reads a line of the body's framing, without its CRLF. The view is valid until more bytes are received.
 HttpResult<std::string_view> Connection::read_line(const Fill& fill_up) {
     const auto end = find_line_end(0, kLongestLine, fill_up);
     if (!end) return tl::unexpected(end.error());
@@ -276,7 +273,8 @@ HttpResult<std::string> Connection::read_plain(std::uint64_t size) {
     return body;
 }
 
-/// Reads chunks; those received at once without waiting, counting or looking at the clock: they may be small.
+/// Reads chunks. Those that have arrived already are read without waiting, counting or checking the clock, because
+/// chunks may be small.
 HttpResult<std::string> Connection::read_chunked(std::size_t limit) {
     std::string body;
     HeldBytes held(capacity_);
@@ -290,7 +288,7 @@ HttpResult<std::string> Connection::read_chunked(std::size_t limit) {
         const auto read = append(body, *size, fill_up).and_then([&] { return skip_chunk_end(fill_up); });
         if (!read) return tl::unexpected(read.error());
         if (bytes_in_ - before > body.size() * (1 + kMostFraming) + kLargestHead)
-            return problem(400, "the chunks are small for their framing");
+            return problem(400, "the chunks are too small for their framing");
     }
     if (auto skipped = skip_trailers(fill_up); !skipped) return tl::unexpected(skipped.error());
     return body;
@@ -307,7 +305,7 @@ HttpResult<void> Connection::skip_chunk_end(const Fill& fill_up) {
     return {};
 }
 
-/// Skips trailers, which nothing here uses; few of them are enough.
+/// Skips trailers, which are not used. Their total length is limited.
 HttpResult<void> Connection::skip_trailers(const Fill& fill_up) {
     for (std::size_t skipped = 0; skipped <= kLongestLine;) {
         const auto line = read_line(fill_up);

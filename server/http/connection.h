@@ -14,86 +14,91 @@
 
 namespace ccdt::server {
 
-/// Times that a client may take for its part. Under pressure it has less: see Capacity.
+/// Time-outs of a client. Under pressure they are shorter: see Capacity.
 struct Patience {
     std::chrono::milliseconds header{10'000};  ///< for the whole head of a request
-    /// Longest pause within a body or an answer, and what it may take over that at the least rate, 32 KiB/s.
+    /// For a pause within a body or an answer, and for the time beyond the one at the minimum rate, 32 KiB/s.
     std::chrono::milliseconds body{30'000};
-    std::chrono::milliseconds idle{60'000};  ///< between two requests; a thread rests as long before it ends
+    std::chrono::milliseconds idle{
+        60'000};  ///< between two requests; also the time that an idle thread waits for another connection
 };
 
-/// One client's socket, with what was read from it and not yet used.
+/// A client's socket, and the bytes received from it that are not processed yet.
 ///
-/// Belongs to the thread that serves the client. Requests are read one after another: the head, then, if whoever
-/// answers wants it, the body. A body that was not read to its end leaves the connection unusable: its bytes must
-/// never be taken for the next request. No wait is longer than the client's deadlines, whatever it sends or takes.
+/// Belongs to the thread that serves the client. Requests are read one after another: the head, then, if the handler
+/// asks for it, the body. If a body was not read to its end, no further request is read: the rest of the body must
+/// never be taken for a request. No wait exceeds the client's time-outs, whatever it sends or receives.
 class Connection {
 public:
     using Milliseconds = std::chrono::milliseconds;
 
-    /// Does not own the socket. The capacity and the place, if there are any, must outlive the connection.
+    /// Does not own the socket. `capacity` and `slot`, if not null, must outlive the connection.
     explicit Connection(int socket, const Patience& patience = {}, Capacity* capacity = nullptr,
-                        Place* place = nullptr);
+                        ConnectionSlot* slot = nullptr);
 
     /// Waits for the first byte of the next request.
-    /// @param give_up  asked about five times a second with the time waited so far
-    /// @returns        false if the client closed the connection or the wait was given up
+    /// @param give_up  called about five times a second with the time waited so far
+    /// @returns        false if the client closed the connection, or `give_up` returned true
     bool wait_for_request(const std::function<bool(Milliseconds waited)>& give_up);
 
-    /// Reads the header by which a proxy tells who connected to it, if there is one: then that is the peer. To be
-    /// called once the first bytes are there. Problems: 400 malformed, 408 too slow. The connection is then unusable.
+    /// Reads the PROXY header, if there is one; then the peer is the client that it names. Requires that the first
+    /// bytes have arrived.
+    /// Problems: 400 malformed, 408 too slow. Afterwards the connection is unusable.
     HttpResult<void> read_proxy_header();
 
-    /// Problems: 400 malformed, 408 too slow, 431 too large. The connection is then unusable.
+    /// Reads the head of a request.
+    /// Problems: 400 malformed, 408 too slow, 431 too large. Afterwards the connection is unusable.
     HttpResult<Request> read_head();
 
-    /// Reads the body that `request`, the last head read, announces; at most once for each head.
+    /// Reads the body of `request`, whose head was the last one read; at most once for each head.
     ///
-    /// Tells a client that waits for it to go ahead. Problems: 400 malformed, 408 too slow, 411 not announced, 413 more
-    /// bytes than the limit, at once if the head says so, 503 the clients' bodies take too much memory.
+    /// Sends 100 Continue to a client that waits for it.
+    /// Problems: 400 malformed, 408 too slow, 411 no length, 413 larger than the limit (at once if the head says so),
+    /// 503 all bodies together take too much memory.
     HttpResult<std::string> read_body(const Request& request, std::size_t limit);
 
-    /// Whether the current request is the connection's first: whoever connected had it to ask.
+    /// Whether the current request is the connection's first.
     bool is_on_first_request() const { return heads_ <= 1; }
 
-    /// Whether all of the last request was read: the next byte begins another.
+    /// Whether the last request was read completely, so that the next byte begins another.
     bool between_requests() const { return between_requests_; }
 
     /// Whether the client closed its side. Half-closed counts: browsers and proxies close both.
     bool client_gone() const;
 
-    /// Sends bytes; false if the client takes nothing any more, or too slowly.
+    /// Sends bytes; returns false if the client has closed the connection or receives too slowly.
     bool write(std::string_view bytes);
 
-    /// Closes our side. If bytes of the client were left unread, the rest of them is thrown away for a while: closing
-    /// with unread bytes resets the connection, and the client would lose the answer. A client that took its answer
-    /// too slowly is reset, or the system would keep the rest for it.
+    /// Closes our side. If unread bytes of the client are left, they are read and discarded for a while: closing a
+    /// socket with unread bytes resets the connection, and the client would lose the answer. The connection of a client
+    /// that received its answer too slowly is reset; otherwise the system would keep the rest of the answer.
     void close_gently();
 
-    /// Has the connection reset when it is closed, so that the client takes what came for no whole answer.
+    /// Has the connection reset when it is closed, so that the client does not mistake a partial answer for a whole
+    /// one.
     void reset() { resets_ = true; }
 
-    /// Moves the connection's place to where the current request needs it; false if that room is full.
-    bool move_to(Room room) { return place_ == nullptr || place_->move_to(room); }
+    /// Moves the connection's slot to the class that the current request needs; returns false if that class is full.
+    bool move_to(ConnectionClass connection_class) { return slot_ == nullptr || slot_->move_to(connection_class); }
 
-    /// Whether it is one of those that are closed after their first request.
-    bool in_reserve() const { return place_ != nullptr && place_->room() == Room::Reserve; }
+    /// Whether the connection is in the reserve. Such connections are closed after their first request.
+    bool in_reserve() const { return slot_ != nullptr && slot_->connection_class() == ConnectionClass::Reserve; }
 
-    /// Who connected.
+    /// The client or proxy that connected.
     const Peer& peer() const { return peer_; }
 
-    /// Who sent the current request: the peer, unless a proxy is it and asks for another.
+    /// The sender of the current request: the peer or, if that is a trusted proxy, the client that it names.
     const Peer& client() const { return client_; }
     void set_client(Peer client) { client_ = std::move(client); }
 
-    /// Name of who sent the current request, for taking turns: its address unless it is known better.
+    /// Name of the sender for fair queueing: the address unless a better one is known.
     const std::string& client_name() const { return client_name_.empty() ? client_.address : client_name_; }
     void name_client(std::string name, std::string key) {
         client_name_ = std::move(name);
         key_ = std::move(key);
     }
 
-    /// The name of the API key that the current request came with; empty: none.
+    /// Name of the API key of the current request; empty: none.
     const std::string& key() const { return key_; }
 
     std::uint64_t bytes_in() const { return bytes_in_; }  ///< of the current request
@@ -104,7 +109,7 @@ private:
     using Deadline = std::function<Clock::time_point()>;
     using Fill = std::function<HttpResult<void>()>;
 
-    /// Bytes that were received, of which those at the front are used first.
+    /// Received bytes that are consumed from the front.
     class Unread {
     public:
         bool empty() const { return used_ == bytes_.size(); }
@@ -117,10 +122,10 @@ private:
         std::size_t used_ = 0;
     };
 
-    /// A body or an answer on its way; how it is framed does not count.
+    /// The progress of a body or an answer, regardless of its framing.
     struct Transfer {
         Clock::time_point begun;
-        Clock::time_point moved;  ///< when last
+        Clock::time_point moved;  ///< time of the latest progress
         std::uint64_t bytes = 0;
 
         void move_to(std::uint64_t total);
@@ -145,16 +150,16 @@ private:
     const int socket_;
     const Patience patience_;
     Capacity* const capacity_;
-    Place* const place_;
+    ConnectionSlot* const slot_;
     Peer peer_;
     Peer client_;
     std::string client_name_;
     std::string key_;
     Unread unread_;
-    Transfer body_;  ///< that of the current request
-    std::uint64_t heads_ = 0;  ///< that were asked for
+    Transfer body_;            ///< of the current request
+    std::uint64_t heads_ = 0;  ///< number of heads that were read or attempted
     bool between_requests_ = true;
-    bool too_slow_ = false;  ///< the client, for its answer
+    bool too_slow_ = false;  ///< the client, at receiving an answer
     bool resets_ = false;
     std::uint64_t bytes_in_ = 0;
     std::uint64_t bytes_out_ = 0;

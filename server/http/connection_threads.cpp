@@ -43,7 +43,7 @@ ConnectionThreads::Counts ConnectionThreads::counts() const {
 void ConnectionThreads::work(Threads::iterator self) {
     std::unique_lock lock(mutex_);
     while (true) {
-        self->wake.wait_for(lock, rest_, [&] { return self->task || closing_; });
+        self->wake.wait_for(lock, idle_timeout_, [&] { return self->task || closing_; });
         if (!self->task) break;
         auto task = std::exchange(self->task, nullptr);
         lock.unlock();
@@ -54,12 +54,12 @@ void ConnectionThreads::work(Threads::iterator self) {
         idle_.splice(idle_.end(), busy_, self);
     }
     if (closing_) return;
-    // A thread cannot join itself. Left unjoined it would keep its stack, so that at most one is at any time.
+    // A thread cannot join itself. Until the next one joins it, it keeps its stack; so at most one stack is kept.
     const auto before = std::exchange(ended_, std::move(self->handle));
     idle_.erase(self);
     const bool last = idle_.empty();
     lock.unlock();
-    // What many of them took at once lies in pieces between others, which is not given back by itself.
+    // Memory that many threads used at once is fragmented, and would not be returned to the system without this.
     if (last) malloc_trim(0);
 }
 

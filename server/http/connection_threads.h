@@ -10,20 +10,20 @@
 
 namespace ccdt::server {
 
-/// Threads, as many as there are tasks, made when none is idle: no task waits for another. The thread that was busy
-/// last takes the next task, so that those of a busy hour get their rest, after which they end. The destructor returns
-/// once all tasks are done.
+/// Runs each task in a thread of its own, so that no task waits for another. Threads are reused, and created when none
+/// is idle. The most recently busy thread takes the next task, so that after a peak the others reach their time-out and
+/// end. The destructor returns once all tasks are done.
 class ConnectionThreads {
 public:
-    /// @param rest  how long an idle thread is kept
-    explicit ConnectionThreads(std::chrono::milliseconds rest) : rest_(rest) {}
+    /// @param idle_timeout  time-out of an idle thread
+    explicit ConnectionThreads(std::chrono::milliseconds idle_timeout) : idle_timeout_(idle_timeout) {}
     ~ConnectionThreads();
 
     ConnectionThreads(const ConnectionThreads&) = delete;
     ConnectionThreads& operator=(const ConnectionThreads&) = delete;
 
-    /// Tasks must not throw. From one thread.
-    /// @returns  false if the system gives no more threads or memory; the task is then dropped
+    /// Runs a task, which must not throw. Call this from one thread only.
+    /// @returns  false if the system has no more threads or memory; the task is then dropped
     bool run(std::function<void()> task);
 
     struct Counts {
@@ -36,19 +36,19 @@ private:
     struct Thread {
         std::function<void()> task;
         std::condition_variable wake;
-        std::jthread handle;  ///< last: it uses the others
+        std::jthread handle;  ///< last, because it uses the other members
     };
     using Threads = std::list<Thread>;
 
     void work(Threads::iterator self);
 
-    const std::chrono::milliseconds rest_;
+    const std::chrono::milliseconds idle_timeout_;
 
-    mutable std::mutex mutex_;  ///< guards the rest; once closing, the threads are the destructor's
+    mutable std::mutex mutex_;  ///< guards the rest; after closing_ is set, the threads belong to the destructor
     bool closing_ = false;
-    std::jthread ended_;  ///< the last that had its rest; joined by the next
+    std::jthread ended_;  ///< the thread that ended last; joined by the next one that ends
     Threads busy_;
-    Threads idle_;  ///< who was busy last comes last
+    Threads idle_;  ///< most recently busy last
 };
 
 }  // namespace ccdt::server

@@ -8,20 +8,20 @@
 
 namespace ccdt::server {
 
-/// Whether pages of an origin may call.
+/// Whether pages of an origin may call the server.
 /// @param allowed  origins, kLoopback, or kAny
 bool allows_origin(const std::vector<std::string>& allowed, std::string_view origin);
 
-/// Headers that let pages of other origins read an answer.
+/// Makes the headers that let pages of other origins read an answer.
 /// @param allowed  as above; empty: none
-/// @param origin   of the page that asks; empty: no browser, or a page of our own
+/// @param origin   origin of the calling page; empty: not a browser, or one of our own pages
 std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::string_view origin);
 
-/// Headers that let them ask, in the answer to an OPTIONS.
+/// Makes the headers of the answer to an OPTIONS preflight, by which pages of other origins may send requests.
 std::vector<Header> preflight_headers(std::string_view methods);
 
-/// Whether a browser asks for a page of another origin, which needs our leave: before its request or, if that is simple
-/// enough, by it.
+/// Whether a browser sends this request for a page of another origin, as a preflight or as a simple request. Such
+/// requests need permission.
 bool asks_for_other_origin(const Request& request);
 
 }  // namespace ccdt::server

@@ -7,12 +7,12 @@
 
 namespace ccdt::server {
 
-/// Finds the tag in an If-None-Match header that names an answer, weakly or strongly and in any of its codings
-/// (RFC 9110, 13.1.2). A star names none.
-/// @returns  the tag as it stands there
+/// Finds the tag of an answer in an If-None-Match header, as a weak or strong tag and in any of its content codings
+/// (RFC 9110, 13.1.2). `*` does not match.
+/// @returns  the tag as it appears in the header
 std::optional<std::string_view> find_tag(std::string_view if_none_match, std::string_view name);
 
-/// Answers those who have the answer of that tag: 304.
+/// Makes a 304 for a client that already has the answer with this tag.
 Response not_modified(std::string_view tag);
 
 }  // namespace ccdt::server

@@ -32,8 +32,9 @@ bool allows_host(const std::vector<std::string>& allowed, std::string_view autho
     if (authority.empty() || std::ranges::find(allowed, kAny) != allowed.end()) return true;
     auto host = host_of_authority(authority);
     if (!host || host->empty()) return false;
-    if (host->ends_with('.')) host->remove_suffix(1);  // a name with its root means the same
-    const std::string name = in_small_letters(*host);
+    if (host->ends_with('.'))
+        host->remove_suffix(1);  // a trailing dot denotes the root and does not change the meaning
+    const std::string name = to_lower_case(*host);
     return std::ranges::any_of(
         allowed, [&](const std::string& one) { return one == kLoopback ? is_loopback(name) : one == name; });
 }

@@ -7,25 +7,25 @@
 
 namespace ccdt::server {
 
-/// Entry of a list of hosts or origins that stands for all those of this machine alone.
+/// List entry for all hosts or origins of this machine.
 inline constexpr std::string_view kLoopback = "loopback";
 
-/// Entry of a list of hosts or origins that stands for all.
+/// List entry for all hosts or origins.
 inline constexpr std::string_view kAny = "*";
 
-/// Whether a host always means this machine: `localhost`, 127.0.0.1, ::1 and their like.
-/// @param host  a name in small letters or an address, without brackets
+/// Whether a host always means this machine: `localhost`, 127.0.0.1, ::1 and similar.
+/// @param host  a name in lower case or an address, without brackets
 bool is_loopback(std::string_view host);
 
-/// Takes the port off an authority, `host` or `host:port`, and the brackets off an address.
+/// Removes the port from an authority, `host` or `host:port`, and the brackets from an address.
 /// @returns  none if the authority is malformed
 std::optional<std::string_view> host_of_authority(std::string_view authority);
 
-/// Whether requests for an authority, as in a Host header, are answered; those for none always are.
+/// Whether requests for an authority, as in a Host header, are answered. Requests without an authority always are.
 ///
-/// A page of a stranger reaches a server on loopback by a name of the stranger's whose address becomes 127.0.0.1 (DNS
-/// rebinding): to the browser that is the page's own origin. The name in Host tells such a request from others.
-/// @param allowed  hosts in small letters without port and brackets, kLoopback, or kAny
+/// A stranger's page can reach a server on loopback by a name of the stranger's domain that resolves to 127.0.0.1 (DNS
+/// rebinding). To the browser, that is the page's own origin. The name in Host distinguishes such requests.
+/// @param allowed  hosts in lower case without port and brackets, kLoopback, or kAny
 bool allows_host(const std::vector<std::string>& allowed, std::string_view authority);
 
 }  // namespace ccdt::server

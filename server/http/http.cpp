@@ -12,11 +12,11 @@ namespace ccdt::server {
 namespace {
 
 constexpr std::string_view kLineEnd = "\r\n";
-constexpr std::string_view kAuthority = "://";  ///< what it stands behind
+constexpr std::string_view kAuthority = "://";  ///< separates scheme and authority
 constexpr std::size_t kLongestTarget = 8'192;
 
-/// Fields that the server reads and that have one value, which is no list. A proxy may act on another of several values
-/// than the server does. Content-Length and Transfer-Encoding are checked where they are read.
+/// Fields that the server reads and that take one value, not a list. Of several values, a proxy may use another one
+/// than the server. Content-Length and Transfer-Encoding are checked where they are read.
 constexpr std::array<std::string_view, 6> kSingleFields{
     "Access-Control-Request-Method", "Authorization", "Content-Type", "Host", "Origin", "X-Request-ID"};
 
@@ -33,7 +33,7 @@ bool is_token_character(char c) {
            std::string_view("!#$%&'*+-.^_`|~").find(c) != std::string_view::npos;
 }
 
-/// Whether a character may stand in a host: a name, an address or a port. Others are allowed, and used nowhere.
+/// Whether a character may occur in a host: a name, an address or a port. Some of these characters have no use.
 bool is_host_character(char c) {
     return is_digit(c) || (to_lower(c) >= 'a' && to_lower(c) <= 'z') ||
            std::string_view("-._~%!$&'()*+;=:[]").find(c) != std::string_view::npos;
@@ -53,7 +53,7 @@ int hex_value(char c) {
     return small >= 'a' && small <= 'f' ? small - 'a' + 10 : -1;
 }
 
-/// Undoes percent-encoding; a percent sign that begins none stays as it is.
+/// Decodes percent-encoding. A percent sign that does not begin an escape stays as it is.
 std::string decode_percent(std::string_view text, bool plus_is_space) {
     std::string decoded;
     decoded.reserve(text.size());
@@ -71,9 +71,9 @@ std::string decode_percent(std::string_view text, bool plus_is_space) {
     return decoded;
 }
 
-/// A target, taken apart.
+/// The parts of a request target.
 struct Target {
-    std::string_view authority;  ///< of one in absolute-form, which proxies may send; else empty
+    std::string_view authority;  ///< of an absolute-form target, which proxies may send; otherwise empty
     std::string_view resource;   ///< path and query
 };
 
@@ -98,7 +98,7 @@ HttpResult<void> parse_request_line(std::string_view line, Request& request) {
     if (line != "HTTP/1.1" && line != "HTTP/1.0") return problem(400, "the protocol is not HTTP/1.1 or HTTP/1.0");
     if (target.size() > kLongestTarget)
         return problem(414, "the request target is longer than " + std::to_string(kLongestTarget) + " bytes");
-    if (std::ranges::any_of(target, is_control)) return problem(400, "the request target holds control characters");
+    if (std::ranges::any_of(target, is_control)) return problem(400, "the request target contains control characters");
     request.method = method;
     request.target = target;
     request.is_http_1_0 = line == "HTTP/1.0";
@@ -122,11 +122,12 @@ HttpResult<Header> parse_header(std::string_view line) {
         return problem(400, "a header line is malformed");
     const auto value = api::trim(line.substr(colon + 1));
     if (std::ranges::any_of(value, [](char c) { return is_control(c) && c != '\t'; }))
-        return problem(400, "a header's value holds control characters");
+        return problem(400, "a header's value contains control characters");
     return Header{std::string(line.substr(0, colon)), std::string(value)};
 }
 
-/// Fields that frame a message, lead it on its way, say who sends it or how it is to be read: RFC 9110, section 6.5.1.
+/// Whether a field may be a trailer. Fields of framing, routing, authentication and content format may not: RFC 9110,
+/// section 6.5.1.
 bool may_be_trailer(std::string_view name) {
     constexpr std::string_view kForbidden[] = {
         "Authorization", "Connection",        "Content-Encoding", "Content-Length",
@@ -148,7 +149,7 @@ std::optional<std::string_view> after_token(std::string_view text) {
     return std::string_view(end, text.end());
 }
 
-/// @returns  none if the text does not begin with a whole quoted string
+/// @returns  none if the text does not begin with a complete quoted string
 std::optional<std::string_view> after_quoted(std::string_view text) {
     bool escaped = false;
     for (std::size_t i = 1; i < text.size(); ++i) {
@@ -159,7 +160,7 @@ std::optional<std::string_view> after_quoted(std::string_view text) {
     return std::nullopt;
 }
 
-/// Whether a text is any number of chunk extensions: RFC 9112, section 7.1.1.
+/// Whether a text consists of chunk extensions, any number of them: RFC 9112, section 7.1.1.
 bool are_extensions(std::string_view text) {
     while (!text.empty()) {
         text = skip_blanks(text);
@@ -185,7 +186,7 @@ HttpResult<void> read_content_length(std::string_view value, Request& request) {
 
 HttpResult<void> read_transfer_encoding(std::string_view value, Request& request) {
     if (request.chunked || !equals_ignoring_case(value, "chunked"))
-        return problem(400, "the only Transfer-Encoding understood is one `chunked`");
+        return problem(400, "the only supported Transfer-Encoding is a single `chunked`");
     request.chunked = true;
     return {};
 }
@@ -209,7 +210,7 @@ HttpResult<void> read_framing(Request& request) {
             request.expects_continue = !request.is_http_1_0 && equals_ignoring_case(value, "100-continue");
     }
     if (request.chunked && (request.content_length || request.is_http_1_0))
-        return problem(400, "Transfer-Encoding does not go with Content-Length or HTTP/1.0");
+        return problem(400, "Transfer-Encoding cannot be combined with Content-Length or HTTP/1.0");
     return {};
 }
 
@@ -219,7 +220,7 @@ bool equals_ignoring_case(std::string_view a, std::string_view b) {
     return std::ranges::equal(a, b, {}, to_lower, to_lower);
 }
 
-std::string in_small_letters(std::string_view text) {
+std::string to_lower_case(std::string_view text) {
     std::string small(text);
     std::ranges::transform(small, small.begin(), to_lower);
     return small;
@@ -235,7 +236,7 @@ HttpResult<Request> parse_head(std::string_view head) {
     Request request;
     auto parsed = parse_request_line(api::take_until(head, kLineEnd), request);
     while (parsed && head != kLineEnd) {
-        if (head.empty()) return problem(400, "the head of the request is not complete");
+        if (head.empty()) return problem(400, "the head of the request is incomplete");
         parsed = parse_header(api::take_until(head, kLineEnd)).map([&](Header header) {
             request.headers.push_back(std::move(header));
         });
@@ -276,7 +277,7 @@ HttpResult<void> check_request(const Request& request) {
         return problem(400, "the Host header is malformed");
     const bool expects = std::ranges::any_of(request.headers, has_name("Expect"));
     if (expects && !request.is_http_1_0 && !request.expects_continue)
-        return problem(417, "the only Expect understood is 100-continue");
+        return problem(417, "the only supported Expect is 100-continue");
     return {};
 }
 
@@ -316,7 +317,7 @@ std::string encode_percent(std::string_view text) {
 }
 
 std::string media_type(std::string_view content_type) {
-    return in_small_letters(api::trim(content_type.substr(0, content_type.find(';'))));
+    return to_lower_case(api::trim(content_type.substr(0, content_type.find(';'))));
 }
 
 std::string header_parameter(std::string_view value, std::string_view name) {

@@ -28,25 +28,25 @@ using std::chrono::milliseconds;
 
 constexpr std::size_t kRequestsPerConnection = 10'000;
 
-/// Time after which a connection without a request makes room if there is little left or the server drains.
+/// Time-out of connections without a request if few slots are left or the server drains.
 constexpr milliseconds kIdleUnderPressure{500};
 
-/// Time that refused clients have to read why.
+/// Time that refused clients have to read the answer.
 constexpr milliseconds kTimeToRead{500};
 
-/// Pause after accepting failed for want of files or memory.
+/// Pause after accepting failed because of missing descriptors or memory.
 constexpr milliseconds kRecovery{10};
 
-/// Time in which idle connections leave their threads to a newcomer.
+/// Time limit for idle connections to end their threads for a new connection.
 constexpr milliseconds kTimeToMakeRoom{500};
 
-/// Time that those who are about to connect have for it when nobody else may any more: a balancer's network is near.
+/// Time limit to complete TCP handshakes after new connections are refused. Load balancers are nearby.
 constexpr milliseconds kHandshake{2};
 constexpr milliseconds kHandshakeStep{1};
 
 using Clock = std::chrono::steady_clock;
 
-/// Counts while it is there.
+/// Increments a counter during its lifetime.
 class Counted {
 public:
     explicit Counted(std::atomic<int>& count) : count_(count) { ++count_; }
@@ -58,30 +58,31 @@ private:
     std::atomic<int>& count_;
 };
 
-/// Does what may fail for one client only: out of memory, most likely, and the other clients go on.
+/// Runs a task whose failure affects one client only. Most likely it runs out of memory; other clients are not
+/// affected.
 template <class Task>
 void contain(const Task& task) {
     try {
         task();
     } catch (...) {
-        // There is nobody to tell: the client's connection is closed, and what failed may have been the log.
+        // The error cannot be reported: the client's connection is closed, and the log itself may have failed.
     }
 }
 
-tl::unexpected<Problem> refusal(Place::Entry entry) {
-    const std::string reason = entry == Place::Entry::AddressFull
+tl::unexpected<Problem> refusal(ConnectionSlot::Entry entry) {
+    const std::string reason = entry == ConnectionSlot::Entry::AddressFull
                                    ? "this address has too many connections (max-connections-per-address)"
                                    : "too many connections are open (max-connections)";
     return busy(503, reason, std::chrono::seconds(1));
 }
 
-/// Sends a body that comes about while it is sent, in chunks or, if its length is known, as it is; to clients that know
-/// no chunks, up to the connection's end.
-/// @returns  false if it was not all sent, or the client did not take all of it
+/// Sends a body while it is produced, in chunks or, if its length is known, without. For clients without chunked
+/// encoding the body ends with the connection.
+/// @returns  false if not everything was sent, or the client did not receive all of it
 bool stream_body(Connection& connection, Response& response, bool chunked) {
     bool taken = true;
     const auto send = [&](std::string_view piece) {
-        if (!taken || piece.empty()) return taken;  // an empty chunk is the last one
+        if (!taken || piece.empty()) return taken;  // an empty chunk would end the body
         char size[20];
         std::snprintf(size, sizeof(size), "%zx\r\n", piece.size());
         taken = connection.write(chunked ? size + std::string(piece) + "\r\n" : std::string(piece));
@@ -110,11 +111,11 @@ bool is_fatal(int accept_error) {
 
 }  // namespace
 
-/// Keeps sockets of refused clients for a little: to close one with unread bytes resets the connection, and the client
-/// might lose the answer. Nothing is read from them.
+/// Keeps sockets of refused clients open for a moment. Closing a socket with unread bytes resets the connection, and
+/// the client might lose the answer. Nothing is read from these sockets.
 class RefusedClients {
 public:
-    /// @param most  of them at once
+    /// @param most  maximum number of sockets
     explicit RefusedClients(std::size_t most) : most_(most) {}
 
     bool empty() const { return sockets_.empty(); }
@@ -180,16 +181,16 @@ HttpServer::Next HttpServer::accept_next(ConnectionThreads& threads, RefusedClie
     return Next::Nobody;
 }
 
-/// Closes the connection that has been idle longest: accept() failed for want of descriptors or memory.
+/// Closes the connection that has been idle longest, after accept() failed because of missing descriptors or memory.
 void HttpServer::recover(int accept_error) {
     capacity_.close_longest_idle();
     std::this_thread::sleep_for(kRecovery);
     if (std::exchange(warned_, true)) return;
     warn_(std::string("a connection could not be accepted: ") + std::strerror(accept_error) +
-          "; idle ones are closed for it. Nothing more is told of such failures");
+          "; idle connections are closed to make room. Further failures of this kind are not logged");
 }
 
-/// Accepts those who had connected, or nearly so, when newcomers began to be refused.
+/// Accepts clients that had connected, or almost, when the socket began to refuse new connections.
 void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused) {
     const auto end = Clock::now() + kHandshake;
     for (int left = ListeningSocket::kBacklog; left > 0; --left) {
@@ -199,31 +200,31 @@ void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused
     }
 }
 
-/// Gives a connection its thread, which owns the socket from then on. Where the system has no more threads, that of an
-/// idle connection is taken.
-bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared_ptr<Place>& place) {
+/// Gives a connection its thread, which then owns the socket. If the system has no more threads, an idle connection is
+/// closed to free its thread.
+bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared_ptr<ConnectionSlot>& slot) {
     const auto end = Clock::now() + kTimeToMakeRoom;
     while (true) {
-        place->begin_idle(socket);
-        if (threads.run([this, socket, place] { serve_socket(UniqueFd(socket), *place); })) return true;
-        place->end_idle();
+        slot->begin_idle(socket);
+        if (threads.run([this, socket, slot] { serve_socket(UniqueFd(socket), *slot); })) return true;
+        slot->end_idle();
         if (Clock::now() >= end || !capacity_.close_longest_idle()) return false;
         std::this_thread::sleep_for(kRecovery);
     }
 }
 
-/// Gives a new connection its thread, or tells it that there is none.
+/// Gives a new connection its thread, or answers that the server is full.
 void HttpServer::receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused) {
     const int yes = 1;
     setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
-    const auto place = std::make_shared<Place>(capacity_, counted_address(peer));
-    auto entry = place->entry();
-    if (entry == Place::Entry::Admitted) {
-        if (start(threads, socket.get(), place)) {
+    const auto slot = std::make_shared<ConnectionSlot>(capacity_, counted_address(peer));
+    auto entry = slot->entry();
+    if (entry == ConnectionSlot::Entry::Admitted) {
+        if (start(threads, socket.get(), slot)) {
             socket.release();
             return;
         }
-        entry = Place::Entry::Full;
+        entry = ConnectionSlot::Entry::Full;
     }
     contain([&] {
         Connection connection(socket.get(), patience_, &capacity_);
@@ -234,26 +235,26 @@ void HttpServer::receive(UniqueFd socket, const Peer& peer, ConnectionThreads& t
     refused.add(std::move(socket));
 }
 
-void HttpServer::serve_socket(const UniqueFd& socket, Place& place) {
+void HttpServer::serve_socket(const UniqueFd& socket, ConnectionSlot& slot) {
     contain([&] {
-        Connection connection(socket.get(), patience_, &capacity_, &place);
-        contain([&] { serve_connection(connection, place); });
+        Connection connection(socket.get(), patience_, &capacity_, &slot);
+        contain([&] { serve_connection(connection, slot); });
         connection.close_gently();
     });
-    place.end_idle();  // while the socket is open
+    slot.end_idle();  // while the socket is still open
 }
 
-void HttpServer::serve_connection(Connection& connection, Place& place) {
+void HttpServer::serve_connection(Connection& connection, ConnectionSlot& slot) {
     AnswerWriter writer(connection, patience_.idle, kRequestsPerConnection);
-    // Whoever connects has something to ask.
+    // A new connection is expected to send a request soon.
     auto longest = patience_.header;
     const auto give_up = [&](milliseconds waited) {
-        const bool idles_elsewhere = place.room() != Room::Common;
+        const bool idles_elsewhere = slot.connection_class() != ConnectionClass::Common;
         const bool pressed = capacity_.is_pressed() || idles_elsewhere || (draining_ && busy_ == 0);
         return waited >= (pressed ? std::min(longest, kIdleUnderPressure) : longest);
     };
     if (proxies_.include(connection.peer()) && connection.wait_for_request(give_up)) {
-        const auto told = connection.read_proxy_header().and_then([&] { return count(connection.peer(), place); });
+        const auto told = connection.read_proxy_header().and_then([&] { return count(connection.peer(), slot); });
         if (!told) {
             answer(connection, writer, {}, told, true);
             return;
@@ -263,32 +264,32 @@ void HttpServer::serve_connection(Connection& connection, Place& place) {
         const Counted busy(busy_);
         auto request = connection.read_head();
         const auto received =
-            request.and_then(check_request).and_then([&] { return take_client(*request, connection, place); });
+            request.and_then(check_request).and_then([&] { return take_client(*request, connection, slot); });
         const bool last = !received || left == 1;
         if (!answer(connection, writer, std::move(request).value_or(Request()), received, last)) break;
-        place.count_by(counted_address(connection.peer()));
+        slot.count_by(counted_address(connection.peer()));
         longest = patience_.idle;
     }
 }
 
-/// Finds whose request it is, and has the connection count by that client's address until it is answered.
-HttpResult<void> HttpServer::take_client(const Request& request, Connection& connection, Place& place) const {
+/// Identifies the client, and counts the connection by that client's address until the request is answered.
+HttpResult<void> HttpServer::take_client(const Request& request, Connection& connection, ConnectionSlot& slot) const {
     connection.set_client(client_of(request, connection.peer(), proxies_));
-    return count(connection.client(), place);
+    return count(connection.client(), slot);
 }
 
-HttpResult<void> HttpServer::count(const Peer& client, Place& place) const {
-    if (!place.count_by(counted_address(client))) return refusal(Place::Entry::AddressFull);
+HttpResult<void> HttpServer::count(const Peer& client, ConnectionSlot& slot) const {
+    if (!slot.count_by(counted_address(client))) return refusal(ConnectionSlot::Entry::AddressFull);
     return {};
 }
 
-/// Finds the address by which limits of connections count; empty: none. A proxy has as many as it wants: the balancer's
+/// Returns the address by which limits of connections count; empty: none. Proxies are not limited: the load balancer's
 /// health checks must not fail because of its clients.
 std::string HttpServer::counted_address(const Peer& client) const {
     return proxies_.include(client) ? "" : client.address;
 }
 
-/// @param last  no further request on this connection, whatever the answer
+/// @param last  whether this is the connection's last request, regardless of the answer
 /// @returns     whether another request may follow
 bool HttpServer::answer(Connection& connection, AnswerWriter& writer, Request request, const HttpResult<void>& received,
                         bool last) {
@@ -310,7 +311,7 @@ bool HttpServer::answer(Connection& connection, AnswerWriter& writer, Request re
     return written && !last;
 }
 
-/// @returns  none if it threw, for want of memory
+/// @returns  none if the handler threw, for lack of memory
 std::optional<Response> HttpServer::handle(const Request& request, const HttpResult<void>& received,
                                            Connection& connection) const {
     try {

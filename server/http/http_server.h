@@ -21,7 +21,7 @@ class AnswerWriter;
 class ConnectionThreads;
 class RefusedClients;
 
-/// A request and what became of it, for the log.
+/// A request and its response, for the log.
 struct Exchange {
     Request request;
     Response response;
@@ -33,23 +33,23 @@ struct Exchange {
 
 /// The connection layer: accepts clients, reads their requests and writes the answers.
 ///
-/// Every connection has a thread of its own from the start, and there are as many as connections may be open; one that
-/// is not needed is kept for as long as a connection without a request. So none waits for a thread: clients that send
-/// nothing, or send or read slowly, keep nobody from being answered, only a place each (some 40 kB), of which an
-/// address has its share, and which they lose sooner the fewer are left. An event loop would hold more of them, but a
-/// body or an answer that is not waited for needs its own state machine, and handlers that cannot simply read and
-/// write. Connections beyond the limits are told so by the thread that accepts.
+/// Every connection has its own thread from the start, and there may be as many threads as open connections. An idle
+/// thread is kept for the same time as an idle connection. So no connection waits for a thread: clients that send
+/// nothing, or send or receive slowly, delay nobody. They only take a slot each (some 40 kB), whose number per address
+/// is limited, and whose time-outs shrink as slots become scarce. An event loop would hold more connections. But it
+/// would need a state machine for every body and answer, and handlers could not simply read and write. The accepting
+/// thread refuses connections beyond the limits.
 class HttpServer {
 public:
-    /// Answers a request. If it was not received whole and well formed it is as far as it could be read, and the answer
-    /// says why. Called on many threads at once; must not throw.
+    /// Answers a request. If the request was incomplete or malformed, `received` says why, and the request contains
+    /// what could be parsed. Called on many threads at once; must not throw.
     using Handler = std::function<Response(const Request&, const HttpResult<void>& received, Connection&)>;
     using Logger = std::function<void(const Exchange&)>;
     using Warn = std::function<void(const std::string&)>;
 
-    /// @param listener  where clients wait until `serve` is called
-    /// @param proxies   their clients count, not they
-    /// @param warn      tells whoever runs the server, once, that connections cannot be accepted
+    /// @param listener  socket on which clients wait until `serve` is called
+    /// @param proxies   proxies whose clients count in their place
+    /// @param warn      reports to the operator, once, that connections cannot be accepted
     HttpServer(
         ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits, TrustedProxies proxies,
         Handler handler, Logger logger, Warn warn = [](const std::string&) {});
@@ -57,14 +57,14 @@ public:
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
 
-    /// Serves until `drain`; returns once everybody who had connected by then has left, with an answer to each request.
+    /// Serves until `drain`. Returns once every connection made until then is closed, with an answer to each request.
     /// @returns  false if accepting failed for any other reason
     bool serve();
 
-    /// Makes `serve` end: nobody connects any more. From any thread, at any time.
+    /// Makes `serve` end; new connections are refused. May be called from any thread, at any time.
     void drain();
 
-    /// Connections, open and refused.
+    /// Numbers of open and refused connections.
     Capacity::Counts connections() const { return capacity_.counts(); }
 
 private:
@@ -73,12 +73,12 @@ private:
     Next accept_next(ConnectionThreads& threads, RefusedClients& refused);
     void recover(int accept_error);
     void accept_last(ConnectionThreads& threads, RefusedClients& refused);
-    bool start(ConnectionThreads& threads, int socket, const std::shared_ptr<Place>& place);
+    bool start(ConnectionThreads& threads, int socket, const std::shared_ptr<ConnectionSlot>& slot);
     void receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused);
-    void serve_socket(const UniqueFd& socket, Place& place);
-    void serve_connection(Connection& connection, Place& place);
-    HttpResult<void> take_client(const Request& request, Connection& connection, Place& place) const;
-    HttpResult<void> count(const Peer& client, Place& place) const;
+    void serve_socket(const UniqueFd& socket, ConnectionSlot& slot);
+    void serve_connection(Connection& connection, ConnectionSlot& slot);
+    HttpResult<void> take_client(const Request& request, Connection& connection, ConnectionSlot& slot) const;
+    HttpResult<void> count(const Peer& client, ConnectionSlot& slot) const;
     std::string counted_address(const Peer& client) const;
     bool answer(Connection& connection, AnswerWriter& writer, Request request, const HttpResult<void>& received,
                 bool last);
@@ -94,7 +94,7 @@ private:
     const Warn warn_;
     bool warned_ = false;
     std::atomic<bool> draining_ = false;
-    std::atomic<int> busy_ = 0;  ///< connections with a request
+    std::atomic<int> busy_ = 0;  ///< number of connections with a request
 };
 
 }  // namespace ccdt::server

@@ -10,34 +10,33 @@
 
 namespace ccdt::server {
 
-/// An address of the internet protocol, of version 4 or 6. One of version 4 that is written in version 6, as
-/// `::ffff:192.0.2.1`, is the same as without that.
+/// An IP address of version 4 or 6. An IPv4-mapped IPv6 address, such as `::ffff:192.0.2.1`, equals the IPv4 address.
 class IpAddress {
 public:
     explicit IpAddress(const in_addr& address);
     explicit IpAddress(const in6_addr& address);
 
-    /// Reads `192.0.2.1` or `2001:db8::1`, without brackets, port or zone; none if it is neither.
+    /// Parses `192.0.2.1` or `2001:db8::1`, without brackets, port or zone; none if it is neither.
     static std::optional<IpAddress> parse(std::string_view text);
 
     bool is_version_4() const;
     std::string text() const;
 
-    /// What one client has for itself, as text: an address of version 4, a network of 64 bits of version 6.
+    /// Returns the addresses that count as one client, as text: an IPv4 address, or a 64-bit IPv6 network.
     std::string of_one_client() const;
 
-    /// Whether the first bits are the same, of 128; version 4 has 96 before its own.
+    /// Whether the first `bits` of the 128 bits are equal. In IPv4 addresses, 96 bits precede the address.
     bool shares(const IpAddress& other, int bits) const;
 
 private:
-    std::array<std::uint8_t, 16> bytes_{};  ///< as in version 6
+    std::array<std::uint8_t, 16> bytes_{};  ///< in IPv6 form
 };
 
-/// Addresses that begin alike.
+/// Addresses with a common prefix.
 class IpNetwork {
 public:
-    /// Reads `10.0.0.0/8`, `fd00::/8` or an address, which is a network of one. Bits beyond the first do not count.
-    /// None if it is none of these.
+    /// Parses `10.0.0.0/8`, `fd00::/8`, or an address, which is a network of one. Bits after the prefix are ignored.
+    /// None if the text is malformed.
     static std::optional<IpNetwork> parse(std::string_view text);
 
     bool contains(const IpAddress& address) const { return address.shares(base_, bits_); }
@@ -48,7 +47,7 @@ private:
     IpNetwork(const IpAddress& base, int bits) : base_(base), bits_(bits) {}
 
     IpAddress base_;
-    int bits_;  ///< of 128
+    int bits_;  ///< length of the prefix, of 128
 };
 
 }  // namespace ccdt::server

@@ -18,76 +18,76 @@ struct Header {
     std::string value;
 };
 
-/// The head of a request, and how its body is framed.
+/// The head of a request and the framing of its body.
 struct Request {
     std::string method;
     std::string target;           ///< as sent
     std::string resource;         ///< path and query as sent, without scheme and host
     std::string path;             ///< percent-decoded
-    std::string query;            ///< as sent, without the request mark
-    std::string authority;        ///< host and port that are asked: of the target, else of Host; empty: none is named
+    std::string query;            ///< as sent, without the question mark
+    std::string authority;        ///< host and port of the target, or else of the Host header; empty: neither has one
     std::vector<Header> headers;  ///< in order, values as sent
     std::optional<std::uint64_t> content_length;
     bool chunked = false;
     bool is_http_1_0 = false;
-    bool keep_alive = true;  ///< the client wants to send more on this connection
+    bool keep_alive = true;  ///< the client may send more requests on this connection
     bool expects_continue = false;
 
-    /// Value of the first header of that name, in any case; empty if there is none.
+    /// Value of the first header of that name, ignoring case; empty if there is none.
     std::string_view header(std::string_view name) const;
 
-    /// Whether a body follows, if only an empty one.
+    /// Whether a body follows, even an empty one.
     bool is_framed() const { return chunked || content_length.has_value(); }
 };
 
-/// Time that a request took, in milliseconds.
+/// Durations of the stages of a request, in milliseconds.
 struct Stages {
     double queue = 0;
     api::Timings work;
 };
 
-/// Amounts that were computed for an answer.
+/// Amounts computed for an answer.
 struct Computed {
     std::size_t sites = 0;
     std::size_t pixels = 0;
 };
 
-/// Facts about how a request was answered, for log and figures.
+/// Facts about how a request was answered, for the log and the metrics.
 struct Record {
     std::string request_id;
-    std::string_view route;  ///< the path of what answered; empty: nothing did
-    std::string key;         ///< the name of the API key that the client showed; empty: none
-    std::string signer;      ///< the name of the key that signed the URL; empty: none
-    std::string cause;       ///< of a failure of ours
+    std::string_view route;  ///< path of the route that answered; empty: none
+    std::string key;         ///< name of the client's API key; empty: none
+    std::string signer;      ///< name of the key that signed the URL; empty: none
+    std::string cause;       ///< cause of an internal failure
     Stages stages;
-    std::string_view cancelled;  ///< why a computation was given up: client_gone, deadline or shutdown
+    std::string_view cancelled;  ///< why a computation was cancelled: client_gone, deadline or shutdown
     std::optional<Computed> computed;
-    bool cached = false;  ///< it was computed before
+    bool cached = false;  ///< the answer had been computed before
 };
 
-/// Sends a piece of a body at once.
-/// @returns  false if the client takes nothing any more
+/// Sends a piece of a body immediately.
+/// @returns  false if the client no longer receives
 using Send = std::function<bool(std::string_view piece)>;
 
-/// Sends a body while it comes about, and adds to the record what becomes of it.
-/// @returns  whether what was sent is all of it, unless the client takes nothing any more; if not, the connection ends
-///           so that the client knows
+/// Sends a body while it is produced, and adds the outcome to the record.
+/// @returns  whether everything was sent, or the client no longer receives; otherwise the connection is closed so that
+///           the client notices
 using Stream = std::function<bool(const Send& send, Record& record)>;
 
-/// Status of an answer whose client has left: nothing is sent, and the log shows it.
+/// Status of an answer whose client has closed the connection. Nothing is sent; the status is for the log.
 constexpr int kClientGone = 499;
 
-/// An answer as it goes over the wire.
+/// An answer to a request.
 struct Response {
     int status = 200;
     std::vector<Header> headers;
     std::string media_type;
     std::string body;
-    Stream stream;                      ///< null: the body is there; not called for HEAD
-    std::optional<std::size_t> length;  ///< of a body that streams, if it is known
-    std::string coding;                 ///< in which the body is compressed; empty: not
-    std::string tag;                    ///< entity tag, of a strong one before compression; empty: none
-    std::shared_ptr<const void> lease;  ///< of memory, to be given back when the answer has been sent
+    Stream stream;                      ///< null: `body` has the whole body; not called for HEAD
+    std::optional<std::size_t> length;  ///< of a streamed body, if it is known
+    std::string coding;                 ///< content coding of the body; empty: none
+    std::string tag;                    ///< entity tag, a strong one before compression; empty: none
+    std::shared_ptr<const void> lease;  ///< reserved memory, released when the answer has been sent
     Record record;
 };
 

@@ -12,10 +12,10 @@ namespace {
 constexpr std::string_view kLineEnd = "\r\n";
 constexpr std::string_view kBlankLine = "\r\n\r\n";
 constexpr std::size_t kLongestBoundary = 70;
-constexpr std::size_t kLargestHeaders = 16'384;  ///< of a part
+constexpr std::size_t kLargestHeaders = 16'384;  ///< limit for one part
 constexpr std::size_t kMostParts = 1'000;
 
-/// RFC 2046, section 5.1.1.
+/// Whether a text is a valid boundary: RFC 2046, section 5.1.1.
 bool is_boundary(std::string_view text) {
     const auto is_allowed = [](char c) {
         return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
@@ -25,7 +25,7 @@ bool is_boundary(std::string_view text) {
            std::ranges::all_of(text, is_allowed);
 }
 
-/// Finds the name in a part's Content-Disposition.
+/// Finds the name in the Content-Disposition of a part.
 HttpResult<std::string> part_name(std::string_view headers) {
     std::optional<std::string> name;
     while (!headers.empty()) {
@@ -40,14 +40,14 @@ HttpResult<std::string> part_name(std::string_view headers) {
     return *std::move(name);
 }
 
-/// Finds where a part's content begins.
-/// @param at  after the boundary before it
+/// Finds the beginning of a part's content.
+/// @param at  position after the preceding boundary
 HttpResult<std::size_t> skip_headers(std::string_view body, std::size_t at) {
     const auto window = body.substr(at, kLargestHeaders);
     const auto padding = std::min(window.find_first_not_of(" \t"), window.size());
     const auto end = window.find(kBlankLine);
     const auto follows = window.substr(padding, kLineEnd.size());
-    if (!kLineEnd.starts_with(follows)) return problem(400, "a boundary of the form is not followed by a line's end");
+    if (!kLineEnd.starts_with(follows)) return problem(400, "a boundary of the form is not followed by a line end");
     if (end != std::string_view::npos) return at + end + kBlankLine.size();
     if (window.size() == kLargestHeaders)
         return problem(400, "the headers of a part of the form take more than 16384 bytes");
@@ -60,12 +60,12 @@ HttpResult<std::vector<FormPart>> parse_multipart(std::string_view body, std::st
     const std::string boundary = header_parameter(content_type, "boundary");
     if (boundary.empty()) return problem(400, "the form's Content-Type names no boundary, or more than one");
     if (!is_boundary(boundary))
-        return problem(400, "the form's boundary is not 1 to 70 of the characters that RFC 2046 allows there");
-    // Only its first character is a CR, so that a search for it looks at each byte of the body twice at most.
+        return problem(400, "the form's boundary must have 1 to 70 of the characters that RFC 2046 allows");
+    // Only the first character is a CR, so a search reads each byte of the body at most twice.
     const std::string delimiter = "\r\n--" + boundary;
     const auto truncated = [] { return problem(400, "the form ends before its last boundary"); };
 
-    std::size_t at = delimiter.size() - kLineEnd.size();  // after a boundary
+    std::size_t at = delimiter.size() - kLineEnd.size();  // position after a boundary
     if (!body.starts_with(std::string_view(delimiter).substr(kLineEnd.size()))) {
         const auto first = body.find(delimiter);
         if (first == std::string_view::npos) return truncated();

@@ -9,7 +9,7 @@
 
 namespace ccdt::server {
 
-/// A field of a form: its name and where in the body its content lies.
+/// A field of a form: its name, and the position of its content in the body.
 struct FormPart {
     std::string name;
     std::size_t begin = 0;
@@ -18,11 +18,11 @@ struct FormPart {
     std::string_view content(std::string_view body) const { return body.substr(begin, size); }
 };
 
-/// Finds the parts of a multipart/form-data body. Nothing is copied but the names.
+/// Finds the parts of a multipart/form-data body. Only names are copied.
 ///
-/// Problems (400): no boundary in the content type, or one that RFC 2046 does not allow; a part without a name or
-/// with several, or whose headers take more than 16 KiB; more than 1,000 parts; a body that ends before its last boundary, or has
-/// something else on a boundary's line. O(n), whatever the body and its boundary are.
+/// Problems (400): no boundary in the content type, or one that RFC 2046 does not allow; a part without a name or with
+/// several names; a part whose headers exceed 16 KiB; more than 1,000 parts; a body that ends before its last boundary;
+/// a boundary followed by anything but a line end. O(n), regardless of the body and its boundary.
 HttpResult<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view content_type);
 
 }  // namespace ccdt::server

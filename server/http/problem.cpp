@@ -27,7 +27,7 @@ int http_status(ErrorCode code) {
 tl::unexpected<Problem> problem(Error error) {
     const int status = http_status(error.code);
     if (status != 500) return tl::unexpected<Problem>(Problem{status, std::move(error)});
-    Error told{error.code, "the server failed; its log holds the cause", {}};
+    Error told{error.code, "the server failed; its log contains the cause", {}};
     return tl::unexpected<Problem>(Problem{status, std::move(told), {}, std::move(error.message)});
 }
 

@@ -12,28 +12,28 @@
 
 namespace ccdt::server {
 
-/// The reason why a request, or a job, has no result: the one kind of error that clients are told. The floors below
-/// have Errors, which `problem` makes one of these.
+/// The reason why a request or a job has no result: the only kind of error that clients see. api and core return
+/// Errors, which `problem` converts.
 struct Problem {
     int status = 500;
-    Error error;                       ///< as the client is told it
-    std::vector<Header> headers = {};  ///< that go with the status
-    std::string cause = {};            ///< of a failure of ours, for the log
+    Error error;                       ///< as the client sees it
+    std::vector<Header> headers = {};  ///< additional headers of the answer
+    std::string cause = {};            ///< cause of an internal failure, for the log
 };
 
-/// The value that a function gives, or why the client gets no result.
+/// The value of a function, or why the client gets no result.
 template <class T>
 using HttpResult = tl::expected<T, Problem>;
 
-/// Status that an error of the floors below is answered with.
+/// Returns the status for an error of api or core.
 int http_status(ErrorCode code);
 
-/// Makes a problem of an error or of words. Of a failure of ours (500) clients are told no more than that it is one;
-/// the words become its cause.
+/// Makes a problem of an error or a message. If the status is 500, the client learns only that the server failed; the
+/// message becomes the cause, for the log.
 tl::unexpected<Problem> problem(Error error);
 tl::unexpected<Problem> problem(int status, std::string message);
 
-/// Refuses what may end well a little later.
+/// Makes a refusal of a request that may succeed later.
 tl::unexpected<Problem> busy(int status, std::string message, std::chrono::seconds retry_after);
 
 }  // namespace ccdt::server

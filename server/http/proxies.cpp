@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kLongestPort = 5;
 
-/// Addresses of a header's field as a proxy wrote them, in order; none of those that cannot be read.
+/// Addresses in a header field as proxies wrote them, in order; none for malformed ones.
 using Hops = std::vector<std::optional<IpAddress>>;
 
 bool is_port(std::string_view text) {
@@ -22,7 +22,7 @@ bool is_port(std::string_view text) {
            std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// Reads an address that a port may follow; one of version 6 is in brackets then.
+/// Parses an address, optionally followed by a port; then an IPv6 address must be in brackets.
 std::optional<IpAddress> parse_node(std::string_view text) {
     if (text.starts_with('[')) {
         const auto end = text.find(']');
@@ -47,7 +47,7 @@ Hops x_forwarded_for(std::string_view field) {
     return hops;
 }
 
-/// Takes the text up to the first of the separators that stands in no quotes; `text` keeps what follows it.
+/// Takes the text up to the first separator outside quotes; `text` keeps the rest.
 /// @returns  none if a quote is not closed
 std::optional<std::string_view> take_unquoted(std::string_view& text, char separator) {
     bool quoted = false;
@@ -62,13 +62,13 @@ std::optional<std::string_view> take_unquoted(std::string_view& text, char separ
     return part;
 }
 
-/// Reads a value that may be in quotes. What needs a backslash is no address.
+/// Removes quotes, if there are any. Escapes are not decoded, because addresses need none.
 std::string_view unquote(std::string_view value) {
     const bool quoted = value.size() >= 2 && value.starts_with('"') && value.ends_with('"');
     return quoted ? value.substr(1, value.size() - 2) : value;
 }
 
-/// Reads the address of `for` in what one proxy wrote, as `for="[2001:db8::1]:80";proto=https`.
+/// Parses the `for` address in the element of one proxy, such as `for="[2001:db8::1]:80";proto=https`.
 std::optional<IpAddress> forwarded_for(std::string_view element) {
     std::optional<IpAddress> found;
     for (bool seen = false; !element.empty();) {
@@ -85,13 +85,13 @@ Hops forwarded(std::string_view field) {
     Hops hops;
     while (!field.empty()) {
         const auto element = take_unquoted(field, ',');
-        if (!element) return {std::nullopt};  // where the quote should have ended nobody knows
+        if (!element) return {std::nullopt};  // the end of the element is unknown
         if (!api::trim(*element).empty()) hops.push_back(forwarded_for(*element));
     }
     return hops;
 }
 
-/// Follows the addresses of all fields of a header from the last to the first.
+/// Follows the addresses in all fields of a header, from the last to the first.
 /// @returns  none if there is no such header
 std::optional<Peer> follow(const Request& request, std::string_view header, Hops (*read)(std::string_view),
                            const Peer& peer, const TrustedProxies& proxies) {

@@ -8,21 +8,21 @@
 
 namespace ccdt::server {
 
-/// Proxies that are believed when they tell for whom they ask.
+/// Proxies whose information about their clients is trusted.
 struct TrustedProxies {
     std::vector<IpNetwork> networks;
-    bool unix_socket = false;  ///< whoever connects over a Unix socket is one
+    bool unix_socket = false;  ///< any peer on a Unix socket is a trusted proxy
 
     bool include(const Peer& peer) const;
 };
 
-/// Finds the client of a request by the addresses that proxies leave in X-Forwarded-For or Forwarded (RFC 7239).
+/// Finds the client of a request by the addresses that proxies write to X-Forwarded-For or Forwarded (RFC 7239).
 ///
-/// Each proxy adds whom it was asked by, behind what it was told, and only its word counts: starting with the peer, as
-/// long as an address is a trusted proxy's, the one before it is looked at. So whoever is no trusted proxy is believed
-/// nothing, and invents only addresses that are not reached. An address that is malformed, `unknown` or hidden ends the
-/// search at the proxy that wrote it. A proxy that sets one of the headers passes the other one on as it came: if both
-/// come they must name the same client, or the peer is taken.
+/// Each proxy appends the address of its client to the addresses that it received. The search starts with the peer. As
+/// long as an address belongs to a trusted proxy, the address before it is examined. So addresses written by an
+/// untrusted client are never used. A malformed, `unknown` or hidden address ends the search at the proxy that wrote
+/// it. A proxy that sets one of the headers forwards the other one unchanged. If both are present, they must name the
+/// same client; otherwise the peer is returned.
 Peer client_of(const Request& request, const Peer& peer, const TrustedProxies& proxies);
 
 }  // namespace ccdt::server

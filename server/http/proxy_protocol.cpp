@@ -15,7 +15,7 @@ using State = ProxyHeader::State;
 
 constexpr std::string_view kVersion1 = "PROXY ";
 constexpr std::string_view kLineEnd = "\r\n";
-constexpr std::size_t kLongestLine = 107;  ///< with its end
+constexpr std::size_t kLongestLine = 107;  ///< including its CRLF
 
 constexpr std::string_view kVersion2{"\r\n\r\n\0\r\nQUIT\n", 12};
 constexpr std::size_t kFixedSize = 16;  ///< signature, version and command, family and transport, length of the rest
@@ -36,7 +36,7 @@ tl::unexpected<Problem> malformed() {
     return problem(400, "the PROXY header is malformed");
 }
 
-/// Reads the words behind `PROXY TCP4` or `PROXY TCP6`: both addresses, both ports.
+/// Parses the words after `PROXY TCP4` or `PROXY TCP6`: both addresses, both ports.
 HttpResult<Peer> parse_addresses(std::string_view words, bool version_4) {
     const auto client = IpAddress::parse(api::take_until(words, " "));
     const auto proxy = IpAddress::parse(api::take_until(words, " "));
@@ -62,7 +62,7 @@ HttpResult<ProxyHeader> parse_version_1(std::string_view received) {
     });
 }
 
-/// Reads the client's address, which comes first, and its port, which comes after that of the proxy.
+/// Reads the client's address and port. The two addresses are followed by the two ports.
 template <class Address>
 HttpResult<Peer> parse_addresses(std::string_view bytes) {
     if (bytes.size() < 2 * sizeof(Address) + 4) return malformed();

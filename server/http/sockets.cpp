@@ -50,7 +50,7 @@ Result<sockaddr_un> address_of_path(const std::string& path) {
     address.sun_family = AF_UNIX;
     if (path.empty() || path.size() >= sizeof(address.sun_path))
         return failure(ErrorCode::Unusable,
-                       path + ": a path has 1 to " + std::to_string(sizeof(address.sun_path) - 1) + " bytes");
+                       path + ": a path must have 1 to " + std::to_string(sizeof(address.sun_path) - 1) + " bytes");
     path.copy(address.sun_path, path.size());
     return address;
 }
@@ -69,12 +69,12 @@ const sockaddr* generic(const void* address) {
     return static_cast<const sockaddr*>(address);
 }
 
-/// @returns  none if it failed: errno tells why
+/// @returns  none if it failed, with the reason in errno
 UniqueFd listen_on(int family, const sockaddr* address, socklen_t size) {
     UniqueFd descriptor(socket(family, kKind, 0));
     if (!descriptor) return {};
     const int yes = 1;
-    // Not SO_REUSEPORT, with which a second instance starts and takes half of the clients.
+    // SO_REUSEPORT is not used: with it, a second instance could start and would get half of the clients.
     if (family != AF_UNIX) setsockopt(descriptor.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
     if (bind(descriptor.get(), address, size) == 0 && listen(descriptor.get(), ListeningSocket::kBacklog) == 0)
         return descriptor;
@@ -87,13 +87,13 @@ UniqueFd listen_on(int family, const sockaddr* address, socklen_t size) {
 bool has_listener(const sockaddr_un& address) {
     const int descriptor = socket(AF_UNIX, kKind, 0);
     const bool connected = connect(descriptor, generic(&address), sizeof(address)) == 0;
-    // EAGAIN: its queue is full, so there is one.
+    // EAGAIN means that the backlog is full, so somebody listens.
     const bool listens = connected || errno == EAGAIN;
     close(descriptor);
     return listens;
 }
 
-/// Removes a socket that a server left behind when it died.
+/// Removes a socket that a crashed server left behind.
 void remove_stale(const sockaddr_un& address) {
     struct stat found {};
     const bool is_socket = lstat(address.sun_path, &found) == 0 && S_ISSOCK(found.st_mode);
@@ -167,7 +167,7 @@ Result<ListeningSocket> ListeningSocket::open_port(const std::string& host, int 
     sockaddr_storage bound{};
     socklen_t size = sizeof(bound);
     getsockname(opened.descriptor(), reinterpret_cast<sockaddr*>(&bound), &size);
-    // The port lies at the same place in the addresses of both families.
+    // The port has the same offset in the addresses of both families.
     sockaddr_in of{};
     std::memcpy(&of, &bound, sizeof(of));
     opened.port_ = ntohs(of.sin_port);
@@ -183,7 +183,7 @@ ListeningSocket::ListeningSocket(ListeningSocket&& other) noexcept
       inode_(other.inode_) {}
 
 ListeningSocket::~ListeningSocket() {
-    // A server that was started meanwhile may have put its own in the place.
+    // A server started later may have replaced the socket file.
     struct stat now {};
     if (!path_.empty() && lstat(path_.c_str(), &now) == 0 && now.st_dev == device_ && now.st_ino == inode_)
         unlink(path_.c_str());
@@ -195,7 +195,7 @@ void ListeningSocket::wait(std::optional<std::chrono::milliseconds> longest) con
 }
 
 void ListeningSocket::refuse_newcomers() const {
-    // What is sent to a socket that listens begins with the header of TCP: none that asks to connect is let through.
+    // The filter sees the TCP header first. It drops packets with SYN, that is, attempts to connect.
     constexpr std::uint32_t kFlags = 13;
     constexpr std::uint32_t kWhole = 0xffff'ffff;
     std::array<sock_filter, 4> program{{BPF_STMT(BPF_LD | BPF_B | BPF_ABS, kFlags),

@@ -16,50 +16,51 @@
 
 namespace ccdt::server {
 
-/// The other end of a connection, or a client for whom a proxy asks.
+/// The other end of a connection, or a client that a proxy names.
 struct Peer {
-    std::string name = "-";            ///< address and, if it is known, port, for the log
-    std::string address = {};          ///< what one client has for itself, by which limits count; empty if it has none
-    std::optional<IpAddress> ip = {};  ///< none: it has none, or is not known
-    bool is_local = false;             ///< came over a Unix socket
+    std::string name = "-";            ///< address and, if known, port, for the log
+    std::string address = {};          ///< as in IpAddress::of_one_client(), by which limits count; empty: none
+    std::optional<IpAddress> ip = {};  ///< none: the peer has no IP address, or it is unknown
+    bool is_local = false;             ///< connected over a Unix socket
 };
 
-/// @param address  as `accept` fills it in
+/// @param address  as set by `accept`
 Peer describe_peer(const sockaddr_storage& address);
 Peer describe_peer(const IpAddress& address, std::optional<std::uint16_t> port = std::nullopt);
 
-/// Peer of a connected socket.
+/// Returns the peer of a connected socket.
 Peer peer_of(int socket);
 
-/// A socket that listens on an address or, after `unix:`, on a path. Closes it at the end, and removes the path.
+/// A socket that listens on an address or, after `unix:`, on a path. The destructor closes it and removes the path.
 class ListeningSocket {
 public:
-    /// @param port  0: any that is free; not used with a path
-    /// Errors (Unusable): the address is unknown, it is taken, the path is something other than a socket nobody uses.
+    /// @param port  0: any free port; ignored for a path
+    /// Errors (Unusable): the address is unknown or in use; the path is not a socket, or another server listens on it.
     static Result<ListeningSocket> open(const std::string& bind, int port);
 
-    /// Most who wait for being accepted.
+    /// Maximum number of connections that wait to be accepted.
     static constexpr int kBacklog = 1024;
 
     ListeningSocket(ListeningSocket&& other) noexcept;
     ListeningSocket& operator=(ListeningSocket&&) = delete;
     ~ListeningSocket();
 
-    /// Waits until somebody may have connected, `refuse_newcomers` was called, or the time is over.
-    /// @param longest  none: however long it takes
+    /// Waits until a client may have connected, `refuse_newcomers` was called, or the time is over.
+    /// @param longest  none: no time limit
     void wait(std::optional<std::chrono::milliseconds> longest) const;
 
-    /// Lets nobody connect any more; who has connected waits on for being accepted. From any thread.
+    /// Stops new connections; those made already can still be accepted. May be called from any thread.
     ///
-    /// To shut the socket down instead would reset those who wait, whose requests may be there already: a balancer
-    /// could not know that nobody has seen them. TCP alone: elsewhere newcomers wait too, until `shut_down`. Whoever
-    /// wants to connect meanwhile asks again after a second, and so soon finds that nobody listens.
+    /// Shutting the socket down instead would reset the connections in the backlog, whose requests may have arrived
+    /// already. A load balancer could not know that no server has read them. For TCP only: on Unix sockets, new clients
+    /// wait until `shut_down`. A client that tries to connect meanwhile retries after a second, and then finds that
+    /// nobody listens.
     void refuse_newcomers() const;
 
-    /// Resets who still waits, and tells newcomers that nobody listens.
+    /// Resets connections that still wait; further attempts to connect fail.
     void shut_down() const;
 
-    int descriptor() const { return descriptor_.get(); }  ///< does not block
+    int descriptor() const { return descriptor_.get(); }  ///< nonblocking
     int port() const { return port_; }                    ///< 0 for a path
 
 private:
@@ -68,19 +69,19 @@ private:
     static Result<ListeningSocket> open_port(const std::string& host, int port);
 
     UniqueFd descriptor_;
-    UniqueFd refusing_;  ///< an event, once newcomers are refused
+    UniqueFd refusing_;  ///< an event that is set by `refuse_newcomers`
     int port_ = 0;
     std::string path_;
-    dev_t device_ = 0;  ///< with the inode: whether the path is still ours
+    dev_t device_ = 0;  ///< identifies, with the inode, our own socket file
     ino_t inode_ = 0;
 };
 
-/// Connects to where a ListeningSocket of this machine listens; all addresses mean this machine's own.
-/// @param patience  for connecting, and for each time that something is sent or received
+/// Connects to a ListeningSocket on this machine. A wildcard address means this machine.
+/// @param patience  time-out for connecting, and for each send and receive
 /// Errors (Unusable): the address is unknown, or nobody listens there.
 Result<UniqueFd> connect_to(const std::string& bind, int port, std::chrono::milliseconds patience);
 
-/// Lets this process open so many files, as far as it may: by default many systems allow 1024.
+/// Raises the soft limit of open files to `count`, as far as the hard limit allows. Many systems default to 1024.
 void allow_open_files(std::size_t count);
 
 }  // namespace ccdt::server

@@ -5,17 +5,17 @@
 
 namespace ccdt::server {
 
-/// The distributed trace that a request belongs to, in hexadecimal.
+/// The distributed trace of a request, in hexadecimal digits.
 struct Trace {
     std::string_view id;
     std::string_view parent;
 };
 
-/// Reads a `traceparent` header; none if it is not well formed. The trace refers to the header.
-/// Source: W3C Trace Context, section 3.2; versions to come may append fields, which are ignored.
+/// Parses a `traceparent` header; none if it is malformed. The views point into `header`.
+/// Source: W3C Trace Context, section 3.2; later versions may append fields, which are ignored.
 std::optional<Trace> parse_traceparent(std::string_view header);
 
-/// What a `traceparent` header has in all versions, to be kept and parsed again; empty if it is not well formed.
+/// Returns the part of a `traceparent` header that all versions have, for storage; empty if it is malformed.
 std::string_view whole_traceparent(std::string_view header);
 
 }  // namespace ccdt::server

@@ -1,5 +1,5 @@
-# Writes a header with the scripts in it: cmake -DFOLDER=... -DSCRIPTS=common,add,... -DOUTPUT=... -P embed_scripts.cmake
-# Each is a text of its own name.
+# Writes a header with the scripts: cmake -DFOLDER=... -DSCRIPTS=common,add,... -DOUTPUT=... -P embed_scripts.cmake
+# Each script is a constant of its own name.
 
 string(REPLACE "," ";" names "${SCRIPTS}")
 set(texts)

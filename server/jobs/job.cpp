@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view kNames[] = {"queued", "running", "succeeded", "failed", "cancelled"};
 
-/// Writes a time as RFC 3339 has it, in UTC.
+/// Formats a time according to RFC 3339, in UTC.
 std::string text_of(Time time) {
     const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
     const std::time_t whole = seconds.time_since_epoch().count();

@@ -6,10 +6,10 @@
 
 namespace ccdt::server {
 
-/// The listener of a store, if there is one. May be used from any thread.
+/// The listener of a store, if there is one. Thread-safe.
 class JobNews {
 public:
-    /// Returns once the last listener is not told any more.
+    /// Sets the listener. Returns once the previous one is no longer being notified.
     void listen(JobListener* listener) {
         const std::lock_guard lock(mutex_);
         listener_ = listener;

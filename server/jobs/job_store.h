@@ -12,36 +12,36 @@
 
 namespace ccdt::server {
 
-/// Whoever wants to know what happens to the jobs of a store, by the hand of any server. Called by any thread, one at a
-/// time; may not use the store.
+/// Receives notifications about the jobs of a store, whichever server changes them. Calls come from any thread, one at
+/// a time, and must not use the store.
 class JobListener {
 public:
     virtual ~JobListener() = default;
 
     virtual void work() = 0;                          ///< there may be a job to claim
-    virtual void changed(const std::string& id) = 0;  ///< a job stands elsewhere than before
-    virtual void stop(const std::string& id) = 0;     ///< a job was cancelled: nobody is to run it
-    virtual void missed() = 0;                        ///< any of these may have happened, unheard
+    virtual void changed(const std::string& id) = 0;  ///< a job's state has changed
+    virtual void stop(const std::string& id) = 0;     ///< a job was cancelled and must not be run any more
+    virtual void missed() = 0;                        ///< some of these notifications may have been lost
 };
 
-/// Keeps jobs, the request until they end and then the result; whose turn it is; and which server runs what.
+/// Stores jobs with their requests and, after the end, their results. Also keeps the queue, and which server runs which
+/// job.
 ///
-/// A job is claimed by a server that then runs it, and is that one's for a while, its lease, which `hold` renews. Once
-/// the lease has run out another may claim it, with a number greater than all before (`Job::claim`): whoever comes with
-/// a number that is not the latest is told that the job is lost, and changes nothing. So each job ends once, whatever
-/// becomes of servers. In the queue clients take turns as in FairQueue.
+/// A server claims a job before it runs it. The claim holds for a limited time, its lease, which `hold` renews. Once
+/// the lease has expired, another server may claim the job, with a number greater than all earlier ones (`Job::claim`).
+/// A call with any but the latest number reports that the job is lost, and changes nothing. So each job ends once, even
+/// if servers crash. The queue is fair between clients, like FairQueue.
 ///
-/// All times are of the store's clock, which all servers share. What a call has changed is kept once it returns, and
-/// jobs outlive what uses the store as long as its place does; where a job stands while it runs need not. May be used
-/// from any thread. No call takes longer for the number of jobs that have ended. Errors of all: LimitExceeded if there
-/// is no room left, Unusable if what is kept is not what was written, Stopped if the place of the store cannot be
-/// reached in time, Internal for anything else that it comes up with.
+/// All times are those of the store's clock, which all servers share. Changes are durable when a call returns, except
+/// for the progress of a running job. Thread-safe. The time of a call does not depend on the number of finished jobs.
+/// Errors of all calls: LimitExceeded if the capacity is exhausted, Unusable if stored data is damaged, Stopped if the
+/// storage cannot be reached in time, Internal for everything else.
 class JobStore {
 public:
-    /// Why a job was added, or not.
+    /// Whether a job was added, or why not.
     enum class Added { Accepted, QueueFull, NoRoom };
 
-    /// Whose a job is that was claimed: still the claimer's, nobody's, another's.
+    /// The state of a claim: still valid, the job was cancelled, or the job was claimed by another server.
     enum class Owned { Still, Cancelled, Lost };
 
     struct Hold {
@@ -49,110 +49,110 @@ public:
         Time now;
     };
 
-    /// What the store has taken of a result already.
+    /// The part of a result that the store already has.
     struct Taken {
         std::size_t pieces = 0;
         std::size_t bytes = 0;
     };
 
-    /// Bytes of a piece of a result, at most.
+    /// Maximum size of a piece of a result, in bytes.
     static constexpr std::size_t kPiece = std::size_t{1} << 20;
 
     struct Load {
-        std::size_t queued = 0;   ///< jobs to claim
-        std::size_t running = 0;  ///< jobs that are claimed
-        std::size_t bytes = 0;    ///< that are kept
+        std::size_t queued = 0;   ///< jobs that can be claimed
+        std::size_t running = 0;  ///< claimed jobs
+        std::size_t bytes = 0;    ///< stored bytes
 
         bool operator==(const Load&) const = default;
     };
 
     virtual ~JobStore() = default;
 
-    /// Whether other servers may use the same place.
+    /// Whether other servers may use the same storage.
     virtual bool is_shared() const { return false; }
 
-    /// Whether a job that the client adds now would find the queue full. As in the pool, a client that has nothing
-    /// there is let in where others have filled it, until it is twice as long.
+    /// Whether the queue is full for this client. As in the pool, a client with no queued job is admitted although
+    /// others have filled the queue, until it is twice as long.
     virtual Result<bool> is_full(std::string_view client) = 0;
 
-    /// Adds a job unless there is one of that id, and writes down when. Where there is no room for its bytes, results
-    /// are dropped, those of the jobs that ended first, and once there are none what is left of such jobs.
+    /// Adds a job and sets its time of creation, unless its id exists already. If capacity is missing, results of
+    /// finished jobs are dropped, oldest end first, and then these jobs themselves.
     virtual Result<Added> add(Job& job, const ComputeRequest& request) = 0;
 
-    /// Claims the job whose turn it is, or one whose lease has run out, and counts a start.
-    /// @param memory  bytes; jobs that take more are for others
-    /// @returns       none if there is none
+    /// Claims the next job in the queue, or one whose lease has expired, and counts a start.
+    /// @param memory  limit in bytes; jobs that need more are left to others
+    /// @returns       none if there is no such job
     virtual Result<std::optional<Job>> claim(std::size_t memory) = 0;
 
-    /// @returns  none if the job is not there or has ended
+    /// @returns  none if the job does not exist or has ended
     virtual Result<std::optional<ComputeRequest>> request(const std::string& id) = 0;
 
-    /// Renews the lease of a job that was claimed, and writes down where it stands: waiting or, from the time of the
-    /// first such call on, running.
+    /// Renews the lease of a claimed job, and stores its state: waiting or running. The first call with the status
+    /// Running sets the time of the start.
     virtual Result<Hold> hold(const Job& job) = 0;
 
-    /// Has a claimed job claimed by another, first of all; the start does not count.
+    /// Returns a claimed job to the front of the queue; the start is not counted.
     virtual Result<void> give_back(const Job& job) = 0;
 
-    /// Takes the next piece of a claimed job's result, and makes room for it as `add` does (LimitExceeded). May be
-    /// called again after an error. What comes of it goes with the claim, unless `finish` ends that with a result.
-    /// @param before  what was taken by this claim
-    /// @param piece   of at most kPiece bytes, and not empty
-    /// @returns       false if it was another's, or cancelled
+    /// Appends a piece to the result of a claimed job, and frees space as `add` does (LimitExceeded). May be repeated
+    /// after an error. The pieces are deleted with the claim, unless `finish` ends it with a result.
+    /// @param before  what this claim has stored already
+    /// @param piece   1 to kPiece bytes
+    /// @returns       false if the job was lost or cancelled
     virtual Result<bool> take(const Job& job, const Taken& before, std::string_view piece) = 0;
 
-    /// Writes down how a claimed job has ended: its request goes, its result stays. Makes room for it as `add` does, of
-    /// which a job without a result needs none (LimitExceeded). May be called again after an error.
-    /// @param result  all of it, or what comes after the pieces that were taken, which may be nothing
-    /// @returns       when it has ended; none if it was another's, or cancelled
+    /// Stores the end of a claimed job: deletes its request, keeps its result. Frees space as `add` does
+    /// (LimitExceeded), which a job without a result does not need. May be repeated after an error.
+    /// @param result  the whole result, or the part after the stored pieces, which may be empty
+    /// @returns       time of the end; none if the job was lost or cancelled
     virtual Result<std::optional<Time>> finish(const Job& job, std::string_view result, const Taken& before) = 0;
     Result<std::optional<Time>> finish(const Job& job, std::string_view result) { return finish(job, result, {}); }
 
     /// Cancels a job that has not ended.
-    /// @returns  the job, cancelled; none if it is not there or had ended
+    /// @returns  the cancelled job; none if it does not exist or had ended
     virtual Result<std::optional<Job>> cancel(const std::string& id) = 0;
 
-    /// @returns  whether there was such a job
+    /// @returns  whether the job existed
     virtual Result<bool> remove(const std::string& id) = 0;
 
-    /// @returns  none if there is no such job, or it has expired
+    /// @returns  none if the job does not exist or has expired
     virtual Result<std::optional<Job>> find(const std::string& id) = 0;
 
-    /// A piece of a result, whose pieces are `Job::result_bytes` together.
-    /// @param number  from 0; less than there are
-    /// @returns       none if the job is not there, or its result is not
+    /// Reads a piece of a result. All pieces together have `Job::result_bytes`.
+    /// @param number  from 0; less than the number of pieces
+    /// @returns       none if the job or its result does not exist
     virtual Result<std::optional<std::string>> piece(const std::string& id, std::size_t number) = 0;
 
-    /// All of a result, put together.
-    /// @returns  none if the job is not there, or its result is not
+    /// Reads a whole result.
+    /// @returns  none if the job or its result does not exist
     Result<std::optional<std::string>> result(const std::string& id);
 
-    /// Removes some of the jobs that have expired.
-    /// @returns  whether there may be more of them
+    /// Removes some of the expired jobs.
+    /// @returns  whether there may be more
     virtual Result<bool> forget() = 0;
 
     virtual Result<Load> load() = 0;
 
-    /// Has a listener told what happens from now on; null: nobody. Returns once the last one is not told any more.
-    /// Where news come from afar it is told that it missed some once they do.
+    /// Sets the listener of future changes; null: none. Returns once the previous listener is no longer being notified.
+    /// If notifications come from another process, `missed` is called once they begin to arrive.
     virtual void listen(JobListener* listener) = 0;
 
-    /// Times that something was not as it had been written.
+    /// Number of times that stored data was found damaged.
     virtual std::uint64_t damages() const { return 0; }
 
-    /// Bytes that a job takes with its request or its result.
+    /// Bytes that a job takes, including its request or result.
     static constexpr std::size_t bytes_of_job(std::size_t held) {
-        constexpr std::size_t kRow = 1024;  // with its places in the indices
+        constexpr std::size_t kRow = 1024;  // including index entries
         return kRow + held;
     }
 
-    /// @param result  bytes of it, as far as it came
+    /// @param result  bytes received so far
     static tl::unexpected<Error> no_room_for(std::size_t result) {
-        return failure(ErrorCode::LimitExceeded, "the result has " + std::to_string(result) +
-                                                     " bytes or more, for which there is no room (job-bytes)");
+        return failure(ErrorCode::LimitExceeded, "the result has at least " + std::to_string(result) +
+                                                     " bytes, for which there is no room (job-bytes)");
     }
 
-    /// Bytes that a request takes.
+    /// Bytes of a request.
     static std::size_t bytes_of(const ComputeRequest& request) {
         return request.path.size() + request.query.size() + request.content_type.size() + request.accept.size() +
                request.body.size();

@@ -18,22 +18,21 @@ namespace {
 
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-/// Starts after which a job that no server has brought to an end is not begun again. Computing cannot end the server,
-/// so that this is for faults that nobody has thought of.
+/// Maximum number of starts of a job that no server finishes. A computation cannot crash the server, so this guards
+/// against unforeseen faults.
 constexpr int kMostStarts = 3;
 
-/// Longest time until it is seen that the lease of another server's job has run out, or that a store can be reached
-/// again.
+/// Longest time until an expired lease of another server's job is noticed, or that a store can be reached again.
 constexpr std::chrono::milliseconds kLook{1000};
 
-/// Pause between two times that the store is told how far a run is.
+/// Interval at which a run's progress is stored.
 constexpr std::chrono::milliseconds kTell{100};
 
-/// Bounds of the pause between two looks for jobs to forget; those that have expired are not found even before.
+/// Bounds of the interval between deletions of expired jobs. Expired jobs cannot be found even before.
 constexpr std::chrono::milliseconds kLeastForgetting{100};
 constexpr std::chrono::milliseconds kMostForgetting{60'000};
 
-/// 128 bits that nobody can guess: whoever knows them may read the result.
+/// Makes an id of 128 unpredictable bits, because the id is all that is needed to read the result.
 std::string new_id() {
     std::array<unsigned char, 16> bytes{};
     if (getentropy(bytes.data(), bytes.size()) != 0)
@@ -46,7 +45,7 @@ std::string new_id() {
     return id;
 }
 
-/// Makes a problem of a failure of the store; that what is the client's is damaged, the client is told.
+/// Makes a problem of a failure of the store. If the client's own data is damaged, the client is told.
 tl::unexpected<Problem> store_problem(const Error& error) {
     if (error.code == ErrorCode::Stopped) {
         auto away = busy(503, "the store of jobs cannot be reached", std::chrono::ceil<std::chrono::seconds>(kLook));
@@ -59,7 +58,7 @@ tl::unexpected<Problem> store_problem(const Error& error) {
 }
 
 tl::unexpected<Problem> no_such_job() {
-    return problem(404, "there is no such job: it never was, or it has expired");
+    return problem(404, "there is no such job: it never existed, or it has expired");
 }
 
 Problem too_late(std::chrono::milliseconds timeout) {
@@ -69,7 +68,7 @@ Problem too_late(std::chrono::milliseconds timeout) {
              {}}};
 }
 
-/// Makes of what a store has found the request that is to be computed.
+/// Makes the request to compute from the one that a store has found.
 Result<ComputeRequest> whole_request(Result<std::optional<ComputeRequest>> stored) {
     if (!stored) return failure(ErrorCode::Internal, stored.error().message);
     if (!*stored) return failure(ErrorCode::Internal, "the request is lost");
@@ -80,7 +79,7 @@ Problem shut_down() {
     return {503, {ErrorCode::Stopped, "the server shut down", {}}};
 }
 
-/// The end of a job that has no result.
+/// Makes the end of a job without a result.
 JobEnd failed(Job job, Problem failure) {
     JobEnd end{std::move(job), {}, {}, failure.cause};
     end.job.status = JobStatus::Failed;
@@ -88,7 +87,7 @@ JobEnd failed(Job job, Problem failure) {
     return end;
 }
 
-/// A job ends for its result could not be stored.
+/// Makes the end of a job whose result could not be stored.
 JobEnd not_stored(Job job, const Error& error) {
     JobEnd end{std::move(job), {}, {}, error.message};
     end.job.status = JobStatus::Failed;
@@ -106,8 +105,8 @@ HttpResult<std::string> kept(Result<std::optional<std::string>> result) {
 
 }  // namespace
 
-/// Stores a result as it is written, all but the last piece. While the store cannot be reached, what computes has to
-/// wait.
+/// Stores a result while it is written, except for the last piece. While the store cannot be reached, the computation
+/// waits.
 class Jobs::ResultWriter : public api::BodyTaker {
 public:
     ResultWriter(JobStore& store, const Job& job, std::stop_token stop)
@@ -126,7 +125,7 @@ public:
         return {};
     }
 
-    /// What the store has taken, what comes after it, and why no more could be stored, if so.
+    /// The stored part, the rest, and the error if the result could not be stored.
     const JobStore::Taken& taken() const { return taken_; }
     std::string take_last() { return std::move(last_); }
     const std::optional<Error>& error() const { return error_; }
@@ -140,14 +139,14 @@ private:
             if (stored.error().code != ErrorCode::Stopped) error_ = stored.error();
             return tl::unexpected(stored.error());
         }
-        if (!*stored) return failure(ErrorCode::Stopped, "the job is another's");
+        if (!*stored) return failure(ErrorCode::Stopped, "the job was claimed by another server");
         ++taken_.pieces;
         taken_.bytes += last_.size();
         last_.clear();
         return {};
     }
 
-    /// @returns  false if a stop has come
+    /// @returns  false if a stop was requested
     bool wait() {
         std::mutex mutex;
         std::unique_lock lock(mutex);
@@ -205,18 +204,18 @@ HttpResult<Job> Jobs::accept(Job job, const ComputeRequest& request) {
 
 HttpResult<void> Jobs::add(Job& job, const ComputeRequest& request) {
     if (JobStore::bytes_of_job(JobStore::bytes_of(request)) > limits_.bytes)
-        return problem(413, "the request is larger than what jobs may take, " + std::to_string(limits_.bytes) +
+        return problem(413, "the request is larger than the storage for jobs, " + std::to_string(limits_.bytes) +
                                 " bytes (job-bytes)");
     if (JobStore::bytes_of_job(job.cost.answer) > limits_.bytes)
-        return problem(413, "the result would have " + std::to_string(job.cost.answer) +
-                                " bytes or more; what jobs may take is " + std::to_string(limits_.bytes) +
-                                " (job-bytes): ask for it at once, or for another format");
+        return problem(413, "the result would have at least " + std::to_string(job.cost.answer) +
+                                " bytes, more than the storage for jobs of " + std::to_string(limits_.bytes) +
+                                " (job-bytes): request it without a job, or in another format");
     const auto added = store_.add(job, request);
     if (!added) return store_problem(added.error());
     if (*added == JobStore::Added::QueueFull)
         return busy(429, "too many jobs are waiting (job-queue)", pool_.backlog());
     if (*added == JobStore::Added::NoRoom)
-        return busy(429, "jobs that wait take all the room (job-bytes)", pool_.backlog());
+        return busy(429, "waiting jobs take all the storage (job-bytes)", pool_.backlog());
     return {};
 }
 
@@ -231,14 +230,14 @@ void Jobs::hand_out(const std::stop_token& closing) {
     }
 }
 
-/// Claims a job if it may have one of the pool's workers.
-/// @returns  whether there may be another one
+/// Claims a job if one of the pool's workers is available for it.
+/// @returns  whether there may be another job
 bool Jobs::hand_one() {
     {
         const std::lock_guard lock(mutex_);
         if (!started_ || draining_ || handed_ + count_left_locked() >= at_once_) return false;
     }
-    // What is too large for a server that has the store for itself has to fail; else it is for others.
+    // A job that is too large for this server has to fail if no other server shares the store.
     auto job = store_.claim(store_.is_shared() ? pool_.memory().total() : std::numeric_limits<std::size_t>::max());
     if (!job || !*job) return false;
     hand(**std::move(job));
@@ -251,11 +250,11 @@ std::size_t Jobs::count_left_locked() const {
     return static_cast<std::size_t>(count);
 }
 
-/// Hands a job that was claimed to the pool.
+/// Passes a claimed job to the pool.
 void Jobs::hand(Job job) {
     std::optional<Problem> failure;
     if (job.starts > kMostStarts)
-        failure = Problem{500, {ErrorCode::Internal, "the server ended each time that it ran this job", {}}};
+        failure = Problem{500, {ErrorCode::Internal, "the server ended each time it ran this job", {}}};
     if (job.cost.memory > pool_.memory().total())
         failure = Problem{413, {ErrorCode::LimitExceeded, "this server has too little memory for this job", {}}};
     const auto run = std::make_shared<Run>();
@@ -291,7 +290,7 @@ void Jobs::run(const RunPointer& run, const std::stop_token& stop) {
     release_locked();
 }
 
-/// Makes room for another job once the pool is done with one.
+/// Updates the counts when a job has left the pool, so that another one can be claimed.
 void Jobs::release_locked() {
     --handed_;
     has_work_ = true;
@@ -299,7 +298,7 @@ void Jobs::release_locked() {
     idle_.notify_all();
 }
 
-/// @returns  false if the job is not to be run any more
+/// @returns  false if the job must not be run any more
 bool Jobs::begin(const RunPointer& run) {
     Job job;
     Stop stop{};
@@ -315,9 +314,10 @@ bool Jobs::begin(const RunPointer& run) {
     const auto held = store_.hold(job);
     const std::lock_guard lock(mutex_);
     if (run->settling || (held && !keep_locked(run, held->owned))) return false;
-    // If the store cannot be told the job runs all the same: nobody else has it before its lease has run out.
+    // If the store fails, the job runs nevertheless: no other server can claim it before its lease expires.
     run->job.status = JobStatus::Running;
-    run->job.started = held ? held->now : std::max(time_now(), job.created);  // whose clock was the store's
+    run->job.started =
+        held ? held->now : std::max(time_now(), job.created);  // the store's clock, which set job.created, may be ahead
     run->held = Clock::now();
     run->deadline = run->held + limits_.timeout;
     news_ = true;
@@ -325,8 +325,8 @@ bool Jobs::begin(const RunPointer& run) {
     return true;
 }
 
-/// Gives up a run whose job is not this server's any more.
-/// @returns  false if that is so
+/// Gives up a run if this server no longer owns its job.
+/// @returns  false if it was given up
 bool Jobs::keep_locked(const RunPointer& run, JobStore::Owned owned) {
     if (owned == JobStore::Owned::Still || run->settling) return true;
     if (owned == JobStore::Owned::Lost && run->stop != Stop::Gone) ++counts_.lost;
@@ -335,7 +335,7 @@ bool Jobs::keep_locked(const RunPointer& run, JobStore::Owned owned) {
     return false;
 }
 
-/// Has a run end without anything coming of it. If its end is on the way to the store, that will refuse it.
+/// Drops a run. If its end is just being stored, the store will refuse it.
 void Jobs::drop_locked(const RunPointer& run) {
     if (run->settling) {
         run->stop = Stop::Gone;
@@ -351,8 +351,8 @@ void Jobs::forget_locked(const RunPointer& run) {
     if (found != runs_.end() && found->second == run) runs_.erase(found);
 }
 
-/// Takes a run out of the pool's queue, or tells it to stop.
-/// @returns  whether it had not begun
+/// Removes a run from the pool's queue, or requests it to stop.
+/// @returns  whether it had not started
 bool Jobs::stop_locked(Run& run, Stop why) {
     run.stop = why;
     if (!run.handed || pool_.cancel(*run.handed) != WorkerPool::Cancelled::Queued) return false;
@@ -360,7 +360,7 @@ bool Jobs::stop_locked(Run& run, Stop why) {
     return true;
 }
 
-/// @returns  none if the job does not end with this run
+/// @returns  none if this run does not end the job
 std::optional<Jobs::End> Jobs::compute(const RunPointer& run, const std::stop_token& stop) {
     Stages stages;
     stages.queue = Milliseconds(*run->job.started - run->job.created).count();
@@ -428,14 +428,14 @@ void Jobs::note(const RunPointer& run, const Progress& progress) {
     wake_timekeeper_.notify_all();
 }
 
-/// Leaves a job to the next server, or to others.
+/// Returns a job to the store, for the next process or another server.
 void Jobs::give_back(const RunPointer& run) {
-    (void)store_.give_back(run->job);  // if this fails it runs again for its lease running out
+    (void)store_.give_back(run->job);  // if this fails, the job runs again when its lease expires
     const std::lock_guard lock(mutex_);
     forget_locked(run);
 }
 
-/// Stores how a job ends, which its `settling` has left to the caller, and tells those who follow it and the log.
+/// Stores the end of a job, informs followers, and writes the log. The caller must have set `settling`.
 void Jobs::settle(const RunPointer& run, End end) {
     const auto stored = store_end(end);
     Job& job = end.told.job;
@@ -458,7 +458,7 @@ void Jobs::settle(const RunPointer& run, End end) {
     logger_(end.told);
 }
 
-/// Stores how a job ends; a result that cannot be stored makes a failure, which takes no room.
+/// Stores the end of a job. If the result cannot be stored, the job fails, which needs no space.
 Result<std::optional<Time>> Jobs::store_end(End& end) {
     auto stored = store_.finish(end.told.job, end.result, end.before);
     const bool has_result = end.told.job.result_bytes > 0;
@@ -467,7 +467,7 @@ Result<std::optional<Time>> Jobs::store_end(End& end) {
     return store_.finish(end.told.job, {});
 }
 
-/// Tells those who follow a job how it has ended.
+/// Informs followers of the end of a job.
 void Jobs::publish_locked(const Job& job) {
     if (const auto followed = find_followed_locked(job.id)) advance_locked(*followed, job);
 }
@@ -490,7 +490,7 @@ HttpResult<Job> Jobs::find(const std::string& id, const std::string& owner) cons
     return job;
 }
 
-/// Adds what is known here before the store is told.
+/// Adds progress that the store does not have yet.
 void Jobs::add_latest(Job& job) const {
     const std::lock_guard lock(mutex_);
     const auto found = runs_.find(job.id);
@@ -573,7 +573,7 @@ HttpResult<Jobs::Watch> Jobs::watch(const std::string& id, const std::string& ow
         std::erase_if(followed_, [](const auto& other) { return other.second.expired(); });
         followed = find_followed_locked(id);
         if (!followed) followed = std::make_shared<Followed>();
-        followed_[id] = followed;  // first, lest news be missed
+        followed_[id] = followed;  // first, so that no notification is missed
     }
     const auto job = find(id, owner);
     if (!job) return tl::unexpected(job.error());
@@ -587,7 +587,7 @@ Jobs::FollowedPointer Jobs::find_followed_locked(const std::string& id) const {
     return found == followed_.end() ? nullptr : found->second.lock();
 }
 
-/// Takes over where a job stands, unless it is known to be further.
+/// Updates the state of a followed job, unless a later state is known.
 void Jobs::advance_locked(Followed& followed, const Job& job) {
     const Job& known = followed.job;
     if (is_finished(known.status)) return;
@@ -600,10 +600,10 @@ void Jobs::advance_locked(Followed& followed, const Job& job) {
     followed.changed.notify_all();
 }
 
-/// Finds where a job stands that another server may run.
+/// Asks the store for the state of a job, which another server may run.
 void Jobs::look_again(const std::string& id, Followed& followed) const {
     auto found = store_.find(id);
-    if (!found) return;  // once the store can be reached again, it will be told that something was missed
+    if (!found) return;  // once the store can be reached again, missed() is called
     if (*found) add_latest(**found);
     const std::lock_guard lock(mutex_);
     if (*found) {
@@ -631,7 +631,7 @@ std::optional<Job> Jobs::Watch::next(Clock::time_point until) {
         over_ = is_finished(followed.job.status) || followed.gone;
         if (first || is_finished(followed.job.status)) return followed.job;
         if (std::exchange(job_->stale, false)) {
-            const std::string id = followed.job.id;  // that of the job is written to, though with the same
+            const std::string id = followed.job.id;  // a copy, because another thread may assign followed.job meanwhile
             lock.unlock();
             jobs_.look_again(id, *job_);
             lock.lock();
@@ -710,7 +710,7 @@ void Jobs::keep_time(const std::stop_token& closing) {
     }
 }
 
-/// @returns  when the next run has to end
+/// @returns  the next deadline of a run
 Jobs::Clock::time_point Jobs::stop_overdue_locked() {
     auto next = Clock::time_point::max();
     for (const auto& [id, run] : runs_) {
@@ -723,7 +723,7 @@ Jobs::Clock::time_point Jobs::stop_overdue_locked() {
     return next;
 }
 
-/// Finds when the lease of a run has to be renewed, or the store to be told how far it is.
+/// Computes when to renew a run's lease or store its progress.
 Jobs::Clock::time_point Jobs::next_renewal_locked(const Run& run) const {
     const auto renewal = std::max(limits_.lease / 3, std::chrono::milliseconds(1));
     return run.held + (run.told ? renewal : std::min(kTell, renewal));
@@ -754,7 +754,7 @@ void Jobs::renew_leases() {
     }
 }
 
-/// Tries again to store how jobs have ended.
+/// Tries again to store the ends of jobs.
 void Jobs::settle_what_is_left() {
     std::vector<std::pair<RunPointer, End>> left;
     {
@@ -764,7 +764,7 @@ void Jobs::settle_what_is_left() {
     }
     for (auto& [run, end] : left) settle(run, std::move(end));
     if (left.empty()) return;
-    work();  // there may be room for others
+    work();  // there may be capacity for other jobs
 }
 
 }  // namespace ccdt::server

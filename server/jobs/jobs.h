@@ -28,22 +28,22 @@
 
 namespace ccdt::server {
 
-/// A job that has ended, for log and figures.
+/// A finished job, for the log and the metrics.
 struct JobEnd {
     Job job;
     Stages stages;
     std::optional<Computed> computed;
-    std::string cause;  ///< of a failure of ours
+    std::string cause;  ///< cause of an internal failure
 };
 
 /// Runs jobs: requests whose clients do not wait.
 ///
-/// What was accepted is in the store, and ends in a result, a failure or a cancellation that is in the store as well. A
-/// job waits there, where clients take turns, and is claimed and handed to the pool when its turn has come and there is
-/// a place for it. In the pool it competes with the requests that are waited for; jobs have at most all workers but
-/// one, and at least one. Where servers share a store, each runs what it has claimed, and answers about all jobs.
+/// Accepted jobs are in the store, and so is their end: a result, a failure or a cancellation. A job waits in the
+/// store, whose queue is fair between clients. It is claimed and passed to the pool when it is next and the pool can
+/// take it. In the pool it competes with requests whose clients wait. Jobs use at most all workers but one, and at
+/// least one. If servers share a store, each runs the jobs that it has claimed, and answers requests about all jobs.
 ///
-/// A job has `timeout` from the start of its run, and is forgotten `ttl` after its end. May be used from any thread.
+/// A job may run for `timeout`, and is deleted `ttl` after its end. Thread-safe.
 class Jobs : private JobListener {
     struct Followed;
 
@@ -51,60 +51,63 @@ public:
     using Clock = std::chrono::steady_clock;
     using Logger = std::function<void(const JobEnd&)>;
 
-    /// What has happened to runs of this server.
+    /// Events of this server's runs.
     struct Counts {
-        std::uint64_t lost = 0;      ///< given up, for others had claimed their jobs meanwhile
-        std::uint64_t repeated = 0;  ///< of jobs that another run had not brought to an end
+        std::uint64_t lost = 0;      ///< runs given up because another server had claimed the job
+        std::uint64_t repeated = 0;  ///< runs of jobs that an earlier run had not finished
     };
 
-    /// @param survives  the store outlives the process: what is not done when it drains is done by the next one
-    /// The others must outlive it. No other may listen to the store.
+    /// @param survives  the store outlives the process; jobs not finished at shutdown are left to the next one
+    /// The references must outlive this object. The store must have no other listener.
     Jobs(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute, Logger logger);
 
-    /// Stops what runs.
+    /// Stops all runs.
     ~Jobs() override;
 
     Jobs(const Jobs&) = delete;
     Jobs& operator=(const Jobs&) = delete;
 
-    /// Begins to run jobs, first those that the store has from before.
+    /// Starts to run jobs, including those already in the store.
     void start();
 
-    /// Whether a job that the client submits now would be refused.
+    /// Whether a job submitted by this client would be refused now.
     bool is_full(std::string_view client) const;
 
-    /// Takes on a job; once this returns it will not be lost.
+    /// Accepts a job. Once this returns, the job will not be lost.
     ///
-    /// @param job  whose it is, and what it costs, which the pool has room for
-    /// Problems: 413 larger than the store, or its result is, 429 the queue is full, or the store of what waits, 503
-    /// the server shuts down, 507 and 500 the store fails.
+    /// @param job  with owner and cost; the cost must fit into the pool
+    /// Problems: 413 the job or its result exceeds the store's capacity, 429 the queue is full or the store is full of
+    /// waiting jobs, 503 the server shuts down, 507 and 500 the store fails.
     HttpResult<Job> accept(Job job, const ComputeRequest& request);
 
-    /// Finds a job. Problems, of the following too: 404 there is no such job, or it is somebody else's; 503 the store
-    /// cannot be reached, 500 it fails.
+    /// Finds a job.
+    /// Problems, also of the functions below: 404 the job does not exist or has another owner; 503 the store cannot be
+    /// reached; 500 it fails.
     HttpResult<Job> find(const std::string& id, const std::string& owner) const;
 
-    /// The result of a job that has succeeded. Problems: 410 it was dropped to make room, or the job is gone.
+    /// Reads the result of a job that has succeeded.
+    /// Problems: 410 the result was dropped to free space, or the job is gone.
     HttpResult<std::string> result(const std::string& id);
 
-    /// A piece of it: see JobStore::piece. Problems: as of result().
+    /// Reads a piece of the result: see JobStore::piece.
+    /// Problems: those of result().
     HttpResult<std::string> piece(const std::string& id, std::size_t number);
 
-    /// Cancels a job that has not finished, and forgets one that has.
+    /// Cancels a job that has not ended, or deletes one that has.
     HttpResult<void> remove(const std::string& id, const std::string& owner);
 
-    /// Follows a job.
+    /// Follows a job's progress.
     class Watch {
     public:
-        /// Waits for news: first where the job stands, then each iteration, in the end how it ended. Of a job that
-        /// another server runs some iterations may be passed over.
-        /// @returns  none if there was none until then
+        /// Waits for the next state: the current one first, then each iteration, finally the end. If another server
+        /// runs the job, some iterations may be skipped.
+        /// @returns  none if there was no news until then
         std::optional<Job> next(Clock::time_point until);
 
-        /// Has the next call ask the store, which may have lost the job without a word.
+        /// Makes the next call ask the store, which may have lost the job without a notification.
         void look_again();
 
-        /// Whether there will be no more news: it was told how the job ended, or the job is gone.
+        /// Whether there will be no further states: the job has ended, or it is gone.
         bool is_over() const { return over_; }
 
     private:
@@ -113,51 +116,51 @@ public:
 
         const Jobs& jobs_;
         const std::shared_ptr<Followed> job_;
-        std::optional<std::size_t> seen_;  ///< iterations
+        std::optional<std::size_t> seen_;  ///< number of iterations
         bool over_ = false;
     };
     HttpResult<Watch> watch(const std::string& id, const std::string& owner) const;
 
-    /// Accepts no more and stops what runs; returns at once. If the store survives, what is not done is for the next
-    /// server, or for others; else it fails.
+    /// Stops all runs; returns at once. If the store survives, unfinished jobs are left to the next process or to other
+    /// servers. Otherwise they fail, and no more jobs are accepted.
     void drain();
     bool is_draining() const;
 
-    /// Jobs of all servers that share the store; none where it cannot be reached.
+    /// Counts the jobs of all servers that share the store; none if it cannot be reached.
     std::optional<JobStore::Load> load() const;
     Counts counts() const;
 
 private:
-    /// Reasons to stop a run.
+    /// Why a run is stopped.
     enum class Stop { None, Deadline, Shutdown, Gone };
 
-    /// How a job ends, to be stored.
+    /// The end of a job, to be stored.
     struct End {
         std::string result;
         JobEnd told;
-        JobStore::Taken before = {};  ///< what the store has of the result, which comes before that
+        JobStore::Taken before = {};  ///< part of the result that the store already has, before `result`
     };
     class ResultWriter;
 
     /// A job that this server has claimed.
     struct Run {
         Job job;
-        std::optional<WorkerPool::JobId> handed;  ///< to the pool
+        std::optional<WorkerPool::JobId> handed;  ///< its id in the pool
         std::optional<Clock::time_point> deadline;
         Stop stop = Stop::None;
-        std::stop_source gone;    ///< stopped once nobody wants the result
-        Clock::time_point held;   ///< the last time that its lease was renewed, or that was tried
-        bool told = true;         ///< the store knows where it stands
-        bool settling = false;    ///< whoever has set it stores how the job ends; nobody else does
-        std::optional<End> left;  ///< could not be stored yet
+        std::stop_source gone;    ///< stopped once nobody needs the result
+        Clock::time_point held;   ///< time of the latest attempt to renew the lease
+        bool told = true;         ///< the store has the latest progress
+        bool settling = false;    ///< set by the thread that stores the job's end; no other thread does so
+        std::optional<End> left;  ///< an end that could not be stored yet
     };
     using RunPointer = std::shared_ptr<Run>;
 
-    /// A job that somebody follows.
+    /// A job that is being followed.
     struct Followed {
         Job job;
         std::vector<JobProgress> steps;
-        bool stale = false;  ///< the store may know better
+        bool stale = false;  ///< the store may have a newer state
         bool gone = false;
         std::condition_variable changed;
     };
@@ -209,9 +212,9 @@ private:
     WorkerPool& pool_;
     const Compute compute_;
     const Logger logger_;
-    const std::size_t at_once_;  ///< jobs that the pool is handed
+    const std::size_t at_once_;  ///< limit of jobs in the pool at a time
 
-    mutable std::mutex mutex_;  ///< guards the members from here to `draining_`; not held where the store is used
+    mutable std::mutex mutex_;  ///< guards the members up to `draining_`; released while the store is used
     std::condition_variable idle_;
     std::condition_variable_any wake_claimer_;
     std::condition_variable_any wake_timekeeper_;
@@ -219,13 +222,13 @@ private:
     bool news_ = false;      ///< for the timekeeper
     std::map<std::string, RunPointer> runs_;
     mutable std::map<std::string, std::weak_ptr<Followed>> followed_;
-    std::size_t handed_ = 0;  ///< to the pool, and not done
+    std::size_t handed_ = 0;  ///< number of jobs in the pool
     Counts counts_;
     bool started_ = false;
     bool draining_ = false;
 
-    std::jthread claimer_;     ///< claims jobs; with the next one last: they use all the rest
-    std::jthread timekeeper_;  ///< stops runs at their deadlines, renews leases, forgets jobs
+    std::jthread claimer_;     ///< claims jobs; the two threads come last, because they use all other members
+    std::jthread timekeeper_;  ///< stops runs at their deadlines, renews leases, deletes expired jobs
 };
 
 }  // namespace ccdt::server

@@ -14,27 +14,27 @@
 namespace ccdt::server {
 namespace {
 
-/// Of all keys; the number is the version of their layout.
+/// Prefix of all keys. The number is the version of their layout.
 constexpr std::string_view kPrefix = "ccdt:1:";
 
-/// Bytes of a body that goes with the call that needs it: one round trip, and one wait for the disk, where there would
-/// be two. Larger ones would be copied several times more while nobody else's turn comes.
+/// Maximum size of a body that is part of the call that needs it, in bytes. That saves one round trip and one wait for
+/// the disk. Larger bodies would be copied several more times while Redis serves nobody else.
 constexpr std::size_t kSmall = std::size_t{64} << 10;
 
-/// Seconds that pieces are kept of which nothing came.
+/// Seconds after which unused pieces expire.
 constexpr std::string_view kPiecesKept = "600";
 
-/// Jobs that are forgotten in one go, lest others wait for long.
+/// Number of jobs that one call deletes; more would delay other calls.
 constexpr std::int64_t kForgottenAtOnce = 100;
 
-/// The first version that has flags for scripts.
+/// The first version whose scripts have flags.
 constexpr int kLeastVersion = 7;
 
-/// May be run while the memory is full: what makes room, and what takes hardly any.
+/// Flags of scripts that may run when the memory is full, because they free memory or need very little.
 constexpr std::string_view kAnyway = "allow-oom";
 constexpr std::string_view kReads = "no-writes,allow-oom";
 
-/// Pause after a repair that did not help: it looks at all jobs.
+/// Pause after a repair that did not help. A repair reads all jobs.
 constexpr std::chrono::seconds kRepairPause{1};
 
 RedisScript script(std::string_view flags, std::string_view text) {
@@ -58,7 +58,7 @@ std::string key_of(std::string_view kind, const std::string& id) {
     return std::string(kPrefix).append(kind).append(":").append(id);
 }
 
-/// Where a body is until it is whole.
+/// Returns the key of a body that is not complete yet.
 std::string key_of_pieces(const Job& job) {
     return key_of("pieces", job.id) + ':' + std::to_string(job.claim);
 }
@@ -67,7 +67,7 @@ std::string name_of_digest(std::size_t number) {
     return "digest:" + std::to_string(number);
 }
 
-/// Returns the digest of a request without its body.
+/// Computes the digest of a request without its body.
 std::string digest_of_head(std::string_view path, std::string_view query, std::string_view content_type,
                            std::string_view accept) {
     Digest digest;
@@ -86,10 +86,10 @@ std::string text_of(std::chrono::milliseconds time) {
 }
 
 tl::unexpected<Error> not_understood(const std::string& what) {
-    return failure(ErrorCode::Unusable, "what Redis has of " + what + " is not what was written");
+    return failure(ErrorCode::Unusable, "the data of " + what + " in Redis is not what was written");
 }
 
-/// Names and values of a hash.
+/// The names and values of a hash.
 class Fields {
 public:
     explicit Fields(const RedisReply& reply) {
@@ -122,7 +122,7 @@ private:
     std::map<std::string_view, std::string_view> values_;
 };
 
-/// What is written down of how a job has ended, names and values.
+/// Returns the names and values that are stored at the end of a job.
 std::vector<std::string> fields_of_end(const Job& job) {
     std::vector<std::string> fields{
         "status",    std::string(name_of(job.status)), "fraction",   text_of(job.progress.fraction),
@@ -141,7 +141,7 @@ std::vector<std::string> fields_of_end(const Job& job) {
     return fields;
 }
 
-/// The value of a line `name:value` of what Redis tells about itself.
+/// Returns the value of a line `name:value` in the output of INFO.
 std::string line_of(const std::string& told, std::string_view name) {
     std::string_view rest = told;
     while (!rest.empty()) {
@@ -157,29 +157,29 @@ RedisJobStore::RedisJobStore(RedisClient& client, const JobLimits& limits, Notes
     : limits_(limits),
       notes_(std::move(notes)),
       client_(client),
-      subscription_(client.address(), std::string(kPrefix) + "news", hear()) {}
+      subscription_(client.address(), std::string(kPrefix) + "news", callbacks()) {}
 
-RedisSubscription::Told RedisJobStore::hear() {
+RedisSubscription::Callbacks RedisJobStore::callbacks() {
     return {.message = [this](std::string_view message) { tell(message); },
             .begun =
                 [this] {
-                    notes_.info("jobs are kept by Redis at " + client_.address().name());
+                    notes_.info("jobs are stored in Redis at " + client_.address().name());
                     for (const auto& fault : find_faults(client_).value_or(std::vector<std::string>()))
                         notes_.warning(fault);
-                    hears_since_ = Clock::now();
+                    subscribed_since_ = Clock::now();
                     news_.tell([](JobListener& listener) { listener.missed(); });
                 },
             .ended =
                 [this](const Error& error) {
-                    hears_since_ = Clock::time_point::max();
+                    subscribed_since_ = Clock::time_point::max();
                     notes_.error("jobs have to wait: " + error.message);
                 }};
 }
 
 void RedisJobStore::listen(JobListener* listener) {
     news_.listen(listener);
-    if (hears_since_.load() != Clock::time_point::max())
-        news_.tell([](JobListener& now) { now.missed(); });  // else it is told once news come
+    if (subscribed_since_.load() != Clock::time_point::max())
+        news_.tell([](JobListener& now) { now.missed(); });  // otherwise it is notified once the subscription begins
 }
 
 void RedisJobStore::tell(std::string_view news) {
@@ -200,12 +200,11 @@ Result<std::vector<std::string>> RedisJobStore::find_faults(RedisClient& client)
     std::string_view major = version;
     std::vector<std::string> faults;
     if (!version.empty() && api::parse_number<int>(api::take_until(major, ".")).value_or(0) < kLeastVersion)
-        faults.push_back(place + " is of version " + version + "; jobs need 7.0 or later");
+        faults.push_back(place + " has version " + version + "; jobs need 7.0 or later");
     if (client.setting("appendonly") == "no")
-        faults.push_back(place + " keeps no append-only file: jobs end with it (appendonly yes)");
+        faults.push_back(place + " has no append-only file: it loses jobs when it ends (appendonly yes)");
     if (client.setting("appendfsync") == "no")
-        faults.push_back(place +
-                         " does not see to it that the disk has what it writes (appendfsync always or everysec)");
+        faults.push_back(place + " does not flush its writes to the disk (appendfsync always or everysec)");
     if (client.setting("maxmemory-policy").starts_with("allkeys"))
         faults.push_back(place + " drops jobs when its memory is full (maxmemory-policy noeviction)");
     return faults;
@@ -223,7 +222,7 @@ Result<RedisReply> RedisJobStore::run(const RedisScript& script, const RedisComm
     return reply;
 }
 
-/// Repairs the keys that others have written over, and reports them.
+/// Repairs keys that were overwritten, and reports them.
 void RedisJobStore::repair() {
     const std::string bytes = std::to_string(bytes_of_job(0));
     const std::string lease = text_of(limits_.lease);
@@ -231,14 +230,14 @@ void RedisJobStore::repair() {
     if (!reply) return;
     const std::string jobs = key_of("job", "");
     for (const auto& key : reply->items)
-        client_.report_damage(key.text, key.text.starts_with(jobs) ? "the job has failed, or is lost"
-                                                                   : "it was made again from the jobs");
+        client_.report_damage(
+            key.text, key.text.starts_with(jobs) ? "the job has failed, or is lost" : "it was rebuilt from the jobs");
 }
 
 /// Reports a damaged body.
 tl::unexpected<Error> RedisJobStore::damaged(const std::string& key) {
-    client_.report_damage(key, "it is answered as damaged");
-    return failure(ErrorCode::Unusable, "what Redis keeps of this job is damaged");
+    client_.report_damage(key, "clients get an error");
+    return failure(ErrorCode::Unusable, "the data of this job in Redis is damaged");
 }
 
 /// Runs a command that reads a body.
@@ -249,7 +248,7 @@ Result<RedisReply> RedisJobStore::read(const std::string& key, RedisCommand comm
 }
 
 /// Reads a piece of a body.
-/// @returns  none if it is not there
+/// @returns  none if it does not exist
 Result<std::optional<std::string>> RedisJobStore::read_piece(const std::string& key, const std::string& id,
                                                              std::size_t number) {
     const std::string name = std::to_string(number), digest = name_of_digest(number);
@@ -261,8 +260,8 @@ Result<std::optional<std::string>> RedisJobStore::read_piece(const std::string& 
     return piece;
 }
 
-/// Sends fields, and a body in pieces, to where they are forgotten unless they are renamed.
-/// @param before  pieces that were sent there, and what they held
+/// Sends fields, and a body in pieces, to a temporary key, which expires unless it is renamed.
+/// @param before  pieces that were sent already, and their size
 Result<void> RedisJobStore::upload(const Job& job, RedisCommand fields, std::string_view body, const Taken& before) {
     const std::string key = key_of_pieces(job);
     const std::string size = std::to_string(before.bytes + body.size());
@@ -281,8 +280,8 @@ Result<void> RedisJobStore::upload(const Job& job, RedisCommand fields, std::str
     return {};
 }
 
-/// Reads the other pieces of a body.
-/// @returns  none if they are not there any more
+/// Reads the pieces of a body after the first.
+/// @returns  none if they no longer exist
 Result<std::optional<std::string>> RedisJobStore::download(const std::string& key, const std::string& id,
                                                            std::string first, std::size_t size) {
     std::string body = std::move(first);
@@ -367,7 +366,7 @@ Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& reque
 Result<std::optional<Job>> RedisJobStore::claim(std::size_t memory) {
     const std::string most = std::to_string(memory);
     const std::string lease = text_of(limits_.lease);
-    const auto since = hears_since_.load();
+    const auto since = subscribed_since_.load();
     const bool all_had_time = since < Clock::now() && Clock::now() - since >= limits_.lease;
     const auto reply = run(kClaim, {most, lease, all_had_time ? "1" : "0"});
     if (!reply) return tl::unexpected(reply.error());
@@ -440,7 +439,7 @@ Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_vi
         if (!fields) return tl::unexpected(fields.error());
         const std::size_t last = std::max<std::size_t>(1, (result.size() + kPiece - 1) / kPiece);
         if (fields->number != static_cast<std::int64_t>(1 + 2 * (before.pieces + last)))
-            return failure(ErrorCode::Internal, "what Redis had of the result is lost");
+            return failure(ErrorCode::Internal, "the pieces of the result in Redis are lost");
     }
     const std::string claim = std::to_string(job.claim);
     const std::string size = std::to_string(whole);

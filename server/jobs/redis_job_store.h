@@ -21,28 +21,30 @@ namespace ccdt::server {
 
 /// Jobs in a Redis, which servers share.
 ///
-/// What has to happen at once is a script of `redis_scripts`, whose common.lua tells what is kept under which keys;
-/// large bodies go in pieces of a MiB, lest others wait, and are renamed to where they belong once they are whole. The
-/// keys begin with the version of their layout, `ccdt:1:`. Jobs whose leases run out are taken from others only once
-/// news have come for as long as a lease: after Redis was away all servers have the time to renew theirs.
+/// Operations that must be atomic are scripts in `redis_scripts`; common.lua describes the keys. Large bodies are sent
+/// in pieces of 1 MiB, so that other calls are not delayed, and renamed to their final key once they are complete. All
+/// keys begin with the version of their layout, `ccdt:1:`. A job whose lease expired is claimed only after this server
+/// has been subscribed for the duration of a lease. So after an outage of Redis, all servers have time to renew their
+/// leases.
 ///
-/// Others may write over the keys. A damaged key is reported and repaired by the call that finds it: see repair.lua. A
-/// damaged request fails its job, and a damaged result is an error (Unusable): bodies have digests.
+/// Other programs may overwrite keys. A damaged key is reported and repaired by the call that finds it: see repair.lua.
+/// A damaged request fails its job, and a damaged result is an error (Unusable); bodies have digests.
 class RedisJobStore : public JobStore {
 public:
-    /// Lines for the log.
+    /// Functions that write log messages.
     struct Notes {
         std::function<void(const std::string&)> info;
         std::function<void(const std::string&)> warning;
         std::function<void(const std::string&)> error;
     };
 
-    /// Does not wait for Redis, which may come later. Once it is there the notes tell what of its settings loses jobs.
-    /// The client must outlive it.
+    /// Does not wait until Redis can be reached. Then it logs warnings about settings by which jobs may be lost.
+    /// `client` must outlive this object.
     RedisJobStore(RedisClient& client, const JobLimits& limits, Notes notes);
 
-    /// Finds what of the version and the settings of a Redis loses jobs, as far as it tells its settings to us.
-    /// Errors: it cannot be reached.
+    /// Lists faults of the version and settings of a Redis by which jobs may be lost, as far as Redis reveals its
+    /// settings.
+    /// Errors: Redis cannot be reached.
     static Result<std::vector<std::string>> find_faults(RedisClient& client);
 
     bool is_shared() const override { return true; }
@@ -76,16 +78,16 @@ private:
     Result<std::optional<std::string>> read_piece(const std::string& key, const std::string& id, std::size_t number);
     tl::unexpected<Error> damaged(const std::string& key);
     Result<std::optional<Job>> job_of(const std::string& id, const Result<RedisReply>& reply) const;
-    RedisSubscription::Told hear();
+    RedisSubscription::Callbacks callbacks();
     void tell(std::string_view news);
 
     const JobLimits limits_;
     const Notes notes_;
     RedisClient& client_;
     JobNews news_;
-    std::atomic<Clock::time_point> hears_since_ = Clock::time_point::max();
+    std::atomic<Clock::time_point> subscribed_since_ = Clock::time_point::max();
     std::atomic<Clock::time_point> next_repair_ = Clock::time_point::min();
-    RedisSubscription subscription_;  ///< last: it uses the rest
+    RedisSubscription subscription_;  ///< last, because it uses the other members
 };
 
 }  // namespace ccdt::server

@@ -7,15 +7,15 @@ namespace ccdt::server {
 
 Database::Database(const std::string& path) {
     sqlite3* handle = nullptr;
-    // Whoever uses it takes turns; SQLite need not see to that as well.
+    // Callers serialize access, so SQLite needs no mutex.
     const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
     const int code = sqlite3_open_v2(path.c_str(), &handle, flags, nullptr);
-    handle_.reset(handle);  // there is one to close even if it failed
+    handle_.reset(handle);  // a handle must be closed even after an error
     check(code);
     sqlite3_extended_result_codes(handle, 0);
 }
 
-/// SQLite calls no room what ENOSPC is, but neither a quota nor a limit on a file's size.
+/// Also maps an exceeded quota or file size limit to SQLITE_FULL, as SQLite does for ENOSPC.
 void Database::check(int code) const {
     if (code == SQLITE_OK) return;
     int told = code & 0xff;
@@ -24,7 +24,7 @@ void Database::check(int code) const {
     throw SqliteError(told, handle_ ? sqlite3_errmsg(handle_.get()) : sqlite3_errstr(code));
 }
 
-/// Allocates in whole chunks: the system is not asked for each page.
+/// Allocates in large chunks, to avoid a system call for each page.
 void Database::allocate(int which, std::size_t bytes) {
     sqlite3_file* file = nullptr;
     check(sqlite3_file_control(handle_.get(), "main", which, static_cast<void*>(&file)));
@@ -69,7 +69,7 @@ void Database::write_body(const char* table, std::int64_t row, std::string_view 
 std::string Database::read_body(const char* table, std::int64_t row, std::size_t most) {
     const Blob blob = open_body(table, row, false);
     const auto size = static_cast<std::size_t>(sqlite3_blob_bytes(blob.get()));
-    if (size > most) throw SqliteError(SQLITE_CORRUPT, "a body is longer than it was");
+    if (size > most) throw SqliteError(SQLITE_CORRUPT, "a body is longer than when it was written");
     std::string body(size, '\0');
     check(sqlite3_blob_read(blob.get(), body.data(), static_cast<int>(body.size()), 0));
     return body;
@@ -111,7 +111,7 @@ void Statement::bind(int place, double value) {
 }
 
 void Statement::bind(int place, std::string_view value) {
-    // A view without a place would be null.
+    // A null pointer would be bound as NULL.
     const char* const begin = value.data() == nullptr ? "" : value.data();
     database_.check(sqlite3_bind_text64(handle_.get(), place, begin, value.size(), SQLITE_STATIC, SQLITE_UTF8));
 }
@@ -121,7 +121,7 @@ Transaction::~Transaction() {
     try {
         database_.execute("ROLLBACK");
     } catch (const SqliteError&) {
-        // What failed within it may have undone it already.
+        // The failed statement may have rolled back already.
     }
 }
 

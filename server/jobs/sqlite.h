@@ -22,30 +22,30 @@ private:
     int code_;
 };
 
-/// A database of which one connection is used, by one thread at a time. All that fails throws SqliteError.
+/// A database with one connection, used by one thread at a time. All failures throw SqliteError.
 class Database {
 public:
     explicit Database(const std::string& path);
 
     void execute(const char* statements);
 
-    /// Executes a statement that yields one value.
+    /// Executes a statement that returns one value.
     std::int64_t value_of(const char* statement);
 
-    /// Takes room on the disk for the first bytes of the file, which may then be written whatever others take. Nothing
-    /// for a database in memory. No room: SQLITE_FULL.
+    /// Reserves disk space for the first `bytes` of the file, so that writing them cannot fail later. Does nothing for
+    /// a database in memory. SQLITE_FULL if there is no space.
     void allocate(std::size_t bytes);
 
-    /// Takes room for the log, which has to be there: the database has been read.
+    /// Reserves disk space for the write-ahead log, which must exist: the database must have been read before.
     void allocate_log(std::size_t bytes);
 
     std::int64_t last_row() const { return sqlite3_last_insert_rowid(handle_.get()); }
     std::int64_t changes() const { return sqlite3_changes64(handle_.get()); }
 
-    /// Fills the blob `body` of a row, which has that size, without a copy of it in between.
+    /// Writes the blob `body` of a row without an intermediate copy. The blob must have that size already.
     void write_body(const char* table, std::int64_t row, std::string_view body);
 
-    /// @param most  bytes; more are not believed (SQLITE_CORRUPT)
+    /// @param most  limit in bytes; a larger blob is an error (SQLITE_CORRUPT)
     std::string read_body(const char* table, std::int64_t row, std::size_t most);
 
 private:
@@ -65,10 +65,10 @@ private:
     std::unique_ptr<sqlite3, Close> handle_;
 };
 
-/// A statement on its way through its rows.
+/// A prepared statement that steps through its rows.
 class Statement {
 public:
-    /// Binds the values to its request marks, in order. Texts must stay until its end.
+    /// Binds the values to the statement's parameters (`?`), in order. Texts must outlive the statement.
     template <class... Values>
     Statement(Database& database, const char* sql, const Values&... values) : database_(database) {
         prepare(sql);
@@ -76,11 +76,11 @@ public:
         (bind(++place, values), ...);
     }
 
-    /// Goes to the next row.
+    /// Steps to the next row.
     /// @returns  false if there is none
     bool step();
 
-    /// Goes to the end.
+    /// Steps through all rows.
     void run() {
         while (step()) {
         }
@@ -90,7 +90,7 @@ public:
     double real(int column) const { return sqlite3_column_double(handle_.get(), column); }
     std::string text(int column) const;
 
-    /// A value with its type, so that different values have different ones.
+    /// Returns a value with its type as text; different values have different texts.
     std::string image(int column) const;
 
     bool is_null(int column) const { return sqlite3_column_type(handle_.get(), column) == SQLITE_NULL; }
@@ -106,14 +106,14 @@ private:
     void bind(int place, std::string_view value);
     template <class T>
     void bind(int place, const std::optional<T>& value) {
-        if (value) bind(place, *value);  // else it is null already
+        if (value) bind(place, *value);  // otherwise the parameter stays null
     }
 
     Database& database_;
     std::unique_ptr<sqlite3_stmt, Finalize> handle_;
 };
 
-/// A transaction, undone at its end unless it was committed.
+/// A transaction that is rolled back by the destructor unless it was committed.
 class Transaction {
 public:
     explicit Transaction(Database& database) : database_(database) { database_.execute("BEGIN IMMEDIATE"); }

@@ -17,25 +17,25 @@
 namespace ccdt::server {
 namespace {
 
-/// "ccdt", where SQLite keeps whose file it is.
+/// "ccdt" in ASCII, stored as SQLite's application id.
 constexpr std::int64_t kApplication = 0x63636474;
 
 /// Version of the tables.
 constexpr std::int64_t kVersion = 1;
 
-/// Bytes of the disk that the log keeps, so that there is room to delete when the disk is full. To delete a result
-/// of 36 MiB takes 0.1 MB of it, to give back `kGivenBack` pages 4.2 MB.
+/// Bytes on disk that the log keeps, so that jobs can be deleted when the disk is full. Deleting a result of 36 MiB
+/// needs 0.1 MB of it; returning `kGivenBack` pages needs 4.2 MB.
 constexpr std::size_t kReserve = std::size_t{16} << 20;
 
-/// Free pages that are given back to the disk at a time, and that are kept.
+/// Number of free pages that are returned to the disk at a time, and that are kept.
 constexpr std::int64_t kGivenBack = 1024;
 
-/// Jobs that are forgotten in one go, lest others wait for long.
+/// Number of jobs that one call deletes; more would delay other calls.
 constexpr std::size_t kForgottenAtOnce = 100;
 
 constexpr const char* kFile = "/jobs.sqlite";
 
-constexpr const char* kDamagedJob = "what is stored of this job is damaged";
+constexpr const char* kDamagedJob = "the stored data of this job is damaged";
 
 /// Every row has a digest of what was written, so that bytes that the disk has changed are recognised.
 constexpr const char* kTables = R"(
@@ -114,7 +114,7 @@ constexpr int kBytes = 21;
 constexpr int kTraceparent = 22;
 constexpr int kDigest = 23;
 
-/// Selects what `job_at` reads, then the columns above: the last one is the digest of all others.
+/// Selects the columns that `job_at` reads, then the columns above. The last one is the digest of all others.
 std::string select_jobs(const std::string& which) {
     return "SELECT id, owner, client, memory, seconds, status, starts, created, started, finished, fraction, "
            "iteration, variation, failure, message, field, media_type, result_bytes, partial, dropped, row, bytes, "
@@ -128,7 +128,7 @@ std::string digest_of(const Statement& row) {
     return digest.finish();
 }
 
-/// Whether a row is what was written.
+/// Whether a row matches its digest.
 bool is_sound(const Statement& row) {
     return row.text(kDigest) == digest_of(row);
 }
@@ -157,7 +157,7 @@ Job job_at(const Statement& row) {
     return job;
 }
 
-/// Digests with the id of their job: they are that one's, and no other's.
+/// The digest includes the id of the job, so that a request cannot be mistaken for that of another job.
 std::string digest_of(std::string_view id, const ComputeRequest& request) {
     Digest digest;
     for (const std::string_view text :
@@ -184,7 +184,7 @@ ErrorCode code_of(const SqliteError& error) {
     }
 }
 
-/// Makes the file, which is for nobody else on the machine.
+/// Creates the file, readable and writable for its owner only.
 Result<void> make_file(const std::string& folder, const std::string& path) {
     const auto failed = [](const std::string& name) {
         return failure(ErrorCode::Unusable, "the data folder cannot be used: " + name + ": " + std::strerror(errno));
@@ -196,20 +196,20 @@ Result<void> make_file(const std::string& folder, const std::string& path) {
 
 }  // namespace
 
-/// A job with where it is and how many bytes it takes.
+/// A job with its row and the bytes that it takes.
 struct SqliteJobStore::Kept {
     Job job;
     std::int64_t row = 0;
     std::size_t bytes = 0;
 
-    /// Throws SQLITE_CORRUPT if it is not what was written.
+    /// Throws SQLITE_CORRUPT if the row does not match its digest.
     static Kept at(const Statement& row) {
         if (!is_sound(row)) damaged(kDamagedJob);
         return {job_at(row), row.integer(kRow), static_cast<std::size_t>(row.integer(kBytes))};
     }
 };
 
-/// A value that is kept with a digest.
+/// A value with its stored digest.
 template <class T>
 struct SqliteJobStore::Sealed {
     T value;
@@ -237,10 +237,10 @@ SqliteJobStore::SqliteJobStore(const std::string& path, const JobLimits& limits)
     if (!empty && application != kApplication) throw SqliteError(SQLITE_NOTADB, "it belongs to another program");
     if (!empty && version != kVersion)
         throw SqliteError(SQLITE_NOTADB,
-                          "it is of version " + std::to_string(version) + ", not " + std::to_string(kVersion));
+                          "it has version " + std::to_string(version) + ", not " + std::to_string(kVersion));
     if (empty) database_.execute("PRAGMA auto_vacuum = INCREMENTAL");
     database_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
-    // Debian's SQLite would overwrite all that is deleted, which takes as much room in the log.
+    // By default, Debian's SQLite overwrites deleted data, which would need as much space in the log.
     database_.execute("PRAGMA secure_delete = FAST");
     database_.execute(("PRAGMA journal_size_limit = " + std::to_string(kReserve)).c_str());
     check_file();
@@ -251,7 +251,7 @@ SqliteJobStore::SqliteJobStore(const std::string& path, const JobLimits& limits)
     cut_log();
 }
 
-/// Checks the file; indices, which can be made again, need not be right.
+/// Checks the file. Damaged indices are rebuilt.
 void SqliteJobStore::check_file() {
     const auto fault = [this](const char* check) {
         Statement found(database_, check);
@@ -273,7 +273,7 @@ void SqliteJobStore::create_tables() {
     transaction.commit();
 }
 
-/// Fails the jobs that are not what they were.
+/// Fails the jobs whose rows do not match their digests.
 void SqliteJobStore::fail_damaged() {
     std::vector<std::int64_t> rows;
     Statement query(database_, select_jobs("").c_str());
@@ -299,7 +299,7 @@ void SqliteJobStore::fail_damaged(std::int64_t row) {
     seal(row);
 }
 
-/// Writes down what a row's job is now, so that it can be known again.
+/// Stores the digest of a job's row.
 void SqliteJobStore::seal(std::int64_t row) {
     std::string digest;
     if (Statement query(database_, select_jobs("WHERE row = ?").c_str(), row); query.step()) digest = digest_of(query);
@@ -321,12 +321,12 @@ auto SqliteJobStore::attempt(Do act) -> Result<decltype(act())> {
         if (code == ErrorCode::Unusable) ++damages_;
         if (code == ErrorCode::LimitExceeded) cut_log();
         return failure(code, std::string("the job store: ") + error.what());
-    } catch (const std::exception& exception) {  // no memory for a body, most likely
+    } catch (const std::exception& exception) {  // most likely out of memory
         return failure(ErrorCode::Internal, std::string("the job store: ") + exception.what());
     }
 }
 
-/// Does something that makes room, though the disk may be full.
+/// Runs a function that frees space, even if the disk is full.
 template <class Do>
 auto SqliteJobStore::free_room(Do act) -> Result<decltype(act())> {
     auto done = attempt(act);
@@ -335,17 +335,17 @@ auto SqliteJobStore::free_room(Do act) -> Result<decltype(act())> {
     return done;
 }
 
-/// Writes what the log holds to where it belongs, which has its room there, and keeps no more of it than the reserve.
+/// Writes the contents of the log to the database file, where space is allocated, and truncates the log to the reserve.
 void SqliteJobStore::cut_log() {
     try {
         database_.execute("PRAGMA wal_checkpoint(TRUNCATE)");
         database_.allocate_log(kReserve);
     } catch (const SqliteError&) {
-        // Others have filled the disk; there will be another time.
+        // The disk is full; a later call will succeed.
     }
 }
 
-/// Makes sure that what the log is about to hold can be written to where it belongs.
+/// Allocates space in the database file for data that is about to be written to the log.
 void SqliteJobStore::take_room(std::size_t bytes) {
     constexpr std::int64_t kOthers = 64;  // pages of jobs and indices
     const auto page = database_.value_of("PRAGMA page_size");
@@ -354,7 +354,7 @@ void SqliteJobStore::take_room(std::size_t bytes) {
     database_.allocate(static_cast<std::size_t>(pages * page));
 }
 
-/// Moves the last pages to free ones before them, and cuts the file.
+/// Moves the last pages to free pages before them, and truncates the file.
 void SqliteJobStore::give_back() {
     const auto free_pages = [this] { return database_.value_of("PRAGMA freelist_count"); };
     const auto step = [&] {
@@ -368,7 +368,7 @@ void SqliteJobStore::give_back() {
     }
 }
 
-/// Queues what the last server has left, in the order in which it came.
+/// Queues the unfinished jobs in their original order.
 void SqliteJobStore::queue_unfinished() {
     Statement query(database_, select_jobs("WHERE finished IS NULL ORDER BY row").c_str());
     while (query.step()) {
@@ -402,7 +402,7 @@ Result<JobStore::Added> SqliteJobStore::add(Job& job, const ComputeRequest& requ
     return added;
 }
 
-/// Drops the oldest results, and then, once there are none, what is left of the jobs that finished first.
+/// Drops the oldest results; once there are none, removes the jobs that finished first.
 bool SqliteJobStore::make_room(std::size_t bytes) {
     const auto is_enough = [&] { return bytes_ + bytes <= limits_.bytes; };
     const auto drop = [&] {
@@ -414,7 +414,7 @@ bool SqliteJobStore::make_room(std::size_t bytes) {
     return is_enough();
 }
 
-/// Adds a job that is not there.
+/// Adds a job that does not exist yet.
 void SqliteJobStore::insert(const Job& job, const ComputeRequest& request, std::size_t bytes) {
     take_room(bytes);
     Transaction transaction(database_);
@@ -448,7 +448,7 @@ Result<std::optional<Job>> SqliteJobStore::claim(std::size_t memory) {
     });
 }
 
-/// Queues the jobs again whose leases have run out.
+/// Requeues the jobs whose leases have expired.
 void SqliteJobStore::take_back_lost() {
     const auto now = Clock::now();
     for (auto claimed = claimed_.begin(); claimed != claimed_.end();) {
@@ -461,8 +461,8 @@ void SqliteJobStore::take_back_lost() {
     }
 }
 
-/// Begins a start of a job that was taken from the queue.
-/// @returns  none if it cannot be run: the disk has changed it
+/// Starts a job that was taken from the queue.
+/// @returns  none if it cannot be run, because its data is damaged
 std::optional<Job> SqliteJobStore::begin(Queue::Entry entry) {
     try {
         auto kept = look_up(entry.item.id);
@@ -473,7 +473,7 @@ std::optional<Job> SqliteJobStore::begin(Queue::Entry entry) {
         job.progress = {};
         ++job.starts;
         Transaction transaction(database_);
-        const std::size_t left = std::min(remove_pieces(kept->row), kept->bytes);  // by the claim before
+        const std::size_t left = std::min(remove_pieces(kept->row), kept->bytes);  // stored by the previous claim
         update(job, kept->row, kept->bytes - left);
         transaction.commit();
         release(left);
@@ -490,7 +490,7 @@ std::optional<Job> SqliteJobStore::begin(Queue::Entry entry) {
     }
 }
 
-/// @returns  null if the job is not the claimer's any more
+/// @returns  null if the claim is no longer valid
 SqliteJobStore::Claimed* SqliteJobStore::find_claimed(const Job& job) {
     const auto found = claimed_.find(job.id);
     return found == claimed_.end() || found->second.job.claim != job.claim ? nullptr : &found->second;
@@ -533,13 +533,13 @@ Result<void> SqliteJobStore::give_back(const Job& job) {
     return given;
 }
 
-/// Takes a job from where it waits, or from whoever has claimed it.
+/// Removes a job from the queue and ends its claim.
 void SqliteJobStore::withdraw(const std::string& id) {
     claimed_.erase(id);
     queue_.withdraw([&](const Waiting& job) { return job.id == id; });
 }
 
-/// @returns  none if there is none such
+/// @returns  none if there is no such job
 template <class Value>
 std::optional<SqliteJobStore::Kept> SqliteJobStore::look_up(const char* which, const Value& value) {
     Statement query(database_, select_jobs(which).c_str(), value);
@@ -547,7 +547,7 @@ std::optional<SqliteJobStore::Kept> SqliteJobStore::look_up(const char* which, c
     return Kept::at(query);
 }
 
-/// Looks up a job by its id; a damaged index may lead to another job's row.
+/// Looks up a job by its id. The id is compared, because a damaged index may lead to the row of another job.
 std::optional<SqliteJobStore::Kept> SqliteJobStore::look_up(const std::string& id) {
     auto kept = look_up("WHERE id = ?", id);
     if (kept && kept->job.id != id) damaged("an index of the store is damaged");
@@ -570,7 +570,7 @@ std::optional<SqliteJobStore::Sealed<std::string>> SqliteJobStore::piece_of(cons
     return Sealed<std::string>{database_.read_body("results", query.integer(0), kept.bytes), query.text(1)};
 }
 
-/// Finds a job as it stands, which for one that runs the database does not know.
+/// Finds a job with its current state. The database does not have the state of running jobs.
 std::optional<SqliteJobStore::Kept> SqliteJobStore::find_kept(const std::string& id) {
     auto kept = look_up(id);
     if (!kept) return std::nullopt;
@@ -616,7 +616,7 @@ Result<std::optional<std::string>> SqliteJobStore::piece(const std::string& id, 
     });
 }
 
-/// @param bytes  that the job takes from now on
+/// @param bytes  bytes that the job takes from now on
 void SqliteJobStore::update(const Job& job, std::int64_t row, std::size_t bytes) {
     std::optional<std::int64_t> failure;
     std::string message;
@@ -625,7 +625,7 @@ void SqliteJobStore::update(const Job& job, std::int64_t row, std::size_t bytes)
         failure = job.failure->status;
         message = job.failure->error.message;
         field = job.failure->error.field;
-    } else {  // a job that has not failed has no message
+    } else {  // jobs that have not failed store their headers as the message
         message = text_of(job.headers);
     }
     Statement(database_,
@@ -681,8 +681,8 @@ Result<std::optional<Time>> SqliteJobStore::finish(const Job& job, std::string_v
     return finished;
 }
 
-/// Exchanges the request of a job for its result, if it has one.
-/// @param before  what was taken of it
+/// Replaces the request of a job by its result, if there is one.
+/// @param before  part of the result that is stored already
 void SqliteJobStore::exchange(const Job& job, const Kept& kept, std::string_view result, const Taken& before) {
     const std::size_t after = bytes_of_job(before.bytes + result.size());
     take_room(bytes_of_job(result.size()));
@@ -724,7 +724,7 @@ Result<std::optional<Job>> SqliteJobStore::cancel(const std::string& id) {
     return cancelled;
 }
 
-/// Counts bytes as free; a damaged row may say that it held more than it did.
+/// Subtracts freed bytes. A damaged row may claim more bytes than it had.
 void SqliteJobStore::release(std::size_t bytes) {
     bytes_ -= std::min(bytes_.load(), bytes);
 }
@@ -733,8 +733,8 @@ void SqliteJobStore::remove_question(std::int64_t row) {
     Statement(database_, "DELETE FROM questions WHERE row = ?", row).run();
 }
 
-/// Removes what is there of a job's result.
-/// @returns  bytes of it
+/// Removes the stored pieces of a job's result.
+/// @returns  their bytes
 std::size_t SqliteJobStore::remove_pieces(std::int64_t row) {
     Statement sum(database_, "SELECT sum(length(body)) FROM results WHERE job = ?", row);
     const auto bytes = sum.step() ? static_cast<std::size_t>(sum.integer(0)) : 0;
@@ -772,8 +772,8 @@ Result<bool> SqliteJobStore::remove(const std::string& id) {
     });
 }
 
-/// Removes some of the jobs that had finished by then, oldest first.
-/// @returns  how many
+/// Removes some of the jobs that had finished by `by`, oldest first.
+/// @returns  number of removed jobs
 std::size_t SqliteJobStore::remove_finished(Time by, std::size_t most) {
     Transaction transaction(database_);
     std::vector<std::int64_t> rows;
@@ -801,8 +801,8 @@ Result<JobStore::Load> SqliteJobStore::load() {
     return Load{queue_.size(), claimed_.size(), bytes_};
 }
 
-/// Drops the result of the job that finished first of those that have one.
-/// @returns  false if none has
+/// Drops the oldest result: that of the job that finished first.
+/// @returns  false if there is none
 bool SqliteJobStore::drop_oldest_result() {
     Transaction transaction(database_);
     Statement oldest(database_,

@@ -22,17 +22,18 @@ namespace ccdt::server {
 
 /// Jobs in a SQLite database, in a file or in memory.
 ///
-/// A file is written ahead (WAL) and synchronised with every commit, so that jobs survive the process and the machine.
-/// It belongs to one server at a time, which remembers by itself who has claimed what: what had not ended when a file
-/// is opened waits, in the order in which it came. All that is kept has a digest, with which it is compared when it is
-/// read: what the disk has changed is told, and never taken for what was written. The file has a reserve of the disk,
-/// so that jobs can be removed when the disk is full, and gives back what it does not need. One thread uses the
-/// database, the others wait: as long as a large request, or a piece of a result, takes to be written.
+/// A file has a write-ahead log and is synchronized at every commit, so that jobs survive a crash of the process or the
+/// machine. One server at a time uses it, and keeps the claims in memory. When a file is opened, unfinished jobs are
+/// queued in their original order. All stored data has digests, which are checked when it is read: corruption by the
+/// disk is reported as an error, never returned as data. The file reserves disk space, so that jobs can be removed when
+/// the disk is full, and returns free pages to the disk. One thread at a time uses the database; the others wait while
+/// a large request, or a piece of a result, is written.
 class SqliteJobStore : public JobStore {
 public:
-    /// @param folder  where the database's files are, made if it is missing; empty: in memory
-    /// Errors (Unusable): the folder cannot be used, another server uses it, the file is damaged beyond single
-    /// jobs, another program's, or of another version of the tables. The message names it. Damaged jobs fail.
+    /// @param folder  folder of the database's files, created if it is missing; empty: in memory
+    /// Errors (Unusable): the folder cannot be used; another server uses it; the file is damaged in more than single
+    /// jobs, belongs to another program, or has another version of the tables. The message names the folder or file.
+    /// Damaged jobs fail.
     static Result<std::unique_ptr<SqliteJobStore>> open(const std::string& folder, const JobLimits& limits = {});
 
     Result<bool> is_full(std::string_view client) override;
@@ -63,7 +64,7 @@ private:
     };
     using Queue = FairQueue<Waiting>;
 
-    /// A job that was claimed, and where it stands.
+    /// A claimed job and its current state.
     struct Claimed {
         Queue::Entry entry;
         Job job;
@@ -76,7 +77,7 @@ private:
 
     SqliteJobStore(const std::string& path, const JobLimits& limits);
 
-    /// Does something with the database that no other thread uses meanwhile.
+    /// Runs a function with exclusive access to the database.
     template <class Do>
     auto attempt(Do act) -> Result<decltype(act())>;
 
@@ -122,7 +123,7 @@ private:
 
     const JobLimits limits_;
     JobNews news_;
-    std::mutex room_;  ///< held while room is made and used; before the next one
+    std::mutex room_;  ///< held while space is freed and used; locked before `mutex_`
 
     std::mutex mutex_;  ///< guards the members from here to `last_claim_`
     Database database_;
@@ -130,7 +131,7 @@ private:
     std::map<std::string, Claimed> claimed_;
     std::uint64_t last_claim_ = 0;
 
-    std::atomic<std::size_t> bytes_ = 0;  ///< written under the mutex
+    std::atomic<std::size_t> bytes_ = 0;  ///< written while `mutex_` is held
     std::atomic<std::uint64_t> damages_ = 0;
 };
 

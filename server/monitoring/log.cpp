@@ -14,10 +14,10 @@
 namespace ccdt::server {
 namespace {
 
-/// Bytes of a request target that are logged: its beginning tells which it was.
+/// Maximum length of a logged request target, in bytes; the beginning identifies it.
 constexpr std::size_t kLongestTarget = 512;
 
-/// Stands for what clients sent and nobody should read.
+/// Replaces values that clients sent and that must not be logged.
 constexpr std::string_view kHidden = "***";
 
 std::string member(LogFormat format, std::string_view message) {
@@ -25,9 +25,9 @@ std::string member(LogFormat format, std::string_view message) {
     return fmt::format(R"("message":"{}")", escape(message));
 }
 
-/// Whether a parameter of a query is nothing but an option: whatever else clients send there may be a key.
+/// Whether a query parameter is certainly an option. Anything else may be a key.
 bool is_plain_option(const api::TextOption& option) {
-    static const auto known = api::halftone_options();  // other paths have none
+    static const auto known = api::halftone_options();  // other paths have no options
     const auto is_plain = [](char c) {
         return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
                std::string_view("#+,-._").find(c) != std::string_view::npos;
@@ -35,7 +35,7 @@ bool is_plain_option(const api::TextOption& option) {
     return std::ranges::find(known, option.name) != known.end() && std::ranges::all_of(option.value, is_plain);
 }
 
-/// The target of a request as it was sent, but for parameters that are no options, and a fragment.
+/// Returns the target of a request as sent, with the fragment and all parameters but options hidden.
 std::string target_of(const Request& request) {
     std::string_view fragment = request.target;
     std::string_view query = api::take_until(fragment, "#");
@@ -49,7 +49,7 @@ std::string target_of(const Request& request) {
     return fragment.empty() ? target : target + '#' + std::string(kHidden);
 }
 
-/// Adds a member unless there is nothing to tell.
+/// Adds a member unless the value is empty.
 void add_member(std::string& line, const char* form, std::string_view value) {
     if (!value.empty()) line += fmt::format(fmt::runtime(form), escape(value));
 }

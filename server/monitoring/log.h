@@ -14,7 +14,7 @@ class logger;
 
 namespace ccdt::server {
 
-/// Writes to standard error, for people or as one JSON object a line. May be used from any thread.
+/// Writes to standard error, as text or as one JSON object per line. Thread-safe.
 class Log {
 public:
     explicit Log(LogFormat format);
@@ -23,10 +23,10 @@ public:
     void warning(std::string_view message) const;
     void error(std::string_view message) const;
 
-    /// One line for a request.
+    /// Writes one line for a request.
     void exchange(const Exchange& exchange) const;
 
-    /// One line for a job that has ended.
+    /// Writes one line for a finished job.
     void job(const JobEnd& end) const;
 
 private:
@@ -34,14 +34,14 @@ private:
     std::shared_ptr<spdlog::logger> logger_;
 };
 
-/// The line for a request: `key=value` pairs, or the members of a JSON object. Of the query it has only what can be an
-/// option: a client may have put its key there, under whatever name.
+/// Returns the line for a request: `key=value` pairs, or the members of a JSON object. Of the query it contains options
+/// only, because clients may have put an API key there, under any name.
 std::string exchange_line(const Exchange& exchange, LogFormat format);
 
 std::string job_line(const JobEnd& end, LogFormat format);
 
-/// Makes text fit for one line and for the inside of a JSON string: quotes, backslashes, control characters and
-/// bytes beyond ASCII are escaped.
+/// Escapes a text for use in one line and in a JSON string: quotes, backslashes, control characters and bytes beyond
+/// ASCII.
 std::string escape(std::string_view text);
 
 }  // namespace ccdt::server

@@ -22,11 +22,11 @@ using prometheus::Family;
 using prometheus::Gauge;
 using prometheus::Histogram;
 
-/// Bounds of durations: from a small request's to the longest timeout that makes sense.
+/// Bucket boundaries of durations, from a small request to the longest useful time-out.
 const Histogram::BucketBoundaries kSeconds = {0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25,
                                               0.5,   1,      2.5,   5,    10,    30,   60};
 
-/// Bounds of numbers of threads.
+/// Bucket boundaries of thread counts.
 const Histogram::BucketBoundaries kThreads = {1, 2, 4, 8, 16, 32, 64};
 
 Gauge& make_gauge(prometheus::Registry& registry, const char* name, const char* help) {
@@ -41,7 +41,7 @@ Family<Counter>& make_counters(prometheus::Registry& registry, const char* name,
     return prometheus::BuildCounter().Name(name).Help(help).Register(registry);
 }
 
-/// Raises a counter to what is counted elsewhere; counters know no other way than up.
+/// Raises a counter to a total counted elsewhere. Prometheus' counters can only be incremented.
 void raise(Counter& counter, double total) {
     counter.Increment(std::max(0.0, total - counter.Value()));
 }
@@ -58,96 +58,97 @@ std::string label(std::string_view value) {
 
 struct Metrics::Families {
     prometheus::Registry registry;
-    Family<Counter>& requests = prometheus::BuildCounter()
-                                    .Name("ccdt_http_requests_total")
-                                    .Help("Requests by route and status; 499 is a client that went away.")
-                                    .Register(registry);
+    Family<Counter>& requests =
+        prometheus::BuildCounter()
+            .Name("ccdt_http_requests_total")
+            .Help("Requests by route and status; 499 means that the client closed the connection.")
+            .Register(registry);
     Family<Histogram>& durations = prometheus::BuildHistogram()
                                        .Name("ccdt_http_request_duration_seconds")
-                                       .Help("From a request's first byte to its answer's last.")
+                                       .Help("Time from the first byte of a request to the last byte of its answer.")
                                        .Register(registry);
     Family<Histogram>& stages = prometheus::BuildHistogram()
                                     .Name("ccdt_stage_duration_seconds")
-                                    .Help("Where the time of computed requests goes.")
+                                    .Help("Time of the stages of computed requests.")
                                     .Register(registry);
     Family<Counter>& cancellations = prometheus::BuildCounter()
                                          .Name("ccdt_cancellations_total")
-                                         .Help("Computations and waits that were given up, by cause.")
+                                         .Help("Cancelled computations, running or queued, by cause.")
                                          .Register(registry);
-    Counter& sites = make_counter(registry, "ccdt_sites_total", "Sites of the answers computed.");
-    Counter& pixels = make_counter(registry, "ccdt_pixels_total", "Pixels of the pictures decoded for answers.");
+    Counter& sites = make_counter(registry, "ccdt_sites_total", "Sites of computed answers.");
+    Counter& pixels = make_counter(registry, "ccdt_pixels_total", "Pixels of pictures decoded for answers.");
     Counter& received = make_counter(registry, "ccdt_http_received_bytes_total", "Bytes of requests.");
     Counter& sent = make_counter(registry, "ccdt_http_sent_bytes_total", "Bytes of answers.");
     Gauge& connections = make_gauge(registry, "ccdt_connections_open", "Open connections.");
-    Gauge& streams = make_gauge(registry, "ccdt_event_streams_open", "Those of them that stream events.");
+    Gauge& streams = make_gauge(registry, "ccdt_event_streams_open", "Open connections that stream events.");
     Family<Counter>& refusals =
         prometheus::BuildCounter()
             .Name("ccdt_connections_refused_total")
-            .Help("Connections that were refused: the server, their address or the streams had enough.")
+            .Help("Refused connections: a limit of the server, of the address or of streams was reached.")
             .Register(registry);
     Counter& refused_full = refusals.Add({{"reason", "full"}});
     Counter& refused_address = refusals.Add({{"reason", "address"}});
     Counter& refused_streams = refusals.Add({{"reason", "streams"}});
-    Gauge& waiting = make_gauge(registry, "ccdt_queue_requests", "Requests that wait for a worker.");
-    Gauge& capacity = make_gauge(registry, "ccdt_queue_capacity_requests", "Requests that may wait for a worker.");
-    Gauge& oldest = make_gauge(registry, "ccdt_queue_oldest_seconds", "How long the oldest of them has waited.");
-    Gauge& backlog = make_gauge(registry, "ccdt_queue_backlog_seconds", "How long they will keep the workers busy.");
-    Gauge& workers = make_gauge(registry, "ccdt_workers", "Computations that there may be at once.");
-    Gauge& busy = make_gauge(registry, "ccdt_workers_busy", "Computations that there are now.");
-    Gauge& lent = make_gauge(registry, "ccdt_computation_threads_lent", "Threads that each of them may have now.");
+    Gauge& waiting = make_gauge(registry, "ccdt_queue_requests", "Requests waiting for a worker.");
+    Gauge& capacity =
+        make_gauge(registry, "ccdt_queue_capacity_requests", "Maximum number of requests waiting for a worker.");
+    Gauge& oldest = make_gauge(registry, "ccdt_queue_oldest_seconds", "Waiting time of the oldest queued request.");
+    Gauge& backlog =
+        make_gauge(registry, "ccdt_queue_backlog_seconds", "Estimated time to compute all queued requests.");
+    Gauge& workers = make_gauge(registry, "ccdt_workers", "Maximum number of simultaneous computations.");
+    Gauge& busy = make_gauge(registry, "ccdt_workers_busy", "Computations running now.");
+    Gauge& lent = make_gauge(registry, "ccdt_computation_threads_lent", "Threads that each computation may use now.");
     Histogram& threads = prometheus::BuildHistogram()
                              .Name("ccdt_computation_threads")
-                             .Help("Threads that have worked on an answer at once, at most.")
+                             .Help("Maximum number of simultaneous threads of a computation.")
                              .Register(registry)
                              .Add({}, kThreads);
     Counter& processor =
-        make_counter(registry, "ccdt_computation_cpu_seconds_total", "Processor time of computing answers.");
+        make_counter(registry, "ccdt_computation_cpu_seconds_total", "Processor time of computations.");
     Gauge& overdue = make_gauge(registry, "ccdt_workers_overdue_seconds",
-                                "How long the slowest worker has gone on after it was told to stop.");
-    Gauge& budget = make_gauge(registry, "ccdt_memory_budget_bytes", "For requests and what is computed for them.");
-    Gauge& reserved = make_gauge(registry, "ccdt_memory_reserved_bytes", "Of the budget, by estimate, taken now.");
+                                "Longest time that a worker has continued after it was told to stop.");
+    Gauge& budget = make_gauge(registry, "ccdt_memory_budget_bytes", "Memory for requests and their computations.");
+    Gauge& reserved = make_gauge(registry, "ccdt_memory_reserved_bytes", "Estimated memory that is reserved now.");
     Counter& deaths = make_counter(registry, "ccdt_decoder_deaths_total",
-                                   "Pictures whose decoder crashed, passed a limit or gave nonsense.");
+                                   "Pictures whose decoder crashed, exceeded a limit or returned an invalid result.");
     Counter& decoder_restarts =
-        make_counter(registry, "ccdt_decoder_restarts_total",
-                     "Times that the process which starts decoders ended and was started again.");
-    Counter& crashes =
-        make_counter(registry, "ccdt_computation_crashes_total", "Processes that ended while they computed an answer.");
+        make_counter(registry, "ccdt_decoder_restarts_total", "Restarts of the process that starts decoders.");
+    Counter& crashes = make_counter(registry, "ccdt_computation_crashes_total",
+                                    "Processes that crashed while they computed an answer.");
     Counter& decoder_silences = make_counter(registry, "ccdt_decoder_silences_total",
-                                             "Times that the process that starts decoders stopped answering.");
+                                             "Times that the process that starts decoders stopped responding.");
     Counter& silences = make_counter(registry, "ccdt_worker_silences_total",
-                                     "Times that the process that starts those that compute stopped answering.");
+                                     "Times that the process that starts computation processes stopped responding.");
     Counter& ended_overdue = make_counter(registry, "ccdt_computations_overdue_total",
-                                          "Processes that were ended because they did not stop at a deadline.");
+                                          "Computation processes killed because they did not stop at a deadline.");
     Counter& restarts = make_counter(registry, "ccdt_worker_restarts_total",
-                                     "Times that what makes these processes ended and was started again.");
+                                     "Restarts of the process that starts computation processes.");
     Family<Gauge>& jobs =
-        prometheus::BuildGauge().Name("ccdt_jobs").Help("Jobs that have not ended, by status.").Register(registry);
+        prometheus::BuildGauge().Name("ccdt_jobs").Help("Unfinished jobs, by status.").Register(registry);
     Gauge& jobs_queued = jobs.Add({{"status", "queued"}});
     Gauge& jobs_running = jobs.Add({{"status", "running"}});
     Family<Counter>& jobs_ended =
-        prometheus::BuildCounter().Name("ccdt_jobs_ended_total").Help("Jobs that ended, by how.").Register(registry);
-    Gauge& job_bytes = make_gauge(registry, "ccdt_job_store_bytes", "What is kept of jobs: questions and results.");
-    Gauge& job_capacity = make_gauge(registry, "ccdt_job_store_capacity_bytes", "What may be kept of jobs.");
+        prometheus::BuildCounter().Name("ccdt_jobs_ended_total").Help("Finished jobs, by status.").Register(registry);
+    Gauge& job_bytes = make_gauge(registry, "ccdt_job_store_bytes", "Storage used by jobs: requests and results.");
+    Gauge& job_capacity = make_gauge(registry, "ccdt_job_store_capacity_bytes", "Storage available to jobs.");
     Counter& job_damages = make_counter(registry, "ccdt_job_store_damages_total",
-                                        "Jobs, their requests and results that the disk had changed.");
+                                        "Jobs, requests and results found damaged in the store.");
     Counter& leases_lost = make_counter(registry, "ccdt_job_leases_lost_total",
-                                        "Runs given up, for others had claimed their jobs meanwhile.");
-    Counter& runs_repeated = make_counter(registry, "ccdt_job_runs_repeated_total",
-                                          "Runs of jobs that a run before had not brought to an end.");
-    Family<Counter>& redis_calls = make_counters(registry, "ccdt_redis_calls_total", "Times that Redis was asked.");
-    Family<Counter>& redis_failures =
-        make_counters(registry, "ccdt_redis_failures_total", "Times that Redis did not do what it was asked.");
+                                        "Runs given up because another server had claimed the job.");
+    Counter& runs_repeated =
+        make_counter(registry, "ccdt_job_runs_repeated_total", "Runs of jobs that an earlier run had not finished.");
+    Family<Counter>& redis_calls = make_counters(registry, "ccdt_redis_calls_total", "Calls to Redis.");
+    Family<Counter>& redis_failures = make_counters(registry, "ccdt_redis_failures_total", "Failed calls to Redis.");
     Family<Counter>& redis_seconds =
-        make_counters(registry, "ccdt_redis_seconds_total", "Time that Redis was waited for.");
-    Counter& cache_hits = make_counter(registry, "ccdt_cache_hits_total", "Answers given again.");
-    Counter& cache_misses = make_counter(registry, "ccdt_cache_misses_total", "Answers looked for in vain.");
-    Gauge& cache_bytes = make_gauge(registry, "ccdt_cache_bytes", "Of answers that are kept.");
+        make_counters(registry, "ccdt_redis_seconds_total", "Time spent waiting for Redis.");
+    Counter& cache_hits = make_counter(registry, "ccdt_cache_hits_total", "Answers found in the cache.");
+    Counter& cache_misses = make_counter(registry, "ccdt_cache_misses_total", "Answers not found in the cache.");
+    Gauge& cache_bytes = make_gauge(registry, "ccdt_cache_bytes", "Size of the cached answers.");
     Gauge& memory = make_gauge(registry, "process_resident_memory_bytes", "Resident memory.");
     Gauge& descriptors = make_gauge(registry, "process_open_fds", "Open file descriptors.");
-    Gauge& most_descriptors = make_gauge(registry, "process_max_fds", "File descriptors that may be open.");
+    Gauge& most_descriptors = make_gauge(registry, "process_max_fds", "Maximum number of open file descriptors.");
 
-    std::mutex mutex;  ///< guards the rise of what is counted elsewhere
+    std::mutex mutex;  ///< guards the update of counters by raise()
 
     void raise_redis(const char* use, const RedisClient::Counts& counts) {
         raise(redis_calls.Add({{"use", use}}), counts.calls);
@@ -167,9 +168,9 @@ Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families
         .Add({{"version", std::string(version)}})
         .Set(1);
     const std::chrono::duration<double> now = std::chrono::system_clock::now().time_since_epoch();
-    make_gauge(all.registry, "process_start_time_seconds", "When the process started, in seconds since 1970.")
+    make_gauge(all.registry, "process_start_time_seconds", "Start time of the process, in seconds since 1970.")
         .Set(now.count());
-    // There from the start: a rate over what has not happened yet is 0, and not missing.
+    // Created at the start, so that the rate of an event that has not occurred yet is 0 rather than missing.
     for (const char* cause : {"client_gone", "deadline", "shutdown"}) all.cancellations.Add({{"cause", cause}});
     for (const char* status : {"succeeded", "failed", "cancelled"}) all.jobs_ended.Add({{"status", status}});
     for (const char* stage : {"queue", "decode", "optimise", "encode"}) all.stage(stage);

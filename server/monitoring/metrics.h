@@ -17,7 +17,7 @@
 
 namespace ccdt::server {
 
-/// Figures about the service for Prometheus. May be used from any thread.
+/// Service metrics for Prometheus. Thread-safe.
 class Metrics {
 public:
     explicit Metrics(std::string_view version);
@@ -26,40 +26,40 @@ public:
     Metrics(const Metrics&) = delete;
     Metrics& operator=(const Metrics&) = delete;
 
-    /// What Redis was asked for.
+    /// Statistics of the calls to Redis.
     struct RedisCounts {
         RedisClient::Counts jobs;
         RedisClient::Counts answers;
         RedisClient::Counts rates;
     };
 
-    /// Figures that are counted elsewhere.
+    /// Metrics that other classes count.
     struct Watched {
         Capacity::Counts connections;
-        std::size_t memory_budget = 0;    ///< bytes for requests and what is computed for them
-        std::size_t memory_reserved = 0;  ///< of them
+        std::size_t memory_budget = 0;    ///< bytes for requests and their computations
+        std::size_t memory_reserved = 0;  ///< reserved part of the budget
         std::uint64_t decoder_restarts = 0;
         std::uint64_t decoder_silences = 0;
         ComputeBox::Counts computing;
-        std::size_t lent_threads = 0;        ///< that each computation may have now
-        std::optional<JobStore::Load> jobs;  ///< none: they stay as they were
+        std::size_t lent_threads = 0;        ///< threads that each computation may use now
+        std::optional<JobStore::Load> jobs;  ///< none: the metrics keep their values
         Jobs::Counts job_runs;
         RedisCounts redis;
-        std::size_t job_capacity = 0;  ///< bytes that may be kept
+        std::size_t job_capacity = 0;  ///< capacity of the store in bytes
         std::uint64_t job_damages = 0;
         ResultCache::Load cache;
     };
 
-    /// Has these figures taken from there. To be called before any thread asks for figures.
+    /// Sets the source of these metrics. Must be called before any thread calls text().
     void watch(std::function<Watched()> figures);
 
-    /// Counts a request that was answered, or whose client left.
+    /// Counts a request that was answered, or whose client closed the connection.
     void add(const Exchange& exchange);
 
-    /// Counts a job that has ended.
+    /// Counts a finished job.
     void add(const JobEnd& end);
 
-    /// Writes all figures in Prometheus' text format, the pool's as they are now.
+    /// Writes all metrics in Prometheus' text format, with the current values of the pool.
     std::string text(const WorkerPool::Load& load) const;
 
 private:

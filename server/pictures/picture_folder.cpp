@@ -12,12 +12,12 @@
 namespace ccdt::server {
 namespace {
 
-constexpr std::size_t kLongestName = 255;  // of Linux
+constexpr std::size_t kLongestName = 255;  // Linux' limit
 
-/// Time after which a client may try again.
-constexpr std::chrono::seconds kSoon{1};
+/// Time after which a client may retry.
+constexpr std::chrono::seconds kRetryAfter{1};
 
-/// @param cause  for the log; empty: there is nothing to tell whoever runs the server
+/// @param cause  for the log; empty: no log entry
 tl::unexpected<Problem> no_picture(std::string cause = {}) {
     auto refused = problem(404, "there is no picture of this name");
     refused.value().cause = std::move(cause);
@@ -25,12 +25,12 @@ tl::unexpected<Problem> no_picture(std::string cause = {}) {
 }
 
 tl::unexpected<Problem> failed(const char* what, int error) {
-    if (error == EMFILE || error == ENFILE || error == ENOMEM) return busy(503, "too many files are open", kSoon);
+    if (error == EMFILE || error == ENFILE || error == ENOMEM) return busy(503, "too many files are open", kRetryAfter);
     return problem(500, std::string(what) + ": " + std::strerror(error));
 }
 
-/// Answers why a file was not opened. What is not there, is no file, or has a name that the file system does not take
-/// is no picture; neither is what may not be read, of which the log tells.
+/// Makes the answer for a file that could not be opened. A missing file, something other than a file, and a name that
+/// the file system rejects are not pictures. Neither is a file without read permission, but the log reports it.
 tl::unexpected<Problem> not_opened(int error) {
     switch (error) {
         case ENOENT:
@@ -59,7 +59,7 @@ bool is_picture_name(std::string_view name) {
 
 HttpResult<std::string> PictureFile::read() {
     const UniqueFd file = std::move(file_);
-    std::string bytes(size_ + 1, '\0');  // one more, which only a file that has grown fills
+    std::string bytes(size_ + 1, '\0');  // one extra byte, to detect a file that has grown
     std::size_t done = 0;
     while (done < bytes.size()) {
         const ssize_t count = ::read(file.get(), bytes.data() + done, bytes.size() - done);
@@ -68,7 +68,7 @@ HttpResult<std::string> PictureFile::read() {
         if (count == 0) break;
         done += static_cast<std::size_t>(count);
     }
-    if (done != size_) return busy(503, "the picture is being changed", kSoon);
+    if (done != size_) return busy(503, "the picture is being changed", kRetryAfter);
     bytes.resize(size_);
     return bytes;
 }
@@ -83,9 +83,9 @@ Result<void> PictureFolder::check() const {
     return failure(ErrorCode::Unusable, path_ + ": " + std::strerror(errno));
 }
 
-/// A name is one component, so that O_NOFOLLOW keeps to the folder as RESOLVE_BENEATH and RESOLVE_NO_SYMLINKS of
-/// openat2 would, which engines of containers may forbid. What is no regular file is not even opened, as devices act on
-/// that.
+/// A name is a single path component. So O_NOFOLLOW restricts access to the folder, like RESOLVE_BENEATH and
+/// RESOLVE_NO_SYMLINKS of openat2, which container engines may forbid. Anything but a regular file is not even opened,
+/// because opening a device can have side effects.
 HttpResult<PictureFile> PictureFolder::open(std::string_view name, std::size_t largest) const {
     if (!is_picture_name(name)) return no_picture();
     const UniqueFd folder = open_folder();

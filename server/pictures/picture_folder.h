@@ -11,20 +11,20 @@
 
 namespace ccdt::server {
 
-/// Whether a text may name a picture of a folder: it is one component of a path, of 1 to 255 bytes, none of them a
-/// slash or a control character, and does not begin with a dot, as hidden files do.
+/// Whether a text may name a picture in a folder: a single path component of 1 to 255 bytes, without slashes and
+/// control characters, that does not begin with a dot, as hidden files do.
 bool is_picture_name(std::string_view name);
 
-/// A picture's file, open.
+/// An open picture file.
 class PictureFile {
 public:
     PictureFile(UniqueFd file, std::size_t size) : file_(std::move(file)), size_(size) {}
 
-    /// Bytes that it had when it was opened.
+    /// Bytes of the file when it was opened.
     std::size_t size() const { return size_; }
 
-    /// Reads all of it and closes it; to be called once. Problems: 503 if it does not have that size any more, 500 if
-    /// it cannot be read.
+    /// Reads the whole file and closes it. Must be called at most once.
+    /// Problems: 503 the file's size has changed, 500 it cannot be read.
     HttpResult<std::string> read();
 
 private:
@@ -32,20 +32,20 @@ private:
     std::size_t size_;
 };
 
-/// A folder whose pictures clients name. Only regular files in the folder itself are pictures: no links, no folders, no
-/// devices, and nothing whose name is_picture_name refuses. The folder is never listed. May be used from any thread.
+/// A folder of pictures that clients request by name. Only regular files in the folder itself are pictures: no links,
+/// no subfolders, no devices, and no names that is_picture_name rejects. The folder is never listed. Thread-safe.
 class PictureFolder {
 public:
     explicit PictureFolder(std::string path) : path_(std::move(path)) {}
 
-    /// Checks that the folder is there and may be searched. Errors: Unusable.
+    /// Checks that the folder exists and may be searched. Errors: Unusable.
     Result<void> check() const;
 
-    /// Opens the file of that name.
+    /// Opens the picture of that name.
     ///
-    /// @param largest  bytes that a picture may have
-    /// Problems: 404 that is the same whatever else has that name, 413, 503 if too many files are open, 500. No message
-    /// has a path.
+    /// @param largest  size limit of a picture, in bytes
+    /// Problems: 404 (the same for everything that is not a picture), 413, 503 if too many files are open, 500. No
+    /// message contains a path.
     HttpResult<PictureFile> open(std::string_view name, std::size_t largest) const;
 
 private:

@@ -74,7 +74,7 @@ tl::unexpected<Error> cannot_start(const std::string& name, int error) {
     return failure(ErrorCode::Internal, "cannot start " + name + ": " + std::strerror(error));
 }
 
-/// glibc 2.36 has a function for it, but not for C++.
+/// Makes the system call directly: glibc 2.36 declares a function for it, but not for C++.
 UniqueFd open_pidfd(pid_t process) {
     return UniqueFd(static_cast<int>(syscall(SYS_pidfd_open, process, 0)));
 }
@@ -122,7 +122,7 @@ std::string ChildProgram::wait() {
     do reaped = waitpid(process_, &status, 0);
     while (reaped < 0 && errno == EINTR);
     process_ = 0;
-    // None if this process was started with SIGCHLD ignored: the kernel reaps then.
+    // No status if this process was started with SIGCHLD ignored: then the kernel reaps children.
     return reaped > 0 ? describe_end(status) : "ended";
 }
 

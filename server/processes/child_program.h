@@ -11,13 +11,13 @@
 
 namespace ccdt::server {
 
-/// A child process of this one: ended and reaped with its handle.
+/// A child process. The destructor kills and reaps it.
 class ChildProgram {
 public:
-    /// Descriptor at which a program that was spawned finds its socket.
+    /// Descriptor of the socket in a spawned program.
     static constexpr int kSocket = 3;
 
-    /// Takes over a child that nobody else reaps.
+    /// Takes ownership of a child that nothing else reaps.
     explicit ChildProgram(pid_t process);
     ~ChildProgram();
     ChildProgram(ChildProgram&& other) noexcept;
@@ -25,42 +25,42 @@ public:
 
     pid_t id() const { return process_; }
 
-    /// A descriptor to poll, readable once the child has ended; -1 if there is none, and `wait` has to do.
+    /// A descriptor for poll(), readable once the child has ended; -1 if it is unavailable and `wait` must be used.
     int ended() const { return pidfd_.get(); }
 
-    /// Sends SIGKILL; no harm after its end.
+    /// Sends SIGKILL. Has no effect after the child has ended.
     void kill() const;
 
-    /// Waits for its end and reaps it; to be called once.
-    /// @returns  as describe_end
+    /// Waits for the end of the child and reaps it. Must be called at most once.
+    /// @returns  the text of describe_end
     std::string wait();
 
 private:
-    pid_t process_ = 0;  ///< 0 once it is reaped
+    pid_t process_ = 0;  ///< 0 once it was reaped
     UniqueFd pidfd_;
 };
 
-/// Describes how a process ended, after its name, from what waitpid tells: "exited with 1", "was killed by signal 9
+/// Describes how a process ended, from the status of waitpid, as a predicate: "exited with 1", "was killed by signal 9
 /// (Killed)".
 std::string describe_end(int status);
 
-/// Blocks SIGCHLD, and tells of it instead: for a process of one thread that forks.
-/// @returns  readable, without waiting, once a child has ended; none if the system has no more
+/// Blocks SIGCHLD and returns a descriptor that reports it instead, for single-threaded processes that fork.
+/// @returns  nonblocking, readable once a child has ended; none if the system has no more descriptors
 UniqueFd watch_children();
 
-/// Starts a program whose file lies beside this one's, in a process group of its own: signals of a terminal are this
-/// program's to act on.
+/// Starts a program from this program's folder, in a process group of its own, so that terminal signals reach this
+/// program only.
 ///
-/// May be called from any thread. The child inherits `socket` as ChildProgram::kSocket and the standard error; its
-/// other standard streams are /dev/null, signals are as by default, and of the environment it lacks CCDT_*, among
-/// which there may be secrets.
-/// @param name       of the file
-/// @param socket     closed here
-/// @param arguments  after the name
+/// May be called from any thread. The child inherits `socket` as ChildProgram::kSocket, and standard error. Its other
+/// standard streams are /dev/null, and its signal handling is the default. Its environment lacks the variables CCDT_*,
+/// which may contain secrets.
+/// @param name       name of the file
+/// @param socket     is closed in this process
+/// @param arguments  without the program's name
 /// Errors: Internal.
 Result<ChildProgram> spawn_sibling(const std::string& name, UniqueFd socket, std::vector<std::string> arguments = {});
 
-/// Pauses before a program that ended is started again: no tight loop if each end comes soon.
+/// Exponential pauses between restarts of a program, so that repeated failures do not cause a tight loop.
 class Backoff {
 public:
     using Milliseconds = std::chrono::milliseconds;
@@ -68,8 +68,8 @@ public:
     static constexpr Milliseconds kFirst{10};
     static constexpr Milliseconds kLongest{1000};
 
-    /// @param lived  since the program was started
-    /// @returns      kFirst; twice the last one, up to kLongest, if the program lived no longer than that
+    /// @param lived  time since the program was started
+    /// @returns      kFirst if the program lived longer than kLongest, otherwise twice the last pause, at most kLongest
     Milliseconds after(std::chrono::steady_clock::duration lived);
 
 private:

@@ -16,10 +16,10 @@ namespace {
 
 constexpr std::size_t kMostFiles = 4;
 
-/// Shorter texts are copied together and sent by one call.
+/// Maximum size of texts that are joined and sent by one call.
 constexpr std::size_t kShortText = 16'384;
 
-/// A message with room for the descriptors that travel with it.
+/// A message with space for its descriptors.
 struct Envelope {
     Envelope(void* bytes, std::size_t size) : body{bytes, size} {
         message.msg_iov = &body;
@@ -57,7 +57,7 @@ std::optional<SocketPair> make_sockets(int type) {
 namespace {
 
 bool send_with(int flags, int socket, std::span<const std::byte> bytes, std::span<const int> files) {
-    // The system reads it only, and asks for more all the same.
+    // sendmsg does not write to the bytes, but takes a pointer to non-const.
     Envelope envelope(const_cast<std::byte*>(bytes.data()), bytes.size());
     envelope.make_room(files.size());
     if (!files.empty()) {

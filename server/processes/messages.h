@@ -12,8 +12,8 @@
 
 namespace ccdt::server {
 
-/// Messages between processes of this machine, through sockets. Nothing here raises SIGPIPE, and interrupted calls
-/// are made again.
+/// Messages between processes of one machine, through sockets. No function raises SIGPIPE; interrupted calls are
+/// repeated.
 
 /// The two ends of a connection.
 struct SocketPair {
@@ -22,45 +22,46 @@ struct SocketPair {
 };
 
 /// @param type  SOCK_SEQPACKET or SOCK_STREAM
-/// @returns     none, with errno, if the system has no more
+/// @returns     none, with errno set, if the system has no more descriptors
 std::optional<SocketPair> make_sockets(int type);
 
-/// Sends one message with open files, which the receiver gets copies of, over a socket that keeps messages apart.
-/// @returns  false if nobody is at the other end
+/// Sends one message with open files, whose descriptors are duplicated, over a socket that preserves message
+/// boundaries.
+/// @returns  false if the other end is closed
 bool send_message(int socket, std::span<const std::byte> bytes, std::span<const int> files = {});
 
-/// Waits for such a message.
-/// @param bytes  filled from the beginning; what does not fit is lost
-/// @param files  of the message, in order; descriptors that did not arrive stay as they are
-/// @returns      how many bytes came; 0: the other end is closed
+/// Waits for a message of send_message.
+/// @param bytes  filled from the beginning; an excess is lost
+/// @param files  files of the message, in order; elements without a file stay unchanged
+/// @returns      number of bytes received; 0: the other end is closed
 std::size_t receive_message(int socket, std::span<std::byte> bytes, std::span<UniqueFd> files = {});
 
-/// Size of the message with which the server asks a program whether it is alive. A socket comes with it.
+/// Size of the message by which the server asks a program whether it is alive. It carries a socket for the reply.
 inline constexpr std::size_t kProbeSize = 1;
 
-/// Sends such a message without waiting.
-/// @returns  our end of the socket, at which one byte is the answer; none if the message could not be sent now
+/// Sends a probe without waiting.
+/// @returns  our end of the reply socket, on which one byte is the reply; none if the probe could not be sent now
 UniqueFd send_probe(int socket);
 
-/// Answers such a message, whose socket that is.
+/// Replies to a probe through its socket.
 void answer_probe(const UniqueFd& answer);
 
-/// Whether a probe was answered, once there is news at our end.
+/// Whether a probe was answered. To be called once our end is readable.
 bool is_answered(const UniqueFd& answer);
 
-/// Sends texts one after the other over a stream.
-/// @returns  false if nobody takes them
+/// Sends texts one after another over a stream.
+/// @returns  false if the other end is closed
 bool send_texts(int socket, std::initializer_list<std::string_view> texts);
 
-/// Waits until all of it has come over a stream.
+/// Waits until `bytes` is filled from a stream.
 /// @returns  false if the stream ends before
 bool receive_all(int socket, std::span<char> bytes);
 
-/// Time that `poll` may wait.
-/// @param time  none: for ever
+/// Returns a time-out for `poll`.
+/// @param time  none: no time-out
 int milliseconds_until(std::optional<std::chrono::steady_clock::time_point> time);
 
-/// The bytes of a value as others of this program may read them.
+/// Returns the bytes of a value, for other processes of the same build.
 template <class T>
 std::span<const std::byte> bytes_of(const T& value) {
     return std::as_bytes(std::span(&value, 1));

@@ -29,8 +29,8 @@ std::size_t limit_in(const std::filesystem::path& file) {
     return std::ifstream(file) >> bytes ? bytes : kNoLimit;  // also for the word "max"
 }
 
-/// Path of the control group that limits this process' memory, below where groups are mounted; version 2's line of
-/// /proc/self/cgroup names no controllers.
+/// Returns the path of the control group that limits this process' memory, relative to the mount point. In version 2,
+/// the line in /proc/self/cgroup names no controllers.
 std::filesystem::path group(std::string_view controllers) {
     std::ifstream file("/proc/self/cgroup");
     for (std::string line; std::getline(file, line);) {
@@ -42,7 +42,7 @@ std::filesystem::path group(std::string_view controllers) {
     return {};
 }
 
-/// The least of a group and those around it.
+/// Returns the lowest limit of a group and those around it.
 std::size_t limit_of_groups(const std::filesystem::path& root, std::string_view controllers, const char* name) {
     std::size_t limit = limit_in(root / name);
     auto inner = group(controllers).relative_path();
@@ -79,7 +79,7 @@ std::size_t open_descriptors() {
     std::error_code error;
     const std::filesystem::directory_iterator begin("/proc/self/fd", error);
     if (error) return 0;
-    // One of them is the one that reads the list.
+    // One of the descriptors is that of the iterator.
     return static_cast<std::size_t>(std::distance(begin, std::filesystem::directory_iterator())) - 1;
 }
 

@@ -5,23 +5,21 @@
 
 namespace ccdt::server {
 
-/// Bytes of memory that this process holds now; 0 where the system does not tell.
+/// Resident memory of this process in bytes; 0 if it is unknown.
 std::size_t resident_bytes();
 
-/// Bytes of memory that this process may use: the machine's, or less if its control group or one of those around it
-/// has less.
+/// Memory limit of this process in bytes: that of the machine, or of its control group and those around it, if lower.
 std::size_t available_memory();
 
-/// Bytes of addresses that a process may have (ulimit -v); none where there is no limit.
+/// Limit of the address space in bytes (ulimit -v); none if there is no limit.
 std::optional<std::size_t> address_space_limit();
 
-/// Has the allocator give back freed pieces of a megabyte or more. Left to itself, glibc raises its bounds as
-/// large pieces come and go, up to 32 and 64 MiB in each of its arenas, and a process at rest keeps most of what its
-/// busiest moment took.
+/// Makes the allocator return freed blocks of a megabyte or more to the system. By default, glibc raises its thresholds
+/// when large blocks are freed, up to 32 and 64 MiB in each arena. Then an idle process keeps most of its peak memory.
 void give_back_freed_memory();
 
-/// Has all threads allocate from one heap. Left to itself, glibc gives most of them one of their own, each of which
-/// keeps what was freed in it. To be called before there are threads.
+/// Makes all threads allocate from one heap. By default, glibc gives most threads their own arena, which keeps freed
+/// memory. Must be called before threads are created.
 void share_heap_among_threads();
 
 std::size_t open_descriptors();

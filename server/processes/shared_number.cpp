@@ -19,7 +19,7 @@ static_assert(Number::is_always_lock_free);
 
 constexpr std::size_t kSize = sizeof(Number);
 
-/// Nobody may cut the file, which would end whoever reads it, or write to it from now on but by what is mapped already.
+/// The file cannot be truncated, which would crash its readers, and cannot be written except by existing mappings.
 constexpr int kSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL;
 
 const Number& number_in(const SharedPage& page) {
@@ -53,7 +53,7 @@ Result<SharedNumber> SharedNumber::create(std::uint32_t value) {
             return SharedNumber(std::move(file), std::move(page));
         }
     }
-    return failure(ErrorCode::Internal, std::string("no memory to share: ") + std::strerror(errno));
+    return failure(ErrorCode::Internal, std::string("cannot create shared memory: ") + std::strerror(errno));
 }
 
 SharedNumber::SharedNumber(UniqueFd file, SharedPage page) : file_(std::move(file)), page_(std::move(page)) {}

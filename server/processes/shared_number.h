@@ -12,7 +12,7 @@ class SharedPage {
 public:
     SharedPage() = default;
 
-    /// Maps a file's first page; `get` tells whether that went well.
+    /// Maps the first page of a file; `get` returns null if that failed.
     SharedPage(const UniqueFd& file, int protection);
     ~SharedPage();
     SharedPage(SharedPage&& other) noexcept;
@@ -24,7 +24,7 @@ private:
     void* page_ = nullptr;
 };
 
-/// A number that one process writes, from any of its threads, and others read: neither takes a system call.
+/// A number that one process writes, from any of its threads, and others read. Neither needs a system call.
 class SharedNumber {
 public:
     /// Errors: Internal.
@@ -33,7 +33,7 @@ public:
     void store(std::uint32_t value);
     std::uint32_t load() const;
 
-    /// A file by which another process may read the number, and do nothing else.
+    /// A file by which another process can only read the number.
     const UniqueFd& file() const { return file_; }
 
 private:
@@ -49,7 +49,7 @@ public:
     /// @param file  see SharedNumber::file; may be closed afterwards
     explicit NumberOfOthers(const UniqueFd& file);
 
-    /// @returns  `otherwise` if there was no memory to share
+    /// @returns  `otherwise` if the memory could not be mapped
     std::uint32_t load(std::uint32_t otherwise) const;
 
 private:

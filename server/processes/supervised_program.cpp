@@ -18,17 +18,17 @@ namespace {
 
 using Clock = SupervisedProgram::Clock;
 
-/// Pause before a program is asked again whether it is alive.
+/// Pause between two probes.
 constexpr std::chrono::seconds kPause{1};
 
-/// Time that an answer may take on a machine that is busy with other things.
+/// Time-out of the reply to a probe, long enough for a busy machine.
 constexpr std::chrono::seconds kLongestSilence{4};
 
 tl::unexpected<Error> cannot_start(const std::string& name, const std::string& why) {
     return failure(ErrorCode::Internal, "cannot start the " + name + ": " + why);
 }
 
-/// @returns  the first of the descriptors that has news; -1: none had until then
+/// @returns  the first readable descriptor; -1 after the deadline
 int wait_for_any(std::initializer_list<int> descriptors, std::optional<Clock::time_point> until = {}) {
     std::vector<pollfd> polled;
     for (const int descriptor : descriptors) polled.push_back({descriptor, POLLIN, 0});
@@ -73,18 +73,18 @@ Result<SupervisedProgram::Running> SupervisedProgram::launch() const {
     return Running{*std::move(program), std::make_shared<const UniqueFd>(std::move(sockets->ours)), started};
 }
 
-/// Waits until the program says that it is ready; ends it if it does not.
+/// Waits until the program reports that it is ready; kills it if it does not.
 Result<void> SupervisedProgram::await(Running& running) const {
     constexpr std::chrono::seconds kLongestStart{30};
     const int ours = running.socket->get();
     const int ready = wait_for_any({ours, running.program.ended(), closing_.get()}, running.started + kLongestStart);
     if (ready == ours && greet_(ours)) return {};
-    // Its end of the socket is closed a moment before it has ended.
+    // The program closes its end of the socket shortly before it ends, so it need not be killed.
     if (ready != ours) running.program.kill();
     return cannot_start(name_, "it " + running.program.wait());
 }
 
-/// @returns  none once there is to be no program any more
+/// @returns  none once the program must not be restarted any more
 std::optional<SupervisedProgram::Running> SupervisedProgram::launch_again(Backoff& backoff,
                                                                           Clock::duration lived) const {
     while (true) {
@@ -117,11 +117,11 @@ void SupervisedProgram::watch(Running running) {
     }
     set_socket(nullptr);
     running.socket.reset();
-    wait_for_any({running.program.ended()}, Clock::now() + kToEnd);  // by itself, as nobody talks to it any more
+    wait_for_any({running.program.ended()}, Clock::now() + kToEnd);  // it ends by itself, because its socket is closed
 }
 
-/// Waits for the end of the program, and asks it meanwhile whether it is alive.
-/// @returns  false once there is to be no program any more
+/// Waits for the end of the program, and probes it meanwhile.
+/// @returns  false once the program must not be restarted any more
 bool SupervisedProgram::attend(const Running& running) {
     UniqueFd answer;
     auto give_up = Clock::time_point::max();

@@ -18,26 +18,26 @@
 
 namespace ccdt::server {
 
-/// A program that the server keeps running: should it end, it is reaped and started again. It is asked once a second
-/// whether it is alive (send_probe); it has to answer whatever it does.
+/// A program that the server keeps running: if it ends, it is reaped and restarted. Once a second it is asked whether
+/// it is alive (send_probe), and must reply whatever it is doing.
 ///
-/// It has a socket that keeps messages apart, over which it first says that it is ready. May be used from any thread.
+/// The program has a socket that preserves message boundaries, on which it first reports that it is ready. Thread-safe.
 class SupervisedProgram {
 public:
     using Clock = std::chrono::steady_clock;
     using Socket = std::shared_ptr<const UniqueFd>;
 
-    /// Starts the program; from any thread.
+    /// Starts the program. Called from any thread.
     using Launch = std::function<Result<ChildProgram>(UniqueFd socket)>;
 
-    /// Takes its first words, which have come; false if they are none.
+    /// Reads the program's first message, which has arrived; returns false if it is invalid.
     using Greet = std::function<bool(int socket)>;
 
-    /// Is told of each end of the program, and when it stops or begins again to answer; in words, from any thread.
+    /// Reports when the program ends, stops responding or responds again. Takes a message; called from any thread.
     using Tell = std::function<void(const std::string&)>;
 
-    /// Starts the program, whose libraries may take it a while: whoever needs it waits. Errors: Internal.
-    /// @param name  for people
+    /// Starts the program. It may need some time to load its libraries; callers that need it wait. Errors: Internal.
+    /// @param name  name for messages
     static Result<std::unique_ptr<SupervisedProgram>> start(std::string name, Launch launch, Greet greet, Tell tell);
 
     /// Ends the program.
@@ -47,24 +47,24 @@ public:
     SupervisedProgram& operator=(const SupervisedProgram&) = delete;
 
     /// Waits until the program is ready for the first time.
-    /// Errors (Internal): it ended before that, and is not started again.
+    /// Errors (Internal): it ended before, and is not restarted.
     Result<void> wait_until_ready();
 
-    /// The socket to the program, waited for while it is being started again, and for the first time even beyond the
-    /// deadline; another one than `lost`, whose program is known to have ended.
-    /// @returns  none if there was none until then, or before the stop
+    /// Returns the socket to the program. Waits while the program is restarted; the first start may exceed the
+    /// deadline. Returns another socket than `lost`, whose program is known to have ended.
+    /// @returns  none if there was no program until the deadline, or if a stop was requested
     Socket wait_for_socket(const Socket& lost, Clock::time_point deadline, const std::stop_token& stop);
 
-    /// Whether the program is there now, or about to be for the first time.
+    /// Whether the program is ready now, or starting for the first time.
     bool is_ready() const;
 
-    /// Whether it has answered lately, if it is there.
+    /// Whether the program, if it runs, has replied recently.
     bool is_responsive() const { return responsive_; }
 
-    /// Times that it ended, and was or is being started again.
+    /// Number of times that the program ended and was or is being restarted.
     std::uint64_t restarts() const { return restarts_; }
 
-    /// Times that it stopped answering.
+    /// Number of times that the program stopped replying.
     std::uint64_t silences() const { return silences_; }
 
 private:
@@ -89,17 +89,17 @@ private:
     const Launch launch_;
     const Greet greet_;
     const Tell tell_;
-    const UniqueFd closing_;  ///< readable once there is to be no program any more
+    const UniqueFd closing_;  ///< readable once the program must not be restarted any more
     std::atomic<std::uint64_t> restarts_ = 0;
     std::atomic<std::uint64_t> silences_ = 0;
     std::atomic<bool> responsive_ = true;
 
     mutable std::mutex mutex_;
     std::condition_variable_any changed_;
-    Socket socket_;                        ///< none while there is no program; guarded by the mutex
-    std::optional<Result<void>> started_;  ///< for the first time, or why not; none yet; guarded by the mutex
+    Socket socket_;                        ///< null while the program does not run; guarded by the mutex
+    std::optional<Result<void>> started_;  ///< result of the first start; none while it lasts; guarded by the mutex
 
-    std::jthread watcher_;  ///< last: it uses all the rest
+    std::jthread watcher_;  ///< last, because it uses all other members
 };
 
 }  // namespace ccdt::server

@@ -6,7 +6,7 @@
 
 namespace ccdt::server {
 
-/// A file descriptor that is closed with its owner.
+/// A file descriptor that its owner closes.
 class UniqueFd {
 public:
     UniqueFd() = default;
@@ -21,7 +21,7 @@ public:
     int get() const { return fd_; }
     explicit operator bool() const { return fd_ >= 0; }
 
-    /// Hands the descriptor over: somebody else closes it from now on.
+    /// Releases ownership: the caller must close the descriptor.
     int release() { return std::exchange(fd_, -1); }
 
     void reset() {

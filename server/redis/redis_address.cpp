@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::string_view kExpected = "redis://[[user]:password@]host[:port][/database], or rediss:// for TLS";
 
-/// Undoes %XX.
-/// @returns  none if there is a % without two digits
+/// Decodes %XX.
+/// @returns  none if a % is not followed by two digits
 std::optional<std::string> decode(std::string_view text) {
     std::string decoded;
     while (!text.empty()) {
@@ -37,7 +37,7 @@ bool set_credentials(RedisAddress& address, std::string_view text) {
     return true;
 }
 
-/// Reads a host, in brackets if it has colons, and a port.
+/// Parses a host, in brackets if it contains colons, and a port.
 bool set_place(RedisAddress& address, std::string_view text) {
     std::string_view host;
     if (text.starts_with('[')) {
@@ -67,7 +67,8 @@ bool set_database(RedisAddress& address, std::string_view text) {
 Result<RedisAddress> RedisAddress::parse(std::string_view text) {
     const auto scheme = api::take_until(text, "://");
     if (scheme.find("sentinel") != std::string_view::npos)
-        return failure(ErrorCode::Malformed, "Sentinel is not supported; name the Redis itself, or a proxy before it");
+        return failure(ErrorCode::Malformed,
+                       "Sentinel is not supported; name the Redis itself, or a proxy in front of it");
     RedisAddress address;
     address.encrypted = scheme == "rediss";
     bool right = scheme == "redis" || address.encrypted;
@@ -77,9 +78,9 @@ Result<RedisAddress> RedisAddress::parse(std::string_view text) {
     }
     const auto place = api::take_until(text, "/");
     if (place.find(',') != std::string_view::npos)
-        return failure(ErrorCode::Malformed, "several places are not supported; name one Redis");
+        return failure(ErrorCode::Malformed, "several addresses are not supported; name one Redis");
     right = right && set_place(address, place) && set_database(address, text);
-    if (!right) return failure(ErrorCode::Malformed, "what is expected is " + std::string(kExpected));
+    if (!right) return failure(ErrorCode::Malformed, "the address must have the form " + std::string(kExpected));
     return address;
 }
 

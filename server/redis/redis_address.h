@@ -7,20 +7,21 @@
 
 namespace ccdt::server {
 
-/// Where a Redis is, and as whom to speak with it.
+/// Address and credentials of a Redis.
 struct RedisAddress {
     std::string host = "localhost";
     std::string port = "6379";
     bool encrypted = false;  ///< TLS
-    std::string user;        ///< empty: the default one
+    std::string user;        ///< empty: the default user
     std::string password;    ///< empty: none
     int database = 0;
 
-    /// Reads redis://[[user]:password@]host[:port][/database], rediss:// for TLS. User and password may have %XX.
-    /// Errors (Malformed): it is none, or Sentinel's. The message does not show the password.
+    /// Parses redis://[[user]:password@]host[:port][/database], or rediss:// for TLS. User and password may contain
+    /// %XX.
+    /// Errors (Malformed): any other form, or an address of Sentinel. The message does not contain the password.
     static Result<RedisAddress> parse(std::string_view text);
 
-    /// Host and port, for people.
+    /// Host and port, for messages.
     std::string name() const { return host + ':' + port; }
 };
 

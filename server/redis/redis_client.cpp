@@ -6,13 +6,13 @@
 namespace ccdt::server {
 namespace {
 
-/// Connections at once: Redis does one thing at a time.
+/// Maximum number of connections. More have no use, because Redis runs one command at a time.
 constexpr std::size_t kMostConnections = 16;
 
 constexpr std::chrono::milliseconds kLeastPause{50};
 constexpr std::chrono::milliseconds kMostPause{1'000};
 
-/// What a Redis says that does not do what it is asked now, but will or another one will.
+/// Errors of a Redis that cannot run commands at present, but will again, or another server will in its place.
 constexpr std::string_view kNotNow[] = {"LOADING", "READONLY", "BUSY", "MASTERDOWN", "CLUSTERDOWN", "UNKILLABLE"};
 
 Error error_of(const RedisReply& reply, const RedisAddress& address) {
@@ -27,21 +27,21 @@ Error error_of(const RedisReply& reply, const RedisAddress& address) {
 
 }  // namespace
 
-class RedisClient::Turn {
+class RedisClient::Permit {
 public:
-    Turn(RedisClient& client, Clock::time_point deadline) : client_(client) {
+    Permit(RedisClient& client, Clock::time_point deadline) : client_(client) {
         std::unique_lock lock(client_.mutex_);
         has_ = client_.free_.wait_until(lock, deadline, [&] { return client_.in_use_ < kMostConnections; });
         if (has_) ++client_.in_use_;
     }
-    ~Turn() {
+    ~Permit() {
         if (!has_) return;
         const std::lock_guard lock(client_.mutex_);
         --client_.in_use_;
         client_.free_.notify_one();
     }
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
+    Permit(const Permit&) = delete;
+    Permit& operator=(const Permit&) = delete;
 
     explicit operator bool() const { return has_; }
 
@@ -102,13 +102,13 @@ std::string RedisClient::setting(std::string_view name) {
 
 Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisCommand> commands,
                                                      Clock::time_point deadline) {
-    const Turn turn(*this, deadline);
-    if (!turn) return failure(ErrorCode::Stopped, "Redis at " + address_.name() + ": too much is asked at once");
+    const Permit permit(*this, deadline);
+    if (!permit) return failure(ErrorCode::Stopped, "Redis at " + address_.name() + ": too many calls at once");
     if (auto connection = take_idle()) {
         auto replies = connection->run(commands, deadline);
         if (replies) keep(std::move(connection));
         if (replies) return replies;
-        drop_idle();  // they were lost with it
+        drop_idle();  // the others were probably lost, too
         if (Clock::now() >= deadline) return late(replies.error());
     }
     auto connection = connect(deadline);
@@ -119,7 +119,7 @@ Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisComman
     return replies;
 }
 
-/// Has others not wait for it as well.
+/// Makes other calls fail at once instead of waiting as well.
 tl::unexpected<Error> RedisClient::late(const Error& error) {
     const std::lock_guard lock(mutex_);
     pause_locked(error);
@@ -145,7 +145,7 @@ Result<RedisClient::Connection> RedisClient::connect(Clock::time_point deadline)
     {
         const std::lock_guard lock(mutex_);
         if (Clock::now() < retry_) return tl::unexpected(away_);
-        if (pause_.count() > 0) retry_ = Clock::now() + deadline_;  // others need not try meanwhile
+        if (pause_.count() > 0) retry_ = Clock::now() + deadline_;  // meanwhile, other calls do not try
     }
     auto connection = RedisConnection::open(address_, deadline);
     const std::lock_guard lock(mutex_);

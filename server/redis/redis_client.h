@@ -19,45 +19,45 @@
 
 namespace ccdt::server {
 
-/// Has a Redis do things. May be used from any thread; each call has a connection for itself.
+/// Runs commands of a Redis. Thread-safe; each call uses a connection of its own.
 ///
-/// A connection that was lost is made again: what was on its way is sent once more if the connection had been idle, so
-/// that commands should do no harm if they are done twice. While Redis cannot be reached calls fail at once, but for
-/// one after each pause, of up to a second; also once it does not answer in time. All connections are made again once
-/// it says that it is a copy: its address may be another one's by then. Errors of all: Stopped if it cannot be reached,
-/// or not within the deadline; LimitExceeded if its memory is full; Unusable if a key holds a value of another type;
-/// Internal for whatever else it says.
+/// A lost connection is replaced. If the connection had been idle, its commands are sent once more, so they should be
+/// idempotent. While Redis cannot be reached or does not reply in time, calls fail at once, except for one attempt
+/// after each pause of up to a second. If Redis reports that it is a replica, all connections are replaced: by then,
+/// its address may belong to another server.
+/// Errors of all calls: Stopped if Redis cannot be reached within the deadline; LimitExceeded if its memory is full;
+/// Unusable if a key has a value of another type; Internal for all other errors.
 class RedisClient {
 public:
     using Clock = std::chrono::steady_clock;
 
     struct Counts {
         std::uint64_t calls = 0;
-        std::uint64_t failures = 0;  ///< of these
+        std::uint64_t failures = 0;  ///< failed ones among these
         std::uint64_t damages = 0;   ///< keys that were reported as damaged
-        double seconds = 0;          ///< that they took
+        double seconds = 0;          ///< duration of all calls
     };
 
-    /// Takes a line for the log.
+    /// Writes a message to the log.
     using Warn = std::function<void(const std::string&)>;
 
-    /// @param deadline  of each call
-    /// @param warn      takes the reports of damaged keys, from any thread; may be empty
+    /// @param deadline  time limit of each call
+    /// @param warn      receives reports of damaged keys, from any thread; may be empty
     explicit RedisClient(RedisAddress address, std::chrono::milliseconds deadline = kDeadline, Warn warn = {});
 
     /// @returns  a reply for each command, none of which is an error
     Result<std::vector<RedisReply>> run(std::span<const RedisCommand> commands);
     Result<RedisReply> run(RedisCommand command);
 
-    /// Runs a script, which Redis is told if it does not know it.
-    /// @param key  on which it works
+    /// Runs a script, which is sent only if Redis does not know it.
+    /// @param key  key on which the script works
     Result<RedisReply> run(const RedisScript& script, std::string_view key, const RedisCommand& arguments);
 
-    /// Logs and counts that a key held anything but what was written there.
-    /// @param remedy  what becomes of it
+    /// Logs and counts a key whose value is not what was written.
+    /// @param remedy  what is done about it, for the log
     void report_damage(std::string_view key, std::string_view remedy);
 
-    /// How Redis is set; empty where it does not tell.
+    /// Returns a setting of Redis; empty if Redis does not reveal it.
     std::string setting(std::string_view name);
 
     Counts counts() const;
@@ -68,8 +68,8 @@ public:
 private:
     using Connection = std::unique_ptr<RedisConnection>;
 
-    /// A place among the connections in use.
-    class Turn;
+    /// Counts one connection in use.
+    class Permit;
 
     Result<std::vector<RedisReply>> attempt(std::span<const RedisCommand> commands, Clock::time_point deadline);
     tl::unexpected<Error> late(const Error& error);
@@ -87,9 +87,9 @@ private:
     std::condition_variable free_;
     std::size_t in_use_ = 0;
     std::vector<Connection> idle_;
-    Clock::time_point retry_;  ///< not to be connected before
+    Clock::time_point retry_;  ///< no attempt to connect before this time
     std::chrono::milliseconds pause_{0};
-    Error away_;  ///< why it could not be reached
+    Error away_;  ///< why Redis could not be reached
     Counts counts_;
 };
 

@@ -51,7 +51,7 @@ RedisReply reply_of(const redisReply& from) {
 
 }  // namespace
 
-/// TLS between texts in memory; the socket is the connection's.
+/// TLS on buffers in memory. The connection owns the socket.
 class RedisConnection::Tls {
 public:
     explicit Tls(const std::string& host) : tls_(SSL_new(context()), SSL_free) {
@@ -76,15 +76,15 @@ public:
         return bytes.empty() || SSL_write(tls_.get(), bytes.data(), static_cast<int>(bytes.size())) > 0;
     }
 
-    /// Takes what is to be sent.
+    /// Takes the bytes to be sent.
     std::string take_to_send() {
         std::string bytes(BIO_ctrl_pending(SSL_get_wbio(tls_.get())), '\0');
         if (!bytes.empty()) BIO_read(SSL_get_wbio(tls_.get()), bytes.data(), static_cast<int>(bytes.size()));
         return bytes;
     }
 
-    /// Appends what was received.
-    /// @returns  false if it failed, or the other end has closed
+    /// Appends the received bytes, decrypted.
+    /// @returns  false if it failed, or the other end closed the connection
     bool decrypt(std::string& bytes) {
         char part[16'384];
         int count = 0;
@@ -101,7 +101,7 @@ public:
     }
 
 private:
-    /// Believes whom the system believes, or SSL_CERT_FILE names.
+    /// Trusts the certificate authorities of the system, or of SSL_CERT_FILE.
     static SSL_CTX* context() {
         static const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> kContext = [] {
             std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> made(SSL_CTX_new(TLS_client_method()), SSL_CTX_free);
@@ -139,7 +139,7 @@ tl::unexpected<Error> RedisConnection::away(const std::string& why) const {
     return failure(ErrorCode::Stopped, "Redis at " + address_.name() + ": " + why);
 }
 
-/// Waits until something can be done with the socket.
+/// Waits for an event on the socket.
 bool RedisConnection::wait(short events, Clock::time_point until) const {
     pollfd waited{socket_.get(), events, 0};
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
@@ -181,7 +181,7 @@ Result<void> RedisConnection::encrypt(Clock::time_point deadline) {
         if (auto sent = send_bytes("", deadline); !sent) return sent;
         if (!fine) return away(why);
         if (tls_->is_ready()) return {};
-        if (!wait(POLLIN, deadline)) return away("it did not answer in time");
+        if (!wait(POLLIN, deadline)) return away("it did not reply in time");
         char part[kReadAtOnce];
         const ssize_t count = recv(socket_.get(), part, sizeof(part), 0);
         if (count <= 0) return away("TLS: the connection was closed");
@@ -189,7 +189,7 @@ Result<void> RedisConnection::encrypt(Clock::time_point deadline) {
     }
 }
 
-/// Tells who is speaking, and about what.
+/// Authenticates and selects the database.
 Result<void> RedisConnection::introduce(Clock::time_point deadline) {
     std::vector<RedisCommand> commands;
     if (!address_.password.empty() && address_.user.empty()) commands.push_back({"AUTH", address_.password});
@@ -214,12 +214,12 @@ Result<void> RedisConnection::send_bytes(std::string_view bytes, Clock::time_poi
         if (sent > 0) bytes.remove_prefix(static_cast<std::size_t>(sent));
         if (sent > 0 || errno == EINTR) continue;
         if (errno != EAGAIN) return away(std::strerror(errno));
-        if (!wait(POLLOUT, deadline)) return away("it did not answer in time");
+        if (!wait(POLLOUT, deadline)) return away("it did not reply in time");
     }
     return {};
 }
 
-/// @returns  what has come; nothing if nothing has until then
+/// @returns  the received bytes; empty if none arrived until then
 Result<std::string_view> RedisConnection::receive_bytes(Clock::time_point until) {
     if (!wait(POLLIN, until)) return std::string_view();
     received_.resize(kReadAtOnce);
@@ -249,13 +249,13 @@ Result<void> RedisConnection::send(const RedisCommand& command, Clock::time_poin
     return send_bytes({text, static_cast<std::size_t>(size)}, deadline);
 }
 
-/// Takes a reply that has come.
-/// @returns  none if no whole one has
+/// Takes the next reply from the received bytes.
+/// @returns  none if no reply is complete
 Result<std::optional<RedisReply>> RedisConnection::take_reply() {
     void* found = nullptr;
     if (redisReaderGetReply(reader_.get(), &found) != REDIS_OK)
         return failure(ErrorCode::Internal,
-                       "Redis at " + address_.name() + " is not understood: " + std::string(reader_->errstr));
+                       "Redis at " + address_.name() + " sent a malformed reply: " + std::string(reader_->errstr));
     if (found == nullptr) return std::nullopt;
     const std::unique_ptr<void, void (*)(void*)> owner(found, freeReplyObject);
     return reply_of(*static_cast<redisReply*>(found));
@@ -280,7 +280,7 @@ Result<std::vector<RedisReply>> RedisConnection::run(std::span<const RedisComman
     for (std::size_t i = 0; i < commands.size(); ++i) {
         auto reply = receive(deadline);
         if (!reply) return tl::unexpected(reply.error());
-        if (!*reply) return away("it did not answer in time");
+        if (!*reply) return away("it did not reply in time");
         replies.push_back(**std::move(reply));
     }
     return replies;

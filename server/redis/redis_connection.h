@@ -17,10 +17,10 @@ struct redisReader;
 
 namespace ccdt::server {
 
-/// A command with its arguments, of any bytes; they must stay until it is sent.
+/// A command with its arguments, which may contain any bytes. The views must stay valid until the command is sent.
 using RedisCommand = std::vector<std::string_view>;
 
-/// What Redis answers.
+/// A reply of Redis.
 struct RedisReply {
     enum class Kind { Nothing, Text, Number, List, Error };
 
@@ -32,16 +32,16 @@ struct RedisReply {
     bool is_error(std::string_view code) const { return kind == Kind::Error && text.starts_with(code); }
 };
 
-/// A connection to a Redis, used by one thread at a time. After an error it is of no use any more.
+/// A connection to a Redis, used by one thread at a time. After an error, it must be discarded.
 ///
-/// Errors of all: Stopped if that Redis cannot be reached, or does not do it in time; Internal if what it says cannot
-/// be understood. hiredis writes commands and reads replies; the socket is our own, for deadlines and TLS.
+/// Errors of all functions: Stopped if Redis cannot be reached or does not reply in time; Internal if a reply is
+/// malformed. hiredis formats commands and parses replies; the socket is our own, because of deadlines and TLS.
 class RedisConnection {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// Connects, and tells who is speaking. Looking up a name is not bounded by the deadline.
-    /// Errors, too: the password is wrong.
+    /// Connects and authenticates. The deadline does not limit the name lookup.
+    /// Errors, in addition: the password is wrong.
     static Result<std::unique_ptr<RedisConnection>> open(const RedisAddress& address, Clock::time_point deadline);
     ~RedisConnection();
 
@@ -50,8 +50,8 @@ public:
 
     Result<void> send(const RedisCommand& command, Clock::time_point deadline);
 
-    /// Waits for what Redis says next.
-    /// @returns  none if it has said nothing until then
+    /// Waits for the next reply or message.
+    /// @returns  none if nothing arrived until then
     Result<std::optional<RedisReply>> receive(Clock::time_point until);
 
     /// Sends commands, and waits for the reply to each.
@@ -72,7 +72,7 @@ private:
 
     const RedisAddress address_;
     UniqueFd socket_;
-    std::unique_ptr<Tls> tls_;  ///< null: none
+    std::unique_ptr<Tls> tls_;  ///< null: no TLS
     std::unique_ptr<redisReader, void (*)(redisReader*)> reader_;
     std::string received_;
 };

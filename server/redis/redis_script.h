@@ -5,16 +5,16 @@
 
 namespace ccdt::server {
 
-/// A program in Lua that Redis runs at once, with nothing of others in between.
+/// A program in Lua that Redis runs atomically.
 class RedisScript {
 public:
-    /// @param parts  of the program, one after another; they declare functions, or do something
-    /// @param flags  as Redis names them: what the program may do, such as `no-writes`. By default one that is begun
-    ///               while the memory is full does nothing at all.
+    /// @param parts  of the program, in order; they declare functions or execute statements
+    /// @param flags  flags of Redis that say what the program may do, such as `no-writes`. Without flags, a program
+    ///               that is started while the memory is full fails at once.
     RedisScript(std::string_view flags, std::initializer_list<std::string_view> parts);
 
     const std::string& source() const { return source_; }
-    const std::string& digest() const { return digest_; }  ///< by which Redis knows it
+    const std::string& digest() const { return digest_; }  ///< the digest by which Redis identifies the script
 
 private:
     std::string source_;

@@ -12,23 +12,23 @@ constexpr std::chrono::milliseconds kDeadline{2'000};
 constexpr std::chrono::milliseconds kLeastPause{50};
 constexpr std::chrono::milliseconds kMostPause{1'000};
 
-/// Time after which it is looked whether the thread should end.
-constexpr std::chrono::milliseconds kPeek{100};
+/// Interval at which the thread checks whether it should end.
+constexpr std::chrono::milliseconds kPollInterval{100};
 
-/// Silence after which Redis is asked whether it is there.
+/// Silence after which Redis is asked whether it is alive.
 constexpr std::chrono::milliseconds kSilence{1'000};
 
 }  // namespace
 
-RedisSubscription::RedisSubscription(RedisAddress address, std::string channel, Told told)
+RedisSubscription::RedisSubscription(RedisAddress address, std::string channel, Callbacks callbacks)
     : address_(std::move(address)),
       channel_(std::move(channel)),
-      told_(std::move(told)),
+      callbacks_(std::move(callbacks)),
       thread_([this](const std::stop_token& closing) { listen(closing); }) {}
 
 void RedisSubscription::listen(const std::stop_token& closing) {
     auto pause = kLeastPause;
-    bool ended = false;  // and told so
+    bool ended = false;  // `ended` was called
     while (!closing.stop_requested()) {
         const Error error = listen_once(closing);
         if (std::exchange(begun_, false)) {
@@ -36,7 +36,7 @@ void RedisSubscription::listen(const std::stop_token& closing) {
             pause = kLeastPause;
         }
         if (closing.stop_requested()) return;
-        if (!std::exchange(ended, true)) told_.ended(error);
+        if (!std::exchange(ended, true)) callbacks_.ended(error);
         std::mutex mutex;
         std::unique_lock lock(mutex);
         std::condition_variable_any().wait_for(lock, closing, pause, [] { return false; });
@@ -44,7 +44,7 @@ void RedisSubscription::listen(const std::stop_token& closing) {
     }
 }
 
-/// @returns  why it has ended
+/// @returns  why the subscription ended
 Error RedisSubscription::listen_once(const std::stop_token& closing) {
     auto connection = RedisConnection::open(address_, Clock::now() + kDeadline);
     if (!connection) return connection.error();
@@ -54,24 +54,25 @@ Error RedisSubscription::listen_once(const std::stop_token& closing) {
     if (subscribed->front().kind == RedisReply::Kind::Error)
         return {ErrorCode::Stopped, "Redis at " + address_.name() + ": " + subscribed->front().text, {}};
     begun_ = true;
-    told_.begun();
-    return hear(**connection, told_, closing);
+    callbacks_.begun();
+    return deliver(**connection, callbacks_, closing);
 }
 
-/// Tells messages until the connection is lost.
-Error RedisSubscription::hear(RedisConnection& connection, const Told& told, const std::stop_token& closing) {
+/// Delivers messages until the connection is lost.
+Error RedisSubscription::deliver(RedisConnection& connection, const Callbacks& callbacks,
+                                 const std::stop_token& closing) {
     auto heard = Clock::now();
     bool asked = false;
     while (!closing.stop_requested()) {
-        const auto reply = connection.receive(Clock::now() + kPeek);
+        const auto reply = connection.receive(Clock::now() + kPollInterval);
         if (!reply) return reply.error();
         if (*reply) {
             heard = Clock::now();
             asked = false;
             const auto& items = (*reply)->items;
-            if (items.size() == 3 && items[0].text == "message") told.message(items[2].text);
+            if (items.size() == 3 && items[0].text == "message") callbacks.message(items[2].text);
         } else if (asked && Clock::now() - heard > kSilence + kDeadline) {
-            return {ErrorCode::Stopped, "Redis does not answer", {}};
+            return {ErrorCode::Stopped, "Redis does not reply", {}};
         } else if (!asked && Clock::now() - heard > kSilence) {
             asked = true;
             if (const auto sent = connection.send({"PING"}, Clock::now() + kDeadline); !sent) return sent.error();

@@ -14,20 +14,20 @@
 
 namespace ccdt::server {
 
-/// Listens to what is published in a channel of a Redis, by a thread and a connection of its own. Connects again
-/// whenever the connection is lost, with pauses of up to a second.
+/// Subscribes to a channel of a Redis, with its own thread and connection. Reconnects whenever the connection is lost,
+/// with pauses of up to a second.
 class RedisSubscription {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// What is told, by the subscription's thread.
-    struct Told {
+    /// Callbacks, which the subscription's thread calls.
+    struct Callbacks {
         std::function<void(std::string_view)> message;
-        std::function<void()> begun;              ///< all that is published from now on is told
-        std::function<void(const Error&)> ended;  ///< what is published may be missed; once until it is begun again
+        std::function<void()> begun;              ///< subscribed: all later messages are delivered
+        std::function<void(const Error&)> ended;  ///< messages may be lost from now on; called once per outage
     };
 
-    RedisSubscription(RedisAddress address, std::string channel, Told told);
+    RedisSubscription(RedisAddress address, std::string channel, Callbacks callbacks);
 
     RedisSubscription(const RedisSubscription&) = delete;
     RedisSubscription& operator=(const RedisSubscription&) = delete;
@@ -35,13 +35,13 @@ public:
 private:
     void listen(const std::stop_token& closing);
     Error listen_once(const std::stop_token& closing);
-    static Error hear(RedisConnection& connection, const Told& told, const std::stop_token& closing);
+    static Error deliver(RedisConnection& connection, const Callbacks& callbacks, const std::stop_token& closing);
 
     const RedisAddress address_;
     const std::string channel_;
-    const Told told_;
-    bool begun_ = false;   ///< of the thread
-    std::jthread thread_;  ///< last: it uses all the rest
+    const Callbacks callbacks_;
+    bool begun_ = false;   ///< used by the thread only
+    std::jthread thread_;  ///< last, because it uses all other members
 };
 
 }  // namespace ccdt::server

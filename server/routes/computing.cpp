@@ -14,8 +14,8 @@
 #include "server/routes/job_routes.h"
 #include "server/work/answer_headers.h"
 #include "server/work/answer_name.h"
+#include "server/work/body_pipe.h"
 #include "server/work/form.h"
-#include "server/work/passage.h"
 
 namespace ccdt::server {
 namespace {
@@ -23,21 +23,21 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-/// Time after which a connection looks whether its client still waits.
-constexpr std::chrono::milliseconds kPeek{20};
+/// Interval at which a connection checks whether its client still waits.
+constexpr std::chrono::milliseconds kPollInterval{20};
 
-/// Time after the deadline that a computation may take to stop and to write a partial answer.
+/// Time that a computation may take after the deadline to stop and to write a partial answer.
 constexpr std::chrono::seconds kGrace{2};
 
-/// Content type of a picture in a folder: whatever the file holds, it is neither JSON nor a form.
+/// Content type of the pictures in the folder: whatever a file contains, it is parsed neither as JSON nor as a form.
 constexpr const char* kPicture = "image/*";
 
-/// Bytes of a body: longer ones are never for short jobs.
+/// Minimum body size, in bytes, of requests that certainly are not short.
 constexpr std::size_t kLongBody = 65'536;
 
-/// Clients that take answers compressed have them kept so: compressing is work, too.
+/// Makes the key of an answer in the cache. Compressed answers are stored compressed, to save repeated work.
 ///
-/// @param owner  the API key that they are kept for; empty: for all
+/// @param owner  API key for which the answer is stored; empty: for all
 std::string cache_key(const std::string& name, bool compressed, const std::string& owner) {
     return (compressed ? name + "-gzip " : name + ' ') + owner;
 }
@@ -53,13 +53,13 @@ bool is_encoding(const Header& header) {
            !equals_ignoring_case(header.value, "identity");
 }
 
-/// Tells figures why a computation was given up.
+/// Records why a computation was cancelled.
 tl::unexpected<Problem> give_up(tl::unexpected<Problem> why, std::string_view cause, Record& record) {
     record.cancelled = cause;
     return why;
 }
 
-/// @param name  of the answer, unless it is only a part of it
+/// @param name  name of the answer; used unless the answer is partial
 Response response_of(api::Answer answer, const std::string& name, Record& record) {
     Response response;
     response.headers = answer_headers(answer);
@@ -77,8 +77,7 @@ Response response_of(api::Answer answer, const std::string& name, Record& record
 
 }  // namespace
 
-/// A request, and its part of the memory for those that wait. Shared with the worker, which may still read it when the
-/// connection has left.
+/// A request and its reserved memory. Shared with the worker, which may still read it when the connection has ended.
 struct Computing::AcceptedRequest {
     const Operation& operation;
     ComputeRequest request;
@@ -86,14 +85,14 @@ struct Computing::AcceptedRequest {
     MemoryBudget::Lease lease;
 };
 
-/// An answer, and its part of the memory that computing it had.
+/// An answer and the memory that its computation reserved.
 struct Computing::ComputedAnswer {
     api::Answer answer;
     MemoryBudget::Lease lease;
-    std::shared_ptr<Passage> passage = {};  ///< of a large body, which is on its way still
+    std::shared_ptr<BodyPipe> pipe = {};  ///< the rest of a large body that is still being written
 };
 
-/// A result on its way from a worker to the connection that waits for it, which may leave before it comes.
+/// A result that a worker passes to the connection waiting for it. The connection may end before the result arrives.
 template <class T>
 class Computing::PendingResult {
 public:
@@ -102,7 +101,7 @@ public:
         stages_.queue = Milliseconds(Clock::now() - submitted_).count();
     }
 
-    /// Takes a result, unless there is one.
+    /// Sets the result unless there is one already.
     void finish(Result<T> result, const api::Timings& timings) {
         const std::lock_guard lock(mutex_);
         if (finished_already_) return;
@@ -128,7 +127,7 @@ public:
         return stages_;
     }
 
-    /// Tells whatever makes the result that nobody wants it any more.
+    /// Tells the computation that the result is not needed any more.
     void abandon() { unwanted_.request_stop(); }
     std::stop_token unwanted() const { return unwanted_.get_token(); }
 
@@ -139,24 +138,24 @@ private:
     mutable std::mutex mutex_;  ///< guards the rest
     std::condition_variable finished_;
     std::optional<Result<T>> result_;
-    bool finished_already_ = false;  ///< the result may have been taken since
+    bool finished_already_ = false;  ///< stays true when the result is taken
     Stages stages_;
 };
 
-/// Takes a large body from its computation, hands it on, and keeps a copy if it is not too large for that.
-class Computing::Outlet : public api::BodyTaker {
+/// Passes a large body from its computation to the connection, and copies it for the cache unless it is too large.
+class Computing::TeeWriter : public api::BodyTaker {
 public:
-    /// @param largest  bytes of a body that is kept
-    Outlet(PendingResult<ComputedAnswer>& pending, const api::Timings& timings, std::size_t largest,
-           MemoryBudget& memory)
+    /// @param largest  size limit of cached bodies, in bytes
+    TeeWriter(PendingResult<ComputedAnswer>& pending, const api::Timings& timings, std::size_t largest,
+              MemoryBudget& memory)
         : pending_(pending), timings_(timings), largest_(largest), memory_(memory) {}
-    ~Outlet() override { close(failure(ErrorCode::Internal, "the answer was not written to its end")); }
-    Outlet(const Outlet&) = delete;
-    Outlet& operator=(const Outlet&) = delete;
+    ~TeeWriter() override { close(failure(ErrorCode::Internal, "the answer was not written completely")); }
+    TeeWriter(const TeeWriter&) = delete;
+    TeeWriter& operator=(const TeeWriter&) = delete;
 
     Result<void> begin(const api::Answer& head) override {
         copy_ = head;
-        pending_.finish(ComputedAnswer{head, {}, passage_}, timings_);
+        pending_.finish(ComputedAnswer{head, {}, pipe_}, timings_);
         return {};
     }
 
@@ -166,16 +165,16 @@ public:
         } else {
             copy_.reset();
         }
-        return passage_->push(piece);
+        return pipe_->push(piece);
     }
 
-    /// Ends the body; an error: it is not whole.
-    void close(Result<void> outcome) { passage_->close(std::move(outcome), timings_, memory_); }
+    /// Ends the body. An error means that it is incomplete.
+    void close(Result<void> outcome) { pipe_->close(std::move(outcome), timings_, memory_); }
 
-    /// Stops what computes once nobody takes the body any more.
-    std::stop_source& stop() { return passage_->stop(); }
+    /// Stops the computation once nobody reads the body any more.
+    std::stop_source& stop() { return pipe_->stop(); }
 
-    /// The whole answer, once the body has ended; null if it is too large to be kept.
+    /// Returns the complete answer once the body has ended; null if it is too large for the cache.
     const api::Answer* copy() const { return copy_ ? &*copy_ : nullptr; }
 
 private:
@@ -183,7 +182,7 @@ private:
     const api::Timings& timings_;
     const std::size_t largest_;
     MemoryBudget& memory_;
-    const std::shared_ptr<Passage> passage_ = std::make_shared<Passage>();
+    const std::shared_ptr<BodyPipe> pipe_ = std::make_shared<BodyPipe>();
     std::optional<api::Answer> copy_;
 };
 
@@ -210,9 +209,9 @@ HttpResult<Response> Computing::answer(const Operation& operation, const Incomin
     to_compute.body = *std::move(body);
     auto lease = take_memory(to_compute.body.size());
     if (!lease) return tl::unexpected(lease.error());
-    const auto asked = take_in(operation, std::move(to_compute), *std::move(lease));
+    const auto asked = prepare(operation, std::move(to_compute), *std::move(lease));
     if (!asked) return tl::unexpected(asked.error());
-    if (!deferred) return give(*asked, incoming);
+    if (!deferred) return respond(*asked, incoming);
     if (const auto tag = known_tag(incoming, (*asked)->name)) return not_modified(*tag);
     return defer(*asked, incoming);
 }
@@ -224,21 +223,21 @@ HttpResult<Response> Computing::answer(const Operation& operation, PictureFile p
     if (!lease) return tl::unexpected(lease.error());
     auto bytes = picture.read();
     if (!bytes) return tl::unexpected(bytes.error());
-    // All browsers then share an answer whose format is asked for, whatever else they accept.
+    // All browsers then share an answer whose format is given, regardless of their Accept headers.
     const bool has_format = std::ranges::any_of(parse_query(options),
                                                 [](const api::TextOption& option) { return option.name == "format"; });
     ComputeRequest request{std::string(operation.path), std::move(options), kPicture,
                            has_format ? "" : std::string(incoming.request.header("Accept")), *std::move(bytes)};
-    const auto asked = take_in(operation, std::move(request), *std::move(lease));
+    const auto asked = prepare(operation, std::move(request), *std::move(lease));
     if (!asked) return tl::unexpected(asked.error());
-    return give(*asked, incoming);
+    return respond(*asked, incoming);
 }
 
-/// Gives an answer that the client has already, that is kept, or that is computed while the client waits.
-HttpResult<Response> Computing::give(const AcceptedPointer& asked, const Incoming& incoming) {
+/// Returns an answer that the client already has, one from the cache, or one that is computed while the client waits.
+HttpResult<Response> Computing::respond(const AcceptedPointer& asked, const Incoming& incoming) {
     if (const auto tag = known_tag(incoming, asked->name)) return not_modified(*tag);
     const bool compressed = accepts_gzip(incoming.request.header("Accept-Encoding"));
-    if (auto response = recall(asked->name, compressed, incoming)) return *std::move(response);
+    if (auto response = find_cached(asked->name, compressed, incoming)) return *std::move(response);
     return compute(asked, compressed, incoming);
 }
 
@@ -250,22 +249,21 @@ HttpResult<Response> Computing::compute(const AcceptedPointer& asked, bool compr
     auto product = run(asked, forecast->cost, compressed, incoming, limit);
     if (!product) return tl::unexpected(std::move(product.error()));
     api::Answer& answer = product->answer;
-    if (!product->passage && !answer.partial)
+    if (!product->pipe && !answer.partial)
         cache_.keep(cache_key(asked->name, compressed, cache_owner(incoming.connection)), answer);
     incoming.record.computed = Computed{answer.sites, answer.pixels};
     Response response = response_of(std::move(answer), asked->name, incoming.record);
-    if (product->passage) response.stream = stream_of(*product, incoming, deadline + kGrace + Passage::kPatience);
+    if (product->pipe) response.stream = stream_of(*product, incoming, deadline + kGrace + BodyPipe::kPatience);
     response.lease = std::make_shared<MemoryBudget::Lease>(std::move(product->lease));
     return response;
 }
 
-/// Makes what sends a large body while it is written.
-/// @param latest  when what computes has to be done
+/// Makes the function that sends a large body while it is written.
+/// @param latest  time by which the computation must have ended
 Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& incoming, Clock::time_point latest) const {
-    return [this, passage = computed.passage, &connection = incoming.connection, latest](const Send& send,
-                                                                                         Record& record) {
-        while (!passage->is_over()) {
-            const auto piece = passage->pop(Clock::now() + kPeek);
+    return [this, pipe = computed.pipe, &connection = incoming.connection, latest](const Send& send, Record& record) {
+        while (!pipe->is_over()) {
+            const auto piece = pipe->pop(Clock::now() + kPollInterval);
             if (piece ? !send(*piece) : connection.client_gone()) {
                 record.cancelled = "client_gone";
             } else if (abandoned_) {
@@ -275,24 +273,25 @@ Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& inco
             } else {
                 continue;
             }
-            passage->abandon();
-            if (record.cancelled != "client_gone") record.cause = "the answer was not written to its end";
+            pipe->abandon();
+            if (record.cancelled != "client_gone") record.cause = "the answer was not written completely";
             return false;
         }
-        record.stages.work = passage->timings();
-        const auto outcome = passage->outcome();
+        record.stages.work = pipe->timings();
+        const auto outcome = pipe->outcome();
         if (!outcome) record.cause = outcome.error().message;
         return outcome.has_value();
     };
 }
 
-/// Finds whose an answer in the cache is: by the time it takes one key could tell what another asked.
+/// Returns the owner of a cached answer. With a shared cache, the response time reveals to one key what another
+/// requested.
 std::string Computing::cache_owner(const Connection& connection) const {
     return config_.cache_shared ? "" : connection.key();
 }
 
-/// Finds the answer of that name if it was computed before, and there is memory to send it.
-std::optional<Response> Computing::recall(const std::string& name, bool compressed, const Incoming& incoming) {
+/// Finds the answer of that name if it is cached and there is memory to send it.
+std::optional<Response> Computing::find_cached(const std::string& name, bool compressed, const Incoming& incoming) {
     const auto answer = cache_.find(cache_key(name, compressed, cache_owner(incoming.connection)));
     if (answer == nullptr) return std::nullopt;
     auto lease = pool_.memory().take(answer->body.size());
@@ -303,19 +302,19 @@ std::optional<Response> Computing::recall(const std::string& name, bool compress
     return response;
 }
 
-/// Refuses to compute while the server shuts down. Whoever connected before that began is served; by a connection that
-/// was kept, others know to ask once more.
+/// Refuses to compute while the server shuts down, except for connections made before. Clients of kept connections know
+/// to retry on another one.
 HttpResult<void> Computing::check_drain(const Incoming& incoming) const {
     if (draining_ && !incoming.connection.is_on_first_request()) return busy(503, "the server is shutting down");
     return {};
 }
 
-/// Reads the body of a request that is to be computed, unless it is clear already that it will not be.
+/// Reads the body of a request, unless it is already clear that the request will be refused.
 HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool deferred) const {
     const Request& request = incoming.request;
     Connection& connection = incoming.connection;
     if (std::ranges::any_of(request.headers, is_encoding))
-        return problem(415, "a Content-Encoding is not understood; send the body as it is");
+        return problem(415, "Content-Encoding is not supported; send the body without encoding");
     if (auto checked = check_drain(incoming); !checked) return tl::unexpected(checked.error());
     const bool may_be_short = request.content_length.value_or(kLongBody) < kLongBody;
     const auto& client = connection.client_name();
@@ -324,7 +323,7 @@ HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool defe
     return connection.read_body(request, config_.max_body);
 }
 
-/// Counts the memory of a request from here on until nobody needs it any more.
+/// Reserves memory for a request until it is done.
 HttpResult<MemoryBudget::Lease> Computing::take_memory(std::size_t size) {
     if (size > waiting_memory_.total()) return too_large(size);
     auto lease = waiting_memory_.take(size);
@@ -332,8 +331,8 @@ HttpResult<MemoryBudget::Lease> Computing::take_memory(std::size_t size) {
     return *std::move(lease);
 }
 
-/// Takes apart what was asked.
-HttpResult<Computing::AcceptedPointer> Computing::take_in(const Operation& operation, ComputeRequest request,
+/// Parses a form into its parts and names the answer.
+HttpResult<Computing::AcceptedPointer> Computing::prepare(const Operation& operation, ComputeRequest request,
                                                           MemoryBudget::Lease lease) {
     auto fields = find_fields(request);
     if (!fields) return problem(std::move(fields.error()));
@@ -343,17 +342,17 @@ HttpResult<Computing::AcceptedPointer> Computing::take_in(const Operation& opera
         AcceptedRequest{operation, std::move(request), std::move(name), std::move(lease)});
 }
 
-/// Makes a job of what is parsed now and computed when its turn comes.
+/// Makes a job of a request, which is parsed now and computed later.
 HttpResult<Response> Computing::defer(const AcceptedPointer& asked, const Incoming& incoming) {
     const auto forecast = this->forecast(asked, incoming, Clock::now() + config_.timeout);
     if (!forecast) return tl::unexpected(forecast.error());
-    incoming.record.stages = {};  // the job has its own
+    incoming.record.stages = {};  // the job has stages of its own
     Job job;
     job.owner = incoming.connection.key();
     job.client = incoming.connection.client_name();
     job.traceparent = whole_traceparent(incoming.request.header("traceparent"));
     job.cost = forecast->cost;
-    job.cost.memory += asked->request.body.size();  // its run takes it from the store
+    job.cost.memory += asked->request.body.size();  // the run loads the body from the store
     if (job.cost.memory > pool_.memory().total()) return too_large(job.cost.memory);
     return jobs_.accept(std::move(job), asked->request).map(accepted);
 }
@@ -367,17 +366,17 @@ HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& asked
         });
     };
     if (!is_quickly_parsed(asked->operation, asked->request))
-        return have_worker_do<Forecast>([find](const Control&, api::Timings&, auto&) { return find(); },
-                                        cost_of_parsing(asked->operation, asked->request), incoming, {deadline});
+        return run_in_worker<Forecast>([find](const Control&, api::Timings&, auto&) { return find(); },
+                                       cost_of_parsing(asked->operation, asked->request), incoming, {deadline});
     auto found = find();
     if (!found) return problem(std::move(found.error()));
     return *found;
 }
 
-/// Has a worker do a task, and waits for the result. The record tells how far it came.
+/// Has a worker run a task, and waits for the result. The record gets the stages so far.
 template <class T>
-HttpResult<T> Computing::have_worker_do(Task<T> task, const api::Cost& cost, const Incoming& incoming,
-                                        const TimeLimit& limit) {
+HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming,
+                                       const TimeLimit& limit) {
     if (cost.memory > pool_.memory().total()) return too_large(cost.memory);
     const auto pending = std::make_shared<PendingResult<T>>();
     const auto job = pool_.submit(
@@ -402,16 +401,16 @@ HttpResult<T> Computing::have_worker_do(Task<T> task, const api::Cost& cost, con
     return *std::move(result);
 }
 
-/// Waits for a result until the client leaves, the server shuts down, or the deadline and the grace have passed. A
-/// computation that is still running then ends in the background.
+/// Waits for a result until the client closes the connection, the server shuts down, or the deadline and the grace have
+/// passed. A computation that is still running then ends in the background.
 template <class T>
 HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
                                      const TimeLimit& limit) {
-    while (!pending.wait_until(std::min(Clock::now() + kPeek, limit.deadline))) {
+    while (!pending.wait_until(std::min(Clock::now() + kPollInterval, limit.deadline))) {
         if (incoming.connection.client_gone()) {
             pending.abandon();
             pool_.cancel(job);
-            return give_up(problem(kClientGone, "the client went away"), "client_gone", incoming.record);
+            return give_up(problem(kClientGone, "the client closed the connection"), "client_gone", incoming.record);
         }
         if (abandoned_) {
             pending.abandon();
@@ -433,22 +432,21 @@ HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& aske
     const bool in_pieces = incoming.request.method != "HEAD";
     Task<ComputedAnswer> task = [this, asked, compressed, key, in_pieces](const Control& control, api::Timings& timings,
                                                                           PendingResult<ComputedAnswer>& pending) {
-        Outlet outlet(pending, timings, cache_.largest(), pool_.memory());
-        const std::stop_callback pass_on(control.stop, [&outlet] { outlet.stop().request_stop(); });
+        TeeWriter tee(pending, timings, cache_.largest(), pool_.memory());
+        const std::stop_callback pass_on(control.stop, [&tee] { tee.stop().request_stop(); });
         Control own = control;
-        own.stop = outlet.stop().get_token();
+        own.stop = tee.stop().get_token();
         auto answer =
-            compute_(asked->request, {compressed, in_pieces ? &outlet : nullptr, pending.unwanted()}, own, timings);
-        if (answer && answer->streamed && outlet.copy() != nullptr && !answer->partial)
-            cache_.keep(key, *outlet.copy());
-        outlet.close(answer.map([](const api::Answer&) {}));
+            compute_(asked->request, {compressed, in_pieces ? &tee : nullptr, pending.unwanted()}, own, timings);
+        if (answer && answer->streamed && tee.copy() != nullptr && !answer->partial) cache_.keep(key, *tee.copy());
+        tee.close(answer.map([](const api::Answer&) {}));
         return std::move(answer).map([this](api::Answer&& whole) {
             const std::size_t size = whole.body.size();
             return ComputedAnswer{std::move(whole), pool_.memory().hold(size)};
         });
     };
     const double waited = incoming.record.stages.queue;
-    auto product = have_worker_do(std::move(task), cost, incoming, limit);
+    auto product = run_in_worker(std::move(task), cost, incoming, limit);
     incoming.record.stages.queue += waited;
     return product;
 }
@@ -459,8 +457,8 @@ tl::unexpected<Problem> Computing::busy(int status, std::string message) const {
 
 tl::unexpected<Problem> Computing::too_large(std::size_t bytes) const {
     const auto mebibytes = [](std::size_t size) { return std::to_string((size >> 20) + 1) + " MiB"; };
-    return problem(413, "this would take about " + mebibytes(bytes) + " of memory; of this server's limit (memory) " +
-                            mebibytes(pool_.memory().total()) + " are for computing and " +
+    return problem(413, "this needs about " + mebibytes(bytes) + " of memory; this server's limit (memory) leaves " +
+                            mebibytes(pool_.memory().total()) + " for computing and " +
                             mebibytes(waiting_memory_.total()) + " for requests");
 }
 

@@ -24,31 +24,31 @@
 
 namespace ccdt::server {
 
-/// Answers requests whose answer is computed: while their client waits, or as a job if it would rather not. May be used
-/// from any thread.
+/// Answers requests that need a computation, while their client waits or, if the client prefers, as a job. Thread-safe.
 class Computing {
 public:
-    /// @param waiting_memory  that requests take until they are done, besides what the pool's jobs take
-    /// @param answers  Redis where servers share answers; null: none
-    /// Pool, memory, jobs and Redis must outlive it.
+    /// @param waiting_memory  budget for requests until they are done, in addition to the memory of the pool's jobs
+    /// @param answers         Redis in which servers share answers; null: none
+    /// `pool`, `waiting_memory`, `jobs` and `answers` must outlive this object.
     Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute, Jobs& jobs,
               RedisClient* answers);
 
     HttpResult<Response> answer(const Operation& operation, const Incoming& incoming);
 
-    /// Answers a request for a picture of this server, as if it had been sent with these options in the query.
+    /// Answers a request for one of the server's pictures as if the picture had been sent with these options in the
+    /// query.
     HttpResult<Response> answer(const Operation& operation, PictureFile picture, std::string options,
                                 const Incoming& incoming);
 
     const ResultCache& cache() const { return cache_; }
 
-    /// From now on refuses to compute but for the first request of a connection.
+    /// From now on, computes only for the first request of a connection, and refuses others.
     void drain() { draining_ = true; }
 
-    /// Stops waiting: whoever waits for a result is told that the server shuts down, from now on.
+    /// From now on, answers all clients that wait for a result that the server shuts down.
     void abandon() { abandoned_ = true; }
 
-    /// Refuses what may end well once the backlog is done.
+    /// Makes a refusal of a request that may succeed once the backlog is done.
     tl::unexpected<Problem> busy(int status, std::string message) const;
 
 private:
@@ -58,9 +58,9 @@ private:
     struct ComputedAnswer;
     template <class T>
     class PendingResult;
-    class Outlet;
+    class TeeWriter;
 
-    /// Properties of a parsed request that decide how it is run.
+    /// Properties of a parsed request that determine how it is run.
     struct Forecast {
         api::Cost cost;
         bool accepts_partial = false;
@@ -68,11 +68,11 @@ private:
 
     /// Limits on the wait for a result.
     struct TimeLimit {
-        Clock::time_point deadline;                 ///< at which the computation is told to stop
-        Clock::duration grace = Clock::duration();  ///< after the deadline, for a result that a stop does not void
+        Clock::time_point deadline;                 ///< when the computation is told to stop
+        Clock::duration grace = Clock::duration();  ///< extra time for a result that is valid even if stopped
     };
 
-    /// What a worker does. The result may be there before it is done: then that is what counts.
+    /// A task for a worker. It may deliver its result before it returns; then the returned result is ignored.
     template <class T>
     using Task = std::function<Result<T>(const Control&, api::Timings&, PendingResult<T>&)>;
 
@@ -81,18 +81,18 @@ private:
     HttpResult<void> check_drain(const Incoming& incoming) const;
     HttpResult<std::string> read_body(const Incoming& incoming, bool deferred) const;
     HttpResult<MemoryBudget::Lease> take_memory(std::size_t size);
-    HttpResult<AcceptedPointer> take_in(const Operation& operation, ComputeRequest request, MemoryBudget::Lease lease);
-    HttpResult<Response> give(const AcceptedPointer& asked, const Incoming& incoming);
+    HttpResult<AcceptedPointer> prepare(const Operation& operation, ComputeRequest request, MemoryBudget::Lease lease);
+    HttpResult<Response> respond(const AcceptedPointer& asked, const Incoming& incoming);
     HttpResult<Response> defer(const AcceptedPointer& asked, const Incoming& incoming);
     HttpResult<Forecast> forecast(const AcceptedPointer& asked, const Incoming& incoming, Clock::time_point deadline);
     template <class T>
-    HttpResult<T> have_worker_do(Task<T> task, const api::Cost& cost, const Incoming& incoming, const TimeLimit& limit);
+    HttpResult<T> run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming, const TimeLimit& limit);
     template <class T>
     HttpResult<void> wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
                               const TimeLimit& limit);
     std::string cache_owner(const Connection& connection) const;
     Stream stream_of(const ComputedAnswer& computed, const Incoming& incoming, Clock::time_point latest) const;
-    std::optional<Response> recall(const std::string& name, bool compressed, const Incoming& incoming);
+    std::optional<Response> find_cached(const std::string& name, bool compressed, const Incoming& incoming);
     HttpResult<Response> compute(const AcceptedPointer& asked, bool compressed, const Incoming& incoming);
     HttpResult<ComputedAnswer> run(const AcceptedPointer& asked, const api::Cost& cost, bool compressed,
                                    const Incoming& incoming, const TimeLimit& limit);

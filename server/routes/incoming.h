@@ -10,14 +10,14 @@ namespace ccdt::server {
 
 struct Operation;
 
-/// Things that the path of a request names besides its route.
+/// Parts of a request's path that the route does not fix.
 struct Target {
-    std::string_view name;                 ///< for the placeholder of the route's path: a job's id, a picture's name
-    const PageFile* file = nullptr;        ///< of the page
-    const Operation* operation = nullptr;  ///< that computes
+    std::string_view name;                 ///< the placeholder's value: a job's id, a picture's name
+    const PageFile* file = nullptr;        ///< file of the page
+    const Operation* operation = nullptr;  ///< the operation to compute
 };
 
-/// A request that is being answered, where it came from, and what log and figures will be told of it.
+/// A request being answered: its connection, its target, and the record for log and metrics.
 struct Incoming {
     const Request& request;
     Connection& connection;

@@ -12,15 +12,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Time after which a stream looks whether its client is still there.
-constexpr std::chrono::milliseconds kPeek{200};
+/// Interval at which a stream checks whether its client is still connected.
+constexpr std::chrono::milliseconds kPollInterval{200};
 
-constexpr std::chrono::seconds kSoon{1};
+constexpr std::chrono::seconds kRetryAfter{1};
 
-/// Bytes of a result that is sent whole; larger ones go out in pieces.
+/// Maximum size of a result that is sent whole, in bytes; larger ones are sent in pieces.
 constexpr std::size_t kWhole = api::Body::kWhole;
 
-/// An answer that holds for the moment only, as what is told of a job does.
+/// Makes an answer that must not be stored, such as the status of a job.
 Response for_now(std::string media_type, std::string body) {
     Response response;
     response.media_type = std::move(media_type);
@@ -33,15 +33,15 @@ Response document(const Job& job) {
     return for_now("application/json", status_json(job) + '\n');
 }
 
-/// Tells why there is no result.
+/// Makes the problem that says why there is no result.
 tl::unexpected<Problem> no_result(const Job& job) {
     if (job.status == JobStatus::Cancelled) return problem(410, "the job was cancelled");
     if (job.failure) {
-        Problem failed{job.failure->status, job.failure->error};  // as in the job's document
+        Problem failed{job.failure->status, job.failure->error};  // the same as in the job's document
         if (failed.status == 500) failed.cause = failed.error.message;
         return tl::unexpected(std::move(failed));
     }
-    return problem(409, "the job is " + std::string(name_of(job.status)) + "; its result is not there yet");
+    return problem(409, "the job is " + std::string(name_of(job.status)) + "; its result is not available yet");
 }
 
 std::string event(const Job& job) {
@@ -65,7 +65,7 @@ HttpResult<Response> JobRoutes::status(const std::string& id, const Connection& 
     return document(*job);
 }
 
-/// Answers with a result; it stays what it is as long as it is there, so the job's id is its tag.
+/// Returns a result. A result never changes, so the job's id is its tag.
 HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view if_none_match,
                                        const Connection& connection) {
     const auto job = jobs_.find(id, connection.key());
@@ -74,7 +74,7 @@ HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view i
     if (const auto tag = find_tag(if_none_match, id)) return not_modified(*tag);
     const bool in_pieces = job->result_bytes > kWhole;
     auto lease = memory_.take(in_pieces ? 2 * JobStore::kPiece : job->result_bytes);
-    if (!lease) return busy(503, "there is too little memory left to send a result of this size", kSoon);
+    if (!lease) return busy(503, "there is too little memory left to send a result of this size", kRetryAfter);
     auto first = in_pieces ? jobs_.piece(id, 0) : jobs_.result(id);
     if (!first) return tl::unexpected(std::move(first.error()));
     Response response;
@@ -92,7 +92,7 @@ HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view i
     return response;
 }
 
-/// Makes what sends a large result, one piece after the other.
+/// Makes the function that sends a large result, one piece after another.
 Stream JobRoutes::stream_of(const Job& job, std::string first) const {
     return [this, id = job.id, left = job.result_bytes, piece = std::move(first)](const Send& send,
                                                                                   Record& record) mutable {
@@ -121,7 +121,7 @@ HttpResult<Response> JobRoutes::events(const std::string& id, const Connection& 
     auto watch = jobs_.watch(id, connection.key());
     if (!watch) return tl::unexpected(std::move(watch.error()));
     Response response = for_now("text/event-stream", {});
-    response.headers.push_back({"X-Accel-Buffering", "no"});  // nginx would wait for more
+    response.headers.push_back({"X-Accel-Buffering", "no"});  // disables nginx' buffering
     response.stream = [this, &connection, watch = *std::move(watch)](const Send& send, Record&) {
         send_events(watch, connection, send);
         return true;
@@ -129,13 +129,13 @@ HttpResult<Response> JobRoutes::events(const std::string& id, const Connection& 
     return response;
 }
 
-/// Sends events until the job ends, the client leaves or the server shuts down.
+/// Sends events until the job ends, the client disconnects or the server shuts down.
 void JobRoutes::send_events(Jobs::Watch watch, const Connection& connection, const Send& send) const {
     auto silent_since = Clock::now();
     while (!connection.client_gone()) {
         const bool last_look = jobs_.is_draining();
         const auto ping = silent_since + ping_;
-        const auto news = watch.next(last_look ? Clock::now() : std::min(Clock::now() + kPeek, ping));
+        const auto news = watch.next(last_look ? Clock::now() : std::min(Clock::now() + kPollInterval, ping));
         if (!news && (last_look || watch.is_over())) return;
         if (!news && Clock::now() < ping) continue;
         if (!news) watch.look_again();

@@ -12,11 +12,11 @@
 
 namespace ccdt::server {
 
-/// Answers what clients ask about their jobs. May be used from any thread.
+/// Answers requests about jobs. Thread-safe.
 class JobRoutes {
 public:
-    /// @param memory  what results take on their way to clients
-    /// Jobs and memory must outlive it, and every answer that streams.
+    /// @param memory  budget for results while they are sent
+    /// `jobs` and `memory` must outlive this object and all streamed answers.
     JobRoutes(Jobs& jobs, MemoryBudget& memory, std::chrono::milliseconds ping)
         : jobs_(jobs), memory_(memory), ping_(ping) {}
 
@@ -34,7 +34,7 @@ private:
     const std::chrono::milliseconds ping_;
 };
 
-/// Answers that a job was accepted.
+/// Makes the answer that a job was accepted.
 Response accepted(const Job& job);
 
 }  // namespace ccdt::server

@@ -28,17 +28,17 @@ constexpr std::string_view kJson = "application/json";
 constexpr std::string_view kProblem = "application/problem+json";
 constexpr std::size_t kLongestId = 64;
 
-/// Bytes of a page's origin that are told: its host has at most 253.
+/// Maximum length of a logged origin, in bytes: its host has at most 253.
 constexpr std::size_t kLongestOrigin = 300;
 constexpr std::size_t kLongestHost = 260;
 
-/// Bytes of a text: longer ones are compressed by workers.
+/// Maximum size of a text, in bytes, that is compressed here; longer ones are compressed by workers.
 constexpr std::size_t kQuickToCompress = 262'144;
 
-/// Methods that some path takes, for `OPTIONS *`.
+/// All methods that some path accepts, for `OPTIONS *`.
 constexpr std::string_view kAllMethods = "GET, HEAD, POST, DELETE, OPTIONS";
 
-/// Seconds after which a worker that goes on though its job was cancelled counts as stuck.
+/// Seconds after which a worker that continues although its job was cancelled counts as stuck.
 constexpr double kLongestOverdue = 10;
 
 std::string hexadecimal(std::uint64_t number, int digits) {
@@ -58,7 +58,7 @@ std::string server_timing(const Stages& stages) {
     return text;
 }
 
-/// Adds the tag: a strong one names bytes, which differ between codings; a weak one what they mean.
+/// Adds the ETag header. A strong tag names bytes, which depend on the content coding; a weak tag names the meaning.
 void add_entity_tag(Response& response) {
     if (response.tag.empty()) return;
     if (!response.coding.empty() && response.tag.front() == '"')
@@ -66,8 +66,8 @@ void add_entity_tag(Response& response) {
     response.headers.push_back({"ETag", response.tag});
 }
 
-/// Finds what stands in a path for the placeholder of a pattern, such as `/jobs/{id}/events`.
-/// @returns  none if the path does not match; empty if it does, and the pattern has no placeholder
+/// Finds the part of a path that matches the placeholder of a pattern such as `/jobs/{id}/events`.
+/// @returns  none if the path does not match; empty if it matches and the pattern has no placeholder
 std::optional<std::string_view> match(std::string_view pattern, std::string_view path) {
     const auto begin = pattern.find('{');
     if (begin == std::string_view::npos) return pattern == path ? std::optional(std::string_view()) : std::nullopt;
@@ -77,16 +77,16 @@ std::optional<std::string_view> match(std::string_view pattern, std::string_view
     return name;
 }
 
-/// Whether a route is asked for by its own method, or by HEAD instead of GET.
+/// Whether a request's method is that of the route, or HEAD instead of GET.
 bool is_taken(std::string_view method, std::string_view of_route) {
     return method == of_route || (method == "HEAD" && of_route == "GET");
 }
 
-/// Seconds for which a picture by name is shown again without asking for it.
+/// Seconds for which caches may reuse a picture by name without revalidation.
 constexpr std::int64_t kFreshSeconds = 60;
 
-/// Tells how long an answer about a picture may be kept, and by whom: what a key was needed for by its client alone,
-/// what has a signed URL until that expires. A partial answer, which has no tag, is not to be kept.
+/// Makes the Cache-Control header of a picture by name. If an API key was needed, only the client may store the answer.
+/// With a signed URL, it may be stored until the URL expires. A partial answer, which has no tag, must not be stored.
 Header cache_control(const Response& response, const SignedUrl& url, bool is_private) {
     if (response.tag.empty()) return {"Cache-Control", "no-store"};
     std::int64_t seconds = kFreshSeconds;
@@ -98,10 +98,10 @@ Header cache_control(const Response& response, const SignedUrl& url, bool is_pri
     return {"Cache-Control", (is_private ? "private, max-age=" : "public, max-age=") + std::to_string(seconds)};
 }
 
-tl::unexpected<Problem> no_place(Room room) {
+tl::unexpected<Problem> no_slot(ConnectionClass connection_class) {
     return busy(503,
-                room == Room::Streams ? "too many streams of events are open (max-streams)"
-                                      : "too many connections are open (max-connections)",
+                connection_class == ConnectionClass::Streams ? "too many event streams are open (max-streams)"
+                                                             : "too many connections are open (max-connections)",
                 std::chrono::seconds(1));
 }
 
@@ -119,25 +119,26 @@ Response json_response(std::string body) {
 
 }  // namespace
 
-/// The rows of all that is answered; of what is computed kOperations has them.
+/// All routes: fixed ones, and one for each row of kOperations.
 struct Routes::Table {
     static constexpr auto kFixed = std::to_array<Route>({
-        {"/", "GET", Room::Common, Entrance::Read, &Routes::page, nullptr},
-        {"/openapi.json", "GET", Room::Common, Entrance::Read, &Routes::page, nullptr},
-        {"/capabilities", "GET", Room::Common, Entrance::Read, &Routes::capabilities, nullptr},
-        {"/health", "GET", Room::Reserve, Entrance::Anyone, &Routes::live, nullptr},
-        {"/health/live", "GET", Room::Reserve, Entrance::Anyone, &Routes::live, nullptr},
-        {"/health/ready", "GET", Room::Reserve, Entrance::Anyone, &Routes::ready, nullptr},
-        {"/metrics", "GET", Room::Reserve, Entrance::Key, &Routes::metrics, nullptr},
-        {"/halftone/{name}", "GET", Room::Common, Entrance::Signature, &Routes::picture, find_operation("/halftone")},
-        {"/jobs/{id}", "GET", Room::Common, Entrance::Key, &Routes::job_status, nullptr},
-        {"/jobs/{id}", "DELETE", Room::Common, Entrance::Key, &Routes::remove_job, nullptr},
-        {"/jobs/{id}/events", "GET", Room::Streams, Entrance::Key, &Routes::job_events, nullptr},
-        {"/jobs/{id}/result", "GET", Room::Common, Entrance::Key, &Routes::job_result, nullptr},
+        {"/", "GET", ConnectionClass::Common, Access::Read, &Routes::page, nullptr},
+        {"/openapi.json", "GET", ConnectionClass::Common, Access::Read, &Routes::page, nullptr},
+        {"/capabilities", "GET", ConnectionClass::Common, Access::Read, &Routes::capabilities, nullptr},
+        {"/health", "GET", ConnectionClass::Reserve, Access::Anyone, &Routes::live, nullptr},
+        {"/health/live", "GET", ConnectionClass::Reserve, Access::Anyone, &Routes::live, nullptr},
+        {"/health/ready", "GET", ConnectionClass::Reserve, Access::Anyone, &Routes::ready, nullptr},
+        {"/metrics", "GET", ConnectionClass::Reserve, Access::ApiKey, &Routes::metrics, nullptr},
+        {"/halftone/{name}", "GET", ConnectionClass::Common, Access::Signature, &Routes::picture,
+         find_operation("/halftone")},
+        {"/jobs/{id}", "GET", ConnectionClass::Common, Access::ApiKey, &Routes::job_status, nullptr},
+        {"/jobs/{id}", "DELETE", ConnectionClass::Common, Access::ApiKey, &Routes::remove_job, nullptr},
+        {"/jobs/{id}/events", "GET", ConnectionClass::Streams, Access::ApiKey, &Routes::job_events, nullptr},
+        {"/jobs/{id}/result", "GET", ConnectionClass::Common, Access::ApiKey, &Routes::job_result, nullptr},
     });
 
     static constexpr Route row_of(const Operation& operation) {
-        return {operation.path, "POST", Room::Common, Entrance::Key, &Routes::compute, &operation};
+        return {operation.path, "POST", ConnectionClass::Common, Access::ApiKey, &Routes::compute, &operation};
     }
 
     static const std::array<Route, kFixed.size() + kOperations.size()> kRows;
@@ -164,7 +165,7 @@ Routes::Routes(const Config& config, Parts parts)
 Response Routes::answer(const Request& request, const HttpResult<void>& received, Connection& connection) {
     const auto found = find(request);
     Record record;
-    connection.name_client({}, {});  // as long as it is not known, it is not the last request's either
+    connection.name_client({}, {});  // keeps no name from the previous request while the client is unknown
     const auto admitted = received.and_then([&] { return check_host(found, request); }).and_then([&] {
         return admit(found, request, connection, record);
     });
@@ -190,7 +191,7 @@ Response Routes::answer(const Request& request, const HttpResult<void>& received
     return response;
 }
 
-/// Finds the row of a path; of several that of the method, if there is one. Files of the page share one.
+/// Finds the route of a path, preferably one with the request's method. All files of the page share one route.
 Routes::Found Routes::find(const Request& request) {
     Found found;
     for (const Route& route : Table::kRows) {
@@ -207,36 +208,35 @@ Routes::Found Routes::find(const Request& request) {
     return found;
 }
 
-/// Tells what a request needs. That there is nothing below a health check is told without a key, too.
+/// Returns the credential that a request needs. Unknown paths below /health/ are answered with 404 without a key, too.
 Gate::Credential Routes::needed(const Found& found, const Request& request) {
     const auto key_unless = [](bool free) { return free ? Gate::Credential::None : Gate::Credential::Key; };
     if (found.route == nullptr) return key_unless(request.path.starts_with("/health/"));
-    switch (found.route->entrance) {
-        case Entrance::Key:
+    switch (found.route->access) {
+        case Access::ApiKey:
             return Gate::Credential::Key;
-        case Entrance::Signature:
+        case Access::Signature:
             return Gate::Credential::Signature;
-        case Entrance::Read:
+        case Access::Read:
             return key_unless(is_taken(request.method, "GET"));
-        case Entrance::Anyone:
+        case Access::Anyone:
             break;
     }
     return Gate::Credential::None;
 }
 
-/// Refuses requests for hosts that are not this server's. Health checks are answered whatever balancers call it.
+/// Refuses requests for hosts that are not allowed. Health checks are answered for any host.
 HttpResult<void> Routes::check_host(const Found& found, const Request& request) {
-    const bool is_for_anyone = found.route != nullptr && found.route->entrance == Entrance::Anyone;
+    const bool is_for_anyone = found.route != nullptr && found.route->access == Access::Anyone;
     if (is_for_anyone || allows_host(config_.allowed_hosts, request.authority)) return {};
     const std::string asked = request.authority.substr(0, kLongestHost);
     if (!warned_of_hosts_.exchange(true))
-        warn_("a request for the host " + asked +
-              " was refused; --allowed-host with its name would have it answered. " +
-              "Requests for other hosts are refused without a word from now on");
+        warn_("a request for the host " + asked + " was refused; --allowed-host with this name would allow it. " +
+              "Further refusals of hosts are not logged");
     return problem(421, "this server does not answer for the host " + asked + " (allowed-host)");
 }
 
-/// Lets a request pass the gate, and tells its connection and the record whose it is.
+/// Checks a request's credentials and rate, and stores the client's identity in the connection and the record.
 HttpResult<void> Routes::admit(const Found& found, const Request& request, Connection& connection, Record& record) {
     auto verdict = gate_.check(request, connection.client().address, needed(found, request));
     connection.name_client(std::move(verdict.client), std::move(verdict.key));
@@ -244,7 +244,7 @@ HttpResult<void> Routes::admit(const Found& found, const Request& request, Conne
     return std::move(verdict.admission);
 }
 
-/// The methods that a path takes, as in Allow.
+/// Returns the methods that a path accepts, in the form of Allow.
 std::string Routes::allowed_methods(const Route& route) {
     std::string methods;
     for (const Route& other : Table::kRows) {
@@ -264,11 +264,11 @@ HttpResult<Response> Routes::dispatch(const Route* route, const Incoming& incomi
     if (request.method == "OPTIONS") return preflight(allowed_methods(*route), request);
     if (!is_taken(request.method, route->method)) {
         const std::string allowed = allowed_methods(*route);
-        auto refused = problem(405, "this path takes " + allowed);
+        auto refused = problem(405, "this path accepts " + allowed);
         refused.value().headers.push_back({"Allow", allowed});
         return refused;
     }
-    if (!incoming.connection.move_to(route->room)) return no_place(route->room);
+    if (!incoming.connection.move_to(route->connection_class)) return no_slot(route->connection_class);
     return (this->*route->handler)(incoming);
 }
 
@@ -306,7 +306,7 @@ HttpResult<Response> Routes::ready(const Incoming& /*incoming*/) {
     if (load.overdue_seconds > kLongestOverdue)
         return computing_.busy(503, "a worker does not stop when it is told to");
     if (load.backlog_seconds > std::chrono::duration<double>(config_.timeout).count())
-        return computing_.busy(503, "what waits takes longer than the timeout");
+        return computing_.busy(503, "waiting requests take longer than the timeout");
     return json_response(R"({"status":"ready"})");
 }
 
@@ -334,7 +334,7 @@ HttpResult<Response> Routes::remove_job(const Incoming& incoming) {
     return job_routes_.remove(std::string(incoming.target.name), incoming.connection);
 }
 
-/// Answers OPTIONS, to people and to browsers that ask before a request from another origin.
+/// Answers OPTIONS requests, including CORS preflights.
 Response Routes::preflight(std::string_view allow, const Request& request) const {
     Response response;
     response.status = 204;
@@ -361,11 +361,12 @@ Response Routes::describe(Problem problem, Record& record) {
     return response;
 }
 
-/// Compresses a text for clients that want it so, unless a worker has done it.
+/// Compresses a text if the client accepts it, unless a worker has done so.
 void Routes::negotiate_coding(const Request& request, Response& response) {
     const bool done = !response.coding.empty();
-    const bool told = response.status == 304;  // which says what the whole answer would have said
-    const bool streamed = response.stream && !response.length && is_compressible(response.media_type);  // by a worker
+    const bool told = response.status == 304;  // has the headers that the full answer would have had
+    const bool streamed =
+        response.stream && !response.length && is_compressible(response.media_type);  // compressed by a worker
     if (!done && !told && !streamed && !is_worth_compressing(response.media_type, response.body)) return;
     response.headers.push_back({"Vary", "Accept-Encoding"});
     if (!done && !told && !streamed && response.body.size() <= kQuickToCompress &&
@@ -376,13 +377,13 @@ void Routes::negotiate_coding(const Request& request, Response& response) {
     if (!response.coding.empty()) response.headers.push_back({"Content-Encoding", response.coding});
 }
 
-/// Tells once, of the first page that may not call, what would let it: in the browser nothing does.
+/// Warns once, about the first page that may not call, which flag would allow it. Browsers do not show the reason.
 void Routes::warn_of_refused_origin(const Request& request) {
     const auto origin = request.header("Origin").substr(0, kLongestOrigin);
     if (!asks_for_other_origin(request) || allows_origin(config_.cors_origins, origin)) return;
     if (warned_of_origins_.exchange(true)) return;
     warn_("a page of " + std::string(origin) + " may not call this server; --cors-origin " + std::string(origin) +
-          " would let it. Pages of other origins are refused without a word from now on");
+          " would allow it. Further refusals of origins are not logged");
 }
 
 void Routes::add_common_headers(const Request& request, Response& response) const {

@@ -23,64 +23,64 @@
 
 namespace ccdt::server {
 
-/// Maps paths and methods to what answers them. May be used from any thread.
+/// Maps paths and methods to handlers. Thread-safe.
 class Routes {
 public:
-    /// Tells what is missing to compute now, in words; empty: nothing.
+    /// Returns what prevents computations now, as a message; empty: nothing.
     using Missing = std::function<std::string()>;
 
     /// Parts that answer requests. All of them must outlive the routes.
     struct Parts {
         Gate& gate;
         WorkerPool& pool;
-        MemoryBudget& waiting_memory;  ///< that requests take until they are done, besides what jobs of the pool take
+        MemoryBudget& waiting_memory;  ///< budget for requests, in addition to the memory of the pool's jobs
         Compute compute;
         Jobs& jobs;
         const Metrics& metrics;
         Missing missing;
-        std::function<void(const std::string&)> warn;  ///< whoever runs the server, in words
-        RedisClient* answers = nullptr;                ///< where servers share answers; null: none
+        std::function<void(const std::string&)> warn;  ///< reports to the operator
+        RedisClient* answers = nullptr;                ///< Redis in which servers share answers; null: none
     };
 
     Routes(const Config& config, Parts parts);
 
-    /// Answers anything that came over a connection; what was not to be received is told so.
+    /// Answers a request. If it could not be received, answers why.
     Response answer(const Request& request, const HttpResult<void>& received, Connection& connection);
 
     const ResultCache& cache() const { return computing_.cache(); }
 
-    /// Refuses to compute anything new from now on.
+    /// From now on, refuses new computations as Computing::drain() does, and reports that the server is not ready.
     void drain() {
         draining_ = true;
         computing_.drain();
     }
 
-    /// Stops waiting: whoever waits for a result is told that the server shuts down, from now on.
+    /// From now on, answers all clients that wait for a result that the server shuts down.
     void abandon() { computing_.abandon(); }
 
 private:
     using Handler = HttpResult<Response> (Routes::*)(const Incoming&);
 
-    /// Rule for who is answered although there are API keys.
-    enum class Entrance {
-        Key,        ///< who shows one, and asks no more often than the rate allows
-        Signature,  ///< who has a signed URL where there are signing keys: what embeds a picture sends no key
-        Read,       ///< who wants to GET, always: a browser that opens the page sends no key
-        Anyone      ///< always: balancers send no keys with health checks
+    /// Credential that a request needs if there are API keys.
+    enum class Access {
+        ApiKey,     ///< an API key; the rate is limited
+        Signature,  ///< a signed URL, if there are signing keys: <img> sends no API key
+        Read,       ///< an API key, except for GET and HEAD: browsers send none when they open the page
+        Anyone      ///< nothing: load balancers send no keys with health checks
     };
 
-    /// A row of the table of all that is answered; no column has a default.
+    /// A row of the table of routes; no column has a default.
     struct Route {
-        std::string_view path;    ///< a placeholder such as `{id}` stands for anything without a slash
-        std::string_view method;  ///< of GET, HEAD as well
-        Room room;                ///< in which a connection needs its place
-        Entrance entrance;
+        std::string_view path;             ///< a placeholder such as `{id}` matches anything without a slash
+        std::string_view method;           ///< GET includes HEAD
+        ConnectionClass connection_class;  ///< class in which the connection needs a slot
+        Access access;
         Handler handler;
-        const Operation* operation;  ///< that the handler computes; null: none
+        const Operation* operation;  ///< operation that the handler computes; null: none
     };
     struct Table;
 
-    /// The row of a path, and what else it names.
+    /// The route of a path, and the variable parts of the path.
     struct Found {
         const Route* route = nullptr;
         Target target;
@@ -119,7 +119,7 @@ private:
     const Missing missing_;
     const std::function<void(const std::string&)> warn_;
     Computing computing_;
-    const std::optional<PictureFolder> pictures_;  ///< none: no pictures are asked for by name
+    const std::optional<PictureFolder> pictures_;  ///< none: pictures by name are disabled
     JobRoutes job_routes_;
     std::atomic<bool> draining_ = false;
     std::atomic<bool> warned_of_origins_ = false;

@@ -32,7 +32,7 @@ using State = Finding::State;
 
 constexpr std::size_t kColumn = 10;
 
-/// A state and its words; the part is named by the table below.
+/// A state and its description; the table below names the part.
 using Found = std::pair<State, std::string>;
 
 Found wrong(const Error& error) {
@@ -56,34 +56,33 @@ Found check_worker(const Config& config) {
                           {.limits = config.limits}, [](const Order&, const std::stop_token&) {}, tell_nobody);
     if (!box) return wrong(box.error());
     if (const auto ready = (*box)->wait_until_ready(); !ready) return wrong(ready.error());
-    return {State::Good, std::to_string(config.workers) + " may compute at once"};
+    return {State::Good, std::to_string(config.workers) + " simultaneous computations"};
 }
 
 Found check_keys(const Config& config) {
-    if (config.api_key_file.empty()) return {State::Good, "nobody needs one"};
+    if (config.api_key_file.empty()) return {State::Good, "no key is needed"};
     const auto ring = KeyRing::read(config.api_key_file);
-    return ring ? Found{State::Good, "those of " + config.api_key_file} : wrong(ring.error());
+    return ring ? Found{State::Good, "from " + config.api_key_file} : wrong(ring.error());
 }
 
 Found check_signing(const Config& config) {
     if (config.signing.empty()) return {State::Good, "no URL needs a signature"};
     const auto ring = read_signing_keys(config.signing);
     if (!ring) return wrong(ring.error());
-    return {State::Good,
-            "by " + (config.signing.file.empty() ? "a key of the environment" : "those of " + config.signing.file)};
+    return {State::Good, "from " + (config.signing.file.empty() ? "the environment" : "" + config.signing.file)};
 }
 
 Found check_pictures(const Config& config) {
-    if (config.pictures.empty()) return {State::Good, "none are asked for by name"};
+    if (config.pictures.empty()) return {State::Good, "no pictures by name"};
     const auto checked = PictureFolder(config.pictures).check();
-    return checked ? Found{State::Good, "those of " + config.pictures} : wrong(checked.error());
+    return checked ? Found{State::Good, "from " + config.pictures} : wrong(checked.error());
 }
 
 Found check_memory(const Config& config) {
     const auto memory = memory_to_compute_with(config, resident_bytes());
     if (!memory) return wrong(memory.error());
     return {State::Good, std::to_string(memory->total >> 20) + " MiB of " + std::to_string(config.memory >> 20) +
-                             " are there to compute with"};
+                             " are left for computations"};
 }
 
 Found check_files(const Config& config) {
@@ -93,39 +92,39 @@ Found check_files(const Config& config) {
     return {plan->fits() ? State::Good : State::Weak, describe(*plan)};
 }
 
-/// Asks a Redis, without which a server starts as well, for what is wrong with it.
+/// Asks a Redis for faults. Without it, the server starts nevertheless.
 template <class FindFaults>
 Found check_redis(const RedisAddress& address, const char* does, FindFaults find_faults) {
     RedisClient client(address);
     const Result<std::vector<std::string>> faults = find_faults(client);
     if (!faults) return {State::Weak, faults.error().message};
-    if (faults->empty()) return {State::Good, does + std::string(" by Redis at ") + address.name()};
+    if (faults->empty()) return {State::Good, does + std::string(" Redis at ") + address.name()};
     std::string words;
     for (const auto& fault : *faults) words += (words.empty() ? "" : "; ") + fault;
     return {State::Weak, words};
 }
 
-/// Jobs in a folder need one that may be written, or one in which it may be made.
+/// Checks that the folder of jobs, or the folder in which it would be created, is writable.
 Found check_jobs(const Config& config) {
-    if (config.redis) return check_redis(*config.redis, "kept", RedisJobStore::find_faults);
-    if (config.data_dir.empty()) return {State::Good, "kept in memory, and gone with the server"};
+    if (config.redis) return check_redis(*config.redis, "stored in", RedisJobStore::find_faults);
+    if (config.data_dir.empty()) return {State::Good, "stored in memory, lost when the server ends"};
     std::error_code none;
     auto folder = std::filesystem::absolute(config.data_dir, none);
     while (!std::filesystem::exists(folder, none) && folder.has_relative_path()) folder = folder.parent_path();
     const bool is_folder = std::filesystem::is_directory(folder, none);
-    if (is_folder && access(folder.c_str(), W_OK | X_OK) == 0) return {State::Good, "kept in " + config.data_dir};
+    if (is_folder && access(folder.c_str(), W_OK | X_OK) == 0) return {State::Good, "stored in " + config.data_dir};
     return {State::Wrong, folder.string() + ": " + std::strerror(is_folder ? errno : ENOTDIR)};
 }
 
 Found check_answers(const Config& config) {
-    if (config.cache_redis) return check_redis(*config.cache_redis, "kept here and", RedisCache::find_faults);
+    if (config.cache_redis) return check_redis(*config.cache_redis, "kept here and in", RedisCache::find_faults);
     return {State::Good, config.cache > 0 ? "kept here" : "not kept"};
 }
 
 Found check_rates(const Config& config) {
     if (config.rate.per_second <= 0) return {State::Good, "not limited"};
     if (!config.rate_redis) return {State::Good, "counted here"};
-    return check_redis(*config.rate_redis, "counted", [](RedisClient& client) {
+    return check_redis(*config.rate_redis, "counted in", [](RedisClient& client) {
         return client.run(RedisCommand{"PING"}).map([](const RedisReply&) { return std::vector<std::string>(); });
     });
 }
@@ -137,7 +136,7 @@ Found check_address(const Config& config) {
     return {State::Good, config.bind + (has_port ? " port " + std::to_string(listener->port()) : "")};
 }
 
-/// What is checked, a line each.
+/// A part of the server and the function that checks it.
 struct Check {
     std::string_view part;
     Found (*run)(const Config&);

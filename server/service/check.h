@@ -7,30 +7,30 @@
 
 namespace ccdt::server {
 
-/// What was found of a part of the server.
+/// The state of one part of the server.
 struct Finding {
     enum class State {
         Good,
-        Weak,   ///< the server starts, though something is not as it should be
-        Wrong,  ///< it does not start
+        Weak,   ///< the server starts, but something is not as it should be
+        Wrong,  ///< the server does not start
     };
     std::string part;
     State state = State::Good;
     std::string words;
 };
 
-/// Tries what the server needs to start with this configuration, each thing for itself: the programs beside it and
-/// their sandbox, the files of keys, the folder of pictures, memory, the folder of jobs, what Redis it uses, the
-/// address to listen on.
+/// Checks everything that the server needs to start with this configuration, independently of each other: the sibling
+/// programs and their sandbox, the key files, the folder of pictures, memory, the folder of jobs, each Redis, the
+/// listening address.
 ///
-/// Nothing is served, taken up or written: jobs that are stored stay as they are, and that another server uses their
-/// folder is not noticed. What is started is ended again.
+/// Nothing is served, claimed or written. Stored jobs stay as they are, and another server that uses their folder is
+/// not detected. Started programs are ended again.
 std::vector<Finding> check(const Config& config);
 
 /// Whether the server would start.
 bool would_start(const std::vector<Finding>& findings);
 
-/// A line for each finding.
+/// Returns one line for each finding.
 std::string describe(const std::vector<Finding>& findings);
 
 }  // namespace ccdt::server

@@ -19,7 +19,7 @@ constexpr std::string_view kWell = "HTTP/1.1 200 ";
 }  // namespace
 
 Result<void> ask_health(const Config& config) {
-    const auto unwell = [](const std::string& why) { return failure(ErrorCode::Unusable, "no health: " + why); };
+    const auto unwell = [](const std::string& why) { return failure(ErrorCode::Unusable, "unhealthy: " + why); };
     const auto socket = connect_to(config.bind, config.port, std::chrono::seconds(3));
     if (!socket) return tl::unexpected(socket.error());
     if (send(socket->get(), kQuestion.data(), kQuestion.size(), MSG_NOSIGNAL) < 0) return unwell(std::strerror(errno));

@@ -5,9 +5,9 @@
 
 namespace ccdt::server {
 
-/// Asks the server that listens where this configuration says whether it lives, as a health check of a container that
-/// has no other program to ask with. Waits for 3 s at most for each of connecting, asking and being told.
-/// Errors (Unusable): nobody answers there, or with anything but 200.
+/// Asks the server on the configured address whether it is alive. This serves as the health check of a container that
+/// has no other program for it. Waits for at most 3 s for each of connecting, sending and receiving.
+/// Errors (Unusable): there is no answer, or its status is not 200.
 Result<void> ask_health(const Config& config);
 
 }  // namespace ccdt::server

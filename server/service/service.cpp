@@ -29,8 +29,8 @@ void tell(const Confinement& confinement, const Log& log) {
         log.error(confinement.describe());
 }
 
-/// Time that a request waits at most for what can be done without: answers and rates that are shared.
-constexpr std::chrono::milliseconds kBriefly{200};
+/// Time limit for calls without which a request can be answered: shared answers and rates.
+constexpr std::chrono::milliseconds kOptionalDeadline{200};
 
 std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& address, std::chrono::milliseconds deadline,
                                        const Log& log) {
@@ -43,12 +43,12 @@ Result<std::unique_ptr<Gate>> start_gate(const Config& config, RedisClient* rate
     return gate->read_keys().map([&] { return std::move(gate); });
 }
 
-/// Checks the folder of pictures, if there is one.
+/// Checks the folder of pictures, if one is configured.
 Result<void> check_pictures(const Config& config) {
     return config.pictures.empty() ? Result<void>() : PictureFolder(config.pictures).check();
 }
 
-/// @param redis  null: jobs are kept here
+/// @param redis  null: jobs are stored in this process or folder
 Result<std::unique_ptr<JobStore>> start_store(const Config& config, RedisClient* redis, const Log& log) {
     if (redis != nullptr)
         return std::make_unique<RedisJobStore>(
@@ -59,8 +59,8 @@ Result<std::unique_ptr<JobStore>> start_store(const Config& config, RedisClient*
     auto store = SqliteJobStore::open(config.data_dir, config.jobs);
     if (!store) return tl::unexpected(std::move(store.error()));
     if (const std::uint64_t count = (*store)->damages(); count > 0)
-        log.error("the disk has changed what is stored of jobs: " + std::to_string(count) +
-                  " faults were found, and the jobs that cannot be believed have failed");
+        log.error("the job store is damaged: " + std::to_string(count) +
+                  " faults were found, and damaged jobs have failed");
     return *std::move(store);
 }
 
@@ -75,7 +75,7 @@ RedisClient::Counts counts_of(const std::unique_ptr<RedisClient>& client) {
     return client ? client->counts() : RedisClient::Counts();
 }
 
-/// Makes the most of the descriptors that this process may have.
+/// Raises the limit of open files, and reduces the limits of connections if it is still too low.
 Result<Config> with_descriptors(Config config, const Log& log) {
     allow_open_files(wanted_descriptors(config));
     const auto plan = share_descriptors(config, most_descriptors());
@@ -99,7 +99,8 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
     auto computing = start_computing(config, **decoder, log);
     if (!computing) return tl::unexpected(std::move(computing.error()));
     RedisClients redis{client_of(config.redis, RedisClient::kDeadline, log),
-                       client_of(config.cache_redis, kBriefly, log), client_of(config.rate_redis, kBriefly, log)};
+                       client_of(config.cache_redis, kOptionalDeadline, log),
+                       client_of(config.rate_redis, kOptionalDeadline, log)};
     auto gate = start_gate(config, redis.rates.get());
     if (!gate) return tl::unexpected(std::move(gate.error()));
     if (auto checked = check_pictures(config); !checked) return tl::unexpected(std::move(checked.error()));
@@ -117,9 +118,8 @@ Result<std::unique_ptr<Service>> Service::start(const Config& config, const Log&
     const auto fitting = with_descriptors(config, log);
     if (!fitting) return tl::unexpected(fitting.error());
     if (const auto limit = address_space_limit())
-        log.warning("a process may have " + std::to_string(*limit >> 20) +
-                    " MiB of addresses (ulimit -v): pictures and large requests may fail with a 500; --memory is the "
-                    "limit to set");
+        log.warning("the address space of a process is limited to " + std::to_string(*limit >> 20) +
+                    " MiB (ulimit -v): pictures and large requests may fail with a 500; set --memory instead");
     auto parts = start_parts(*fitting, log);
     if (!parts) return tl::unexpected(std::move(parts.error()));
     std::unique_ptr<Service> service(new Service(*fitting, *std::move(parts), log));
@@ -186,15 +186,15 @@ void Service::drain() {
     jobs_.drain();
 }
 
-/// Tells what is missing to compute now; empty: nothing.
+/// Returns what prevents computations now; empty: nothing.
 std::string Service::missing() const {
-    if (!parts_.decoder->is_ready()) return "the decoder of pictures is being started again";
-    if (!parts_.decoder->is_responsive()) return "the decoder of pictures does not answer";
-    if (!parts_.computing->is_ready()) return "what makes the processes that compute is being started again";
-    return parts_.computing->is_responsive() ? "" : "what makes the processes that compute does not answer";
+    if (!parts_.decoder->is_ready()) return "the picture decoder is being restarted";
+    if (!parts_.decoder->is_responsive()) return "the picture decoder does not answer";
+    if (!parts_.computing->is_ready()) return "the fork server of computations is being restarted";
+    return parts_.computing->is_responsive() ? "" : "the fork server of computations does not answer";
 }
 
-/// Collects what the parts count.
+/// Collects the metrics that other parts count.
 Metrics::Watched Service::figures() const {
     return {.connections = server_.connections(),
             .memory_budget = parts_.memory.total,

@@ -23,52 +23,53 @@
 
 namespace ccdt::server {
 
-/// All parts of the server, which are there from its start to its end.
+/// All parts of the server, from its start to its end.
 class Service {
 public:
-    /// Starts the parts in the order in which they need each other: the process that starts decoders, that which starts
-    /// those that compute, the keys, memory, the store of jobs, the port, and the jobs that the store has from before.
-    /// The two processes get ready meanwhile, and longer. Clients that connect wait until `serve` is called.
+    /// Starts the parts in the order of their dependencies: the process that starts decoders, the fork server of
+    /// computations, the keys, memory, the job store, the port, and stored jobs. The two processes get ready in the
+    /// background, and take longer than the rest. Clients that connect wait until `serve` is called.
     ///
-    /// @param log  outlives the service
-    /// Errors: those of the parts, of which those before have ended then.
+    /// @param log  must outlive the service
+    /// Errors: those of the parts; parts that were started have ended then.
     static Result<std::unique_ptr<Service>> start(const Config& config, const Log& log);
 
     Service(const Service&) = delete;
     Service& operator=(const Service&) = delete;
 
-    /// Waits until the programs that decode and compute are ready, for which requests wait meanwhile, and logs how the
-    /// former is confined. Errors: Internal; nothing will be decoded or computed.
+    /// Waits until the programs that decode and compute are ready, and logs how decoders are confined. Requests wait
+    /// meanwhile.
+    /// Errors: Internal; nothing can be decoded or computed.
     Result<void> wait_until_ready() const;
 
-    /// The place where it listens: a URL, or `unix:` and a path.
+    /// The listening address: a URL, or `unix:` and a path.
     std::string address() const;
 
-    /// Reads the files of keys again. After an error they are what they were.
+    /// Reloads the key files. After an error, the keys stay as they were.
     Result<void> read_keys() { return parts_.gate->read_keys(); }
 
-    /// Serves until `drain`; returns once all that was accepted is answered.
+    /// Serves until `drain`. Returns once all accepted requests are answered.
     /// @returns  false if accepting failed for any other reason
     bool serve() { return server_.serve(); }
 
-    /// Has nothing new accepted or computed. From any thread.
+    /// Stops accepting connections and new computations. May be called from any thread.
     void drain();
 
-    /// Has nothing waited for any more: whoever waits for a result is told that the server shuts down.
+    /// Answers all clients that wait for a result that the server shuts down.
     void abandon() { routes_.abandon(); }
 
-    /// Returns once nothing is computed any more. To be called after `serve` has returned.
+    /// Returns once no computation is running. To be called after `serve` has returned.
     void finish() { pool_.drain(); }
 
 private:
-    /// What Redis is used for, each by choice; null: it is not.
+    /// Redis clients by purpose; null: not used.
     struct RedisClients {
         std::unique_ptr<RedisClient> jobs;
         std::unique_ptr<RedisClient> answers;
         std::unique_ptr<RedisClient> rates;
     };
 
-    /// Parts that may fail to start; Redis, which others use, first.
+    /// Parts whose start may fail. Redis comes first, because others use it.
     struct Parts {
         RedisClients redis;
         std::unique_ptr<DecoderBox> decoder;

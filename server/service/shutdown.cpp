@@ -11,8 +11,8 @@
 namespace ccdt::server {
 namespace {
 
-/// Time for telling those who wait that nothing will come.
-constexpr std::chrono::milliseconds kLastWords{1'000};
+/// Time to answer waiting clients that there will be no result.
+constexpr std::chrono::milliseconds kTimeToAnswer{1'000};
 
 /// @returns  false if the time has passed
 bool ended_within(std::chrono::milliseconds time, const std::stop_token& ended) {
@@ -37,7 +37,7 @@ void ServerSignals::wait_for_end(const std::function<void()>& reload) const {
     int number = 0;
     while (sigwait(&signals_, &number) == 0 && number == SIGHUP) reload();
     std::signal(SIGHUP, SIG_IGN);
-    // Handlers, since the default action does not end the first process of a container.
+    // Handlers are needed, because the default action does not end the first process of a container.
     for (const int other : kEndSignals) std::signal(other, [](int again) { _exit(128 + again); });
     pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
 }
@@ -59,12 +59,12 @@ bool ShutdownDeadline::wait_for_start(const std::stop_token& ended) {
 }
 
 void ShutdownDeadline::keep(const std::stop_token& ended) {
-    const auto last_words = std::min(kLastWords, timeout_ / 2);
-    if (ended_within(timeout_ - last_words, ended)) return;
-    log_.info("the time to shut down is nearly over: requests that are not done are given up");
+    const auto time_to_answer = std::min(kTimeToAnswer, timeout_ / 2);
+    if (ended_within(timeout_ - time_to_answer, ended)) return;
+    log_.info("the time for shutdown is nearly over: unfinished requests are cancelled");
     abandon_();
-    if (ended_within(last_words, ended)) return;
-    log_.error("the time to shut down is over: answers that clients do not take are dropped");
+    if (ended_within(time_to_answer, ended)) return;
+    log_.error("the time for shutdown is over: unsent answers are dropped");
     std::_Exit(EXIT_SUCCESS);
 }
 

@@ -12,29 +12,29 @@
 
 namespace ccdt::server {
 
-/// The signals that a server acts on: SIGINT, SIGTERM and SIGQUIT end it, SIGHUP reloads.
+/// The signals that the server handles: SIGINT, SIGTERM and SIGQUIT end it, SIGHUP reloads.
 class ServerSignals {
 public:
-    /// Blocks these signals, and ignores those that would end the program and mean nothing to it. To be made before any
-    /// thread: threads inherit the mask, and only the thread that waits takes the signals.
+    /// Blocks these signals, and ignores those that would end the program without a reason. Must be constructed before
+    /// any thread is created: threads inherit the mask, and only the waiting thread receives the signals.
     ServerSignals();
 
-    /// Reloads on each SIGHUP, and returns on the first other signal. From then on a further one ends the program at
-    /// once, and SIGHUP is ignored.
+    /// Reloads on each SIGHUP, and returns on the first other signal. After that, another such signal ends the program
+    /// at once, and SIGHUP is ignored.
     void wait_for_end(const std::function<void()>& reload) const;
 
 private:
     sigset_t signals_;
 };
 
-/// Ends the program in time even if a request does not: first nothing is waited for any more, then it is over.
+/// Ends the program in time even if a request does not end: first cancels all waiting requests, then exits.
 class ShutdownDeadline {
 public:
-    /// Makes the thread that keeps the time, which there may be no memory for when the end begins.
-    /// @param abandon  is called shortly before the end
+    /// Creates the thread, for which there may be no memory later.
+    /// @param abandon  called shortly before the end
     ShutdownDeadline(std::chrono::milliseconds timeout, std::function<void()> abandon, const Log& log);
 
-    /// Begins to count.
+    /// Starts the timer.
     void start();
 
 private:
@@ -47,7 +47,7 @@ private:
     std::mutex mutex_;
     std::condition_variable_any changed_;
     bool started_ = false;  ///< guarded by the mutex
-    std::jthread thread_;   ///< last: it uses the others
+    std::jthread thread_;   ///< last, because it uses the other members
 };
 
 }  // namespace ccdt::server

@@ -7,8 +7,8 @@
 
 namespace ccdt::server {
 
-/// Lists the headers that tell what the body of an answer may not, the same at once and from a job. That it is partial
-/// is not among them.
+/// Returns the headers with information that the body of an answer lacks. They are the same in direct answers and for
+/// jobs. They do not say whether the answer is partial.
 std::vector<Header> answer_headers(const api::Answer& answer);
 
 }  // namespace ccdt::server

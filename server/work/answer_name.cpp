@@ -9,7 +9,7 @@ namespace ccdt::server {
 std::string name_of_answer(const ComputeRequest& request, const std::vector<FormPart>& fields,
                            const api::Limits& limits) {
     const std::string type = media_type(request.content_type);
-    // What is not asked for is chosen within the limits.
+    // Defaults of options depend on the limits.
     const std::string server =
         CCDT_VERSION " " + std::to_string(limits.max_sites) + ' ' + std::to_string(limits.max_pixels);
     Digest digest;

@@ -9,11 +9,12 @@
 
 namespace ccdt::server {
 
-/// Names the answer to a request before it is computed: different requests have different ones, and so
-/// have servers of other limits or versions. The same picture and options in a form have one, whatever its boundary.
+/// Computes a name for the answer to a request before the answer exists. Different requests have different names, and
+/// so have servers with other limits or versions. The same picture and options in a form have one name, whatever the
+/// boundary.
 ///
-/// @param fields  of the request's form, if it is one
-/// @returns       24 characters that may stand in an entity tag
+/// @param fields  fields of the request's form, if it is one
+/// @returns       24 characters that are valid in an entity tag
 /// O(size of the body).
 std::string name_of_answer(const ComputeRequest& request, const std::vector<FormPart>& fields,
                            const api::Limits& limits);

@@ -12,7 +12,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Leaves an answer as it is if a stop has come: what there is by a deadline goes out at once.
+/// Compresses a body unless a stop was requested: a partial answer at the deadline is sent at once.
 void compress(api::Answer& answer, const std::stop_token& stop, api::Timings& timings) {
     if (!is_worth_compressing(answer.media_type, answer.body)) return;
     const auto start = std::chrono::steady_clock::now();
@@ -24,7 +24,7 @@ void compress(api::Answer& answer, const std::stop_token& stop, api::Timings& ti
     timings.encode += taken.count();
 }
 
-/// Compresses the pieces of a text on their way.
+/// Compresses the pieces of a text and passes them on.
 class CompressingTaker : public api::BodyTaker {
 public:
     explicit CompressingTaker(api::BodyTaker& next) : next_(next) {}

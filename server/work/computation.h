@@ -12,23 +12,24 @@
 
 namespace ccdt::server {
 
-/// Form in which an answer is wanted, besides what its request says.
+/// The form of delivery of an answer, in addition to what the request says.
 struct Delivery {
-    bool compressed = false;          ///< if that is worth it
-    api::BodyTaker* taker = nullptr;  ///< of a large body, in pieces; null: it is wanted whole
-    std::stop_token unwanted = {};    ///< stopped once nobody wants it any more, not even as far as it came
+    bool compressed = false;          ///< if compression is worthwhile
+    api::BodyTaker* taker = nullptr;  ///< receives a large body in pieces; null: the body is returned whole
+    std::stop_token unwanted = {};    ///< stopped once nobody needs the answer, not even a partial one
 };
 
-/// Computes the answer to a request, which is right; may take any time.
+/// Computes the answer to a valid request. May take any time.
 ///
-/// Told to stop by the control it ends within a pass, with the error Stopped or what the request allows to give then.
-/// Errors: those of the path, Internal if the computation failed; also once pieces of the body have been taken, which
-/// are of no use then. Timings are filled as far as it came.
+/// When `control` requests a stop, it ends within a pass, with the error Stopped or, if the request allows that, a
+/// partial answer.
+/// Errors: those of the path, and Internal if the computation failed. An error may occur after pieces of the body were
+/// delivered, which are then useless. `timings` has the stages up to the end.
 using Compute = std::function<Result<api::Answer>(const ComputeRequest& request, const Delivery& delivery,
                                                   const Control& control, api::Timings& timings)>;
 
 /// Computes an answer in this thread.
-/// @param decode  reads pictures
+/// @param decode  decodes pictures
 Result<api::Answer> compute_here(const ComputeRequest& request, const Delivery& delivery, const api::Limits& limits,
                                  const api::Decode& decode, const Control& control, api::Timings& timings);
 

@@ -4,11 +4,11 @@
 
 namespace ccdt::server {
 
-/// Parts of an HTTP request that a computed answer depends on: all of them.
+/// The parts of an HTTP request that a computed answer depends on.
 struct ComputeRequest {
     std::string path;
-    std::string query;         ///< as sent, but for what a form adds to it
-    std::string content_type;  ///< as sent, like the next; empty once a form was taken apart
+    std::string query;         ///< as sent, plus the fields of a form
+    std::string content_type;  ///< as sent, like `accept`; empty once a form was parsed
     std::string accept;
     std::string body;
 };

@@ -8,23 +8,23 @@
 
 namespace ccdt::server {
 
-/// SHA-256 of texts, each with its length, so that no two lists of them run together. Throws std::bad_alloc.
+/// SHA-256 of a list of texts. Each is hashed with its length, so that different lists never have the same input.
+/// Throws std::bad_alloc.
 class Digest {
 public:
     Digest();
 
     void add(std::string_view text);
 
-    /// Finishes; to be called once.
-    /// @returns  the beginning of the digest in base64, 24 characters: as many as nobody finds two lists of one digest
-    ///           with
+    /// Finishes the digest. Must be called at most once.
+    /// @returns  the first 18 bytes of the digest in base64, 24 characters: enough to make collisions infeasible
     std::string finish();
 
 private:
     std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
 };
 
-/// Signs a text by HMAC-SHA256 (RFC 2104). Throws std::bad_alloc.
+/// Signs a text with HMAC-SHA256 (RFC 2104). Throws std::bad_alloc.
 /// @returns  the signature in URL-safe base64 without padding, 43 characters
 std::string sign(std::string_view key, std::string_view text);
 

@@ -12,10 +12,10 @@
 
 namespace ccdt::server {
 
-/// A queue for items of several clients, who take turns by what the items cost: next is always that of the client who
-/// has had least. Having had nothing for a while gives no credit, and once nobody waits all that was had is forgotten.
+/// A fair queue for items of several clients, by cost: the next item belongs to the client that has received the least
+/// service. An idle client gains no credit, and when the queue is empty all accounts are cleared.
 ///
-/// Not for several threads at once. O(items) an operation.
+/// Not thread-safe. O(items) per operation.
 /// Source: Goyal, Vin, Cheng 1996, Start-time fair queuing.
 template <class Item>
 class FairQueue {
@@ -23,13 +23,13 @@ public:
     struct Entry {
         std::string client;
         double cost = 0;
-        double turn = 0;  ///< what its client will have had before it
+        double start_tag = 0;  ///< service that its client will have received before it
         Item item;
     };
 
     bool empty() const { return entries_.empty(); }
     std::size_t size() const { return entries_.size(); }
-    auto begin() const { return entries_.begin(); }  ///< in the order in which they came
+    auto begin() const { return entries_.begin(); }  ///< in order of arrival
     auto end() const { return entries_.end(); }
 
     bool has(std::string_view client) const {
@@ -37,71 +37,72 @@ public:
     }
 
     void push(const std::string& client, double cost, Item item) {
-        double& had = had_.try_emplace(client, turn_).first->second;
-        const double turn = std::max(turn_, had);
-        had = turn + cost;
-        entries_.push_back({client, cost, turn, std::move(item)});
+        double& finish_tag = finish_tags_.try_emplace(client, virtual_time_).first->second;
+        const double start_tag = std::max(virtual_time_, finish_tag);
+        finish_tag = start_tag + cost;
+        entries_.push_back({client, cost, start_tag, std::move(item)});
     }
 
-    /// The entry that came first of those whose turn is first; there must be one.
-    const Entry& next() const { return *std::ranges::min_element(entries_, {}, &Entry::turn); }
+    /// Returns the entry with the lowest start tag, the earliest one among equals. The queue must not be empty.
+    const Entry& next() const { return *std::ranges::min_element(entries_, {}, &Entry::start_tag); }
 
     Item take_next() {
-        const auto next = std::ranges::min_element(entries_, {}, &Entry::turn);
-        pass(next->turn);
+        const auto next = std::ranges::min_element(entries_, {}, &Entry::start_tag);
+        advance(next->start_tag);
         return remove(next);
     }
 
-    /// Takes the entry that is next of those whose items a test holds for.
+    /// Takes the next entry among those whose items pass a test.
     /// @returns  none if there is none
     template <class Test>
     std::optional<Entry> take_next_of(Test test) {
         auto next = entries_.end();
         for (auto entry = entries_.begin(); entry != entries_.end(); ++entry)
-            if (test(entry->item) && (next == entries_.end() || entry->turn < next->turn)) next = entry;
+            if (test(entry->item) && (next == entries_.end() || entry->start_tag < next->start_tag)) next = entry;
         if (next == entries_.end()) return std::nullopt;
-        pass(next->turn);
-        Entry taken{next->client, next->cost, next->turn, {}};
+        advance(next->start_tag);
+        Entry taken{next->client, next->cost, next->start_tag, {}};
         taken.item = remove(next);
         return taken;
     }
 
-    /// Puts an entry that was taken where it is next.
+    /// Returns a taken entry to the front of the queue.
     void put_back(Entry entry) {
-        entry.turn = std::min(entry.turn, turn_);
+        entry.start_tag = std::min(entry.start_tag, virtual_time_);
         entries_.push_front(std::move(entry));
     }
 
-    /// Takes out the first item that a test holds for, as if it had never been there.
+    /// Removes the first item that passes a test, as if it finish_tag never been added.
     /// @returns  none if there is none
     template <class Test>
     std::optional<Item> withdraw(Test test) {
         const auto found = std::ranges::find_if(entries_, test, &Entry::item);
         if (found == entries_.end()) return std::nullopt;
-        if (const auto had = had_.find(found->client); had != had_.end()) had->second -= found->cost;
+        if (const auto finish_tag = finish_tags_.find(found->client); finish_tag != finish_tags_.end())
+            finish_tag->second -= found->cost;
         return remove(found);
     }
 
 private:
-    /// Goes on to a turn that is taken.
-    void pass(double turn) {
-        turn_ = std::max(turn_, turn);
-        std::erase_if(had_, [this](const auto& client) { return client.second <= turn_; });
+    /// Advances the virtual time to the start tag of an entry that is taken.
+    void advance(double start_tag) {
+        virtual_time_ = std::max(virtual_time_, start_tag);
+        std::erase_if(finish_tags_, [this](const auto& client) { return client.second <= virtual_time_; });
     }
 
     Item remove(typename std::deque<Entry>::iterator entry) {
         Item item = std::move(entry->item);
         entries_.erase(entry);
         if (entries_.empty()) {
-            had_.clear();
-            turn_ = 0;
+            finish_tags_.clear();
+            virtual_time_ = 0;
         }
         return item;
     }
 
     std::deque<Entry> entries_;
-    double turn_ = 0;                                 ///< the latest that was taken
-    std::map<std::string, double, std::less<>> had_;  ///< by client, of those that had more than `turn_`
+    double virtual_time_ = 0;                                 ///< the highest start tag that was taken
+    std::map<std::string, double, std::less<>> finish_tags_;  ///< by client, if higher than the virtual time
 };
 
 }  // namespace ccdt::server

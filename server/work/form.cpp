@@ -20,7 +20,8 @@ Result<const FormPart*> find_picture(const std::vector<FormPart>& fields) {
     const FormPart* picture = nullptr;
     for (const FormPart& field : fields) {
         if (!is_picture(field)) continue;
-        if (picture != nullptr) return failure(ErrorCode::Malformed, "the form holds more than one picture", "image");
+        if (picture != nullptr)
+            return failure(ErrorCode::Malformed, "the form contains more than one picture", "image");
         picture = &field;
     }
     if (picture == nullptr)

@@ -8,15 +8,15 @@
 
 namespace ccdt::server {
 
-/// Finds the fields of the form that a request's body is, by its content type.
-/// @returns  none if it is no form
+/// Finds the fields of the form in a request's body, according to its content type.
+/// @returns  empty if the body is not a form
 /// Errors (Malformed): those of parse_multipart.
 Result<std::vector<FormPart>> find_fields(const ComputeRequest& request);
 
-/// Makes of a request with a form the same request with a picture: the part `image` or `file` becomes the body, the
-/// other fields are added to the query. What is no form stays as it is.
+/// Converts a request with a form to one with a picture. The part `image` or `file` becomes the body; the other fields
+/// are added to the query. Other requests stay as they are.
 ///
-/// @param fields  of that request
+/// @param fields  the fields of this request
 /// Errors (Malformed): no picture, or several.
 Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fields);
 

@@ -8,12 +8,12 @@
 
 namespace ccdt::server {
 
-/// Bytes that requests may take together. What is taken is an estimate made before; nobody measures.
+/// A limit for the memory of all requests together. Amounts are estimates made in advance; nothing is measured.
 ///
-/// May be used from any thread; must outlive its leases.
+/// Thread-safe; must outlive its leases.
 class MemoryBudget {
 public:
-    /// Bytes that were taken, given back at its end.
+    /// Reserved bytes, released by the destructor.
     class Lease {
     public:
         Lease() = default;
@@ -41,13 +41,14 @@ public:
     std::size_t total() const { return total_; }
     std::size_t taken() const { return taken_; }
 
-    /// @returns  none if not so much is left
+    /// @returns  none if less than `bytes` is left
     std::optional<Lease> take(std::size_t bytes);
 
-    /// Takes even what is not left: for what is there already, and was part of a larger lease.
+    /// Reserves unconditionally, for buffers that are already allocated and were part of a larger lease.
     Lease hold(std::size_t bytes);
 
-    /// Has it told whenever bytes are given back, by the thread that does. To be called before any are taken.
+    /// Sets a function that is called whenever bytes are released, by the releasing thread. Must be called before the
+    /// first reservation.
     void on_return(std::function<void()> tell) { tell_ = std::move(tell); }
 
 private:

@@ -14,22 +14,22 @@
 namespace ccdt::server {
 namespace {
 
-/// Bytes of JSON: longer ones are parsed by a worker.
+/// Maximum size of JSON, in bytes, that a connection's thread parses; longer texts are parsed by a worker.
 constexpr std::size_t kQuickToParse = 8'192;
 
 bool is_json(std::string_view type) {
     return type == "application/json" || (type.starts_with("application/") && type.ends_with("+json"));
 }
 
-/// Whether programs send JSON under that type, if they do not say so.
+/// Whether programs send JSON with this content type, when they do not specify a type.
 bool may_hold_json(std::string_view type) {
     constexpr auto kUnspecific = std::to_array<std::string_view>(
         {"", "text/plain", "application/octet-stream", "application/x-www-form-urlencoded"});
     return is_json(type) || std::ranges::find(kUnspecific, type) != kUnspecific.end();
 }
 
-/// Whether a body where pictures are taken is JSON instead: as its type says or, where that says nothing, as it begins
-/// with what no picture does.
+/// Whether the body of a path that accepts pictures is JSON: according to its type or, if that is unspecific, because
+/// it begins with `{`, as no picture does.
 bool holds_json(const ComputeRequest& request) {
     const std::string type = media_type(request.content_type);
     return is_json(type) || (may_hold_json(type) && api::trim(request.body, " \t\r\n").starts_with('{'));
@@ -67,7 +67,7 @@ Result<api::Answer> compute(const api::AnalyzeRequest& request, const api::Limit
     return api::run_analyze(request, control, timings);
 }
 
-/// Any request of the api's, for which there are the functions above.
+/// A request of api, by the functions above.
 template <class Request>
 class Parsed : public ParsedRequest {
 public:

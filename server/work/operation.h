@@ -13,15 +13,15 @@
 
 namespace ccdt::server {
 
-/// A request that was read and found right. May point into the body that it was read from.
+/// A parsed, valid request. May point into the body that was parsed.
 class ParsedRequest {
 public:
     virtual ~ParsedRequest() = default;
 
-    /// Cost of computing the answer, with what the request itself holds.
+    /// Cost of computing the answer, including the memory of the request itself.
     virtual api::Cost cost() const = 0;
 
-    /// Whether the client asks for a partial answer once the deadline has passed.
+    /// Whether the client wants a partial answer at the deadline.
     virtual bool accepts_partial() const = 0;
 
     /// Computes the answer: see Compute.
@@ -30,11 +30,11 @@ public:
 };
 using ParsedPointer = std::unique_ptr<const ParsedRequest>;
 
-/// A row of the table of what the server computes. All that differs between them is here, or in what `parse` makes.
+/// A row of the table of operations. All differences between them are here, or in the object that `parse` makes.
 struct Operation {
-    std::string_view path;  ///< that it is POSTed to
-    bool takes_pictures;    ///< as bodies and in forms; else the body is JSON
-    bool takes_query;       ///< has options in the query
+    std::string_view path;  ///< path of the POST route
+    bool takes_pictures;    ///< accepts pictures as bodies and in forms; otherwise the body is JSON
+    bool takes_query;       ///< accepts options in the query
 
     /// Errors: those of the path's parser.
     Result<ParsedPointer> (*parse)(const ComputeRequest& request, const api::Limits& limits);
@@ -50,7 +50,7 @@ inline constexpr auto kOperations = std::to_array<Operation>({
     {"/analyze", false, false, parse_analyze},
 });
 
-/// Finds the row of a path; null if there is none.
+/// Finds the operation of a path; null if there is none.
 constexpr const Operation* find_operation(std::string_view path) {
     for (const Operation& operation : kOperations) {
         if (operation.path == path) return &operation;
@@ -58,16 +58,16 @@ constexpr const Operation* find_operation(std::string_view path) {
     return nullptr;
 }
 
-/// Checks all but the body. Errors: those that a request has whatever its body.
+/// Checks everything except the body. Errors: those that do not depend on the body.
 Result<void> check(const Operation& operation, const ComputeRequest& request);
 
-/// Whether to parse it takes no longer than the thread of a connection should.
+/// Whether parsing is quick enough for the thread of a connection.
 bool is_quickly_parsed(const Operation& operation, const ComputeRequest& request);
 
-/// Cost of parsing.
+/// Estimates the cost of parsing.
 api::Cost cost_of_parsing(const Operation& operation, const ComputeRequest& request);
 
-/// Cost of computing the answer where there is nothing but a copy of the request, which is parsed again there.
+/// Estimates the cost of computing the answer from a copy of the request, which includes parsing it again.
 api::Cost cost_of_answering(const Operation& operation, const ComputeRequest& request, const ParsedRequest& parsed);
 
 }  // namespace ccdt::server

@@ -5,9 +5,10 @@
 
 namespace ccdt::server {
 
-/// Threads that each computation may have: what idles is lent, to all alike, and comes back as more begin.
-/// @param workers  >= 1, that there are cores for
-/// @param running  computations, those of short requests among them
+/// Returns the number of threads that each computation may use. Idle workers' threads are shared equally among the
+/// running computations.
+/// @param workers  >= 1, one per available core
+/// @param running  number of computations, including those of short requests
 /// @param most     >= 1
 inline std::size_t threads_for_each(std::size_t workers, std::size_t running, std::size_t most) {
     return std::clamp<std::size_t>(workers / std::max<std::size_t>(running, 1), 1, most);

@@ -13,13 +13,13 @@
 namespace ccdt::server {
 namespace {
 
-/// Weight of the newest job in the running average: the last ten or so decide.
+/// Weight of the newest job in the running average, which covers about ten jobs.
 constexpr double kNewestWeight = 0.2;
 
 constexpr double kLongestBacklog = 3600;
 
-/// Bounds for how wrong an expectation is taken to be; more says that the job failed early, or that its worker was held
-/// up.
+/// Bounds of the ratio of actual to estimated duration. A ratio beyond them means that the job failed early or that its
+/// worker was delayed.
 constexpr double kLeastPace = 0.1, kMostPace = 10;
 
 double seconds_since(WorkerPool::Clock::time_point start) {
@@ -30,7 +30,7 @@ bool is_short(const api::Cost& cost) {
     return cost.seconds <= WorkerPool::kShort;
 }
 
-/// Has the calling thread yield to those that read requests, answer at once or do short jobs.
+/// Lowers the priority of the calling thread below those that read requests, answer at once or run short jobs.
 void yield_to_other_threads() {
     constexpr int kNice = 10;
     setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
@@ -42,7 +42,7 @@ WorkerPool::WorkerPool(std::size_t workers, std::size_t capacity, std::size_t me
     : worker_count_(workers), capacity_(capacity), memory_(memory) {
     assert(workers >= 1);
     memory_.on_return([this] {
-        { const std::lock_guard lock(mutex_); }  // or a worker that has just looked would miss it
+        { const std::lock_guard lock(mutex_); }  // otherwise a worker about to wait would miss the notification
         job_waits_.notify_all();
     });
     workers_.reserve(workers + 1);
@@ -72,12 +72,12 @@ WorkerPool::JobId WorkerPool::submit_always(const std::string& client, Job job, 
 WorkerPool::JobId WorkerPool::push_locked(const std::string& client, Job job, const api::Cost& cost) {
     assert(cost.memory <= memory_.total());
     (is_short(cost) ? short_ : long_).push(client, cost.seconds, {++last_id_, cost, Clock::now(), std::move(job)});
-    job_waits_.notify_all();  // not each of them may take it
+    job_waits_.notify_all();  // notify_one might wake a thread that cannot run it
     return last_id_;
 }
 
 WorkerPool::Cancelled WorkerPool::cancel(JobId id) {
-    std::optional<Waiting> dropped;  // destroyed after the lock is released: its captures may be large
+    std::optional<Waiting> dropped;  // declared before the lock, so that its large captures are freed after unlocking
     const std::lock_guard lock(mutex_);
     if (const auto job = running_.find(id); job != running_.end()) {
         job->second.stop.request_stop();
@@ -89,7 +89,7 @@ WorkerPool::Cancelled WorkerPool::cancel(JobId id) {
     if (!dropped) dropped = short_.withdraw(is_meant);
     if (!dropped) return Cancelled::Unknown;
     if (is_idle_locked()) idle_.notify_all();
-    job_waits_.notify_all();  // it may have kept others waiting for memory
+    job_waits_.notify_all();  // the job may have kept others waiting for memory
     return Cancelled::Queued;
 }
 
@@ -134,7 +134,7 @@ void WorkerPool::work(Lane lane, const std::stop_token& closing) {
             return job.has_value();
         });
         if (!found || closing.stop_requested()) {
-            lock.unlock();  // giving the memory back takes it
+            lock.unlock();  // releasing the memory locks the mutex
             return;
         }
         const JobId id = job->id;
@@ -142,7 +142,7 @@ void WorkerPool::work(Lane lane, const std::stop_token& closing) {
 
         lock.unlock();
         run(job->job, stop);
-        job.reset();  // what it holds may be large, and is freed without the lock
+        job.reset();  // frees large captures without the lock
         memory.reset();
         lock.lock();
         finish_locked(id);
@@ -153,11 +153,11 @@ void WorkerPool::run(const Job& job, const std::stop_token& stop) {
     try {
         job(stop);
     } catch (...) {
-        // A worker outlives any job; whoever waits for the result has the job report its own failure.
+        // A worker survives any job. Callers that need the result have the job report its failure.
     }
 }
 
-/// Jobs that a free thread will take at once do not count as waiting.
+/// Jobs that an idle thread will take at once do not count as waiting.
 bool WorkerPool::has_room_locked(std::string_view client, bool is_short) const {
     const auto is_any = [](const auto& job) { return job.second.lane == Lane::Any; };
     const auto busy = static_cast<std::size_t>(std::ranges::count_if(running_, is_any));
@@ -167,8 +167,8 @@ bool WorkerPool::has_room_locked(std::string_view client, bool is_short) const {
     return queue.size() < 2 * capacity_ + free && !queue.has(client);
 }
 
-/// Long jobs first, as short ones have a thread of their own. Of each queue only the next is looked at: if it has to
-/// wait for memory, so do those behind it.
+/// Prefers long jobs, because short ones have a thread of their own. Only the next job of each queue is considered:
+/// while it waits for memory, so do the jobs behind it.
 std::optional<WorkerPool::Waiting> WorkerPool::take_job_locked(Lane lane, std::optional<MemoryBudget::Lease>& memory) {
     for (Queue* queue : {&long_, &short_}) {
         if (queue->empty() || (queue == &long_ && lane == Lane::Short)) continue;
@@ -186,7 +186,7 @@ std::stop_token WorkerPool::begin_locked(const Waiting& job, Lane lane) {
 
 void WorkerPool::finish_locked(JobId id) {
     const auto job = running_.find(id);
-    // What was lent threads says little about how fast one is.
+    // The duration of a job with additional threads is not representative.
     const bool was_lent = threads_for_each(worker_count_, running_.size(), worker_count_) > 1;
     if (!job->second.cancelled && job->second.expected > 0 && !was_lent) {
         const double taken = seconds_since(job->second.started) / job->second.expected;
@@ -197,7 +197,7 @@ void WorkerPool::finish_locked(JobId id) {
     if (is_idle_locked()) idle_.notify_all();
 }
 
-/// Seconds until a job that came now would begin.
+/// Estimates the time until a job submitted now would start, in seconds.
 double WorkerPool::waiting_seconds_locked() const {
     double expected = 0;
     for (const Queue* queue : {&long_, &short_}) {
@@ -206,7 +206,7 @@ double WorkerPool::waiting_seconds_locked() const {
     double pace = pace_;
     for (const auto& [id, job] : running_) {
         const double gone = seconds_since(job.started);
-        // A job that already took longer than at this pace says more than those before it.
+        // A running job that exceeds the average already is more significant than finished ones.
         if (job.expected > 0) pace = std::max(pace, std::min(gone / job.expected, kMostPace));
         expected += std::max(job.expected - gone / pace, 0.0);
     }

@@ -21,84 +21,83 @@
 
 namespace ccdt::server {
 
-/// A fixed number of threads that do all computing, behind queues that can say no.
+/// A fixed number of threads for all computations, with bounded queues.
 ///
-/// Clients take turns by what their jobs are expected to cost, and a client without a waiting job is let in even where
-/// others have filled the queue, until it is twice as long. So a hundred jobs of one client keep another's only one
-/// waiting no longer than those that run. Short jobs do not even wait for those: they have a queue of their own, and
-/// one thread more that does nothing else.
+/// The queue is fair between clients, by the estimated cost of their jobs. A client without a waiting job is admitted
+/// although others have filled the queue, until it is twice as long. So the only job of one client does not wait for a
+/// hundred jobs of another, only for the running ones. Short jobs do not even wait for these: they have their own queue
+/// and one additional thread that runs nothing else.
 ///
-/// A job begins only when the memory it is expected to take is there. Those of its queue that are behind it wait, too,
-/// lest it never be.
+/// A job starts only when its estimated memory is available. Jobs behind it in the same queue wait, too; otherwise it
+/// might never start.
 ///
-/// All members may be called from any thread, jobs included.
+/// Thread-safe; jobs may call all members.
 class WorkerPool {
 public:
-    /// Whoever submits a job keeps its result; a job that throws is dropped.
+    /// A job has to pass on its result itself. Exceptions from jobs are ignored.
     using Job = std::function<void(std::stop_token)>;
     using JobId = std::uint64_t;
     using Clock = std::chrono::steady_clock;
 
-    /// State that a job was in when it was cancelled.
+    /// State of a job when it was cancelled.
     enum class Cancelled { Queued, Running, Unknown };
 
     struct Load {
         std::size_t workers = 0;
-        std::size_t busy = 0;        ///< threads: one more than workers at most
+        std::size_t busy = 0;        ///< threads; at most one more than workers
         std::size_t waiting = 0;     ///< jobs
         std::size_t capacity = 0;    ///< jobs that may wait
-        double oldest_seconds = 0;   ///< that a job has waited
-        double backlog_seconds = 0;  ///< until those that wait are done, at the pace of late
-        double overdue_seconds = 0;  ///< that a job has gone on after it was cancelled
+        double oldest_seconds = 0;   ///< longest time that a job has waited
+        double backlog_seconds = 0;  ///< time until all waiting jobs are done, at the recent pace
+        double overdue_seconds = 0;  ///< longest time that a job has continued after it was cancelled
     };
 
-    /// Seconds that a short job is expected to take at most.
+    /// Limit of the estimated duration of short jobs, in seconds.
     static constexpr double kShort = 0.02;
 
     /// @param workers   >= 1
-    /// @param capacity  jobs, short ones or others, that may wait while all workers are busy
-    /// @param memory    bytes that jobs may take at the same time
+    /// @param capacity  limit of waiting jobs when all workers are busy, for short jobs and others separately
+    /// @param memory    limit of the estimated memory of running jobs, in bytes
     WorkerPool(std::size_t workers, std::size_t capacity, std::size_t memory = std::numeric_limits<std::size_t>::max());
 
-    /// Tells running jobs to stop and drops those that wait; `drain` first to have all of them done.
+    /// Stops running jobs and drops waiting ones. To finish all jobs, call `drain` before.
     ~WorkerPool();
 
     WorkerPool(const WorkerPool&) = delete;
     WorkerPool& operator=(const WorkerPool&) = delete;
 
-    /// @param client  whose turn it takes; any name
-    /// @param cost    expected; memory at most what jobs may take
-    /// @returns       none: the queue is full
+    /// @param client  name of the client, for fair queueing
+    /// @param cost    estimate; its memory must not exceed the limit
+    /// @returns       none if the queue is full
     std::optional<JobId> submit(const std::string& client, Job job, const api::Cost& cost = {0, 1});
 
-    /// Submits a job that has room whatever waits: the number of such jobs is bounded elsewhere.
+    /// Submits a job even if the queue is full. The caller limits the number of such jobs.
     JobId submit_always(const std::string& client, Job job, const api::Cost& cost);
 
-    /// Forgets a waiting job, and stops a running one by its token; does nothing for any other id.
+    /// Drops a waiting job, or requests a running one to stop; does nothing for any other id.
     Cancelled cancel(JobId id);
 
-    /// Whether a job that the client submits now would be refused, whatever it costs or, if so much is known, one that
-    /// is not short.
+    /// Whether a job submitted by this client would be refused now: any job or, if `may_be_short` is false, a long one.
     bool is_full(std::string_view client, bool may_be_short = true) const;
 
-    /// Has it told how many jobs run whenever that changes, at once and not for long. To be called before any are
-    /// submitted.
+    /// Sets a function that is called with the number of running jobs whenever it changes. It must return quickly. Must
+    /// be called before the first job is submitted.
     void on_change(std::function<void(std::size_t running)> tell) { tell_ = std::move(tell); }
 
-    /// Memory, of which running jobs take their part.
+    /// The memory budget of running jobs.
     MemoryBudget& memory() { return memory_; }
     const MemoryBudget& memory() const { return memory_; }
 
-    /// Returns once every job that was submitted is done.
+    /// Returns once all submitted jobs are done.
     void drain();
 
     Load load() const;
 
-    /// Time for which the jobs now waiting will keep the workers busy, at the pace of late; at least a second.
+    /// Estimates how long the waiting jobs will keep the workers busy, at the recent pace; at least one second.
     std::chrono::seconds backlog() const;
 
 private:
-    /// Kinds of jobs that a thread does.
+    /// The jobs that a thread runs: all, or short ones only.
     enum class Lane { Any, Short };
 
     struct Waiting {
@@ -110,7 +109,7 @@ private:
     struct Running {
         std::stop_source stop;
         Lane lane{};          ///< of the thread
-        double expected = 0;  ///< seconds
+        double expected = 0;  ///< in seconds
         Clock::time_point started;
         std::optional<Clock::time_point> cancelled = {};
     };
@@ -141,9 +140,9 @@ private:
     Queue short_;
     std::map<JobId, Running> running_;
     JobId last_id_ = 0;
-    double pace_ = 1;  ///< time that jobs take over what was expected, the last ones weighing most
+    double pace_ = 1;  ///< actual over estimated duration of jobs: a running average
 
-    std::vector<std::jthread> workers_;  ///< last: they use all the rest
+    std::vector<std::jthread> workers_;  ///< last, because they use all other members
 };
 
 }  // namespace ccdt::server

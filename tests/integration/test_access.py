@@ -78,7 +78,7 @@ class Keys(unittest.TestCase):
         with Server(f"--api-key-file={self.file}") as server:
             self.file.write_text("carol:carol-0123456789abcdef\n")
             server.signal(signal.SIGHUP)
-            server.wait_for_log("were read again")
+            server.wait_for_log("were reloaded")
             self.assertEqual(ask(server, HALFTONE, *bearer(ALICE), data=GREY).status, 401)
             self.assertEqual(ask(server, HALFTONE, *bearer("carol-0123456789abcdef"), data=GREY).status, 200)
             self.file.write_text("dave:short\n")
@@ -222,15 +222,15 @@ class OriginsOfThisMachine(ServerCase):
     def test_are_told_apart_from_others_which_the_log_names_once(self):
         for origin in ("https://a.example", "http://127.0.0.1.example", "null"):
             self.assertNotIn("access-control-allow-origin", self.preflight(origin).headers)
-        self.server.wait_for_log("--cors-origin https://a.example would let it")
-        self.assertEqual(self.server.log().count("would let it"), 1)
+        self.server.wait_for_log("--cors-origin https://a.example would allow it")
+        self.assertEqual(self.server.log().count("would allow it"), 1)
 
     def test_may_not_call_where_others_can_reach(self):
         with Server("--bind=0.0.0.0") as server:
             answer = ask(server, "/halftone", "--request", "OPTIONS", "--header", "Origin: http://localhost:5500",
                          "--header", "Access-Control-Request-Method: POST")
             self.assertNotIn("access-control-allow-origin", answer.headers)
-            server.wait_for_log("--cors-origin http://localhost:5500 would let it")
+            server.wait_for_log("--cors-origin http://localhost:5500 would allow it")
 
 
 class Compression(ServerCase):

@@ -97,7 +97,7 @@ class Check(unittest.TestCase):
     def test_tells_whether_redis_is_there_and_fit(self):
         with Redis() as redis:
             _, _, parts = self.check("--port=0", f"--redis={redis.url}")
-            self.assertEqual(parts["jobs"], ("good", f"kept by Redis at 127.0.0.1:{redis.port}"))
+            self.assertEqual(parts["jobs"], ("good", f"stored in Redis at 127.0.0.1:{redis.port}"))
             redis.cli("CONFIG", "SET", "maxmemory-policy", "allkeys-lru")
             self.assertIn("noeviction", self.check("--port=0", f"--redis={redis.url}")[2]["jobs"][1])
         _, values, parts = self.check("--port=0", CCDT_REDIS=f"redis://:secret@127.0.0.1:{redis.port}")
@@ -114,8 +114,8 @@ class Check(unittest.TestCase):
             flags = (f"--cache-redis={redis.url}", f"--rate-redis={redis.url}", "--rate-limit=1")
             redis.cli("CONFIG", "SET", "maxmemory-policy", "volatile-lru")
             _, _, parts = self.check("--port=0", *flags)
-            self.assertEqual(parts["answers"], ("good", f"kept here and by Redis at 127.0.0.1:{redis.port}"))
-            self.assertEqual(parts["rates"], ("good", f"counted by Redis at 127.0.0.1:{redis.port}"))
+            self.assertEqual(parts["answers"], ("good", f"kept here and in Redis at 127.0.0.1:{redis.port}"))
+            self.assertEqual(parts["rates"], ("good", f"counted in Redis at 127.0.0.1:{redis.port}"))
             redis.cli("CONFIG", "SET", "maxmemory-policy", "noeviction")
             self.assertEqual(self.check("--port=0", *flags)[2]["answers"][0], "weak")
         code, _, parts = self.check("--port=0", *flags)
@@ -179,7 +179,7 @@ class Health(unittest.TestCase):
             port = f"--port={listener.getsockname()[1]}"
             self.assertIn("SSH", self.health(port))
             self.assertIn("HTTP/1.1 503", self.health(port))
-            self.assertIn("no health", self.health(port))
+            self.assertIn("unhealthy", self.health(port))
             thread.join()
 
 

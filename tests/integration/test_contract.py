@@ -168,7 +168,7 @@ class Document(ContractCase):
 class Routes(ContractCase):
     def test_are_those_of_the_server(self):
         source = (SERVER / "routes" / "routes.cpp").read_text()
-        found = re.findall(r'\{"(/[^"]*)", "([A-Z]+)", Room::\w+, Entrance::\w+, &Routes::\w+, '
+        found = re.findall(r'\{"(/[^"]*)", "([A-Z]+)", ConnectionClass::\w+, Access::\w+, &Routes::\w+,\s+'
                            r'(?:nullptr|find_operation\("/halftone"\))\}', source)
         self.assertEqual(len(found), source.count('{"/'))
         computed = re.findall(r'\{"(/[^"]*)", \w+, \w+, parse_\w+\}', (SERVER / "work" / "operation.h").read_text())

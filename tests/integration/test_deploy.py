@@ -164,7 +164,7 @@ class Haproxy(unittest.TestCase):
                 self.assertEqual([result.status for result in results], [200] * replicas)
             self.assertEqual(servers[0].wait(), 0)
             for server in servers:
-                server.wait_for_log("jobs are kept by Redis")
+                server.wait_for_log("jobs are stored in Redis")
                 self.assertNotIn(" warning Redis ", server.log(), "its settings lose no jobs")
 
     @staticmethod

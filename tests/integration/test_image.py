@@ -159,7 +159,7 @@ class Image(unittest.TestCase):
 
     def test_keeps_jobs_in_a_volume(self):
         checked = podman("run", *RUN, "--volume=/data", IMAGE, "--check", "--data-dir=/data").stdout.decode()
-        self.assertRegex(checked, r"jobs +good +kept in /data")
+        self.assertRegex(checked, r"jobs +good +stored in /data")
 
 
 class Collected(unittest.TestCase):

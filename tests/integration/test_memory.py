@@ -146,7 +146,7 @@ class Budget(unittest.TestCase):
         done = subprocess.run([os.environ["CCDT_SERVER"], "--port=0", "--memory=100MiB"], capture_output=True, text=True,
                               timeout=PATIENCE, check=False)
         self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stderr, "leaves too little to compute with: [0-9]+ MiB are needed")
+        self.assertRegex(done.stderr, "leaves too little to compute with: at least [0-9]+ MiB are needed")
 
 
 class Turns(unittest.TestCase):

@@ -51,7 +51,7 @@ class Replicas(unittest.TestCase):
 
     def start(self, *flags):
         server = self.stack.enter_context(Server(*self.flags, *flags))
-        server.wait_for_log("jobs are kept by Redis")
+        server.wait_for_log("jobs are stored in Redis")
         return server
 
     def test_a_job_is_answered_for_by_all(self):
@@ -156,7 +156,7 @@ class Replicas(unittest.TestCase):
     def test_without_redis_only_jobs_have_to_wait(self):
         for stop, go_on in ((self.redis.kill, self.redis.start), (self.redis.pause, self.redis.resume)):
             with self.subTest(stop=stop.__name__), Server(*self.flags) as server:
-                server.wait_for_log("jobs are kept by Redis")
+                server.wait_for_log("jobs are stored in Redis")
                 done = submit(server, SMALL)
                 wait_for_end(server, done)
                 running = submit(server, LONG)
@@ -204,7 +204,7 @@ class Replicas(unittest.TestCase):
             server = self.stack.enter_context(Server(
                 "--workers=2", f"--redis={way.url}", f"--cache-redis={way.url}", f"--rate-redis={way.url}",
                 "--rate-limit=1000"))
-            server.wait_for_log("jobs are kept by Redis")
+            server.wait_for_log("jobs are stored in Redis")
             job = submit(server, SMALL)
             now = ask(server, "/sample", data=json.dumps(SMALL))
             self.assertEqual(now.status, 200)
@@ -273,7 +273,7 @@ class Damage(unittest.TestCase):
         with Redis() as redis:
             with Server("--workers=2", f"--redis={redis.url}", f"--cache-redis={redis.url}", "--rate-limit=1000000",
                         f"--rate-redis={redis.url}") as server:
-                server.wait_for_log("jobs are kept by Redis")
+                server.wait_for_log("jobs are stored in Redis")
                 for junk in self.JUNK:
                     for place in range(15):
                         with self.subTest(junk=junk, place=place):
@@ -381,7 +381,7 @@ class Settings(unittest.TestCase):
     def test_what_cannot_be_is_refused(self):
         for flags, word in ((["--redis=redis+sentinel://a:26379"], "Sentinel is not supported"),
                             (["--redis=http://a"], "redis://"),
-                            (["--redis=redis://a", "--data-dir=b"], "one place")):
+                            (["--redis=redis://a", "--data-dir=b"], "only one of them")):
             told = subprocess.run([os.environ["CCDT_SERVER"], "--port=0", *flags], capture_output=True, text=True,
                                   timeout=PATIENCE, check=False)
             self.assertEqual(told.returncode, 2)

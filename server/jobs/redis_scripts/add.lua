@@ -1,6 +1,6 @@
--- id, where its question was uploaded or nothing, bytes, jobs that may wait, bytes that may be kept, owner, client,
--- memory, seconds, traceparent or nothing, then the fields of a question that was not uploaded
--- -> accepted and when it was, full, no room
+-- (id, key of the uploaded question or empty, bytes, limit of waiting jobs, limit of stored bytes, owner, client,
+-- memory, seconds, traceparent or empty, then the fields of a question that was not uploaded)
+-- -> accepted and the time of creation, full, no room
 local id, uploaded, bytes, client = ARGV[1], ARGV[2], tonumber(ARGV[3]), ARGV[7]
 local created = field(id, 'created')
 if created or is_full(client, tonumber(ARGV[4])) then

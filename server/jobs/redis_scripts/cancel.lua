@@ -1,4 +1,4 @@
--- id, bytes of the job from then on -> the job, unless it is not there or has ended
+-- (id, bytes of the job after cancellation) -> the job, unless it does not exist or has ended
 local id = ARGV[1]
 if not field(id, 'created') or field(id, 'finished') then return false end
 withdraw(id)

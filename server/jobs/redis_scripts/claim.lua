@@ -1,4 +1,4 @@
--- memory, milliseconds of the lease, whether jobs may be taken whose leases have run out (1 or 0) -> id and job
+-- (memory, lease in milliseconds, whether jobs with expired leases may be claimed: 1 or 0) -> id and job
 local memory = tonumber(ARGV[1])
 
 if ARGV[3] == '1' then

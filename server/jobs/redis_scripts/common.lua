@@ -1,16 +1,16 @@
--- What all scripts share. Keys, after the prefix that KEYS[1] is:
+-- Functions shared by all scripts. The keys, after the prefix in KEYS[1]:
 --
---   job:ID       hash   all that is known of a job but its bodies
+--   job:ID       hash   the data of a job, without bodies
 --   question:ID  hash   path, query, content_type, accept, their digest, size of the body, and the body in pieces: 0, 1
 --                       and so on, with the digests digest:0, digest:1
 --   result:ID    hash   the result in pieces, with digests
---   queue        zset   places of the jobs that wait, by turn; a place is a number of 16 digits, then the id
---   had          zset   clients, by what they will have had: start-time fair queuing, as in fair_queue.h
---   waiting      hash   clients, and how many of their jobs wait
---   leases       zset   ids of the jobs that are claimed, by when their leases run out
---   finished     zset   ids of the jobs that have ended, by when they did in microseconds
---   results      zset   those of them that have a result
---   state        hash   turn: that was taken last; places, claims: numbers given; bytes: that are kept
+--   queue        zset   places of waiting jobs, by start tag; a place is a number of 16 digits followed by the id
+--   had          zset   clients, by finish tag: start-time fair queueing, as in fair_queue.h
+--   waiting      hash   clients, with the number of their waiting jobs
+--   leases       zset   ids of claimed jobs, by the time when their leases expire
+--   finished     zset   ids of finished jobs, by the time of their end in microseconds
+--   results      zset   ids of finished jobs with a result, by the same time
+--   state        hash   turn: the virtual time; places, claims: last numbers assigned; bytes: stored bytes
 --   news         channel: `work`, `changed ID`, `stop ID`
 
 local prefix = KEYS[1]
@@ -37,7 +37,7 @@ local function has_type(any_key, expected)
     return found == 'none' or found == expected
 end
 
--- Returns the keys shared by all jobs that hold anything but what these scripts write.
+-- Returns the damaged ones of the keys that all jobs share: those with values that these scripts do not write.
 local function find_damaged_keys()
     local wrong = {}
     for name, expected in pairs(types) do
@@ -60,7 +60,7 @@ local checked_fields = {'status', 'place', 'owner', 'client',
     'finished', 'started', 'result_bytes', 'failure', 'partial', 'dropped', 'variation', 'turn'}  -- numbers or missing
 local place_pattern = '^' .. string.rep('%d', 16)
 
--- Returns whether what is kept of a job is what these scripts write. The key is a hash.
+-- Returns whether the data of a job is valid: such as these scripts write. The key must be a hash.
 local function is_sound(id)
     local values = redis.call('HMGET', job_key(id), unpack(checked_fields))
     local ended, place = has_ended[values[1]], values[2]
@@ -78,14 +78,14 @@ local function is_sound(id)
     return true
 end
 
--- Returns whether a job waits, is claimed or is listed among those that have ended.
+-- Returns whether a job is in the queue, has a lease or is listed as finished, according to its state.
 local function is_placed(id)
     if field(id, 'finished') then return redis.call('ZSCORE', key('finished'), id) end
     local place = field(id, 'place')
     return redis.call('ZSCORE', key('leases'), id) or place and redis.call('ZSCORE', key('queue'), place)
 end
 
--- Ends a script with an error, upon which the server runs repair.lua and then the script again.
+-- Ends a script with an error. The server then runs repair.lua and repeats the script.
 local function fail_as_damaged(any_key) error('DAMAGED ' .. any_key) end
 
 local function is_full(client, most)
@@ -94,10 +94,10 @@ local function is_full(client, most)
     return waiting >= 2 * most or redis.call('HEXISTS', key('waiting'), client) == 1
 end
 
--- Puts a body where it belongs: one that was uploaded before, or the fields of one that came with the call.
+-- Stores a body: one that was uploaded before, or the fields of one that is an argument of the call.
 local function put(body_key, uploaded, fields)
     if uploaded == '' then
-        redis.call('UNLINK', body_key)  -- of whatever type it is
+        redis.call('UNLINK', body_key)  -- of any type
         redis.call('HSET', body_key, unpack(fields))
     else
         redis.call('RENAME', uploaded, body_key)
@@ -109,7 +109,7 @@ local function discard(uploaded)
     if uploaded ~= '' then redis.call('UNLINK', uploaded) end
 end
 
--- Changes what a job counts for.
+-- Sets the bytes that a job takes.
 local function set_bytes(id, bytes)
     local before = tonumber(field(id, 'bytes') or '0')
     redis.call('HINCRBY', key('state'), 'bytes', bytes - before)
@@ -123,7 +123,7 @@ local function enter_queue(id, turn, place)
     tell('work')
 end
 
--- Returns the turn that a job had, or nothing if it did not wait.
+-- Returns the start tag of a job, or nothing if it was not in the queue.
 local function leave_queue(id)
     local place = field(id, 'place')
     local turn = place and redis.call('ZSCORE', key('queue'), place)
@@ -134,21 +134,21 @@ local function leave_queue(id)
     return tonumber(turn)
 end
 
--- Returns the memory that the job at a place takes, or nothing if there is no whole job: others than these scripts may
--- have deleted keys, as a Redis does that drops what was not asked for.
+-- Returns the memory that the job at a place needs, or nothing if its data is incomplete: keys may have been deleted by
+-- other programs, or evicted by Redis.
 local function memory_at(id, place)
     local known = redis.call('HMGET', job_key(id), 'place', 'client', 'memory', 'seconds')
     return known[1] == place and known[2] and tonumber(known[4]) and tonumber(known[3])
 end
 
--- Once nobody waits all that was had is forgotten.
+-- Clears the accounts of clients when the queue is empty.
 local function forget_turns_if_empty()
     if redis.call('EXISTS', key('queue')) == 1 then return end
     redis.call('DEL', key('had'), key('waiting'))
     redis.call('HDEL', key('state'), 'turn')
 end
 
--- Has a claimed job wait again, first of all.
+-- Returns a claimed job to the front of the queue.
 local function put_back(id)
     redis.call('ZREM', key('leases'), id)
     if not memory_at(id, field(id, 'place')) then return end
@@ -158,7 +158,7 @@ local function put_back(id)
     tell('changed ' .. id)
 end
 
--- Takes a job from where it waits, or from whoever has claimed it.
+-- Removes a job from the queue and ends its claim.
 local function withdraw(id)
     redis.call('ZREM', key('leases'), id)
     if leave_queue(id) then
@@ -178,7 +178,7 @@ local function remove(id)
     redis.call('UNLINK', job_key(id), question_key(id), result_key(id))
 end
 
--- Drops the oldest results, and then what is left of the jobs that ended first, until there is room.
+-- Drops the oldest results, and then the jobs that finished first, until there is enough space.
 local function make_room(bytes, most)
     while state('bytes') + bytes > most do
         local dropped = redis.call('ZPOPMIN', key('results'))[1]
@@ -199,7 +199,7 @@ local function make_room(bytes, most)
     return true
 end
 
--- Whether a claim is the latest, and its lease has not been taken by another.
+-- Returns whether a claim is the latest one and its lease still exists.
 local function owns(id, claim)
     local latest, is_leased = field(id, 'claim'), redis.call('ZSCORE', key('leases'), id) ~= false
     if latest == claim and not is_placed(id) or is_leased and not latest then fail_as_damaged(job_key(id)) end

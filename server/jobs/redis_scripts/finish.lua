@@ -1,6 +1,6 @@
--- id, claim, where its result was uploaded or nothing, its bytes, bytes of the job from then on, bytes that may be
--- kept, a result that was not uploaded and its digest, then names and values of what is known of the job
--- -> finished and when, lost, no room
+-- (id, claim, key of the uploaded result or empty, its bytes, bytes of the job after its end, limit of stored bytes,
+-- a result that was not uploaded and its digest, then names and values of the job's fields)
+-- -> finished and the time, lost, no room
 local id, uploaded, bytes = ARGV[1], ARGV[3], tonumber(ARGV[4])
 
 local function refuse(why)
@@ -9,7 +9,7 @@ local function refuse(why)
 end
 
 if not owns(id, ARGV[2]) then
-    local finished = field(id, 'finished')  -- by this claim, whose server did not hear of it
+    local finished = field(id, 'finished')  -- by this claim, but its server did not get the reply
     if finished and field(id, 'claim') == ARGV[2] and field(id, 'status') ~= 'cancelled' then
         return refuse({'finished', finished})
     end

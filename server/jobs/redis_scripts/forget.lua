@@ -1,4 +1,4 @@
--- milliseconds that jobs are kept, how many to remove at most -> how many were
+-- (milliseconds that jobs are kept, maximum number of jobs to remove) -> number of removed jobs
 local latest = (now - tonumber(ARGV[1])) * 1000 + 999
 local ids = redis.call('ZRANGEBYSCORE', key('finished'), '-inf', latest, 'LIMIT', 0, ARGV[2])
 for _, id in ipairs(ids) do remove(id) end

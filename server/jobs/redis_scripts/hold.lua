@@ -1,5 +1,5 @@
--- id, claim, milliseconds of the lease, status, fraction, iteration, variation if there is one
--- -> still, cancelled or lost, and what time it is
+-- (id, claim, lease in milliseconds, status, fraction, iteration, variation or empty)
+-- -> still, cancelled or lost, and the time
 local id = ARGV[1]
 if not owns(id, ARGV[2]) then
     return {field(id, 'status') == 'cancelled' and 'cancelled' or 'lost', string.format('%.0f', now)}

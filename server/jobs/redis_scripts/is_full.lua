@@ -1,2 +1,2 @@
--- client, jobs that may wait -> 1 or 0
+-- (client, limit of waiting jobs) -> 1 or 0
 return is_full(ARGV[1], tonumber(ARGV[2])) and 1 or 0

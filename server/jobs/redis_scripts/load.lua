@@ -1,2 +1,2 @@
--- -> jobs that wait, that are claimed, bytes kept
+-- () -> number of waiting jobs, number of claimed jobs, stored bytes
 return {redis.call('ZCARD', key('queue')), redis.call('ZCARD', key('leases')), state('bytes')}

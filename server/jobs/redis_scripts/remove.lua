@@ -1,4 +1,4 @@
--- id -> whether there was such a job, 1 or 0
+-- (id) -> 1 if the job existed, otherwise 0
 local id = ARGV[1]
 if not field(id, 'created') then return 0 end
 remove(id)

@@ -1,7 +1,7 @@
--- bytes of a job without bodies, milliseconds of the lease -> the damaged keys
+-- (bytes of a job without bodies, lease in milliseconds) -> the damaged keys
 --
--- Puts right whatever others have written over the keys. Jobs of which too little is left are removed, other damaged
--- jobs fail. The keys shared by all jobs are made again from the jobs.
+-- Repairs keys that were overwritten or deleted. Damaged jobs fail, or are removed if their owner is unknown. The keys
+-- that all jobs share are rebuilt from the jobs.
 local found = find_damaged_keys()
 local was_found = {}
 for _, damaged_key in ipairs(found) do
@@ -15,7 +15,7 @@ for _, count in ipairs(redis.call('HVALS', key('waiting'))) do
     end
 end
 
--- Fails a job whose owner is all that is believed of it. Its claim is nobody's.
+-- Fails a job, of whose data only the owner is trusted. The new number of the claim belongs to no server.
 local function fail(id)
     local owner, created, claim = field(id, 'owner'), tonumber(field(id, 'created')), tonumber(field(id, 'claim'))
     redis.call('UNLINK', job_key(id), question_key(id), result_key(id))
@@ -23,11 +23,11 @@ local function fail(id)
         'starts', 0, 'claim', string.format('%.0f', math.max(claim or 0, state('claims')) + 1),
         'created', string.format('%.0f', math.min(math.abs(created or now), now)),
         'fraction', 0, 'iteration', 0, 'finished', now, 'result_bytes', 0, 'bytes', ARGV[1],
-        'failure', 500, 'message', 'what Redis kept of this job was damaged', 'field', '')
+        'failure', 500, 'message', 'the data of this job in Redis was damaged', 'field', '')
     redis.call('ZADD', key('finished'), exact_now, id)
 end
 
--- Returns the ids of all jobs that are left.
+-- Returns the ids of the remaining jobs.
 local function repair_jobs()
     local ids = {}
     for _, any_key in ipairs(redis.call('KEYS', prefix .. 'job:*')) do
@@ -61,7 +61,7 @@ end
 local ids = repair_jobs()
 local queued, leased, finished = take_scores('queue'), take_scores('leases'), take_scores('finished')
 local turn, places, claims, bytes = state('turn'), state('places'), state('claims'), 0
-local lost = {}  -- names of keys that lacked jobs
+local lost = {}  -- names of keys from which jobs were missing
 redis.call('UNLINK', key('waiting'), key('results'))
 
 for _, id in ipairs(ids) do

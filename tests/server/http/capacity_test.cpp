@@ -13,86 +13,86 @@
 namespace ccdt::server {
 namespace {
 
-using Entry = Place::Entry;
+using Entry = ConnectionSlot::Entry;
 
 TEST(Capacity, LimitsConnectionsInAll) {
     Capacity capacity({.connections = 2, .reserve = 0, .per_address = 0});
-    std::optional<Place> first(std::in_place, capacity, "a");
-    const Place second(capacity, "a");
+    std::optional<ConnectionSlot> first(std::in_place, capacity, "a");
+    const ConnectionSlot second(capacity, "a");
     EXPECT_EQ(first->entry(), Entry::Admitted);
     EXPECT_EQ(second.entry(), Entry::Admitted);
-    EXPECT_EQ(Place(capacity, "b").entry(), Entry::Full);
+    EXPECT_EQ(ConnectionSlot(capacity, "b").entry(), Entry::Full);
     first.reset();
-    EXPECT_EQ(Place(capacity, "b").entry(), Entry::Admitted);
+    EXPECT_EQ(ConnectionSlot(capacity, "b").entry(), Entry::Admitted);
     EXPECT_EQ(capacity.counts().open, 1u);
     EXPECT_EQ(capacity.counts().refused, 1u);
 }
 
 TEST(Capacity, LimitsConnectionsOfAnAddress) {
     Capacity capacity({.connections = 10, .per_address = 1});
-    std::optional<Place> first(std::in_place, capacity, "a");
+    std::optional<ConnectionSlot> first(std::in_place, capacity, "a");
     EXPECT_EQ(first->entry(), Entry::Admitted);
-    EXPECT_EQ(Place(capacity, "a").entry(), Entry::AddressFull);
-    EXPECT_EQ(Place(capacity, "b").entry(), Entry::Admitted);
-    EXPECT_TRUE(first->move_to(Room::Streams));
-    EXPECT_EQ(Place(capacity, "a").entry(), Entry::AddressFull) << "wherever its place is";
+    EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::AddressFull);
+    EXPECT_EQ(ConnectionSlot(capacity, "b").entry(), Entry::Admitted);
+    EXPECT_TRUE(first->move_to(ConnectionClass::Streams));
+    EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::AddressFull) << "wherever its slot is";
     first.reset();
-    EXPECT_EQ(Place(capacity, "a").entry(), Entry::Admitted);
+    EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::Admitted);
     EXPECT_EQ(capacity.counts().refused_by_address, 2u);
 }
 
 TEST(Capacity, CountsAPlaceByAnotherAddressIfThatHasNotEnough) {
     Capacity capacity({.connections = 10, .per_address = 1});
-    Place proxied(capacity, "");
-    std::optional<Place> other(std::in_place, capacity, "b");
+    ConnectionSlot proxied(capacity, "");
+    std::optional<ConnectionSlot> other(std::in_place, capacity, "b");
     EXPECT_TRUE(proxied.count_by("a"));
     EXPECT_TRUE(proxied.count_by("a")) << "it is its own";
-    EXPECT_EQ(Place(capacity, "a").entry(), Entry::AddressFull);
+    EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::AddressFull);
     EXPECT_FALSE(proxied.count_by("b"));
-    EXPECT_EQ(Place(capacity, "a").entry(), Entry::AddressFull) << "it counts as before";
+    EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::AddressFull) << "it counts as before";
     other.reset();
     EXPECT_TRUE(proxied.count_by("b"));
-    EXPECT_EQ(Place(capacity, "a").entry(), Entry::Admitted);
+    EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::Admitted);
     EXPECT_TRUE(proxied.count_by(""));
-    EXPECT_EQ(Place(capacity, "b").entry(), Entry::Admitted);
+    EXPECT_EQ(ConnectionSlot(capacity, "b").entry(), Entry::Admitted);
     EXPECT_EQ(capacity.counts().refused_by_address, 3u);
     EXPECT_EQ(capacity.counts().open, 1u);
 }
 
 TEST(Capacity, DoesNotCountClientsWithoutAddress) {
     Capacity capacity({.connections = 10, .per_address = 1});
-    const Place first(capacity, "");
-    EXPECT_EQ(Place(capacity, "").entry(), Entry::Admitted);
+    const ConnectionSlot first(capacity, "");
+    EXPECT_EQ(ConnectionSlot(capacity, "").entry(), Entry::Admitted);
     EXPECT_EQ(capacity.counts().open, 1u);
 }
 
 TEST(Capacity, HasAReserveOnceTheCommonPlacesAreTaken) {
     Capacity capacity({.connections = 1, .reserve = 1, .streams = 0});
-    std::optional<Place> common(std::in_place, capacity, "a");
-    Place other(capacity, "b");
-    EXPECT_EQ(common->room(), Room::Common);
-    EXPECT_EQ(other.room(), Room::Reserve);
-    EXPECT_EQ(Place(capacity, "c").entry(), Entry::Full);
-    EXPECT_TRUE(other.move_to(Room::Reserve));
-    EXPECT_FALSE(other.move_to(Room::Common));
-    EXPECT_EQ(other.room(), Room::Reserve);
+    std::optional<ConnectionSlot> common(std::in_place, capacity, "a");
+    ConnectionSlot other(capacity, "b");
+    EXPECT_EQ(common->connection_class(), ConnectionClass::Common);
+    EXPECT_EQ(other.connection_class(), ConnectionClass::Reserve);
+    EXPECT_EQ(ConnectionSlot(capacity, "c").entry(), Entry::Full);
+    EXPECT_TRUE(other.move_to(ConnectionClass::Reserve));
+    EXPECT_FALSE(other.move_to(ConnectionClass::Common));
+    EXPECT_EQ(other.connection_class(), ConnectionClass::Reserve);
     EXPECT_EQ(capacity.counts().refused, 2u);
     common.reset();
-    EXPECT_TRUE(other.move_to(Room::Common));
-    EXPECT_EQ(Place(capacity, "c").room(), Room::Reserve);
+    EXPECT_TRUE(other.move_to(ConnectionClass::Common));
+    EXPECT_EQ(ConnectionSlot(capacity, "c").connection_class(), ConnectionClass::Reserve);
 }
 
 /// A connection whose thread does nothing but wait for the end.
 class IdleClient {
 public:
-    explicit IdleClient(Capacity& capacity) : place_(std::in_place, capacity, "") {
+    explicit IdleClient(Capacity& capacity) : slot_(std::in_place, capacity, "") {
         EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets_.data()), 0);
-        place_->begin_idle(sockets_[0]);
+        slot_->begin_idle(sockets_[0]);
         thread_ = std::jthread([this] {
             char byte = 0;
             EXPECT_EQ(recv(sockets_[0], &byte, 1, MSG_PEEK | MSG_WAITALL), 0);
             closed_ = true;
-            place_.reset();
+            slot_.reset();
         });
     }
     ~IdleClient() {
@@ -108,18 +108,18 @@ public:
 private:
     std::array<int, 2> sockets_{};
     std::atomic<bool> closed_ = false;
-    std::optional<Place> place_;
+    std::optional<ConnectionSlot> slot_;
     std::jthread thread_;
 };
 
 TEST(Capacity, ClosesWhoeverWasIdleLongestForANewcomer) {
     Capacity capacity({.connections = 3, .reserve = 1});
-    const Place busy(capacity, "");
+    const ConnectionSlot busy(capacity, "");
     IdleClient first(capacity);
     IdleClient second(capacity);
-    const Place newcomer(capacity, "a");
+    const ConnectionSlot newcomer(capacity, "a");
     EXPECT_EQ(newcomer.entry(), Entry::Admitted);
-    EXPECT_EQ(newcomer.room(), Room::Common);
+    EXPECT_EQ(newcomer.connection_class(), ConnectionClass::Common);
     EXPECT_TRUE(first.is_closed());
     EXPECT_FALSE(second.is_closed());
     EXPECT_EQ(capacity.counts().refused, 0u);
@@ -127,21 +127,21 @@ TEST(Capacity, ClosesWhoeverWasIdleLongestForANewcomer) {
 
 TEST(Capacity, ClosesIdleConnectionsOfTheReserve) {
     Capacity capacity({.connections = 1, .reserve = 1});
-    const Place busy(capacity, "");
+    const ConnectionSlot busy(capacity, "");
     IdleClient idle(capacity);
-    const Place newcomer(capacity, "a");
-    EXPECT_EQ(newcomer.room(), Room::Reserve);
+    const ConnectionSlot newcomer(capacity, "a");
+    EXPECT_EQ(newcomer.connection_class(), ConnectionClass::Reserve);
     EXPECT_TRUE(idle.is_closed());
-    EXPECT_EQ(Place(capacity, "b").entry(), Entry::Full);
+    EXPECT_EQ(ConnectionSlot(capacity, "b").entry(), Entry::Full);
 }
 
 TEST(Capacity, ClosesNobodyForAnAddressThatHasEnough) {
     Capacity capacity({.connections = 2, .reserve = 0, .per_address = 1});
-    const Place busy(capacity, "a");
+    const ConnectionSlot busy(capacity, "a");
     IdleClient idle(capacity);
-    EXPECT_EQ(Place(capacity, "a").entry(), Entry::AddressFull);
+    EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::AddressFull);
     EXPECT_FALSE(idle.is_closed());
-    EXPECT_EQ(Place(capacity, "b").entry(), Entry::Admitted);
+    EXPECT_EQ(ConnectionSlot(capacity, "b").entry(), Entry::Admitted);
     EXPECT_TRUE(idle.is_closed());
 }
 
@@ -149,10 +149,10 @@ TEST(Capacity, ClosesNobodyWhoHasSentARequest) {
     std::array<int, 2> sockets{};
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets.data()), 0);
     Capacity capacity({.connections = 1, .reserve = 0});
-    Place asking(capacity, "a");
+    ConnectionSlot asking(capacity, "a");
     asking.begin_idle(sockets[0]);
     ASSERT_EQ(send(sockets[1], "G", 1, MSG_NOSIGNAL), 1);
-    EXPECT_EQ(Place(capacity, "b").entry(), Entry::Full);
+    EXPECT_EQ(ConnectionSlot(capacity, "b").entry(), Entry::Full);
     EXPECT_FALSE(capacity.close_longest_idle());
     asking.end_idle();
     for (const int socket : sockets) ::close(socket);
@@ -160,16 +160,16 @@ TEST(Capacity, ClosesNobodyWhoHasSentARequest) {
 
 TEST(Capacity, KeepsStreamsApart) {
     Capacity capacity({.connections = 1, .reserve = 0, .streams = 1});
-    Place stream(capacity, "a");
-    EXPECT_TRUE(stream.move_to(Room::Streams));
-    EXPECT_TRUE(stream.move_to(Room::Streams));
-    EXPECT_EQ(stream.room(), Room::Streams);
-    Place other(capacity, "b");
+    ConnectionSlot stream(capacity, "a");
+    EXPECT_TRUE(stream.move_to(ConnectionClass::Streams));
+    EXPECT_TRUE(stream.move_to(ConnectionClass::Streams));
+    EXPECT_EQ(stream.connection_class(), ConnectionClass::Streams);
+    ConnectionSlot other(capacity, "b");
     EXPECT_EQ(other.entry(), Entry::Admitted);
-    EXPECT_FALSE(other.move_to(Room::Streams));
-    EXPECT_FALSE(stream.move_to(Room::Common));
-    EXPECT_TRUE(stream.move_to(Room::Reserve)) << "any place will do";
-    EXPECT_EQ(stream.room(), Room::Streams);
+    EXPECT_FALSE(other.move_to(ConnectionClass::Streams));
+    EXPECT_FALSE(stream.move_to(ConnectionClass::Common));
+    EXPECT_TRUE(stream.move_to(ConnectionClass::Reserve)) << "any slot will do";
+    EXPECT_EQ(stream.connection_class(), ConnectionClass::Streams);
     EXPECT_EQ(capacity.counts().open, 2u);
     EXPECT_EQ(capacity.counts().streams, 1u);
     EXPECT_EQ(capacity.counts().refused_streams, 1u);
@@ -177,15 +177,15 @@ TEST(Capacity, KeepsStreamsApart) {
 
 TEST(Capacity, IsPressedBeforeItIsFull) {
     Capacity capacity({.connections = 4, .per_address = 0});
-    const Place first(capacity, "a");
-    const Place second(capacity, "a");
-    const Place third(capacity, "a");
+    const ConnectionSlot first(capacity, "a");
+    const ConnectionSlot second(capacity, "a");
+    const ConnectionSlot third(capacity, "a");
     EXPECT_FALSE(capacity.is_pressed());
-    std::optional<Place> fourth(std::in_place, capacity, "a");
+    std::optional<ConnectionSlot> fourth(std::in_place, capacity, "a");
     EXPECT_TRUE(capacity.is_pressed());
-    EXPECT_TRUE(fourth->move_to(Room::Streams));
+    EXPECT_TRUE(fourth->move_to(ConnectionClass::Streams));
     EXPECT_FALSE(capacity.is_pressed()) << "streams press nobody";
-    EXPECT_TRUE(fourth->move_to(Room::Common));
+    EXPECT_TRUE(fourth->move_to(ConnectionClass::Common));
     EXPECT_TRUE(capacity.is_pressed());
     fourth.reset();
     EXPECT_FALSE(capacity.is_pressed());

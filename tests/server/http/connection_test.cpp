@@ -133,7 +133,7 @@ TEST(Connection, RefusesLinesOfChunksThatOthersMightReadDifferently) {
     using std::string_view_literals::operator""sv;
     for (const auto line : {"1\n"sv, "1;a\n\r\n"sv, "1;a\rb\r\n"sv, "1;a\0\r\n"sv, "1\r\r\n"sv, "1;a=\"\n\"\r\n"sv})
         EXPECT_EQ(detail_of(Pair().read(kChunked + std::string(line) + "x\r\n0\r\n\r\n")),
-                  "400 a line does not end in CRLF, or holds a NUL")
+                  "400 a line does not end in CRLF, or contains a NUL")
             << line;
     for (const auto line :
          {"1;"sv, "1 a"sv, "1;;a"sv, "1;a="sv, "1;a=\"b"sv, "1;a=\"b\"c"sv, "1;a=\x01"sv, "1;a=\"\\\x01\""sv,

@@ -353,8 +353,8 @@ TEST_F(RoutesTest, GivesConnectionsTheirRoom) {
     const auto job = jobs_.accept({}, {"/sample", "", "", "", "{}"});
     const auto is_answered = [&](const Capacity::Limits& limits, const std::string& path) {
         Capacity capacity(limits);
-        Place place(capacity, "a");
-        Connection connection(socket(), {}, &capacity, &place);
+        ConnectionSlot slot(capacity, "a");
+        Connection connection(socket(), {}, &capacity, &slot);
         const auto request = parse_head("GET " + path + " HTTP/1.1\r\n\r\n");
         const Response response = routes_.answer(*request, {}, connection);
         EXPECT_EQ(header(response, "Retry-After"), response.status == 503 ? "1" : "");

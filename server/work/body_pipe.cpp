@@ -1,23 +1,23 @@
-#include "server/work/passage.h"
+#include "server/work/body_pipe.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace ccdt::server {
 
-Result<void> Passage::push(std::string_view piece) {
+Result<void> BodyPipe::push(std::string_view piece) {
     std::unique_lock lock(mutex_);
     const auto start = Clock::now();
     went_.wait_until(lock, start + patience_, [this] { return abandoned_ || held_ < kMostHeld; });
     patience_ -= std::min(patience_, Clock::now() - start);
-    if (abandoned_) return failure(ErrorCode::Stopped, "nobody takes the answer any more");
+    if (abandoned_) return failure(ErrorCode::Stopped, "the client no longer receives the answer");
     pieces_.emplace_back(piece);
     held_ += piece.size();
     came_.notify_one();
     return {};
 }
 
-void Passage::close(Result<void> outcome, const api::Timings& timings, MemoryBudget& memory) {
+void BodyPipe::close(Result<void> outcome, const api::Timings& timings, MemoryBudget& memory) {
     const std::lock_guard lock(mutex_);
     if (closed_) return;
     outcome_ = std::move(outcome);
@@ -27,7 +27,7 @@ void Passage::close(Result<void> outcome, const api::Timings& timings, MemoryBud
     came_.notify_one();
 }
 
-std::optional<std::string> Passage::pop(Clock::time_point until) {
+std::optional<std::string> BodyPipe::pop(Clock::time_point until) {
     std::unique_lock lock(mutex_);
     if (!came_.wait_until(lock, until, [this] { return closed_ || !pieces_.empty(); }) || pieces_.empty())
         return std::nullopt;
@@ -38,22 +38,22 @@ std::optional<std::string> Passage::pop(Clock::time_point until) {
     return piece;
 }
 
-bool Passage::is_over() const {
+bool BodyPipe::is_over() const {
     const std::lock_guard lock(mutex_);
     return closed_ && pieces_.empty();
 }
 
-Result<void> Passage::outcome() const {
+Result<void> BodyPipe::outcome() const {
     const std::lock_guard lock(mutex_);
     return outcome_;
 }
 
-api::Timings Passage::timings() const {
+api::Timings BodyPipe::timings() const {
     const std::lock_guard lock(mutex_);
     return timings_;
 }
 
-void Passage::abandon() {
+void BodyPipe::abandon() {
     stop_.request_stop();
     const std::lock_guard lock(mutex_);
     abandoned_ = true;

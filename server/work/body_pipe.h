@@ -16,43 +16,43 @@
 
 namespace ccdt::server {
 
-/// A body on its way in pieces, from the worker that has it computed to the connection that sends it.
+/// A pipe that passes a body in pieces from the worker that computes it to the connection that sends it.
 ///
-/// A client that takes pieces as they come has next to nothing held for it. One that is slow keeps the worker waiting
-/// for a little only: then the rest is taken in, which the memory that the computation had has room for, and the worker
-/// is free. May be used from both threads.
-class Passage {
+/// If the client receives fast enough, almost nothing is buffered. A slow client makes the worker wait for a few
+/// seconds at most. Then the rest is buffered, in the memory reserved for the computation, and the worker becomes free.
+/// Both threads may call it.
+class BodyPipe {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// Bytes that are held before the worker waits, and how long it waits in all.
+    /// Number of buffered bytes at which the worker waits, and its total waiting time.
     static constexpr std::size_t kMostHeld = std::size_t{4} << 20;
     static constexpr std::chrono::seconds kPatience{5};
 
-    explicit Passage(Clock::duration patience = kPatience) : patience_(patience) {}
+    explicit BodyPipe(Clock::duration patience = kPatience) : patience_(patience) {}
 
-    /// Takes a piece. Errors: Stopped if nobody takes any more.
+    /// Appends a piece. Errors: Stopped if the reader has abandoned the pipe.
     Result<void> push(std::string_view piece);
 
-    /// Ends the body, unless it has ended. What is held then has a lease of its own.
-    /// @param outcome  an error: the body is not whole
+    /// Ends the body, unless it has ended. The buffered bytes get a lease of their own.
+    /// @param outcome  an error: the body is incomplete
     void close(Result<void> outcome, const api::Timings& timings, MemoryBudget& memory);
 
     /// Waits for a piece.
-    /// @returns  none if there was none until then, or there will be no more
+    /// @returns  none if none arrived until then, or the body has ended
     std::optional<std::string> pop(Clock::time_point until);
 
-    /// Whether all pieces were taken.
+    /// Whether the body has ended and all pieces were taken.
     bool is_over() const;
 
-    /// How the body ended, once it is over, and what it took.
+    /// The outcome of the body, once it is over, and the timings of its computation.
     Result<void> outcome() const;
     api::Timings timings() const;
 
-    /// Takes no more pieces, and has the computation stopped.
+    /// Accepts no more pieces, and stops the computation.
     void abandon();
 
-    /// Stops what computes.
+    /// The source by which the computation is stopped.
     std::stop_source& stop() { return stop_; }
 
 private:
@@ -60,8 +60,8 @@ private:
     std::condition_variable came_;
     std::condition_variable went_;
     std::deque<std::string> pieces_;
-    std::size_t held_ = 0;      ///< bytes
-    Clock::duration patience_;  ///< what is left of it
+    std::size_t held_ = 0;      ///< in bytes
+    Clock::duration patience_;  ///< remaining waiting time
     bool closed_ = false;
     bool abandoned_ = false;
     Result<void> outcome_;
