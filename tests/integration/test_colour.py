@@ -263,7 +263,7 @@ class Options(ServerCase):
                 ("palette=", "palette", "1 to 6 colours"),
                 ("palette=%23000,%23111,%23222,%23333,%23444,%23555,%23666", "palette", "1 to 6 colours"),
                 ("palette=%23000,red", "palette", "colour 2 must be a colour as #rgb or #rrggbb"),
-                ("palette=%23fff,%23ffffff", "palette", "colour 2 is there already"),
+                ("palette=%23fff,%23ffffff", "palette", "colour 2 repeats an earlier one"),
                 ("palette=%23000&color=cmyk", "palette", "give one of the two"),
                 ("color=cmyk&foreground=%23f00", "foreground", "color=gray"),
                 ("color=cmyk&invert=true", "invert", "color=gray"),

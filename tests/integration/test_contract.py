@@ -308,7 +308,7 @@ class Options(ContractCase):
                     self.take(path, option, word)
             if words:
                 detail = self.refuse(path, option, "nonsense").split("nonsense")[1]
-                told = detail.split(" makes ")[1].split(", ") if " makes " in detail else re.findall(r"'(\w+)'", detail)
+                told = detail.split(" are ")[1].split(", ") if " are " in detail else re.findall(r"'(\w+)'", detail)
                 self.assertEqual(sorted(told), sorted(words), option)
                 tried += 1
         self.assertGreater(tried, 10)

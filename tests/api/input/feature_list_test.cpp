@@ -45,7 +45,7 @@ TEST(PropertyChoice, ReadsAStarOrNames) {
 
 TEST(PropertyChoice, RefusesWhatIsNoName) {
     EXPECT_EQ(choice_of(R"(["a",7])").error().field, "/properties/1");
-    EXPECT_EQ(choice_of(R"(["a","a"])").error().message, "/properties/1 is there already");
+    EXPECT_EQ(choice_of(R"(["a","a"])").error().message, "/properties/1 repeats an earlier name");
     EXPECT_EQ(choice_of("[]").error().message, "/properties must have 1 to 256 properties");
     EXPECT_FALSE(choice_of("\"\""));
     EXPECT_FALSE(choice_of("7"));

@@ -128,7 +128,7 @@ Result<void> read_flags(const std::vector<TextOption>& options) {
 
 TEST(OptionReader, NamesUnknownAndRepeatedOptions) {
     EXPECT_TRUE(read_flags({{"flag", "1"}}));
-    EXPECT_EQ(read_flags({{"flga", "1"}}).error().message, "unknown option 'flga'; those known are flag");
+    EXPECT_EQ(read_flags({{"flga", "1"}}).error().message, "unknown option 'flga'; the options are flag");
     EXPECT_EQ(read_flags({{"flga", "1"}}).error().field, "flga");
     EXPECT_EQ(read_flags({{"flag", "1"}, {"flag", "1"}}).error().message, "flag is given twice");
 }
