@@ -148,7 +148,7 @@ class Formats(ServerCase):
         frames = [patch("RGB", (level, level, 90)) for level in (200, 20, 90)]
         of_an_animation = "the file has 3 frames: the first is used"
         for kind, told in (("GIF", of_an_animation), ("WEBP", of_an_animation),
-                           ("PNG", "the file has 3 frames: the picture that stands for them is used"),
+                           ("PNG", "the file has 3 frames: the main picture is used"),
                            ("TIFF", "the file has 3 pages: the first is used")):
             with self.subTest(kind=kind):
                 file = saved(frames[0], kind, save_all=True, append_images=frames[1:])
@@ -176,7 +176,7 @@ class Formats(ServerCase):
         for file, name in ((b"\0\0\0\x18ftypheic\0\0\0\0mif1heic", "HEIC"), (b"%PDF-1.7\n", "PDF")):
             with self.subTest(name=name):
                 self.assert_problem(self.ask("/halftone", data=file), 415, f"this is {name}",
-                                    "PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF are read")
+                                    "supported are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF")
 
     def test_claims_of_size_are_refused_before_they_are_believed(self):
         for name in ("bomb.gif", "bomb.bmp", "bomb.avif"):

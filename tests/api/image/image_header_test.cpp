@@ -50,7 +50,7 @@ TEST(ImageHeader, TellsWhichOfSeveralFramesIsRead) {
     EXPECT_EQ(told(fixture("grey.gif")), "");
     EXPECT_EQ(told(fixture("lossless.avif")), "");
     EXPECT_EQ(told(fixture("film.gif")), "the file has 2 frames: the first is used");
-    EXPECT_EQ(told(fixture("film.avif")), "the file has 2 frames: the picture that stands for them is used");
+    EXPECT_EQ(told(fixture("film.avif")), "the file has 2 frames: the main picture is used");
 }
 
 TEST(ImageHeader, LeavesListsOfPagesThatLeadBack) {
@@ -88,16 +88,17 @@ TEST(ImageHeader, RefusesOtherFormatsByName) {
         {"8BPS\0\1"s, "a Photoshop file"},
         {"%PDF-1.4", "PDF"},
         {"<svg xmlns=", "SVG"},
-        {"hello", "not an image that is known"},
-        {"BMW and other cars, and a text", "not an image that is known"},
-        {"\x89PNG", "not an image that is known"},
+        {"hello", "not an image the server can read"},
+        {"BMW and other cars, and a text", "not an image the server can read"},
+        {"\x89PNG", "not an image the server can read"},
     };
     for (const auto& [bytes, name] : others) {
         const auto header = read_image_header(bytes, kMaxPixels);
         ASSERT_FALSE(header) << name;
         EXPECT_EQ(header.error().code, ErrorCode::Unsupported) << name;
         EXPECT_NE(header.error().message.find("this is "s + name), std::string::npos) << header.error().message;
-        EXPECT_NE(header.error().message.find("PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF are read"), std::string::npos);
+        EXPECT_NE(header.error().message.find("supported are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF"),
+                  std::string::npos);
     }
     EXPECT_EQ(read_image_header("", kMaxPixels).error().code, ErrorCode::Malformed);
 }
