@@ -26,7 +26,7 @@ void expect_refused(const Input& input, const std::string& message, const std::s
     EXPECT_NE(palette.error().message.find(message), std::string::npos) << palette.error().message;
 }
 
-TEST(Palette, HasTheInksThatCoreKnows) {
+TEST(Palette, HasTheInksOfCore) {
     const auto cmyk = read_color({"color", "color", "cmyk"});
     const auto rgb = read_color({"color", "color", "rgb"});
     ASSERT_TRUE(cmyk && rgb);
@@ -40,7 +40,7 @@ TEST(Palette, HasTheInksThatCoreKnows) {
     }
 }
 
-TEST(Palette, OfGreyIsOneOpaqueInk) {
+TEST(Palette, HasOneOpaqueInkForGrey) {
     const auto grey = read_color({"color", "color", "gray"});
     ASSERT_TRUE(grey);
     EXPECT_EQ(names_of(*grey), std::vector<std::string>{""});
@@ -76,7 +76,7 @@ TEST(Palette, IsReadFromJson) {
     expect_refused(input(7), "must have 1 to 6 colours", "/palette");
 }
 
-TEST(Palette, IsRefusedByWhatIsWrong) {
+TEST(Palette, IsRefusedWithTheFieldOfTheError) {
     expect_refused(text(""), "must have 1 to 6 colours", "palette");
     expect_refused(text("#000,#111,#222,#333,#444,#555,#666"), "must have 1 to 6 colours", "palette");
     expect_refused(text("#000,"), "colour 2 must be a colour as #rgb or #rrggbb", "palette");
