@@ -31,7 +31,7 @@ using test::job_named;
 using test::kComputeRequest;
 using test::succeeded;
 
-/// What a server of the release before has left and told, as tests/data/jobs/make wrote it down.
+/// Reads a file that a server of the previous release left, or what it answered, as tests/data/jobs/make recorded it.
 std::string read_before(const std::string& name) {
     std::ifstream file(CCDT_TEST_DATA "/jobs/before/" + name);
     EXPECT_TRUE(file) << name;
@@ -43,7 +43,7 @@ std::unique_ptr<JobStore> open_redis(RedisClient& client, const JobLimits& limit
     return std::make_unique<RedisJobStore>(client, limits, RedisJobStore::Notes{ignore, ignore, ignore});
 }
 
-/// Jobs are kept though they ended long ago; leases have run out.
+/// Keeps jobs that ended long ago, with leases that have expired.
 constexpr JobLimits kLasting{.ttl = std::chrono::hours(1'000'000), .lease = std::chrono::milliseconds(1)};
 
 Job claim_some(JobStore& store) {
@@ -83,7 +83,7 @@ void expect_all_taken_over(JobStore& store, const json& told) {
     EXPECT_EQ(store.load()->bytes, 0u);
 }
 
-TEST(EarlierRelease, LeavesJobsInAFolder) {
+TEST(EarlierRelease, LeavesJobsThatSqliteTakesOver) {
     std::string folder = (std::filesystem::path(testing::TempDir()) / "earlier-XXXXXX").string();
     ASSERT_NE(mkdtemp(folder.data()), nullptr);
     Database(folder + "/jobs.sqlite").execute(read_before("jobs.sql").c_str());
@@ -97,7 +97,7 @@ protected:
     RedisClient client_{redis_.address()};
 };
 
-TEST_F(EarlierReleaseByRedis, LeavesJobs) {
+TEST_F(EarlierReleaseByRedis, LeavesJobsThatRedisTakesOver) {
     std::istringstream lines(read_before("redis.jsonl"));
     for (std::string line; std::getline(lines, line);) {
         const auto words = json::parse(line).get<std::vector<std::string>>();
@@ -109,7 +109,7 @@ TEST_F(EarlierReleaseByRedis, LeavesJobs) {
     expect_all_taken_over(*open_redis(client_, kLasting), told);
 }
 
-/// What a server does with jobs, whatever its release.
+/// Operations of a server on jobs, whatever its release.
 class Worker {
 public:
     virtual ~Worker() = default;
@@ -154,7 +154,7 @@ private:
     const std::unique_ptr<JobStore> store_;
 };
 
-/// Runs the scripts of the release before as that one's servers did.
+/// Runs the scripts of the previous release as its servers did.
 class WorkerBefore : public Worker {
 public:
     explicit WorkerBefore(RedisClient& client) : client_(client) {}
@@ -226,9 +226,8 @@ private:
     RedisClient& client_;
 };
 
-/// Servers of two releases share jobs for a while, as they are updated one after another: whatever the one has begun
-/// the other goes on with.
-TEST_F(EarlierReleaseByRedis, SharesJobs) {
+/// Servers of two releases share jobs for a while during an update. Each continues jobs that the other has begun.
+TEST_F(EarlierReleaseByRedis, SharesJobsWithThisRelease) {
     WorkerNow now(client_);
     WorkerBefore before(client_);
     std::mt19937 chance(7);

@@ -17,7 +17,7 @@ Clock::time_point later() {
 
 class PassageTest : public testing::Test {
 protected:
-    /// Takes all there is.
+    /// Takes all pieces until the end.
     std::string take_all() {
         std::string text;
         while (!passage_.is_over())
@@ -29,7 +29,7 @@ protected:
     Passage passage_{seconds(0)};
 };
 
-TEST_F(PassageTest, HandsOnPiecesInOrder) {
+TEST_F(PassageTest, TransfersPiecesInOrder) {
     std::jthread worker([this] {
         for (int i = 0; i < 1'000; ++i) EXPECT_TRUE(passage_.push(std::to_string(i)));
         passage_.close({}, {1, 2, 3}, memory_);
@@ -49,7 +49,7 @@ TEST_F(PassageTest, WaitsForPieces) {
     EXPECT_TRUE(passage_.is_over());
 }
 
-TEST_F(PassageTest, TakesInTheRestIfTheClientIsSlow) {
+TEST_F(PassageTest, BuffersTheRestForASlowClient) {
     const std::string piece(Passage::kMostHeld, 'x');
     for (int i = 0; i < 3; ++i) EXPECT_TRUE(passage_.push(piece));
     passage_.close({}, {}, memory_);
@@ -57,7 +57,7 @@ TEST_F(PassageTest, TakesInTheRestIfTheClientIsSlow) {
     EXPECT_EQ(take_all().size(), 3 * piece.size());
 }
 
-TEST(Passage, HasTheWorkerWaitForTheClient) {
+TEST(Passage, MakesTheWorkerWaitForTheClient) {
     Passage passage(seconds(60));
     MemoryBudget memory{1'000};
     const std::string piece(Passage::kMostHeld, 'x');
@@ -72,14 +72,14 @@ TEST(Passage, HasTheWorkerWaitForTheClient) {
     EXPECT_TRUE(passage.is_over());
 }
 
-TEST_F(PassageTest, TellsHowItEndedOnce) {
+TEST_F(PassageTest, KeepsTheFirstOutcome) {
     passage_.close(failure(ErrorCode::Internal, "broken"), {}, memory_);
     passage_.close({}, {}, memory_);
     ASSERT_FALSE(passage_.outcome());
     EXPECT_EQ(passage_.outcome().error().message, "broken");
 }
 
-TEST_F(PassageTest, StopsWhatComputesOnceNobodyTakesIt) {
+TEST_F(PassageTest, StopsTheComputationWhenAbandoned) {
     EXPECT_TRUE(passage_.push("x"));
     passage_.abandon();
     EXPECT_TRUE(passage_.stop().stop_requested());
