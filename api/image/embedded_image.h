@@ -11,7 +11,7 @@
 namespace ccdt::api {
 
 /// Decodes base64 (RFC 4648, section 4): the standard alphabet, without line breaks. The padding may be missing, but
-/// must be right if it is there.
+/// must be valid if present.
 /// Errors: Malformed; the message gives the position of a wrong character.
 Result<std::string> decode_base64(std::string_view text);
 

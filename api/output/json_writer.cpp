@@ -51,8 +51,8 @@ void append_point(std::string& out, Point point) {
     out += ']';
 }
 
-/// Writes a long list, each element by `append_element(out, element)`. Ends early on a stop, or if nobody takes the
-/// body.
+/// Writes a long list, each element by `append_element(out, element)`. Ends early on a stop, or if the taker of the
+/// body fails.
 template <class Element, class AppendElement>
 void write_list(Body& body, std::span<const Element> list, AppendElement append_element, const std::stop_token& stop) {
     std::string& out = body.text();
@@ -288,8 +288,8 @@ void append_map_run(std::string& out, const MapOfDots& map, const Report& report
     append_remarks(out, stopped, report);
 }
 
-/// Writes `,"name":[...]` with number_of(class, point) for each point. Ends early on a stop, or if nobody takes the
-/// body.
+/// Writes `,"name":[...]` with number_of(class, point) for each point. Ends early on a stop, or if the taker of the
+/// body fails.
 template <class NumberOf>
 void write_column(Body& body, std::string_view name, const MapOfDots& map, NumberOf number_of,
                   const std::stop_token& stop) {
@@ -316,7 +316,7 @@ std::vector<std::vector<std::uint64_t>> counts_of(const MapOfDots& map) {
     return counts;
 }
 
-/// Writes the features and the number of points of each. Ends early if nobody takes the body.
+/// Writes the features and the number of points of each. Ends early if the taker of the body fails.
 void write_features(Body& body, const MapOfDots& map) {
     const auto counts = counts_of(map);
     std::size_t feature = 0;
@@ -394,7 +394,7 @@ constexpr Separators kListed{"", ",\n", ""};
 constexpr Separators kLines{"", "", "\n"};
 constexpr Separators kSequence{"\x1e", "\x1e", "\n"};
 
-/// Writes a Feature for each point. Ends early on a stop, or if nobody takes the body.
+/// Writes a Feature for each point. Ends early on a stop, or if the taker of the body fails.
 /// @param ranks       of the points; may be empty
 /// @param properties  that all points share, each followed by a comma
 /// @param is_first    whether these points are the first of the answer
